@@ -27,7 +27,7 @@ void print_extensions(const xr::Runtime& runtime) {
     for (const xr::OptionalExtension& one : xr::optional_extensions()) {
         const bool hands = std::string_view(one.name) == XR_EXT_HAND_TRACKING_EXTENSION_NAME;
         const bool works = runtime.has(one.name) && (!hands || runtime.tracks_hands());
-        fmt::print("{:3} {}: {}{}\n", yes_or_no(works), one.name, works ? one.brings : one.without,
+        fmt::print("{:3} {}: {}{}\n", yes_or_no(works), one.name, works ? one.benefit : one.fallback,
                    runtime.has(one.name) && !works ? " (the runtime knows it, this headset does not)" : "");
     }
 }
@@ -51,7 +51,7 @@ void check_headset(const std::string& choice) {
     xr::Runtime runtime;
     fmt::print("runtime: {}\nheadset: {}, {}\n", runtime.name(), runtime.headset(),
                runtime.tracks_position() ? "position and orientation are tracked" : "only its orientation is tracked");
-    const VkExtent2D most = runtime.most_eye_size();
+    const VkExtent2D most = runtime.max_eye_size();
     fmt::print("eyes: {}x{} recommended, {}x{} at most\n", runtime.eye_size().width, runtime.eye_size().height,
                most.width, most.height);
     std::vector<std::string> modes;
@@ -112,7 +112,7 @@ void add_xr(CLI::App& app, CommonOptions& common) {
         wanted.quality.keep_images = wanted.mirror;
         if (options->inset > 0) wanted.quality.inset = options->inset;
         if (options->refresh_hz > 0) wanted.refresh_hz = options->refresh_hz;
-        headset::watch_in_headset(wanted);
+        headset::run_headset(wanted);
     });
 }
 

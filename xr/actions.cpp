@@ -32,15 +32,15 @@ bool is_bound(BoundHands hands, int hand) {
 }  // namespace
 
 Actions::Actions(const Session& session) : session_(session) {
-    make_actions();
+    create_actions();
     suggest_bindings();
     const XrActionSet set = set_.get();
     const XrSessionActionSetsAttachInfo info{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 1, &set};
     check(xrAttachSessionActionSets(session.handle(), &info), "xrAttachSessionActionSets", "stage");
-    make_spaces();
+    create_spaces();
 }
 
-void Actions::make_actions() {
+void Actions::create_actions() {
     const Runtime& runtime = session_.runtime();
     XrActionSetCreateInfo set{XR_TYPE_ACTION_SET_CREATE_INFO};
     std::strcpy(set.actionSetName, "stage");
@@ -59,7 +59,7 @@ void Actions::make_actions() {
     }
 }
 
-// A runtime may know fewer controllers than we do; it says so, and goes without.
+// A runtime may not know every controller of the table: XR_ERROR_PATH_UNSUPPORTED is no failure.
 void Actions::suggest_bindings() const {
     const Runtime& runtime = session_.runtime();
     for (const ControllerProfile& profile : controller_profiles()) {
@@ -79,7 +79,7 @@ void Actions::suggest_bindings() const {
     }
 }
 
-void Actions::make_spaces() {
+void Actions::create_spaces() {
     for (int hand = 0; hand < kHands; hand++)
         for (const auto& [which, spaces] : {std::pair{HandAction::kAim, &aim_}, std::pair{HandAction::kGrip, &grip_}}) {
             XrActionSpaceCreateInfo info{XR_TYPE_ACTION_SPACE_CREATE_INFO};
@@ -91,7 +91,7 @@ void Actions::make_spaces() {
         }
 }
 
-void Actions::look_at_controllers() {
+void Actions::update_controllers() {
     for (int hand = 0; hand < kHands; hand++) {
         XrInteractionProfileState state{XR_TYPE_INTERACTION_PROFILE_STATE};
         check(xrGetCurrentInteractionProfile(session_.handle(), paths_[hand], &state), "xrGetCurrentInteractionProfile",
@@ -153,20 +153,20 @@ HandInputs Actions::sample(XrTime time) {
         input.lacks_menu =
             profiles_[hand] && std::none_of(profiles_[hand]->bindings.begin(), profiles_[hand]->bindings.end(),
                                             [](const Binding& b) { return b.action == HandAction::kMenu; });
-        input.bare = profiles_[hand] && profiles_[hand]->is_hand;
+        input.bare_hand = profiles_[hand] && profiles_[hand]->is_hand;
         input.has_grab = !profiles_[hand] || profiles_[hand]->has_grab;
     }
     return hands;
 }
 
-void Actions::pulse(int hand, double amplitude, double seconds) {
+void Actions::vibrate(int hand, double amplitude, double seconds) {
     XrHapticVibration vibration{XR_TYPE_HAPTIC_VIBRATION};
     vibration.amplitude = static_cast<float>(std::clamp(amplitude, 0.0, 1.0));
     vibration.duration = static_cast<XrDuration>(seconds * 1e9);
     vibration.frequency = XR_FREQUENCY_UNSPECIFIED;
     const XrHapticActionInfo info{XR_TYPE_HAPTIC_ACTION_INFO, nullptr, action(HandAction::kHaptic), paths_[hand]};
-    works(xrApplyHapticFeedback(session_.handle(), &info, reinterpret_cast<const XrHapticBaseHeader*>(&vibration)),
-          "xrApplyHapticFeedback", kHandPaths[hand]);
+    succeeded(xrApplyHapticFeedback(session_.handle(), &info, reinterpret_cast<const XrHapticBaseHeader*>(&vibration)),
+              "xrApplyHapticFeedback", kHandPaths[hand]);
 }
 
 }  // namespace neuvv::xr

@@ -1,4 +1,4 @@
-// Controllers and hands by OpenXR's actions: made of bindings.h, sampled once a frame.
+// Input of controllers and hands by OpenXR's actions: created from the tables of bindings.h and sampled once a frame.
 #pragma once
 
 #include <array>
@@ -12,22 +12,24 @@ namespace neuvv::xr {
 
 class Actions {
   public:
-    // One a session: it attaches its actions, which can be done once. The session must outlive it.
+    // Creates the actions, suggests their bindings and attaches them to the session, which OpenXR allows once for each
+    // session. The session must outlive this object. Throws XrFailure.
     explicit Actions(const Session& session);
 
-    // What hands do now, and where they will be at `time`. Nothing of it while another program has the hands.
+    // The present state of buttons and sticks, and the poses of the hands as predicted for `time`. All is at rest while
+    // the session does not have the input focus. Call it once a frame: buttons count as pressed since the last call.
     HandInputs sample(XrTime time);
-    // The hand feels something, 0..1 strong.
-    void pulse(int hand, double amplitude, double seconds);
-    // Other controllers were taken up: which ones.
-    void look_at_controllers();
-    // "Meta Touch"; empty: none.
+    // Vibrates a controller; `amplitude` is clamped to 0..1. Where the runtime refuses, nothing happens.
+    void vibrate(int hand, double amplitude, double seconds);
+    // Finds out which controllers the user holds; to be called when SessionEvents::controllers_changed says so.
+    void update_controllers();
+    // The controller's name, such as "Meta Touch"; empty where there is none that this program knows.
     std::string controller(int hand) const;
 
   private:
-    void make_actions();
+    void create_actions();
     void suggest_bindings() const;
-    void make_spaces();
+    void create_spaces();
     XrAction action(HandAction which) const { return actions_.at(which); }
     double value(HandAction which, int hand) const;
     glm::dvec2 axes(HandAction which, int hand) const;
@@ -36,7 +38,7 @@ class Actions {
 
     const Session& session_;
     XrOwnedActionSet set_;
-    std::map<HandAction, XrAction> actions_;  // the set's own
+    std::map<HandAction, XrAction> actions_;  // destroyed together with set_
     std::array<XrPath, kHands> paths_{};
     std::array<XrOwnedSpace, kHands> aim_, grip_;
     std::array<const ControllerProfile*, kHands> profiles_{};

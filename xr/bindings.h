@@ -1,4 +1,4 @@
-// What buttons do, and where they are on each kind of controller: data.
+// What the program's actions are, and which button of each kind of controller triggers them: plain data.
 #pragma once
 
 #include <string_view>
@@ -6,19 +6,19 @@
 
 namespace neuvv::xr {
 
-// What a user does, whichever button that is. Those of one hand are asked of both.
+// What a user does, independent of the button. Each action is queried for both hands.
 enum class HandAction {
-    kAim,       // pose: where the hand points
-    kGrip,      // pose: where it holds things
-    kSelect,    // 0..1: takes what is pointed at, paints, presses panels
-    kGrab,      // 0..1: holds what is pointed at
-    kStick,     // two axes −1..1
-    kPadClick,  // how sticks are told from touch pads, which rest under a thumb
+    kAim,       // pose: origin and direction of the pointer ray
+    kGrip,      // pose: where the hand holds the controller
+    kSelect,    // 0..1, trigger: selects what the ray hits, paints, presses the panel
+    kGrab,      // 0..1, squeeze: grabs what the ray hits
+    kStick,     // two axes, −1..1
+    kPadClick,  // touch pads only: a thumb that rests on the pad counts only while the pad is pressed
     kMenu,      // shows and hides the panel
     kPlay,
     kUndo,
     kDuplicate,
-    kHaptic,  // to the hand
+    kHaptic,  // output: vibration
 };
 constexpr HandAction kHandActions[] = {HandAction::kAim,       HandAction::kGrip,  HandAction::kSelect,
                                        HandAction::kGrab,      HandAction::kStick, HandAction::kPadClick,
@@ -28,8 +28,8 @@ constexpr HandAction kHandActions[] = {HandAction::kAim,       HandAction::kGrip
 enum class ActionKind { kPose, kValue, kAxes, kButton, kOutput };
 
 struct ActionName {
-    const char* name;   // as OpenXR wants it
-    const char* title;  // as people read it in a runtime's menus
+    const char* name;   // for OpenXR: lower case, digits and underscores
+    const char* title;  // for people, in a runtime's menus
     ActionKind kind;
 };
 ActionName name_of(HandAction action);
@@ -39,22 +39,23 @@ enum class BoundHands { kLeftHand, kRightHand, kBoth };
 struct Binding {
     HandAction action;
     BoundHands hands;
-    const char* path;  // below the hand's: "/input/trigger/value"
+    const char* path;  // below the path of the hand: "/input/trigger/value"
 };
 
+// An interaction profile of OpenXR, with the bindings that this program suggests for it.
 struct ControllerProfile {
     const char* path;       // "/interaction_profiles/oculus/touch_controller"
     const char* title;      // "Meta Touch"
-    const char* extension;  // that defines it; null: OpenXR itself
-    bool has_grab;          // else what is selected for long is grabbed
-    bool has_touch_pad;     // in place of a stick: it counts while it is pressed
+    const char* extension;  // the extension that defines the profile; null where the core of OpenXR does
+    bool has_grab;          // without a grab button, a long press of select grabs
+    bool has_touch_pad;     // a touch pad in place of a stick: its position counts while it is pressed
     std::vector<Binding> bindings;
-    bool is_hand = false;  // nothing is held: the hand itself
+    bool is_hand = false;  // a bare hand that holds no controller
 };
-// Of OpenXR 1.0.28 and later; there is nothing to it but its name and paths.
+// The headers of OpenXR define this extension from 1.0.28 on; only its name and its paths are needed.
 constexpr const char* kHandInteraction = "XR_EXT_hand_interaction";
 const std::vector<ControllerProfile>& controller_profiles();
-// The one of this path; null: none of ours.
+// The profile with this path; null where the table has none.
 const ControllerProfile* find_profile(std::string_view path);
 
 }  // namespace neuvv::xr

@@ -21,17 +21,17 @@ stage::Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, Vk
     return camera;
 }
 
-std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, const XrFovf& fov) {
+std::vector<glm::vec2> hidden_triangles(const Session& session, uint32_t eye, const XrFovf& fov) {
     const Runtime& runtime = session.runtime();
     if (!runtime.has(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME)) return {};
     const auto get = runtime.function<PFN_xrGetVisibilityMaskKHR>("xrGetVisibilityMaskKHR");
-    const auto ask = [&](XrVisibilityMaskKHR& mask) {
-        return works(get(session.handle(), runtime.view_configuration(), eye,
-                         XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR, &mask),
-                     "xrGetVisibilityMaskKHR", runtime.headset());
+    const auto get_mask = [&](XrVisibilityMaskKHR& mask) {
+        return succeeded(get(session.handle(), runtime.view_configuration(), eye,
+                             XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR, &mask),
+                         "xrGetVisibilityMaskKHR", runtime.headset());
     };
     XrVisibilityMaskKHR mask{XR_TYPE_VISIBILITY_MASK_KHR};
-    if (!ask(mask)) return {};
+    if (!get_mask(mask)) return {};
     std::vector<XrVector2f> vertices(mask.vertexCountOutput);
     std::vector<uint32_t> indices(mask.indexCountOutput);
     if (vertices.empty() || indices.empty()) return {};
@@ -39,7 +39,7 @@ std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, cons
     mask.indexCapacityInput = mask.indexCountOutput;
     mask.vertices = vertices.data();
     mask.indices = indices.data();
-    if (!ask(mask)) return {};
+    if (!get_mask(mask)) return {};
     indices.resize(std::min<size_t>(indices.size(), mask.indexCountOutput));
     return corners_in_image(vertices, indices, fov);
 }

@@ -1,4 +1,4 @@
-// A headset's eyes as this program's cameras, and what of their images the lenses hide.
+// A headset's eyes as cameras of this program, the parts of their images that the lenses hide, and the inset.
 #pragma once
 
 #include <span>
@@ -10,18 +10,22 @@
 
 namespace neuvv::xr {
 
-// Pixels are not square where the runtime's angles are not in the image's proportion; the axis lies where the angles
-// say, seldom in the middle. Its angles span an image.
+// The camera of an eye, for an image of `size` pixels. Its focal lengths and its principal point follow from the four
+// angles of the eye's field of view: pixels need not be square, and the axis seldom lies in the middle of the image.
+// The angles must span an image (spans_image).
 stage::Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size);
 
-// Triangles that the lens hides, as SetRaster::hide takes them; none where the runtime knows none.
-std::vector<glm::vec2> hidden_corners(const Session& session, uint32_t eye, const XrFovf& fov);
-// A mesh on the plane one metre before the eye as triangles in shares of its image from the upper left; whole
-// triangles alone, none of a mesh whose indices lie beside its vertices.
+// The triangles that the lens of an eye hides, in the form that SetRaster::hide takes (see corners_in_image). Empty
+// where the runtime does not have XR_KHR_visibility_mask, or knows no mesh.
+std::vector<glm::vec2> hidden_triangles(const Session& session, uint32_t eye, const XrFovf& fov);
+// Converts an indexed mesh on the plane one metre before the eye to the corners of triangles in the eye's image, 0..1
+// from the upper left. Indices that are left over after the last whole triangle are ignored; where an index is out of
+// range the result is empty.
 std::vector<glm::vec2> corners_in_image(std::span<const XrVector2f> vertices, std::span<const uint32_t> indices,
                                         const XrFovf& fov);
 
-// The inset around the eye's axis that gets all rays, `share` of the image a side; beside it `beside` of them.
+// The inset that gets all rays: a rectangle around the eye's axis that takes `share` of the image's width and height,
+// moved where it would leave the image. Outside it, a pixel gets `beside` as many rays along each side.
 render::Fovea fovea_of(const stage::Camera& eye, double share, double beside);
 
 }  // namespace neuvv::xr

@@ -18,7 +18,7 @@ namespace {
 
 constexpr uint64_t kFirstVertices = 1 << 14;
 
-const gpu::Device& with_output_layer(const gpu::Device& device) {
+const gpu::Device& require_output_layer(const gpu::Device& device) {
     if (device.output_layer()) return device;
     throw RuntimeFailure(
         fmt::format("device \"{}\" cannot draw both eyes at once: it lacks shaderOutputLayer", device.summary().name));
@@ -40,7 +40,7 @@ gpu::GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend, VkCompa
     shape.vertex_spirv = eye_shape_vert;
     shape.fragment_spirv = eye_shape_frag;
     shape.streams = {{0, sizeof(ShapeVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
-    shape.attributes = {{kShapePlace, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShapeVertex, place)},
+    shape.attributes = {{kShapePlace, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShapeVertex, position)},
                         {kShapeColour, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(ShapeVertex, colour)}};
     shape.blend = blend;
     shape.nearer = nearer;
@@ -51,7 +51,7 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout) {
     VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     info.imageView = view;
     info.imageLayout = layout;
-    info.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;  // the first draw covers all
+    info.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;  // the first draw covers the whole image
     info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
     return info;
 }
@@ -75,11 +75,11 @@ const std::vector<VkFormat>& eye_depth_formats() {
 }
 
 EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
-    : device_(with_output_layer(device)),
+    : device_(require_output_layer(device)),
       image_(device, "eye", image_shape(colour, depth)),
       solid_(device, "eye shape", shape_of(colour, depth, false)),
-      clear_(device, "eye clear shape", shape_of(colour, depth, true)),
-      through_(device, "eye through shape", shape_of(colour, depth, true, VK_COMPARE_OP_ALWAYS)),
+      translucent_(device, "eye translucent shape", shape_of(colour, depth, true)),
+      on_top_(device, "eye on-top shape", shape_of(colour, depth, true, VK_COMPARE_OP_ALWAYS)),
       vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload),
       commands_(device, "eye", 4) {}
 
@@ -97,7 +97,7 @@ void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& ima
 }
 
 void EyePass::upload(const EyeShapes& shapes) {
-    const std::array lists{shapes.holes(), shapes.solid(), shapes.clear_ones(), shapes.through_ones()};
+    const std::array lists{shapes.holes(), shapes.solid(), shapes.translucent(), shapes.on_top()};
     uint64_t count = 0;
     for (const auto list : lists) count += list.size();
     if (count * sizeof(ShapeVertex) > vertices_.bytes)
@@ -126,7 +126,7 @@ void EyePass::record(const std::array<stage::Camera, kEyes>& cameras, const rend
         kDepth{VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, kEyes};
     constexpr VkImageLayout kColourLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                             kDepthLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-    // OpenXR gives images in these layouts, and wants them back so; what they held is not needed.
+    // OpenXR hands images out in these layouts and expects them back in the same ones; their old content is not needed.
     gpu::move_layout(commands_, target.colour, kColour, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout);
     gpu::move_layout(commands_, target.depth, kDepth, VK_IMAGE_LAYOUT_UNDEFINED, kDepthLayout);
     const VkRenderingAttachmentInfo colour = attachment(target.colour_view, kColourLayout),
@@ -161,8 +161,8 @@ void EyePass::draw_image(const render::ViewLayout& layout, double vignette) {
     vkCmdDraw(commands_.handle(), 3, kEyes, 0, 0);
 }
 
-// Holes and solid shapes go over what they are before; holes are as near as what is in them, so that hands before a
-// panel are seen before it.
+// Holes and solid shapes are drawn where they are nearer than what is drawn already. Holes write their depth, too, so a
+// hand in front of a panel covers it.
 void EyePass::draw_shapes(const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes) {
     ShapePush views{};
     for (uint32_t eye = 0; eye < kEyes; eye++)
@@ -182,8 +182,8 @@ void EyePass::draw_shapes(const std::array<stage::Camera, kEyes>& cameras, const
     };
     draw(solid_, shapes.holes(), VK_TRUE);
     draw(solid_, shapes.solid(), VK_TRUE);
-    draw(clear_, shapes.clear_ones(), VK_FALSE);
-    draw(through_, shapes.through_ones(), VK_FALSE);
+    draw(translucent_, shapes.translucent(), VK_FALSE);
+    draw(on_top_, shapes.on_top(), VK_FALSE);
 }
 
 }  // namespace neuvv::xr

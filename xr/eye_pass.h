@@ -1,5 +1,6 @@
-// Eye pass: a stage's images, their depth and shapes over them → a headset's images, both eyes in one pass: a layer
-// and an instance each. (Not by multiview: lavapipe of Mesa 22.3 draws whole tiles of all views to the first layer.)
+// Eye pass: draws the rendered images of a stage, their depth, and shapes over them to a headset's images. One pass
+// draws both eyes: each eye is a layer of the target and an instance of each draw. (Multiview is not used, as lavapipe
+// of Mesa 22.3 draws whole tiles of all views to the first layer.)
 #pragma once
 
 #include <array>
@@ -12,23 +13,25 @@
 
 namespace neuvv::xr {
 
-// What the pass can draw to.
+// The formats that the pass can draw to.
 const std::vector<VkFormat>& eye_colour_formats();
 const std::vector<VkFormat>& eye_depth_formats();
 
 struct EyeTarget {
-    VkImage colour = VK_NULL_HANDLE, depth = VK_NULL_HANDLE;  // two layers each
+    VkImage colour = VK_NULL_HANDLE, depth = VK_NULL_HANDLE;  // a layer for each eye
     VkImageView colour_view = VK_NULL_HANDLE, depth_view = VK_NULL_HANDLE;
     VkExtent2D size{};
 };
 
 class EyePass {
   public:
-    // Throws RuntimeFailure for a device without Device::output_layer.
+    // Throws RuntimeFailure where the device does not have Device::output_layer.
     EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth);
 
-    // Waits. Draws the renderer's last images of `cameras` (left, right), which have the target's size, and the
-    // shapes; images are left as OpenXR wants them. `vignette`: 0..1.
+    // Draws the images that the renderer drew last, and the shapes over them, and waits for the device. `cameras` are
+    // those of the images (left, right) and have the target's size. `vignette` says how dark the edges are, 0..1.
+    // Leaves the target in the layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL and
+    // DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
     void draw(const render::StageRenderer& renderer, const gpu::Buffer& images,
               const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
               const EyeTarget& target);
@@ -43,9 +46,9 @@ class EyePass {
     void draw_image(const render::ViewLayout& layout, double vignette);
     void draw_shapes(const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes);
     const gpu::Device& device_;
-    gpu::GraphicsPass image_, solid_, clear_, through_;
+    gpu::GraphicsPass image_, solid_, translucent_, on_top_;
     gpu::TextureSet bound_;
-    std::array<VkBuffer, 2> bound_to_{};  // images and the set's depth: others where targets were made anew
+    std::array<VkBuffer, 2> bound_to_{};  // images and the set's depth; to notice that the renderer has new buffers
     gpu::Buffer vertices_;
     gpu::Commands commands_;
 };

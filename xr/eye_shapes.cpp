@@ -11,7 +11,7 @@ glm::vec4 premultiplied(glm::vec4 colour) {
     return {glm::vec3(colour) * colour.a, colour.a};
 }
 
-// As under a soft light from above and a little from the front.
+// The shade of a face under a soft light from above and a little from the front (world).
 float shade_of(glm::dvec3 normal) {
     const double up = glm::dot(normal, glm::normalize(glm::dvec3(0.2, 1, 0.4)));
     return static_cast<float>(0.62 + 0.38 * up);
@@ -21,25 +21,25 @@ glm::vec4 shaded(glm::vec4 colour, float shade) {
     return {glm::vec3(colour) * shade, colour.a};
 }
 
-// Some unit vector at right angles to another.
-glm::dvec3 beside(glm::dvec3 along) {
+// Any unit vector perpendicular to another one.
+glm::dvec3 perpendicular_to(glm::dvec3 along) {
     return glm::normalize(glm::cross(along, std::abs(along.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
 }
 
 }  // namespace
 
-void EyeShapes::begin(glm::dvec3 eye, double least_width_rad) {
+void EyeShapes::begin(glm::dvec3 eye, double min_width_rad) {
     eye_ = eye;
-    least_width_rad_ = least_width_rad;
+    min_width_rad_ = min_width_rad;
     holes_.clear();
     solid_.clear();
-    clear_.clear();
-    through_ones_.clear();
-    through_ = false;
+    translucent_.clear();
+    on_top_.clear();
+    drawing_on_top_ = false;
 }
 
 std::vector<ShapeVertex>& EyeShapes::list_of(float alpha) {
-    return through_ ? through_ones_ : alpha < 1 ? clear_ : solid_;
+    return drawing_on_top_ ? on_top_ : alpha < 1 ? translucent_ : solid_;
 }
 
 void EyeShapes::triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::vec4 colour) {
@@ -47,15 +47,15 @@ void EyeShapes::triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::vec4 col
     for (const glm::dvec3& corner : {a, b, c}) list.push_back({glm::vec3(corner), premultiplied(colour)});
 }
 
-double EyeShapes::width_at(glm::dvec3 place, double width_m) const {
-    return std::max(width_m, least_width_rad_ * glm::distance(place, eye_));
+double EyeShapes::width_at(glm::dvec3 position, double width_m) const {
+    return std::max(width_m, min_width_rad_ * glm::distance(position, eye_));
 }
 
-// Three flat ribbons through its axis, so that it is seen from everywhere.
+// A line is three flat ribbons through its axis, so it is visible from all sides.
 void EyeShapes::line(glm::dvec3 from, glm::dvec3 to, double width_m, glm::vec4 from_colour, glm::vec4 to_colour) {
     const double length = glm::distance(from, to);
     if (!(length > 1e-6)) return;
-    const glm::dvec3 along = (to - from) / length, x = beside(along), y = glm::cross(along, x);
+    const glm::dvec3 along = (to - from) / length, x = perpendicular_to(along), y = glm::cross(along, x);
     auto& list = list_of(std::min(from_colour.a, to_colour.a));
     for (int ribbon = 0; ribbon < 3; ribbon++) {
         const double angle = ribbon * glm::pi<double>() / 3;
@@ -99,9 +99,9 @@ void EyeShapes::solid_box(const glm::dmat4& world_from_box, glm::dvec3 low, glm:
             for (const int i : {0, 1, 2, 3})
                 c[i] = corner_of(world_from_box, low, high, first | (i & 1 ? u : 0) | (i & 2 ? v : 0));
             const glm::dvec3 out = 0.5 * (c[0] + c[3]) - middle;
-            const glm::vec4 shown = shaded(colour, shade_of(out / std::max(glm::length(out), 1e-9)));
-            triangle(c[0], c[1], c[3], shown);
-            triangle(c[0], c[3], c[2], shown);
+            const glm::vec4 face_colour = shaded(colour, shade_of(out / std::max(glm::length(out), 1e-9)));
+            triangle(c[0], c[1], c[3], face_colour);
+            triangle(c[0], c[3], c[2], face_colour);
         }
 }
 
@@ -114,10 +114,10 @@ void EyeShapes::ball(glm::dvec3 middle, double radius_m, glm::vec4 colour) {
     for (int j = 0; j < kDown; j++)
         for (int i = 0; i < kAround; i++) {
             const glm::dvec3 a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
-            const glm::vec4 shown = shaded(colour, shade_of(glm::normalize(a + b + c + d)));
+            const glm::vec4 face_colour = shaded(colour, shade_of(glm::normalize(a + b + c + d)));
             const auto out = [&](glm::dvec3 normal) { return middle + radius_m * normal; };
-            if (j > 0) triangle(out(a), out(b), out(c), shown);
-            if (j < kDown - 1) triangle(out(a), out(c), out(d), shown);
+            if (j > 0) triangle(out(a), out(b), out(c), face_colour);
+            if (j < kDown - 1) triangle(out(a), out(c), out(d), face_colour);
         }
 }
 

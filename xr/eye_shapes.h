@@ -1,5 +1,5 @@
-// What is drawn over a stage in a headset, as triangles in the world: controllers, pointing rays, boxes, arcs; and
-// holes through which panels are seen.
+// Shapes that are drawn over a stage in a headset, as triangles in the world: controllers, pointer rays, boxes, arcs;
+// and holes through which panels are seen.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,45 +11,49 @@
 namespace neuvv::xr {
 
 struct ShapeVertex {
-    glm::vec3 place;   // world, metres
-    glm::vec4 colour;  // linear, premultiplied
+    glm::vec3 position;  // world, metres
+    glm::vec4 colour;    // linear, premultiplied
 };
 
+// Collects the shapes of a frame. Positions and sizes are in world metres; colours are linear with straight alpha. A
+// shape whose alpha is below 1 is translucent.
 class EyeShapes {
   public:
-    // Seen from here (world): lines stay so many radians wide at least, however far.
-    void begin(glm::dvec3 eye, double least_width_rad);
+    // Removes all shapes. `eye` is the position (world) from which the shapes are seen: from there a line looks at
+    // least `min_width_rad` wide, however far away it is.
+    void begin(glm::dvec3 eye, double min_width_rad);
 
-    // Whether what is drawn from here on is seen through all that is before it, stage and panels too. Over all else.
-    void see_through(bool through) { through_ = through; }
+    // Whether the shapes added from here on are drawn on top: without a depth test, over the stage and panels, too.
+    void draw_on_top(bool on_top) { drawing_on_top_ = on_top; }
 
-    // Of one colour (linear, straight alpha); lines are as wide as that many metres. Solid ones where alpha is 1.
+    // The colour is interpolated from one end to the other.
     void line(glm::dvec3 from, glm::dvec3 to, double width_m, glm::vec4 from_colour, glm::vec4 to_colour);
+    // Lines from point to point.
     void path(std::span<const glm::dvec3> points, double width_m, glm::vec4 colour);
-    // A box's edges; of a box in the space of `world_from_box`.
+    // The twelve edges of a box; `low` and `high` are in the space of `world_from_box`.
     void box_edges(const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high, double width_m, glm::vec4 colour);
-    // Shaded a little by how its faces stand.
+    // The faces of a box, shaded a little by their normals.
     void solid_box(const glm::dmat4& world_from_box, glm::dvec3 low, glm::dvec3 high, glm::vec4 colour);
     void ball(glm::dvec3 middle, double radius_m, glm::vec4 colour);
-    // Flat on the floor.
+    // A horizontal ring, from `radius_m` to `radius_m` + `width_m`.
     void ring(glm::dvec3 middle, double radius_m, double width_m, glm::vec4 colour);
-    // Nothing of the stage is seen there, and the layer beneath is (a rectangle's X to the right, Y up).
+    // A rectangle (X to the right, Y up) where nothing of the stage is seen: the compositor's layer beneath is.
     void hole(const Pose& world_from_rectangle, glm::dvec2 size_m);
 
+    // The corners of triangles, in the order of drawing: later ones cover earlier ones.
     std::span<const ShapeVertex> holes() const { return holes_; }
     std::span<const ShapeVertex> solid() const { return solid_; }
-    // Later ones over earlier ones.
-    std::span<const ShapeVertex> clear_ones() const { return clear_; }
-    std::span<const ShapeVertex> through_ones() const { return through_ones_; }
+    std::span<const ShapeVertex> translucent() const { return translucent_; }
+    std::span<const ShapeVertex> on_top() const { return on_top_; }
 
   private:
     std::vector<ShapeVertex>& list_of(float alpha);
     void triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::vec4 colour);
-    double width_at(glm::dvec3 place, double width_m) const;
+    double width_at(glm::dvec3 position, double width_m) const;
     glm::dvec3 eye_{0};
-    double least_width_rad_ = 0;
-    bool through_ = false;
-    std::vector<ShapeVertex> holes_, solid_, clear_, through_ones_;
+    double min_width_rad_ = 0;
+    bool drawing_on_top_ = false;
+    std::vector<ShapeVertex> holes_, solid_, translucent_, on_top_;
 };
 
 }  // namespace neuvv::xr

@@ -12,7 +12,7 @@ double heading_of(glm::dvec3 direction) {
     return std::atan2(-direction.x, -direction.z);
 }
 
-// The least turn that carries one unit vector to another; half a turn stays as near to +Y as it can.
+// The smallest rotation from one unit vector to another. Between opposite vectors, the axis is the one nearest to +Y.
 glm::dquat shortest_turn(glm::dvec3 from, glm::dvec3 to) {
     constexpr double kOpposite = 1e-9, kVertical = 1e-6;
     const double w = 1 + glm::dot(from, to);
@@ -25,7 +25,7 @@ glm::dquat shortest_turn(glm::dvec3 from, glm::dvec3 to) {
 }  // namespace
 
 Grab::Grab(const glm::dmat4& world_from_node, GrabSettings settings) : settings_(settings), anchor_(world_from_node) {
-    assert(settings.least_scale > 0 && settings.least_scale <= 1 && settings.most_scale >= 1 &&
+    assert(settings.min_scale > 0 && settings.min_scale <= 1 && settings.max_scale >= 1 &&
            "the scale at the start is within its limits");
 }
 
@@ -34,43 +34,43 @@ size_t Grab::index(int hand) {
     return hand == 0 ? 0 : 1;
 }
 
-void Grab::take(int hand, const Pose& world_from_hand, double distance_m) {
-    if (!is_sound(world_from_hand) || !std::isfinite(distance_m) || distance_m < 0) return;
+void Grab::attach(int hand, const Pose& world_from_hand, double distance_m) {
+    if (!is_valid(world_from_hand) || !std::isfinite(distance_m) || distance_m < 0) return;
     const glm::dmat4 now = world_from_node();
     const double scale_now = scale();
-    Hand& taking = hands_[index(hand)];
-    taking.holds = true;
-    taking.now = world_from_hand;
-    taking.distance_m = distance_m;
-    anchor_at(now, scale_now);
+    Hand& attaching = hands_[index(hand)];
+    attaching.attached = true;
+    attaching.now = world_from_hand;
+    attaching.distance_m = distance_m;
+    reset_anchor(now, scale_now);
 }
 
-void Grab::let_go(int hand) {
-    if (!holds(hand)) return;
+void Grab::detach(int hand) {
+    if (!is_attached(hand)) return;
     const glm::dmat4 now = world_from_node();
     const double scale_now = scale();
-    hands_[index(hand)].holds = false;
-    anchor_at(now, scale_now);
+    hands_[index(hand)].attached = false;
+    reset_anchor(now, scale_now);
 }
 
 void Grab::move(int hand, const Pose& world_from_hand) {
-    if (!holds(hand) || !is_sound(world_from_hand)) return;
+    if (!is_attached(hand) || !is_valid(world_from_hand)) return;
     hands_[index(hand)].now = world_from_hand;
-    follow();
+    update_turn();
 }
 
-void Grab::reach(int hand, double by_m) {
-    if (!holds(hand) || both() || !std::isfinite(by_m)) return;
+void Grab::push(int hand, double by_m) {
+    if (!is_attached(hand) || both_attached() || !std::isfinite(by_m)) return;
     double& distance = hands_[index(hand)].distance_m;
-    distance = std::max(distance + by_m, std::min(distance, kNearest_m));
+    distance = std::max(distance + by_m, std::min(distance, kMinDistance_m));
 }
 
 glm::dmat4 Grab::world_from_node() const {
     if (empty()) return anchor_;
-    glm::dvec3 from(0), to(0);  // the middle of the held points, at the anchor and now
+    glm::dvec3 from(0), to(0);  // the middle of the attached hands' points, at the anchor and now
     for (const Hand& hand : hands_)
-        if (hand.holds) {
-            const double share = both() ? 0.5 : 1;
+        if (hand.attached) {
+            const double share = both_attached() ? 0.5 : 1;
             from += hand.anchor_point * share;
             to += hand.point() * share;
         }
@@ -81,27 +81,28 @@ glm::dmat4 Grab::world_from_node() const {
     return moved;
 }
 
-// Since the anchor.
+// The change of the object's scale since the anchor.
 double Grab::factor() const {
-    if (!both()) return 1;
-    const auto counted = [](glm::dvec3 apart) { return std::max(glm::length(apart), kLeastApart_m); };
-    const double wanted = anchor_scale_ * counted(apart()) / counted(anchor_apart());
-    return std::clamp(wanted, settings_.least_scale, settings_.most_scale) / anchor_scale_;
+    if (!both_attached()) return 1;
+    const auto counted = [](glm::dvec3 apart) { return std::max(glm::length(apart), kMinApart_m); };
+    const double unclamped = anchor_scale_ * counted(apart()) / counted(anchor_apart());
+    return std::clamp(unclamped, settings_.min_scale, settings_.max_scale) / anchor_scale_;
 }
 
-// Whether the hands say how the thing is turned.
-bool Grab::turns() const {
-    if (both()) {
+// Whether the hands define how the object is turned: false where their points are too near to each other, and, for an
+// upright object, where the line between them is too vertical, or a single hand is tilted too far.
+bool Grab::hands_define_turn() const {
+    if (both_attached()) {
         const glm::dvec3 line = apart();
         const double length = glm::length(line);
-        return length >= kLeastApart_m && (!settings_.upright || std::hypot(line.x, line.z) >= kLeastLean * length);
+        return length >= kMinApart_m && (!settings_.upright || std::hypot(line.x, line.z) >= kMinLean * length);
     }
-    const Hand& hand = hands_[holds(0) ? 0 : 1];
+    const Hand& hand = hands_[is_attached(0) ? 0 : 1];
     return !settings_.upright ||
-           tilt_cosine_of(hand.now.rotation * glm::conjugate(hand.anchor.rotation)) >= kLeastUpright;
+           tilt_cosine_of(hand.now.rotation * glm::conjugate(hand.anchor.rotation)) >= kMinTiltCosine;
 }
 
-void Grab::anchor_at(const glm::dmat4& world_from_node, double scale) {
+void Grab::reset_anchor(const glm::dmat4& world_from_node, double scale) {
     anchor_ = world_from_node;
     anchor_scale_ = scale;
     turn_ = glm::dquat(1, 0, 0, 0);
@@ -109,29 +110,29 @@ void Grab::anchor_at(const glm::dmat4& world_from_node, double scale) {
         hand.anchor = hand.now;
         hand.anchor_point = hand.point();
     }
-    turning_ = empty() || turns();
+    turning_ = empty() || hands_define_turn();
 }
 
-// Brings turn_ up to the hands' poses. It rests while they do not say how to turn; when they do again it goes on from
-// there, from a new anchor.
-void Grab::follow() {
-    if (!turns()) {
+// Updates turn_ to the hands' poses. While the hands do not define a turn, turn_ stays as it is; when they define one
+// again, it goes on from a new anchor.
+void Grab::update_turn() {
+    if (!hands_define_turn()) {
         turning_ = false;
     } else if (!turning_) {
-        anchor_at(world_from_node(), scale());
-    } else if (both()) {
-        follow_line();
+        reset_anchor(world_from_node(), scale());
+    } else if (both_attached()) {
+        update_turn_from_line();
     } else {
-        const Hand& hand = hands_[holds(0) ? 0 : 1];
+        const Hand& hand = hands_[is_attached(0) ? 0 : 1];
         const glm::dquat turn =
             glm::normalize(hand.now.rotation) * glm::conjugate(glm::normalize(hand.anchor.rotation));
         turn_ = settings_.upright ? turn_by(twist_of(turn)) : turn;
     }
 }
 
-// From the line as it has been carried so far, not from the anchor's: the shortest way from that flips about when the
-// line has turned by half a turn, which hands reach in a few moves.
-void Grab::follow_line() {
+// Each step turns from the anchor's line as turn_ has rotated it so far. The smallest rotation from the anchor's line
+// itself would flip where the line has turned by half a turn, which hands reach in a few moves.
+void Grab::update_turn_from_line() {
     const glm::dvec3 from = turn_ * glm::normalize(anchor_apart()), to = glm::normalize(apart());
     const glm::dquat step =
         settings_.upright ? turn_by(heading_of(to) - heading_of(from)) : shortest_turn(glm::normalize(from), to);

@@ -1,18 +1,20 @@
-// What one or two hands hold: how it moves, turns and grows with them.
+// How an object that one or two hands have grabbed moves, turns and scales with them.
 //
-// Each hand holds a point, straight in front of it (−Z) at some distance: on its pointing ray, or in the hand itself.
+// Each attached hand grabs one point. The point lies straight in front of the hand (along −Z) at some distance: on the
+// hand's pointer ray, or in the hand itself where the distance is 0.
 //
-// One hand: the point keeps its place in the hand's frame, so that a swung ray carries the thing along, and the thing
-// turns with the hand; where it is to stay upright, by the part of the hand's turn about +Y alone (twist_of).
+// One hand: the point keeps its position in the hand's frame, so a ray that swings carries the object along. The object
+// turns as the hand does. An upright object turns only by the part of the hand's rotation about +Y (twist_of).
 //
-// Two hands: the middle of the two points is carried along; the thing grows by the ratio of their distances and turns
-// as the line between them does: by the shortest way from frame to frame, or, upright, about +Y alone. Where free, and
-// within the limits of scale, both points stay where the hands hold them. Points nearer to each other than
-// kLeastApart_m count as that far apart for the scale and turn nothing; upright, a line within kLeastLean of the
-// vertical turns nothing either. Turning goes on from there when they come out of it.
+// Two hands: the middle of the two points carries the object. The object scales by the ratio of the distances between
+// the points, and turns as the line between them does: from frame to frame by the smallest rotation, or, where the
+// object is upright, about +Y alone. An object that is not upright, and whose scale is within its limits, keeps both
+// points where the hands grabbed them. Points nearer to each other than kMinApart_m count as that far apart for the
+// scale and do not turn the object. A line within kMinLean of the vertical does not turn an upright object either. When
+// the points leave these ranges, the object goes on turning from the rotation that it has then.
 //
-// The result is continuous in the hands' poses and never jumps where a hand takes hold or lets go. Poses that are not
-// sound (is_sound) are ignored.
+// The result is continuous in the hands' poses, and never jumps where a hand is attached or detached. Poses that are
+// not valid (is_valid) are ignored.
 #pragma once
 
 #include <array>
@@ -22,68 +24,71 @@
 namespace neuvv::xr {
 
 struct GrabSettings {
-    bool upright = true;
-    // Of the thing's scale relative to the matrix that the Grab began with: 0 < least ≤ 1 ≤ most.
-    double least_scale = 0.05, most_scale = 50;
+    bool upright = true;  // the object does not tilt
+    // Limits of the object's scale, relative to the matrix that the Grab began with: 0 < min ≤ 1 ≤ max.
+    double min_scale = 0.05, max_scale = 50;
 };
 
+// Hands are numbered 0 and 1; another number fails an assertion.
 class Grab {
   public:
-    static constexpr double kLeastApart_m = 0.02;
-    static constexpr double kLeastLean = 0.2;      // sine of the angle to the vertical
-    static constexpr double kNearest_m = 0.1;      // as near as reach() pulls
-    static constexpr double kLeastUpright = 0.15;  // tilt_cosine_of a hand's turn that still turns an upright thing
+    static constexpr double kMinApart_m = 0.02;
+    static constexpr double kMinLean = 0.2;         // sine of the angle to the vertical
+    static constexpr double kMinDistance_m = 0.1;   // push() pulls no point nearer
+    static constexpr double kMinTiltCosine = 0.15;  // a hand that tilts further (tilt_cosine_of) turns nothing upright
 
     explicit Grab(const glm::dmat4& world_from_node, GrabSettings settings = {});
 
-    // A hand, 0 or 1, takes hold of the point `distance_m` in front of it; anew, where it held one. With a distance
-    // that is not finite or below 0, or a pose that is not sound, it takes nothing.
-    void take(int hand, const Pose& world_from_hand, double distance_m = 0);
-    void let_go(int hand);
-    bool holds(int hand) const { return hands_[index(hand)].holds; }
-    bool empty() const { return !holds(0) && !holds(1); }
+    // Attaches a hand at the point `distance_m` in front of it, in place of a point where it was attached before. Does
+    // nothing where the distance is not finite or below 0, or the pose is not valid.
+    void attach(int hand, const Pose& world_from_hand, double distance_m = 0);
+    void detach(int hand);
+    bool is_attached(int hand) const { return hands_[index(hand)].attached; }
+    // Whether no hand is attached.
+    bool empty() const { return !is_attached(0) && !is_attached(1); }
 
-    // The hand's newest pose; means nothing of a hand that holds nothing.
+    // Takes the newest pose of a hand; ignored for a hand that is not attached.
     void move(int hand, const Pose& world_from_hand);
 
-    // Pushes what this hand alone holds away along its −Z, or pulls it nearer (below 0), to kNearest_m at the nearest;
-    // what was taken nearer than that comes no nearer. Nothing while two hands hold it.
-    void reach(int hand, double by_m);
+    // Pushes the point away along the hand's −Z, or pulls it nearer where `by_m` is below 0, but no nearer than
+    // kMinDistance_m; a point that was attached nearer than that stays where it is. Does nothing unless this is the
+    // only attached hand.
+    void push(int hand, double by_m);
 
-    // In front of the hand, to the point that it holds: as long as a ray should be drawn.
+    // The distance from the hand to its point: how long its ray should be drawn.
     double distance_m(int hand) const { return hands_[index(hand)].distance_m; }
 
-    // As the hands have moved it.
+    // The object's transform as the hands have moved it.
     glm::dmat4 world_from_node() const;
 
-    // Of it, relative to the matrix that the Grab began with.
+    // The object's scale, relative to the matrix that the Grab began with.
     double scale() const { return anchor_scale_ * factor(); }
 
   private:
     struct Hand {
-        bool holds = false;
+        bool attached = false;
         Pose now;
         double distance_m = 0;
-        Pose anchor;                 // when the node stood at anchor_
-        glm::dvec3 anchor_point{0};  // world: of the held point, then
+        Pose anchor;                 // the hand's pose when the node's transform was anchor_
+        glm::dvec3 anchor_point{0};  // world: where point() was at that time
         glm::dvec3 point() const { return now * glm::dvec3(0, 0, -distance_m); }
     };
     static size_t index(int hand);
-    bool both() const { return holds(0) && holds(1); }
+    bool both_attached() const { return is_attached(0) && is_attached(1); }
     glm::dvec3 apart() const { return hands_[1].point() - hands_[0].point(); }
     glm::dvec3 anchor_apart() const { return hands_[1].anchor_point - hands_[0].anchor_point; }
     double factor() const;
-    bool turns() const;
-    void anchor_at(const glm::dmat4& world_from_node, double scale);
-    void follow();
-    void follow_line();
+    bool hands_define_turn() const;
+    void reset_anchor(const glm::dmat4& world_from_node, double scale);
+    void update_turn();
+    void update_turn_from_line();
 
     GrabSettings settings_;
     std::array<Hand, 2> hands_;
-    glm::dmat4 anchor_;            // of the node when hands last took hold, let go, or began to turn it
-    double anchor_scale_ = 1;      // relative to the first
-    glm::dquat turn_{1, 0, 0, 0};  // since then
-    bool turning_ = true;          // whether the hands' turns counted at the last move
+    glm::dmat4 anchor_;        // the node's transform when a hand was last attached or detached, or began to turn it
+    double anchor_scale_ = 1;  // of anchor_, relative to the matrix that the Grab began with
+    glm::dquat turn_{1, 0, 0, 0};  // since anchor_
+    bool turning_ = true;          // whether the hands turned the object at the last move
 };
 
 }  // namespace neuvv::xr

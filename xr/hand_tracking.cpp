@@ -18,7 +18,7 @@ HandTracking::HandTracking(const Session& session) : session_(session) {
         const XrHandTrackerCreateInfoEXT info{XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT, nullptr,
                                               hand == kLeft ? XR_HAND_LEFT_EXT : XR_HAND_RIGHT_EXT,
                                               XR_HAND_JOINT_SET_DEFAULT_EXT};
-        if (!works(create(session.handle(), &info, &trackers_[hand]), "xrCreateHandTrackerEXT", "hand"))
+        if (!succeeded(create(session.handle(), &info, &trackers_[hand]), "xrCreateHandTrackerEXT", "hand"))
             trackers_[hand] = XR_NULL_HANDLE;
     }
 }
@@ -40,8 +40,8 @@ void HandTracking::locate(XrTime time) {
                                              time};
         constexpr const char* kCall = "xrLocateHandJointsEXT";
         const bool located =
-            works(session_.runtime().function<PFN_xrLocateHandJointsEXT>(kCall)(trackers_[hand], &info, &locations),
-                  kCall, "hand");
+            succeeded(session_.runtime().function<PFN_xrLocateHandJointsEXT>(kCall)(trackers_[hand], &info, &locations),
+                      kCall, "hand");
         if (!located) continue;
         const bool all = std::all_of(found.begin(), found.end(), [](const XrHandJointLocationEXT& joint) {
             return joint.locationFlags & XR_SPACE_LOCATION_POSITION_VALID_BIT;
@@ -59,15 +59,15 @@ double pinch_of(const HandJoints& joints) {
     return std::clamp((kApart_m - apart_m) / (kApart_m - kTouch_m), 0.0, 1.0);
 }
 
-bool stand_in(HandInput& input, const HandJoints& joints) {
-    if (input.aim || input.bare || joints.size() <= XR_HAND_JOINT_INDEX_TIP_EXT) return false;
+bool fill_from_joints(HandInput& input, const HandJoints& joints) {
+    if (input.aim || input.bare_hand || joints.size() <= XR_HAND_JOINT_INDEX_TIP_EXT) return false;
     const glm::dvec3 wrist = joints[XR_HAND_JOINT_WRIST_EXT].position,
                      root = joints[XR_HAND_JOINT_INDEX_PROXIMAL_EXT].position;
     const glm::dvec3 ahead = root - wrist;
     if (glm::length(ahead) < 1e-3) return false;
     const glm::dvec3 up = std::abs(glm::normalize(ahead).y) < 0.95 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
     input.aim = Pose{root, glm::quatLookAt(glm::normalize(ahead), up)};
-    input.bare = true;
+    input.bare_hand = true;
     input.select = pinch_of(joints);
     input.has_grab = false;
     input.lacks_menu = true;

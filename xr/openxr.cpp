@@ -25,7 +25,7 @@ XrResult check(XrResult result, const char* call, const std::string& object) {
     return result;
 }
 
-bool works(XrResult result, const char* call, const std::string& object) {
+bool succeeded(XrResult result, const char* call, const std::string& object) {
     if (result == XR_ERROR_SESSION_LOST || result == XR_ERROR_INSTANCE_LOST) throw XrFailure(result, call, object);
     return XR_SUCCEEDED(result);
 }

@@ -1,4 +1,4 @@
-// OpenXR as this module uses it: its headers, failures as exceptions, handles that destroy themselves.
+// The headers of OpenXR, its failures as exceptions, and handles that destroy themselves.
 #pragma once
 
 #include <volk.h>
@@ -15,23 +15,23 @@
 
 namespace neuvv::xr {
 
-// A call that the runtime refused. One line.
+// A call that failed in the runtime. The message is one line.
 struct XrFailure : RuntimeFailure {
     XrFailure(XrResult failed, const char* call, const std::string& object);
     XrResult result;
 };
 
-// Throws XrFailure naming the call, its object and the result, where it failed; else what it returned, which may be
-// more than XR_SUCCESS.
+// Throws XrFailure with the names of the call, its object and the result where `result` is a failure. Otherwise returns
+// `result`, which may be another success code than XR_SUCCESS.
 XrResult check(XrResult result, const char* call, const std::string& object);
 
-// For what one can do without: whether it worked. Throws XrFailure only where session or instance are lost.
-bool works(XrResult result, const char* call, const std::string& object);
+// For optional calls: returns whether the call succeeded. Throws XrFailure only where session or instance are lost.
+bool succeeded(XrResult result, const char* call, const std::string& object);
 
-// "XR_ERROR_SESSION_LOST".
+// Such as "XR_ERROR_SESSION_LOST".
 std::string result_name(XrResult result);
 
-// Move-only.
+// A handle that is destroyed with this object. Move-only.
 template <typename Handle, XrResult (*Destroy)(Handle)>
 class XrOwned {
   public:
@@ -44,7 +44,7 @@ class XrOwned {
     }
 
     Handle get() const { return handle_; }
-    // For the call that makes it; it must be empty.
+    // For the call that creates the handle; there must be none yet.
     Handle* out() { return &handle_; }
     void reset() {
         if (handle_ != XR_NULL_HANDLE) Destroy(std::exchange(handle_, XR_NULL_HANDLE));
@@ -60,8 +60,9 @@ using XrOwnedSpace = XrOwned<XrSpace, xrDestroySpace>;
 using XrOwnedSwapchain = XrOwned<XrSwapchain, xrDestroySwapchain>;
 using XrOwnedActionSet = XrOwned<XrActionSet, xrDestroyActionSet>;
 
-// What a call of two steps enumerates: `call(capacity, &count, elements)`, which is asked again where there are more by
-// then.
+// Returns all elements of OpenXR's two-call idiom: `call(capacity, &count, elements)` is called for the count first,
+// and then for the elements, again where their number has grown meanwhile. `blank` is what each element is before the
+// call fills it. Throws XrFailure, with `name` as the call.
 template <typename T, typename Call>
 std::vector<T> enumerate(const char* name, const std::string& object, const T& blank, const Call& call) {
     std::vector<T> all;

@@ -1,6 +1,6 @@
-// Where something is and how it is turned, in double precision: what OpenXR calls a pose.
+// Poses as OpenXR defines them: a position and a rotation, here in double precision.
 //
-// Right-handed, +Y up, metres; hands and heads look along −Z, their right is +X.
+// Spaces are right-handed with +Y up, in metres. Hands and heads look along −Z; +X is to their right.
 #pragma once
 
 #include <cmath>
@@ -11,19 +11,21 @@
 
 namespace neuvv::xr {
 
-// `world_from_hand`, as a matrix would be named. The rotation is a unit quaternion; a runtime's floats are near enough.
+// Variables are named as matrices are: `world_from_hand`. The rotation is a unit quaternion; it may be as inexact as a
+// runtime's floats are, as the functions below normalise it.
 struct Pose {
     glm::dvec3 position{0};
     glm::dquat rotation{1, 0, 0, 0};  // w, x, y, z
 };
 
-// Whether a tracker can have meant it: finite, within 1000 km, its rotation more or less of unit length.
-inline bool is_sound(const Pose& pose) {
-    constexpr double kFarthest_m = 1e6, kLeastSquare = 0.25, kMostSquare = 4;
+// Whether the pose can be a tracked one: finite, within 1000 km of the origin, and with a rotation whose length is
+// between 0.5 and 2.
+inline bool is_valid(const Pose& pose) {
+    constexpr double kMaxDistance_m = 1e6, kMinSquare = 0.25, kMaxSquare = 4;
     const double square = glm::dot(pose.rotation, pose.rotation);  // comparisons with NaN are false
     for (int i = 0; i < 3; ++i)
-        if (!(std::abs(pose.position[i]) <= kFarthest_m)) return false;
-    return square >= kLeastSquare && square <= kMostSquare;
+        if (!(std::abs(pose.position[i]) <= kMaxDistance_m)) return false;
+    return square >= kMinSquare && square <= kMaxSquare;
 }
 
 inline glm::dmat4 matrix_of(const Pose& pose) {
@@ -32,12 +34,12 @@ inline glm::dmat4 matrix_of(const Pose& pose) {
     return matrix;
 }
 
-// A point of the posed thing's space, carried out of it.
+// Transforms a point out of the pose's space: world_from_hand * point_in_hand.
 inline glm::dvec3 operator*(const Pose& pose, glm::dvec3 point) {
     return pose.position + glm::normalize(pose.rotation) * point;
 }
 
-// a ∘ b: first b, then a.
+// Composes two poses: a * b applies b first, then a.
 inline Pose operator*(const Pose& a, const Pose& b) {
     return {a * b.position, glm::normalize(a.rotation * b.rotation)};
 }
@@ -55,13 +57,14 @@ inline Ray ray_of(const Pose& aim) {
     return {aim.position, forward_of(aim)};
 }
 
-// About +Y.
+// A rotation about +Y.
 inline glm::dquat turn_by(double yaw_rad) {
     return glm::angleAxis(yaw_rad, glm::dvec3(0, 1, 0));
 }
 
-// The heading: the angle about +Y, −π to π, by which −Z turns to where −Z looks, seen from above; yaw_of(turn_by(a)) is
-// a. Straight up or down the top of the head says it: what it is when the head comes back to the level, nodding.
+// The heading, −π to π: the angle about +Y by which the world's −Z turns to the rotated −Z, seen from above;
+// yaw_of(turn_by(a)) is a. Where the rotated −Z points straight up or down, the top of the head (+Y) defines the
+// heading: the result is the one that the head has after it nods back to the horizontal.
 inline double yaw_of(const glm::dquat& rotation) {
     constexpr double kVertical = 1e-4;  // sine of the angle to the vertical
     const glm::dquat unit = glm::normalize(rotation);
@@ -70,12 +73,12 @@ inline double yaw_of(const glm::dquat& rotation) {
     return std::atan2(-ahead.x, -ahead.z);
 }
 
-// How much of a turn is about +Y, −π to π (swing and twist): whatever the turn tilts besides. It adds up with turns
-// about +Y before and after. Ill defined where the tilt comes near half a turn, see tilt_cosine_of.
+// The part of a rotation that is about +Y, −π to π: the twist of a swing-twist decomposition. Rotations about +Y before
+// or after add to it. Ill defined where the tilt (the swing) is near half a turn, see tilt_cosine_of.
 inline double twist_of(const glm::dquat& turn) {
     return std::remainder(2 * std::atan2(turn.y, turn.w), 2 * glm::pi<double>());
 }
-// Cosine of half the tilt's angle, 0 to 1.
+// The cosine of half the angle of the tilt, 0 to 1: 1 for a rotation about +Y alone.
 inline double tilt_cosine_of(const glm::dquat& turn) {
     return std::hypot(turn.y, turn.w);
 }

@@ -1,4 +1,4 @@
-// Where a pointing ray meets a flat panel.
+// Where a pointer ray meets a flat panel.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,12 @@
 namespace neuvv::xr {
 
 struct RectangleHit {
-    glm::dvec2 at{0};   // 0 to 1: to the right and down from the upper left corner
-    double metres = 0;  // along the ray
+    glm::dvec2 uv{0};       // 0..1, to the right and down from the upper left corner
+    double distance_m = 0;  // along the ray
 };
-// A panel with its middle at the pose's origin, X to its right, Y to its top; it is seen from its +Z side alone.
+// The rectangle's middle is at the pose's origin, X to its right and Y to its top. A ray hits it only from its +Z side.
+// Empty where the ray misses, or where an argument is not valid: a ray without a direction, a pose that is not
+// (is_valid), a size that is not positive.
 std::optional<RectangleHit> rectangle_hit(const Ray& ray, const Pose& world_from_rectangle, glm::dvec2 size_m);
 
 }  // namespace neuvv::xr

@@ -71,11 +71,11 @@ const char* blend_mode_name(XrEnvironmentBlendMode mode) {
     }
 }
 
-// The loader's own lines say less than ours.
+// XR_LOADER_DEBUG keeps the loader from printing: its lines say less than the messages of this program.
 Runtime::Runtime() {
     if (!std::getenv("XR_LOADER_DEBUG")) setenv("XR_LOADER_DEBUG", "none", 1);
     offered_ = offered_extensions();
-    make_instance();
+    create_instance();
     find_headset();
     find_views();
     if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) || has(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME)) return;
@@ -86,21 +86,21 @@ bool Runtime::has(const char* extension) const {
     return std::find(offered_.begin(), offered_.end(), extension) != offered_.end();
 }
 
-void Runtime::make_instance() {
-    std::vector<const char*> wanted;
+void Runtime::create_instance() {
+    std::vector<const char*> enabled;
     if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME))
-        wanted.push_back(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
+        enabled.push_back(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
     else if (has(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME))
-        wanted.push_back(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME);
+        enabled.push_back(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME);
     for (const OptionalExtension& one : optional_extensions())
-        if (has(one.name)) wanted.push_back(one.name);
+        if (has(one.name)) enabled.push_back(one.name);
     XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
     std::strcpy(info.applicationInfo.applicationName, "NeuVV");
     std::strcpy(info.applicationInfo.engineName, "NeuVV");
     info.applicationInfo.applicationVersion = info.applicationInfo.engineVersion = 1;
     info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
-    info.enabledExtensionCount = static_cast<uint32_t>(wanted.size());
-    info.enabledExtensionNames = wanted.data();
+    info.enabledExtensionCount = static_cast<uint32_t>(enabled.size());
+    info.enabledExtensionNames = enabled.data();
     const XrResult result = xrCreateInstance(&info, instance_.out());
     if (XR_FAILED(result))
         throw RuntimeFailure(fmt::format("the OpenXR runtime does not start ({}): {}", result_name(result), kStart));
@@ -148,13 +148,12 @@ void Runtime::find_views() {
 }
 
 VkExtent2D Runtime::eye_size() const {
-    const VkExtent2D most = most_eye_size();
-    return {
-        std::min(std::max(views_[0].recommendedImageRectWidth, views_[1].recommendedImageRectWidth), most.width),
-        std::min(std::max(views_[0].recommendedImageRectHeight, views_[1].recommendedImageRectHeight), most.height)};
+    const VkExtent2D max = max_eye_size();
+    return {std::min(std::max(views_[0].recommendedImageRectWidth, views_[1].recommendedImageRectWidth), max.width),
+            std::min(std::max(views_[0].recommendedImageRectHeight, views_[1].recommendedImageRectHeight), max.height)};
 }
 
-VkExtent2D Runtime::most_eye_size() const {
+VkExtent2D Runtime::max_eye_size() const {
     return {std::min(views_[0].maxImageRectWidth, views_[1].maxImageRectWidth),
             std::min(views_[0].maxImageRectHeight, views_[1].maxImageRectHeight)};
 }
@@ -173,14 +172,14 @@ XrPath Runtime::path(const char* text) const {
 
 std::string Runtime::text_of(XrPath path) const {
     if (path == XR_NULL_PATH) return {};
-    const auto letters = enumerate("xrPathToString", name_, char{}, [&](uint32_t capacity, uint32_t* count, char* all) {
+    const auto text = enumerate("xrPathToString", name_, char{}, [&](uint32_t capacity, uint32_t* count, char* all) {
         return xrPathToString(instance(), path, capacity, count, all);
     });
-    return letters.data();
+    return text.data();
 }
 
-// The specification wants it asked before there is a session.
-void Runtime::expect_vulkan_version() const {
+// OpenXR also demands that the requirements are queried before a session is created.
+void Runtime::check_vulkan_version() const {
     XrGraphicsRequirementsVulkanKHR needs{XR_TYPE_GRAPHICS_REQUIREMENTS_VULKAN_KHR};
     const bool second = has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
     const char* call = second ? "xrGetVulkanGraphicsRequirements2KHR" : "xrGetVulkanGraphicsRequirementsKHR";
@@ -191,7 +190,7 @@ void Runtime::expect_vulkan_version() const {
 }
 
 gpu::DeviceExtensions Runtime::device_extensions() {
-    expect_vulkan_version();
+    check_vulkan_version();
     if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME)) return {};
     const auto names = [&](const char* call) {
         const auto get = function<PFN_xrGetVulkanInstanceExtensionsKHR>(call);
@@ -201,12 +200,13 @@ gpu::DeviceExtensions Runtime::device_extensions() {
         std::istringstream words(text.empty() ? "" : text.data());
         return std::vector<std::string>{std::istream_iterator<std::string>(words), {}};
     };
-    vulkan_names_ = names("xrGetVulkanInstanceExtensionsKHR");
-    const size_t first_of_device = vulkan_names_.size();
-    for (std::string& name : names("xrGetVulkanDeviceExtensionsKHR")) vulkan_names_.push_back(std::move(name));
+    vulkan_extension_names_ = names("xrGetVulkanInstanceExtensionsKHR");
+    const size_t first_of_device = vulkan_extension_names_.size();
+    for (std::string& name : names("xrGetVulkanDeviceExtensionsKHR"))
+        vulkan_extension_names_.push_back(std::move(name));
     gpu::DeviceExtensions extensions;
-    for (size_t i = 0; i < vulkan_names_.size(); i++)
-        (i < first_of_device ? extensions.instance : extensions.device).push_back(vulkan_names_[i].c_str());
+    for (size_t i = 0; i < vulkan_extension_names_.size(); i++)
+        (i < first_of_device ? extensions.instance : extensions.device).push_back(vulkan_extension_names_[i].c_str());
     return extensions;
 }
 

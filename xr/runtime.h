@@ -1,4 +1,4 @@
-// The OpenXR runtime of this machine, the headset behind it, and what they offer.
+// The OpenXR runtime of this machine, its headset, and what they offer.
 #pragma once
 
 #include <array>
@@ -10,27 +10,27 @@
 
 namespace neuvv::xr {
 
-// An extension of OpenXR that is used where there is one; `without` says what is done where there is none.
+// An extension of OpenXR that is used where the runtime offers it.
 struct OptionalExtension {
     const char* name;
-    const char* brings;
-    const char* without;
+    const char* benefit;   // what the program does with the extension, for people
+    const char* fallback;  // what it does without
 };
-// All of them; a Vulkan one is needed besides.
+// All optional extensions. Besides these, one of the extensions for Vulkan is required.
 std::vector<OptionalExtension> optional_extensions();
 
 constexpr uint32_t kEyes = 2;
 
-// One instance of the runtime, and its headset. Everything else of this module lives shorter.
+// An instance of the runtime, and its headset. It must outlive all other objects of this module.
 class Runtime {
   public:
-    // Throws RuntimeFailure, in a line that says what to start or to plug in, where there is no runtime, no headset, no
-    // Vulkan or no stereo.
+    // Throws RuntimeFailure where there is no runtime, no headset, no support of Vulkan or no stereo; its message is
+    // one line that says what to start or to plug in.
     Runtime();
 
     XrInstance instance() const { return instance_.get(); }
     XrSystemId system() const { return system_; }
-    // Whether an extension is offered, and so is in use.
+    // Whether the runtime offers an extension. Offered extensions that this module knows are enabled.
     bool has(const char* extension) const;
     template <typename Function>
     Function function(const char* name) const {
@@ -41,30 +41,32 @@ class Runtime {
 
     const std::string& name() const { return name_; }          // "Monado 21.0.0"
     const std::string& headset() const { return headset_; }    // "Simulated HMD"
-    bool tracks_position() const { return tracks_position_; }  // else it only turns
-    bool tracks_hands() const { return tracks_hands_; }        // joints, by XR_EXT_hand_tracking
+    bool tracks_position() const { return tracks_position_; }  // else only the head's orientation is tracked
+    bool tracks_hands() const { return tracks_hands_; }        // joints of bare hands, by XR_EXT_hand_tracking
     const std::array<XrViewConfigurationView, kEyes>& views() const { return views_; }
-    // Pixels that it recommends for an eye, the larger of both; and the most that it takes.
+    // The size in pixels that the runtime recommends for the image of an eye (the larger one of both eyes), and the
+    // largest size that it takes.
     VkExtent2D eye_size() const;
-    VkExtent2D most_eye_size() const;
-    XrEnvironmentBlendMode blend_mode() const { return blend_modes_[0]; }  // the one that it prefers
+    VkExtent2D max_eye_size() const;
+    XrEnvironmentBlendMode blend_mode() const { return blend_modes_[0]; }  // the one that the runtime prefers
     const std::vector<XrEnvironmentBlendMode>& blend_modes() const { return blend_modes_; }
     XrViewConfigurationType view_configuration() const { return XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO; }
 
-    // Vulkan as the runtime wants it: for the constructor of Device. Both use this object, which must outlive the
-    // Device.
+    // The Vulkan extensions that the runtime requires, and the calls with which it creates instance and device, for the
+    // constructor of gpu::Device. Both refer to this object, which must outlive the Device. device_extensions() throws
+    // RuntimeFailure where the runtime requires a newer version of Vulkan than 1.3.
     gpu::DeviceExtensions device_extensions();
     gpu::DeviceMaker device_maker() const;
 
   private:
     PFN_xrVoidFunction find_function(const char* name) const;
-    void make_instance();
+    void create_instance();
     void find_headset();
     void find_views();
-    void expect_vulkan_version() const;
+    void check_vulkan_version() const;
 
     std::vector<std::string> offered_;
-    std::vector<std::string> vulkan_names_;  // of extensions that XR_KHR_vulkan_enable asks for
+    std::vector<std::string> vulkan_extension_names_;  // what XR_KHR_vulkan_enable requires; owns the names
     XrOwnedInstance instance_;
     XrSystemId system_ = XR_NULL_SYSTEM_ID;
     std::string name_, headset_;

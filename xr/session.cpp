@@ -36,9 +36,9 @@ XrPosef xr_pose(const Pose& pose) {
 }
 
 bool spans_image(const XrFovf& fov) {
-    constexpr float kMost = 1.56f;
-    const bool sound = std::abs(fov.angleLeft) < kMost && std::abs(fov.angleRight) < kMost &&
-                       std::abs(fov.angleUp) < kMost && std::abs(fov.angleDown) < kMost;  // false for NaN
+    constexpr float kMax_rad = 1.56f;
+    const bool sound = std::abs(fov.angleLeft) < kMax_rad && std::abs(fov.angleRight) < kMax_rad &&
+                       std::abs(fov.angleUp) < kMax_rad && std::abs(fov.angleDown) < kMax_rad;  // false for NaN
     return sound && fov.angleRight - fov.angleLeft > 1e-3f && fov.angleUp - fov.angleDown > 1e-3f;
 }
 
@@ -52,10 +52,10 @@ Session::Session(const Runtime& runtime, const gpu::Device& device) : runtime_(r
     const XrSessionCreateInfo info{XR_TYPE_SESSION_CREATE_INFO, &graphics, 0, runtime.system()};
     const std::lock_guard lock(device.queue_mutex());
     check(xrCreateSession(runtime.instance(), &info, session_.out()), "xrCreateSession", runtime.headset());
-    make_spaces();
+    create_spaces();
 }
 
-void Session::make_spaces() {
+void Session::create_spaces() {
     const auto types = enumerate("xrEnumerateReferenceSpaces", runtime_.headset(), XrReferenceSpaceType{},
                                  [&](uint32_t capacity, uint32_t* count, XrReferenceSpaceType* all) {
                                      return xrEnumerateReferenceSpaces(handle(), capacity, count, all);
@@ -63,7 +63,7 @@ void Session::make_spaces() {
     knows_floor_ = std::find(types.begin(), types.end(), XR_REFERENCE_SPACE_TYPE_STAGE) != types.end();
     tracking_ = knows_floor_
                     ? reference_space(handle(), XR_REFERENCE_SPACE_TYPE_STAGE)
-                    : reference_space(handle(), XR_REFERENCE_SPACE_TYPE_LOCAL, {{0, -kEyesAbove_m, 0}, {1, 0, 0, 0}});
+                    : reference_space(handle(), XR_REFERENCE_SPACE_TYPE_LOCAL, {{0, -kEyeHeight_m, 0}, {1, 0, 0, 0}});
     head_ = reference_space(handle(), XR_REFERENCE_SPACE_TYPE_VIEW);
 }
 
@@ -78,7 +78,7 @@ void Session::end_session() {
     check(xrEndSession(handle()), "xrEndSession", runtime_.headset());
 }
 
-void Session::changed(const XrEventDataSessionStateChanged& event) {
+void Session::on_state_changed(const XrEventDataSessionStateChanged& event) {
     if (event.session != handle()) return;
     state_ = event.state;
     switch (state_) {
@@ -98,31 +98,31 @@ void Session::changed(const XrEventDataSessionStateChanged& event) {
     }
 }
 
-SessionDoes Session::poll(SessionNews& news) {
+SessionStatus Session::poll(SessionEvents& events) {
     for (XrEventDataBuffer event{XR_TYPE_EVENT_DATA_BUFFER};
          check(xrPollEvent(runtime_.instance(), &event), "xrPollEvent", runtime_.name()) == XR_SUCCESS;
          event = {XR_TYPE_EVENT_DATA_BUFFER}) {
         const auto as = [&]<typename T>(T) { return reinterpret_cast<const T&>(event); };
         switch (event.type) {
             case XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED:
-                changed(as(XrEventDataSessionStateChanged{}));
+                on_state_changed(as(XrEventDataSessionStateChanged{}));
                 break;
             case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
                 throw XrFailure(XR_ERROR_INSTANCE_LOST, "xrPollEvent", runtime_.name());
             case XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED:
-                news.controllers = true;
+                events.controllers_changed = true;
                 break;
             case XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR:
                 if (const uint32_t eye = as(XrEventDataVisibilityMaskChangedKHR{}).viewIndex; eye < kEyes)
-                    news.mask[eye] = true;
+                    events.mask_changed[eye] = true;
                 break;
             default:
-                break;  // recentring and refresh rates: poses and times say them; extensions that are not used
+                break;  // such as recentring and refresh rates, which show in poses and times; and unused extensions
         }
     }
-    if (lost_) return SessionDoes::kLost;
-    if (ended_) return SessionDoes::kEnd;
-    return running_ ? SessionDoes::kRun : SessionDoes::kWait;
+    if (lost_) return SessionStatus::kLost;
+    if (ended_) return SessionStatus::kEnded;
+    return running_ ? SessionStatus::kRunning : SessionStatus::kIdle;
 }
 
 void Session::request_exit() {
@@ -132,18 +132,18 @@ void Session::request_exit() {
         ended_ = true;
 }
 
-FrameTime Session::wait() {
+FrameTime Session::wait_frame() {
     XrFrameState state{XR_TYPE_FRAME_STATE};
     check(xrWaitFrame(handle(), nullptr, &state), "xrWaitFrame", runtime_.headset());
     return {state.predictedDisplayTime, state.predictedDisplayPeriod, state.shouldRender == XR_TRUE};
 }
 
-void Session::begin() {
+void Session::begin_frame() {
     const std::lock_guard lock(device_.queue_mutex());
     check(xrBeginFrame(handle(), nullptr), "xrBeginFrame", runtime_.headset());
 }
 
-void Session::end(const FrameTime& time, std::span<const XrCompositionLayerBaseHeader* const> layers) {
+void Session::end_frame(const FrameTime& time, std::span<const XrCompositionLayerBaseHeader* const> layers) {
     XrFrameEndInfo info{XR_TYPE_FRAME_END_INFO};
     info.displayTime = time.display;
     info.environmentBlendMode = runtime_.blend_mode();
@@ -161,8 +161,9 @@ std::optional<EyeViews> Session::locate_eyes(XrTime time) {
     views.fill({XR_TYPE_VIEW});
     uint32_t count = 0;
     check(xrLocateViews(handle(), &info, &state, kEyes, &count, views.data()), "xrLocateViews", runtime_.headset());
-    const bool sees = std::all_of(views.begin(), views.end(), [](const XrView& view) { return spans_image(view.fov); });
-    if (!is_known(state.viewStateFlags) || !sees) return last_eyes_;
+    const bool all_span =
+        std::all_of(views.begin(), views.end(), [](const XrView& view) { return spans_image(view.fov); });
+    if (!is_known(state.viewStateFlags) || !all_span) return last_eyes_;
     last_eyes_.emplace();
     for (uint32_t i = 0; i < kEyes; i++) last_eyes_->eye[i] = {pose_of(views[i].pose), views[i].fov};
     return last_eyes_;

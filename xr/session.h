@@ -1,6 +1,6 @@
-// A session with the headset: its states, where its user is, and frames in the runtime's time.
+// A session with the headset: its states, the poses of head and eyes, and the frame loop.
 //
-//     poll ─► wait ─► begin ─► locate ─► draw ─► end
+//     poll ─► wait_frame ─► begin_frame ─► locate_eyes ─► draw ─► end_frame
 #pragma once
 
 #include <array>
@@ -16,26 +16,26 @@ namespace neuvv::xr {
 Pose pose_of(const XrPosef& pose);
 XrPosef xr_pose(const Pose& pose);
 
-// What goes on, after its events.
-enum class SessionDoes {
-    kWait,  // nothing is to be drawn: poll again soon
-    kRun,   // frames
-    kEnd,   // the user or the runtime wants an end
-    kLost,  // this session is of no more use; another one may be
+// The state of a session after the events of a poll.
+enum class SessionStatus {
+    kIdle,     // there are no frames to draw: poll again soon
+    kRunning,  // frames are to be waited for, begun and ended
+    kEnded,    // the user or the runtime has ended the session
+    kLost,     // the session cannot be used any more; a new one may work
 };
 
-// What the events of a poll said besides.
-struct SessionNews {
-    bool controllers = false;        // other ones are held: Actions::look_at_controllers
-    std::array<bool, kEyes> mask{};  // the lens of an eye hides another part of it
+// The other events of a poll.
+struct SessionEvents {
+    bool controllers_changed = false;        // the user holds other controllers: call Actions::update_controllers
+    std::array<bool, kEyes> mask_changed{};  // the lens of this eye hides another part of the image
 };
 
-constexpr double kEyesAbove_m = 1.6;
+constexpr double kEyeHeight_m = 1.6;  // above the floor, where the runtime does not know the floor
 
 struct FrameTime {
-    XrTime display = 0;     // when its light reaches the eyes, ns of the runtime's time
-    XrDuration period = 0;  // of the display
-    bool render = false;    // else the images would not be seen
+    XrTime display = 0;          // when the display shows the frame, in nanoseconds of the runtime's clock
+    XrDuration period = 0;       // of the display, nanoseconds
+    bool should_render = false;  // else nobody would see the images
 };
 
 struct EyeView {
@@ -45,48 +45,52 @@ struct EyeView {
 struct EyeViews {
     std::array<EyeView, kEyes> eye;
 };
-// Whether angles span an image: each within 89.4° of the axis.
+// Whether a field of view spans an image: each angle is within 89.4° of the axis, left is less than right, and down is
+// less than up. False for NaN.
 bool spans_image(const XrFovf& fov);
 
 class Session {
   public:
-    // Both must outlive it. Throws XrFailure.
+    // Runtime and device must outlive the session. Throws XrFailure.
     Session(const Runtime& runtime, const gpu::Device& device);
 
     XrSession handle() const { return session_.get(); }
     const Runtime& runtime() const { return runtime_; }
-    // STAGE: its origin lies on the floor in the middle of where the user may walk. Where the runtime knows no floor:
-    // kEyesAbove_m below LOCAL's origin, which is at the height of the eyes.
+    // The space in which all poses are located: OpenXR's STAGE, whose origin lies on the floor in the middle of the
+    // area where the user may walk. Where the runtime has no STAGE, a space kEyeHeight_m below the origin of LOCAL,
+    // which is at the height of the eyes.
     XrSpace tracking_space() const { return tracking_.get(); }
     bool knows_floor() const { return knows_floor_; }
     XrSpace head_space() const { return head_.get(); }
 
-    // Takes all events, begins and ends the session as they want it.
-    SessionDoes poll(SessionNews& news);
-    // Asks the runtime for an end, which comes as kEnd.
+    // Handles all waiting events; begins and ends the session as they demand. `events` receives what else they
+    // reported. Throws XrFailure, with XR_ERROR_INSTANCE_LOST where the runtime is about to go away.
+    SessionStatus poll(SessionEvents& events);
+    // Asks the runtime to end the session; a later poll returns kEnded.
     void request_exit();
 
-    // Throttles to the display. Throws XrFailure, also where the session is lost; poll() tells then.
-    FrameTime wait();
-    void begin();
-    // Layers in the order in which they cover each other; none: nothing new is shown.
-    void end(const FrameTime& time, std::span<const XrCompositionLayerBaseHeader* const> layers);
+    // Waits until the runtime wants the next frame, which throttles the loop to the display. Throws XrFailure, also
+    // where the session is lost.
+    FrameTime wait_frame();
+    void begin_frame();
+    // Submits the layers of the frame; a later layer covers the earlier ones. Without layers the frame shows nothing.
+    void end_frame(const FrameTime& time, std::span<const XrCompositionLayerBaseHeader* const> layers);
 
-    // Where the eyes will be. While the head is not tracked, or eyes have angles that span nothing: where they were
-    // last; nothing before they ever were anywhere.
+    // The predicted poses (tracking space) and fields of view of the eyes. While the head is not tracked, or where a
+    // field of view spans no image, the last good ones; empty where there are none yet.
     std::optional<EyeViews> locate_eyes(XrTime time);
-    // Where a space is in the tracking space; nothing while it is not known.
+    // The pose of a space in the tracking space; empty while it is not tracked.
     std::optional<Pose> locate(XrSpace space, XrTime time) const;
 
-    // Rates that the display knows, Hz; none where they cannot be chosen.
+    // The display's refresh rates in Hz; empty where the runtime does not let a program choose one.
     std::vector<float> refresh_rates() const;
     void request_refresh_rate(float hz);
 
   private:
-    void make_spaces();
+    void create_spaces();
     void begin_session();
     void end_session();
-    void changed(const XrEventDataSessionStateChanged& event);
+    void on_state_changed(const XrEventDataSessionStateChanged& event);
     const Runtime& runtime_;
     const gpu::Device& device_;
     XrOwnedSession session_;

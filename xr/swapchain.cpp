@@ -6,7 +6,8 @@
 
 namespace neuvv::xr {
 
-XrImages::XrImages(const Session& session, const gpu::Device& device, std::string name, const XrSwapchainShape& shape)
+SwapchainImages::SwapchainImages(const Session& session, const gpu::Device& device, std::string name,
+                                 const SwapchainShape& shape)
     : device_(device), name_(std::move(name)), shape_(shape) {
     const auto offered = enumerate("xrEnumerateSwapchainFormats", name_, int64_t{},
                                    [&](uint32_t capacity, uint32_t* count, int64_t* all) {
@@ -37,11 +38,11 @@ XrImages::XrImages(const Session& session, const gpu::Device& device, std::strin
     }
 }
 
-XrImages::~XrImages() {
+SwapchainImages::~SwapchainImages() {
     for (VkImageView view : views_) vkDestroyImageView(device_.handle(), view, nullptr);
 }
 
-bool XrImages::create(const Session& session, VkFormat format) {
+bool SwapchainImages::create(const Session& session, VkFormat format) {
     XrSwapchainCreateInfo info{XR_TYPE_SWAPCHAIN_CREATE_INFO};
     info.usageFlags = shape_.usage;
     info.format = format;
@@ -59,7 +60,7 @@ bool XrImages::create(const Session& session, VkFormat format) {
     return true;
 }
 
-uint32_t XrImages::acquire() {
+uint32_t SwapchainImages::acquire() {
     uint32_t index = 0;
     {
         const std::lock_guard lock(device_.queue_mutex());
@@ -70,12 +71,12 @@ uint32_t XrImages::acquire() {
     return index;
 }
 
-void XrImages::release() {
+void SwapchainImages::release() {
     const std::lock_guard lock(device_.queue_mutex());
     check(xrReleaseSwapchainImage(handle(), nullptr), "xrReleaseSwapchainImage", name_);
 }
 
-XrSwapchainSubImage XrImages::part(uint32_t layer) const {
+XrSwapchainSubImage SwapchainImages::sub_image(uint32_t layer) const {
     return {
         handle(), {{0, 0}, {static_cast<int32_t>(shape_.size.width), static_cast<int32_t>(shape_.size.height)}}, layer};
 }

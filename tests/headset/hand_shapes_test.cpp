@@ -8,10 +8,10 @@ namespace {
 struct HandShapesTest : HandsAtAStage {
     xr::EyeShapes shapes;
     HandShapesTest() { shapes.begin(head.position, 0); }
-    // Of one colour, however light falls on it.
-    static size_t corners_at(std::span<const xr::ShapeVertex> list, glm::dvec3 place, double within_m) {
+    // The number of triangle corners near a position.
+    static size_t corners_at(std::span<const xr::ShapeVertex> list, glm::dvec3 position, double within_m) {
         return static_cast<size_t>(std::count_if(list.begin(), list.end(), [&](const xr::ShapeVertex& corner) {
-            return glm::distance(glm::dvec3(corner.place), place) < within_m;
+            return glm::distance(glm::dvec3(corner.position), position) < within_m;
         }));
     }
 };
@@ -20,11 +20,11 @@ TEST_F(HandShapesTest, JointsAndBonesStandOnThePerformer) {
     headset::JointOverlay overlay;
     overlay.joints = {{"hip", {0.5, 0.5, 0.5}}, {"knee", {0.5, 0.3, 0.5}}, {"wrist", {0.9, 0.6, 0.5}}};
     overlay.bones = {{0, 1}};
-    const glm::dmat4 world = on.evaluated.performers[1].world_from_performer;
+    const glm::dmat4 world = state.evaluated.performers[1].world_from_performer;
     headset::draw_overlay(shapes, overlay, world);
-    const auto at = [&](glm::dvec3 place) { return glm::dvec3(world * glm::dvec4(place, 1)); };
+    const auto at = [&](glm::dvec3 position) { return glm::dvec3(world * glm::dvec4(position, 1)); };
     for (const headset::JointOverlay::Joint& joint : overlay.joints)
-        EXPECT_GT(corners_at(shapes.solid(), at(joint.at), 0.026), 100u) << joint.name;
+        EXPECT_GT(corners_at(shapes.solid(), at(joint.position), 0.026), 100u) << joint.name;
     const size_t with_bone = shapes.solid().size();
     overlay.bones.clear();
     shapes.begin(head.position, 0);
@@ -33,42 +33,42 @@ TEST_F(HandShapesTest, JointsAndBonesStandOnThePerformer) {
 }
 
 TEST_F(HandShapesTest, AHandThatIsSeenItselfHoldsNoController) {
-    headset::draw_interaction(shapes, on, interaction);
+    headset::draw_interaction(shapes, state, interaction);
     const size_t both = corners_at(shapes.solid(), kRightHand, 0.11);
     EXPECT_GT(both, 0u);
-    inputs[xr::kRight].bare = true;
+    inputs[xr::kRight].bare_hand = true;
     frame();
     shapes.begin(head.position, 0);
-    headset::draw_interaction(shapes, on, interaction);
+    headset::draw_interaction(shapes, state, interaction);
     EXPECT_EQ(corners_at(shapes.solid(), kRightHand, 0.11), 0u);
     EXPECT_GT(corners_at(shapes.solid(), kLeftHand, 0.11), 0u);
 }
 
 TEST_F(HandShapesTest, ThereIsAFloorWhereThereIsNoSet) {
-    headset::draw_floor(shapes, on);
-    EXPECT_TRUE(shapes.clear_ones().empty()) << "a new stage has one";
-    for (int nodes = 10; nodes > 0 && editor::has_set(*on.stage); nodes--) {
-        for (uint32_t i = 0; i < on.stage->scene.nodes.size(); i++)
-            if (on.stage->scene.nodes[i].draws_mesh()) {
+    headset::draw_floor(shapes, state);
+    EXPECT_TRUE(shapes.translucent().empty()) << "a new stage has one";
+    for (int nodes = 10; nodes > 0 && editor::has_set(*state.stage); nodes--) {
+        for (uint32_t i = 0; i < state.stage->scene.nodes.size(); i++)
+            if (state.stage->scene.nodes[i].draws_mesh()) {
                 ASSERT_TRUE(
-                    on.editor.edit([&](edit::Document& document) { return edit::remove_node(document.file, i); }));
+                    state.editor.edit([&](edit::Document& document) { return edit::remove_node(document.file, i); }));
                 break;
             }
         frame();
     }
-    ASSERT_FALSE(editor::has_set(*on.stage));
-    headset::draw_floor(shapes, on);
-    EXPECT_FALSE(shapes.clear_ones().empty());
-    for (const xr::ShapeVertex& corner : shapes.clear_ones()) EXPECT_NEAR(corner.place.y, on.floor_m, 0.01);
+    ASSERT_FALSE(editor::has_set(*state.stage));
+    headset::draw_floor(shapes, state);
+    EXPECT_FALSE(shapes.translucent().empty());
+    for (const xr::ShapeVertex& corner : shapes.translucent()) EXPECT_NEAR(corner.position.y, state.floor_m, 0.01);
 }
 
 TEST_F(HandShapesTest, ABrushIsSeenWithinAPerformer) {
-    on.tool = headset::HandTool::kPaint;
+    state.tool = headset::HandTool::kPaint;
     frame();
-    headset::draw_interaction(shapes, on, interaction);
-    const glm::dvec3 tip = headset::BrushHand::tip_of(*interaction.hands[xr::kRight].aim);
-    EXPECT_GT(corners_at(shapes.through_ones(), tip, on.brush.radius_m + 1e-6), 100u);
-    EXPECT_EQ(corners_at(shapes.clear_ones(), tip, on.brush.radius_m + 1e-6), shapes.through_ones().size());
+    headset::draw_interaction(shapes, state, interaction);
+    const glm::dvec3 tip = headset::HandPainter::tip_of(*interaction.hands[xr::kRight].aim);
+    EXPECT_GT(corners_at(shapes.on_top(), tip, state.brush.radius_m + 1e-6), 100u);
+    EXPECT_EQ(corners_at(shapes.translucent(), tip, state.brush.radius_m + 1e-6), shapes.on_top().size());
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Two hands at a stage of two performers, without a headset: what the program's frames do between the runtime's poses
-// and the images.
+// Two hands and a stage of two performers, without a headset: what a frame of the program does between the runtime's
+// poses and the images.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 
 namespace neuvv::test {
 
-// In the middle of anna and of ben, who stand 2 m before the user, 1.6 m high; and where hands are at first.
+// The middles of anna and ben, who are 1.6 m high and stand 2 m before the user; and the hands' first positions.
 constexpr glm::dvec3 kAnna(-0.8, 0.8, -2), kBen(0.8, 0.8, -2), kRightHand(0.2, 1.2, -0.3), kLeftHand(-0.2, 1.2, -0.3);
 
 inline xr::Pose pointing(glm::dvec3 from, glm::dvec3 to) {
@@ -24,17 +24,18 @@ inline xr::Pose pointing(glm::dvec3 from, glm::dvec3 to) {
 
 class HandsAtAStage : public testing::Test {
   protected:
-    HandsAtAStage() : jobs([this](const std::string& problem) { on.editor.notify(problem, true); }, [] {}) {
+    HandsAtAStage() : jobs([this](const std::string& problem) { state.editor.notify(problem, true); }, [] {}) {
         voctree::write_nvv(clip, figure_tree());
         stage::StageFile file = edit::new_stage(folder.path / "stage.gltf");
         for (const auto& [name, middle] : {std::pair{"anna", kAnna}, std::pair{"ben", kBen}}) {
             edit::PerformerEdit performer;
             performer.clip = clip;
-            edit::Placement place;
-            place.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, middle.x - 0.8, 0, middle.z - 0.8, 1);
-            edit::add_performer(file, name, performer, place);
+            edit::Placement placement;
+            placement.matrix =
+                glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, middle.x - 0.8, 0, middle.z - 0.8, 1);
+            edit::add_performer(file, name, performer, placement);
         }
-        on.editor.open({std::move(file), {}, {}}, false);
+        state.editor.open({std::move(file), {}, {}}, false);
         point(xr::kRight, kRightHand, kBen);
         point(xr::kLeft, kLeftHand, kAnna);
         frame();
@@ -42,18 +43,18 @@ class HandsAtAStage : public testing::Test {
     ~HandsAtAStage() override { jobs.stop(); }
 
     void point(int hand, glm::dvec3 from, glm::dvec3 to) { inputs[hand].aim = inputs[hand].grip = pointing(from, to); }
-    // Buttons are pressed for one frame.
+    // Runs a frame. Buttons that were pressed are released after it.
     void frame(double dt_s = 1.0 / 90) {
         jobs.run_posted();
-        on.follow_document();
-        on.look_at_evaluated();
-        interaction.update(on, inputs, head, dt_s);
+        state.follow_document();
+        state.look_at_evaluated();
+        interaction.update(state, inputs, head, dt_s);
         for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }
     void frames(int count) {
         for (int i = 0; i < count; i++) frame();
     }
-    // Until all that was begun has come to its end.
+    // Runs frames until all jobs and strokes have ended.
     void settle() {
         const auto from = std::chrono::steady_clock::now();
         do {
@@ -61,35 +62,35 @@ class HandsAtAStage : public testing::Test {
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
             ASSERT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(60))
                 << "it does not come to an end";
-        } while (!jobs.idle() || jobs.has_posted() || interaction.brush.busy() || on.is_behind());
+        } while (!jobs.idle() || jobs.has_posted() || interaction.painter.is_busy() || state.is_behind());
     }
-    void select(glm::dvec3 what) {
-        point(xr::kRight, kRightHand, what);
+    void select(glm::dvec3 target) {
+        point(xr::kRight, kRightHand, target);
         inputs[xr::kRight].select = 1;
         frame();
         inputs[xr::kRight].select = 0;
         frame();
     }
 
-    uint32_t node(const std::string& name) const { return edit::find_node(on.editor.file(), name); }
-    glm::dvec3 place(const std::string& name) const { return {on.evaluated.pose.world_from_node[node(name)][3]}; }
-    size_t steps() {  // of the history; undoes them all
+    uint32_t node(const std::string& name) const { return edit::find_node(state.editor.file(), name); }
+    glm::dvec3 position(const std::string& name) const { return {state.evaluated.pose.world_from_node[node(name)][3]}; }
+    size_t undo_all() {  // returns the number of steps
         size_t count = 0;
-        for (; on.editor.history().next_undo(); count++) on.editor.undo();
+        for (; state.editor.history().next_undo(); count++) state.editor.undo();
         return count;
     }
-    bool was_told(const std::string& part) {
-        bool told = false;
-        for (const editor::Notice& notice : on.editor.take_notices())
-            told |= notice.text.find(part) != std::string::npos;
-        return told;
+    bool was_notified(const std::string& part) {
+        bool found = false;
+        for (const editor::Notice& notice : state.editor.take_notices())
+            found |= notice.text.find(part) != std::string::npos;
+        return found;
     }
 
     TemporaryFolder folder;
     std::filesystem::path clip = folder.path / "figure.nvv";
     xr::HandInputs inputs;
     xr::Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
-    headset::OnStage on;
+    headset::HeadsetState state;
     JobQueue jobs;
     headset::Interaction interaction = headset::Interaction(jobs);
 };

@@ -5,20 +5,20 @@
 namespace neuvv::test {
 namespace {
 
-constexpr glm::dvec3 kBeside(0.3, 0, -0.2);  // a hand's way
+constexpr glm::dvec3 kMove(0.3, 0, -0.2);  // how far a hand moves
 
 struct InteractionTest : HandsAtAStage {
-    // The right hand takes what it points at, and moves by kBeside.
-    void take_and_move(glm::dvec3 what) {
-        point(xr::kRight, kRightHand, what);
+    // The right hand points at `target`, grabs what its ray hits, and moves by kMove.
+    void grab_and_move(glm::dvec3 target) {
+        point(xr::kRight, kRightHand, target);
         inputs[xr::kRight].grab = 1;
         frame();
         for (int i = 1; i <= 4; i++) {
-            point(xr::kRight, kRightHand + 0.25 * i * kBeside, what + 0.25 * i * kBeside);
+            point(xr::kRight, kRightHand + 0.25 * i * kMove, target + 0.25 * i * kMove);
             frame();
         }
     }
-    void let_go() {
+    void release_grab() {
         inputs[xr::kRight].grab = 0;
         frames(2);
     }
@@ -26,65 +26,65 @@ struct InteractionTest : HandsAtAStage {
 
 TEST_F(InteractionTest, ATriggerSelectsWhatItPointsAtOnce) {
     select(kBen);
-    EXPECT_EQ(on.editor.selected(), node("ben"));
+    EXPECT_EQ(state.editor.selected(), node("ben"));
     select(kAnna);
-    EXPECT_EQ(on.editor.selected(), node("anna"));
+    EXPECT_EQ(state.editor.selected(), node("anna"));
     select({0, 5, -2});
-    EXPECT_FALSE(on.editor.selected()) << "nothing was pointed at";
-    EXPECT_FALSE(on.editor.modified());
+    EXPECT_FALSE(state.editor.selected()) << "nothing was pointed at";
+    EXPECT_FALSE(state.editor.modified());
 }
 
 TEST_F(InteractionTest, AHeldPerformerGoesWithItsHandAndIsOneStep) {
-    const glm::dvec3 before = place("ben");
-    take_and_move(kBen);
-    EXPECT_TRUE(interaction.holding.any());
-    EXPECT_FALSE(on.editor.modified()) << "while it is held";
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9) << "but it is seen there";
-    let_go();
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
-    EXPECT_LT(glm::distance(place("anna"), kAnna - glm::dvec3(0.8, 0.8, 0.8)), 1e-9) << "the other stays";
-    EXPECT_EQ(steps(), 1u);
+    const glm::dvec3 before = position("ben");
+    grab_and_move(kBen);
+    EXPECT_TRUE(interaction.grab.is_active());
+    EXPECT_FALSE(state.editor.modified()) << "while it is held";
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9) << "but it is seen there";
+    release_grab();
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
+    EXPECT_LT(glm::distance(position("anna"), kAnna - glm::dvec3(0.8, 0.8, 0.8)), 1e-9) << "the other stays";
+    EXPECT_EQ(undo_all(), 1u);
     frame();
-    EXPECT_LT(glm::distance(place("ben"), before), 1e-9);
+    EXPECT_LT(glm::distance(position("ben"), before), 1e-9);
 }
 
 TEST_F(InteractionTest, UndoWhileItIsHeldTakesTheMoveBack) {
-    const glm::dvec3 before = place("ben");
-    take_and_move(kBen);
+    const glm::dvec3 before = position("ben");
+    grab_and_move(kBen);
     inputs[xr::kLeft].undo = true;
     frames(2);
-    EXPECT_FALSE(interaction.holding.any());
-    EXPECT_LT(glm::distance(place("ben"), before), 1e-9);
-    let_go();
-    EXPECT_LT(glm::distance(place("ben"), before), 1e-9) << "letting go of nothing moves nothing";
-    EXPECT_FALSE(on.editor.modified());
+    EXPECT_FALSE(interaction.grab.is_active());
+    EXPECT_LT(glm::distance(position("ben"), before), 1e-9);
+    release_grab();
+    EXPECT_LT(glm::distance(position("ben"), before), 1e-9) << "letting go of nothing moves nothing";
+    EXPECT_FALSE(state.editor.modified());
 }
 
 TEST_F(InteractionTest, ACopyOfWhatIsHeldStandsWhereItWasPut) {
-    const glm::dvec3 before = place("ben");
-    take_and_move(kBen);
+    const glm::dvec3 before = position("ben");
+    grab_and_move(kBen);
     inputs[xr::kRight].duplicate = true;
     frames(2);
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
-    ASSERT_EQ(on.stage->performers.size(), 3u);
-    EXPECT_EQ(on.selected_performer(), 2u) << "the copy is selected";
-    EXPECT_EQ(steps(), 2u);
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
+    ASSERT_EQ(state.stage->performers.size(), 3u);
+    EXPECT_EQ(state.selected_performer(), 2u) << "the copy is selected";
+    EXPECT_EQ(undo_all(), 2u);
 }
 
 TEST_F(InteractionTest, WhatIsLockedIsNotTaken) {
-    on.editor.edit([&](edit::Document& document) { return edit::lock_node(document.file, node("ben"), true); });
-    const glm::dvec3 before = place("ben");
+    state.editor.edit([&](edit::Document& document) { return edit::lock_node(document.file, node("ben"), true); });
+    const glm::dvec3 before = position("ben");
     frame();
-    take_and_move(kBen);
-    EXPECT_FALSE(interaction.holding.any());
-    let_go();
-    EXPECT_EQ(place("ben"), before);
-    EXPECT_TRUE(was_told("locked"));
+    grab_and_move(kBen);
+    EXPECT_FALSE(interaction.grab.is_active());
+    release_grab();
+    EXPECT_EQ(position("ben"), before);
+    EXPECT_TRUE(was_notified("locked"));
     select(kBen);
-    headset::delete_selected(on);
+    headset::delete_selected(state);
     frame();
-    EXPECT_EQ(on.stage->performers.size(), 2u);
-    EXPECT_TRUE(was_told("locked"));
+    EXPECT_EQ(state.stage->performers.size(), 2u);
+    EXPECT_TRUE(was_notified("locked"));
 }
 
 TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
@@ -93,7 +93,7 @@ TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
         point(xr::kLeft, {0.55, 1.2, -0.3}, {0.55, 0.8, -2});
         inputs[xr::kRight].grab = inputs[xr::kLeft].grab = 1;
         frames(2);
-        ASSERT_TRUE(interaction.holding.holds(xr::kLeft) && interaction.holding.holds(xr::kRight));
+        ASSERT_TRUE(interaction.grab.is_grabbing(xr::kLeft) && interaction.grab.is_grabbing(xr::kRight));
         for (int i = 1; i <= 8; i++) {
             const double half = 0.5 * glm::mix(0.5, wider, i / 8.0);
             point(xr::kRight, {0.8 + half, 1.2, -0.3}, {0.8 + half, 0.8, -2});
@@ -102,10 +102,10 @@ TEST_F(InteractionTest, WhatIsScaledKeepsItsFeetOnTheFloor) {
         }
         inputs[xr::kLeft].grab = 0;
         frame();
-        let_go();
-        EXPECT_NEAR(on.evaluated.pose.world_from_node[node("ben")][0].x, 1.6 * wider / 0.5, 0.1);
-        EXPECT_NEAR(place("ben").y, 0, 1e-9) << wider;
-        on.editor.undo();
+        release_grab();
+        EXPECT_NEAR(state.evaluated.pose.world_from_node[node("ben")][0].x, 1.6 * wider / 0.5, 0.1);
+        EXPECT_NEAR(position("ben").y, 0, 1e-9) << wider;
+        state.editor.undo();
         frames(2);
     }
 }
@@ -117,32 +117,32 @@ TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
         frames(2);
         point(xr::kRight, kRightHand + glm::dvec3(0, by_m, 0), kBen + glm::dvec3(0, by_m, 0));
         frames(2);
-        let_go();
-        EXPECT_NEAR(place("ben").y, std::max(by_m, 0.0), 1e-9);
-        on.editor.undo();
+        release_grab();
+        EXPECT_NEAR(position("ben").y, std::max(by_m, 0.0), 1e-9);
+        state.editor.undo();
         frames(2);
     }
-    interaction.holding.settings.snaps_to_floor = false;
+    interaction.grab.settings.snaps_to_floor = false;
     point(xr::kRight, kRightHand, kBen);
     inputs[xr::kRight].grab = 1;
     frames(2);
     point(xr::kRight, kRightHand - glm::dvec3(0, 0.1, 0), kBen - glm::dvec3(0, 0.1, 0));
     frames(2);
-    let_go();
-    EXPECT_NEAR(place("ben").y, -0.1, 1e-9) << "where it is asked not to";
+    release_grab();
+    EXPECT_NEAR(position("ben").y, -0.1, 1e-9) << "where it is asked not to";
 }
 
 TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
-    const glm::dvec3 before = place("ben");
-    take_and_move(kBen);
+    const glm::dvec3 before = position("ben");
+    grab_and_move(kBen);
     inputs[xr::kRight].aim.reset();
     inputs[xr::kRight].grip.reset();
     frames(5);
-    EXPECT_TRUE(interaction.holding.any());
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
-    let_go();
-    EXPECT_LT(glm::distance(place("ben"), before + kBeside), 1e-9);
-    EXPECT_EQ(steps(), 1u);
+    EXPECT_TRUE(interaction.grab.is_active());
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
+    release_grab();
+    EXPECT_LT(glm::distance(position("ben"), before + kMove), 1e-9);
+    EXPECT_EQ(undo_all(), 1u);
 }
 
 TEST_F(InteractionTest, APressOnNothingThatEndedDuringAnEditDeselectsNothingLater) {
@@ -155,68 +155,68 @@ TEST_F(InteractionTest, APressOnNothingThatEndedDuringAnEditDeselectsNothingLate
     frames(2);
     select(kAnna);
     frames(2);
-    EXPECT_EQ(on.editor.selected(), node("anna"));
+    EXPECT_EQ(state.editor.selected(), node("anna"));
 }
 
 TEST_F(InteractionTest, APoseThatIsNoneIsNoHand) {
     inputs[xr::kRight].aim->position.x = std::numeric_limits<double>::quiet_NaN();
     inputs[xr::kRight].select = inputs[xr::kRight].grab = 1;
     frames(3);
-    EXPECT_FALSE(interaction.holding.any());
-    EXPECT_FALSE(on.editor.selected());
+    EXPECT_FALSE(interaction.grab.is_active());
+    EXPECT_FALSE(state.editor.selected());
 }
 
 TEST_F(InteractionTest, TheOtherHandDoesNotTakeAnotherPerformerMeanwhile) {
-    take_and_move(kBen);
+    grab_and_move(kBen);
     point(xr::kLeft, kLeftHand, kAnna);
     inputs[xr::kLeft].grab = 1;
     frames(2);
-    EXPECT_FALSE(interaction.holding.holds(xr::kLeft));
-    let_go();
-    EXPECT_EQ(steps(), 1u);
+    EXPECT_FALSE(interaction.grab.is_grabbing(xr::kLeft));
+    release_grab();
+    EXPECT_EQ(undo_all(), 1u);
 }
 
 TEST_F(InteractionTest, AStickThatPushesWhatIsHeldDoesNotTurnItsUser) {
-    take_and_move(kBen);
-    const glm::dvec3 before = place("ben");
+    grab_and_move(kBen);
+    const glm::dvec3 before = position("ben");
     inputs[xr::kRight].stick = {0, 1};
     frames(20);
-    EXPECT_LT(place("ben").z, before.z - 0.1) << "it is pushed away";
+    EXPECT_LT(position("ben").z, before.z - 0.1) << "it is pushed away";
     inputs[xr::kRight].stick = {1, 0};
     frames(3);
-    EXPECT_EQ(on.rig.yaw_rad, 0);
-    EXPECT_EQ(on.clock.speed, 1);
+    EXPECT_EQ(state.rig.yaw_rad, 0);
+    EXPECT_EQ(state.clock.speed, 1);
 }
 
 TEST_F(InteractionTest, AStickOnThePanelIsItsWheelAlone) {
-    on.panel_shown = true;
+    state.panel_visible = true;
     frame();
     ASSERT_TRUE(interaction.panel);
-    point(xr::kRight, kRightHand, interaction.panel->at({0.5, 0.5}));
+    point(xr::kRight, kRightHand, interaction.panel->point_at({0.5, 0.5}));
     frame();
     inputs[xr::kRight].stick = {0, 1};
     frame();
     EXPECT_EQ(interaction.panel_pointer().wheel, 1);
-    EXPECT_EQ(on.clock.speed, 1);
+    EXPECT_EQ(state.clock.speed, 1);
 }
 
 TEST_F(InteractionTest, ThePanelGoesWithTheHandThatGripsIt) {
-    on.panel_shown = true;
+    state.panel_visible = true;
     frame();
-    const glm::dvec3 before = interaction.panel->world.position;
-    point(xr::kRight, kRightHand, interaction.panel->at({0.5, 0.9}));
+    const glm::dvec3 before = interaction.panel->world_from_panel.position;
+    point(xr::kRight, kRightHand, interaction.panel->point_at({0.5, 0.9}));
     inputs[xr::kRight].grab = 1;
     frame();
     const xr::Pose held = *inputs[xr::kRight].aim;
-    inputs[xr::kRight].aim = inputs[xr::kRight].grip = xr::Pose{held.position + kBeside, held.rotation};
+    inputs[xr::kRight].aim = inputs[xr::kRight].grip = xr::Pose{held.position + kMove, held.rotation};
     frame();
-    EXPECT_LT(glm::distance(interaction.panel->world.position, before + kBeside), 1e-9);
-    EXPECT_FALSE(interaction.holding.any()) << "what is behind it is not held";
+    EXPECT_LT(glm::distance(interaction.panel->world_from_panel.position, before + kMove), 1e-9);
+    EXPECT_FALSE(interaction.grab.is_active()) << "what is behind it is not held";
     inputs[xr::kRight].grab = 0;
     frame();
     inputs[xr::kRight].aim = held;
     frame();
-    EXPECT_LT(glm::distance(interaction.panel->world.position, before + kBeside), 1e-9) << "it was let go";
+    EXPECT_LT(glm::distance(interaction.panel->world_from_panel.position, before + kMove), 1e-9) << "it was let go";
 }
 
 TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
@@ -229,7 +229,7 @@ TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
     EXPECT_FALSE(interaction.panel) << "not yet";
     frames(40);
     EXPECT_TRUE(interaction.panel);
-    EXPECT_EQ(on.editor.selected(), node("ben")) << "it is what the panel is for";
+    EXPECT_EQ(state.editor.selected(), node("ben")) << "it is what the panel is for";
     frames(80);
     EXPECT_TRUE(interaction.panel) << "once for a pinch";
     inputs[xr::kLeft].select = 0;
@@ -239,12 +239,12 @@ TEST_F(InteractionTest, BareHandsCallThePanelByALongPinchBesideAll) {
     EXPECT_FALSE(interaction.panel) << "the next one hides it";
     inputs[xr::kLeft].select = 0;
     frame();
-    EXPECT_EQ(on.editor.selected(), node("ben"));
+    EXPECT_EQ(state.editor.selected(), node("ben"));
     inputs[xr::kLeft].select = 1;
     frames(3);
     inputs[xr::kLeft].select = 0;
     frame();
-    EXPECT_FALSE(on.editor.selected()) << "a short one";
+    EXPECT_FALSE(state.editor.selected()) << "a short one";
 }
 
 TEST_F(InteractionTest, SpeedsStepFromOneToTheNextAndStayInTheirRange) {
@@ -255,13 +255,13 @@ TEST_F(InteractionTest, SpeedsStepFromOneToTheNextAndStayInTheirRange) {
         frame();
     };
     push(1);
-    EXPECT_EQ(on.clock.speed, 2);
+    EXPECT_EQ(state.clock.speed, 2);
     for (int i = 0; i < 5; i++) push(1);
-    EXPECT_EQ(on.clock.speed, 4);
+    EXPECT_EQ(state.clock.speed, 4);
     for (int i = 0; i < 5; i++) push(-1);
-    EXPECT_LT(on.clock.speed, 0) << "below the slowest it plays backwards";
+    EXPECT_LT(state.clock.speed, 0) << "below the slowest it plays backwards";
     for (int i = 0; i < 9; i++) push(-1);
-    EXPECT_EQ(on.clock.speed, -2);
+    EXPECT_EQ(state.clock.speed, -2);
 }
 
 }  // namespace

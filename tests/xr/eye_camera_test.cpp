@@ -1,44 +1,44 @@
-// Eyes as cameras, against OpenXR's own words: an image spans the angles of its fov, as tangents, from its left and
-// upper edge on.
+// Eyes as cameras, against the definition of OpenXR's specification: an image spans the tangents of its field of view's
+// angles, from its left and upper edge on.
 #include "xr/eye_camera.h"
 
 #include <gtest/gtest.h>
 
 #include "reference/camera.h"
-#include "xr/some_poses.h"
+#include "xr/random_poses.h"
 
 namespace neuvv::test {
 namespace {
 
 constexpr VkExtent2D kSize{300, 200};
 
-XrFovf some_fov(SomePoses& some) {
-    const auto angle = [&](double low, double high) { return static_cast<float>(some.number(low, high)); };
+XrFovf random_fov(RandomPoses& random) {
+    const auto angle = [&](double low, double high) { return static_cast<float>(random.number(low, high)); };
     return {angle(-1.2, -0.3), angle(-0.2, 1.2), angle(-0.1, 1.1), angle(-1.3, -0.4)};
 }
 
-// By the specification: pixels of a place before the eye.
-glm::dvec2 pixel_of(const xr::EyeView& eye, glm::dvec3 place_in_eye) {
-    const double x = place_in_eye.x / -place_in_eye.z, y = place_in_eye.y / -place_in_eye.z;
+// The pixel in which a point is seen, by the specification.
+glm::dvec2 pixel_of(const xr::EyeView& eye, glm::dvec3 position_in_eye) {
+    const double x = position_in_eye.x / -position_in_eye.z, y = position_in_eye.y / -position_in_eye.z;
     const double left = std::tan(double{eye.fov.angleLeft}), right = std::tan(double{eye.fov.angleRight});
     const double up = std::tan(double{eye.fov.angleUp}), down = std::tan(double{eye.fov.angleDown});
     return {kSize.width * (x - left) / (right - left), kSize.height * (up - y) / (up - down)};
 }
 
 TEST(EyeCamera, RaysOfItsPixelsMeetWhatTheEyeSeesThere) {
-    SomePoses some(1);
+    RandomPoses random(1);
     for (int i = 0; i < 200; i++) {
-        const xr::EyeView eye{some.pose(), some_fov(some)};
-        const xr::Pose rig = some.pose();
+        const xr::EyeView eye{random.pose(), random_fov(random)};
+        const xr::Pose rig = random.pose();
         const stage::Camera camera = xr::eye_camera(eye, rig, kSize);
         ASSERT_EQ(camera.width, kSize.width);
         ASSERT_EQ(camera.height, kSize.height);
-        const glm::dvec3 place(some.number(-2, 2), some.number(-2, 2), some.number(-4, -0.5));
-        const glm::dvec2 pixel = pixel_of(eye, place);
+        const glm::dvec3 position(random.number(-2, 2), random.number(-2, 2), random.number(-4, -0.5));
+        const glm::dvec2 pixel = pixel_of(eye, position);
         const reference::Ray ray = reference::camera_ray(camera, pixel.x - 0.5, pixel.y - 0.5);
-        const glm::dvec3 in_world = rig * (eye.pose * place), way = in_world - ray.origin;
-        EXPECT_LT(glm::length(glm::cross(ray.direction, way)), 1e-9 * glm::length(way)) << i;
-        EXPECT_GT(glm::dot(ray.direction, way), 0) << i;
+        const glm::dvec3 in_world = rig * (eye.pose * position), offset = in_world - ray.origin;
+        EXPECT_LT(glm::length(glm::cross(ray.direction, offset)), 1e-9 * glm::length(offset)) << i;
+        EXPECT_GT(glm::dot(ray.direction, offset), 0) << i;
     }
 }
 
@@ -54,12 +54,12 @@ TEST(EyeCamera, AnglesThatSpanNothingAreNoPicture) {
 }
 
 TEST(EyeCamera, AMeshOnTheEyesPlaneLiesWhereItsCornersAreSeen) {
-    SomePoses some(2);
-    const xr::EyeView eye{{}, some_fov(some)};
+    RandomPoses random(2);
+    const xr::EyeView eye{{}, random_fov(random)};
     std::vector<XrVector2f> vertices;
     for (int i = 0; i < 6; i++)
-        vertices.push_back({static_cast<float>(some.number(-2, 2)), static_cast<float>(some.number(-2, 2))});
-    const std::vector<uint32_t> indices{0, 1, 2, 5, 4, 3, 1, 2};  // two triangles, and two that are left over
+        vertices.push_back({static_cast<float>(random.number(-2, 2)), static_cast<float>(random.number(-2, 2))});
+    const std::vector<uint32_t> indices{0, 1, 2, 5, 4, 3, 1, 2};  // two triangles, and two indices that are left over
     const std::vector<glm::vec2> corners = xr::corners_in_image(vertices, indices, eye.fov);
     ASSERT_EQ(corners.size(), 6u);
     for (size_t i = 0; i < corners.size(); i++) {
@@ -84,7 +84,7 @@ TEST(EyeCamera, TheInsetLiesAroundTheAxisAndInsideThePicture) {
     EXPECT_LT(glm::distance(around.first, glm::dvec2(0.15, 0.2)), 1e-12);
     EXPECT_LT(glm::distance(around.last, glm::dvec2(0.65, 0.7)), 1e-12);
     EXPECT_EQ(around.beside, 0.4);
-    eye.cx = 290;  // too near to the edge
+    eye.cx = 290;  // the axis is too near to the right edge, and above the image
     eye.cy = -50;
     const render::Fovea pushed = xr::fovea_of(eye, 0.5, 0.4);
     EXPECT_LT(glm::distance(pushed.first, glm::dvec2(0.5, 0)), 1e-12);

@@ -9,18 +9,18 @@ namespace {
 
 constexpr glm::vec4 kRed{0.8f, 0.1f, 0.05f, 1}, kClear{0.5f, 0.75f, 1, 0.5f};
 
-xr::EyeShapes seen_from(glm::dvec3 eye, double least_width_rad = 0) {
+xr::EyeShapes seen_from(glm::dvec3 eye, double min_width_rad = 0) {
     xr::EyeShapes shapes;
-    shapes.begin(eye, least_width_rad);
+    shapes.begin(eye, min_width_rad);
     return shapes;
 }
 
-// The largest distance of corners from a line's axis, at one of its ends.
+// The largest distance of the corners at one end of a line from that end.
 double half_width_at(std::span<const xr::ShapeVertex> corners, glm::vec3 end) {
     double widest = 0;
     for (const xr::ShapeVertex& corner : corners)
-        if (glm::distance(corner.place, end) < 0.4f)
-            widest = std::max(widest, double{glm::distance(corner.place, end)});
+        if (glm::distance(corner.position, end) < 0.4f)
+            widest = std::max(widest, double{glm::distance(corner.position, end)});
     return widest;
 }
 
@@ -28,37 +28,37 @@ TEST(EyeShapes, SolidOnesAndClearOnesAreApart) {
     xr::EyeShapes shapes = seen_from({});
     shapes.ball({0, 0, -1}, 0.1, kRed);
     EXPECT_FALSE(shapes.solid().empty());
-    EXPECT_TRUE(shapes.clear_ones().empty());
+    EXPECT_TRUE(shapes.translucent().empty());
     const size_t solid = shapes.solid().size();
     shapes.ball({0, 0, -1}, 0.1, kClear);
     EXPECT_EQ(shapes.solid().size(), solid);
-    EXPECT_EQ(shapes.clear_ones().size(), solid) << "the same triangles";
+    EXPECT_EQ(shapes.translucent().size(), solid) << "the same triangles";
     shapes.line({0, 0, -1}, {0, 0, -2}, 0.01, kRed, glm::vec4(glm::vec3(kRed), 0));
     EXPECT_EQ(shapes.solid().size(), solid) << "a line that fades is clear";
     shapes.begin({}, 0);
-    EXPECT_TRUE(shapes.solid().empty() && shapes.clear_ones().empty() && shapes.holes().empty());
+    EXPECT_TRUE(shapes.solid().empty() && shapes.translucent().empty() && shapes.holes().empty());
 }
 
 TEST(EyeShapes, WhatIsSeenThroughAllIsApart) {
     xr::EyeShapes shapes = seen_from({});
-    shapes.see_through(true);
+    shapes.draw_on_top(true);
     shapes.ball({0, 0, -1}, 0.1, kRed);
     shapes.line({0, 0, -1}, {0, 0, -2}, 0.01, kClear, kClear);
-    EXPECT_TRUE(shapes.solid().empty() && shapes.clear_ones().empty());
-    const size_t through = shapes.through_ones().size();
+    EXPECT_TRUE(shapes.solid().empty() && shapes.translucent().empty());
+    const size_t through = shapes.on_top().size();
     EXPECT_GT(through, 0u);
-    shapes.see_through(false);
+    shapes.draw_on_top(false);
     shapes.ball({0, 0, -1}, 0.1, kRed);
-    EXPECT_EQ(shapes.through_ones().size(), through);
+    EXPECT_EQ(shapes.on_top().size(), through);
     EXPECT_FALSE(shapes.solid().empty());
     shapes.begin({}, 0);
-    EXPECT_TRUE(shapes.through_ones().empty());
+    EXPECT_TRUE(shapes.on_top().empty());
 }
 
 TEST(EyeShapes, ColoursArePremultiplied) {
     xr::EyeShapes shapes = seen_from({});
     shapes.line({0, 0, -1}, {0, 0, -2}, 0.01, kClear, kClear);
-    for (const xr::ShapeVertex& corner : shapes.clear_ones()) {
+    for (const xr::ShapeVertex& corner : shapes.translucent()) {
         EXPECT_EQ(corner.colour.a, 0.5f);
         EXPECT_EQ(glm::vec3(corner.colour), 0.5f * glm::vec3(kClear));
     }
@@ -78,7 +78,8 @@ TEST(EyeShapes, BallsHaveTheirRadius) {
     xr::EyeShapes shapes = seen_from({});
     const glm::vec3 middle(1, 2, 3);
     shapes.ball(middle, 0.25, kRed);
-    for (const xr::ShapeVertex& corner : shapes.solid()) EXPECT_NEAR(glm::distance(corner.place, middle), 0.25, 1e-6);
+    for (const xr::ShapeVertex& corner : shapes.solid())
+        EXPECT_NEAR(glm::distance(corner.position, middle), 0.25, 1e-6);
     ASSERT_EQ(shapes.solid().size() % 3, 0u);
 }
 
@@ -92,7 +93,7 @@ TEST(EyeShapes, BoxesGoWithTheSpaceTheyAreIn) {
     EXPECT_EQ(shapes.solid().size(), 36u);
     const glm::dmat4 inside = glm::inverse(world);
     for (const xr::ShapeVertex& corner : shapes.solid()) {
-        const glm::dvec3 at = inside * glm::dvec4(corner.place, 1);
+        const glm::dvec3 at = inside * glm::dvec4(corner.position, 1);
         for (int axis = 0; axis < 3; axis++)
             EXPECT_LT(std::min(std::abs(at[axis] - low[axis]), std::abs(at[axis] - high[axis])), 1e-6) << axis;
     }
@@ -108,12 +109,12 @@ TEST(EyeShapes, AHoleIsTheRectangleAndHidesAllOfIt) {
     ASSERT_EQ(shapes.holes().size(), 6u);
     double area = 0;
     for (size_t i = 0; i < 6; i += 3) {
-        const auto at = [&](size_t j) { return shapes.holes()[i + j].place; };
+        const auto at = [&](size_t j) { return shapes.holes()[i + j].position; };
         area += 0.5 * double{glm::length(glm::cross(at(1) - at(0), at(2) - at(0)))};
     }
     EXPECT_NEAR(area, 0.8 * 0.6, 1e-6);
     for (const xr::ShapeVertex& corner : shapes.holes()) {
-        const glm::dvec3 at = xr::inverse(stands) * glm::dvec3(corner.place);
+        const glm::dvec3 at = xr::inverse(stands) * glm::dvec3(corner.position);
         EXPECT_NEAR(std::abs(at.x), 0.4, 1e-6);
         EXPECT_NEAR(std::abs(at.y), 0.3, 1e-6);
         EXPECT_NEAR(at.z, 0, 1e-6);

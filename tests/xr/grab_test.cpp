@@ -5,64 +5,65 @@
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "tests/xr/some_poses.h"
+#include "tests/xr/random_poses.h"
 
 namespace neuvv {
 namespace {
 
-using test::apart;
 using test::kInfinite;
 using test::kNan;
-using test::SomePoses;
+using test::max_difference;
+using test::RandomPoses;
 
-const xr::GrabSettings kFree = {.upright = false, .least_scale = 1e-6, .most_scale = 1e6};
-const xr::GrabSettings kUpright = {.upright = true, .least_scale = 1e-6, .most_scale = 1e6};
+const xr::GrabSettings kFree = {.upright = false, .min_scale = 1e-6, .max_scale = 1e6};
+const xr::GrabSettings kUpright = {.upright = true, .min_scale = 1e-6, .max_scale = 1e6};
 
-glm::dmat4 some_node(SomePoses& some) {
-    return xr::matrix_of(some.pose()) * glm::scale(glm::dmat4(1), glm::dvec3(0.7, 1.5, -1));
+glm::dmat4 random_node(RandomPoses& random) {
+    return xr::matrix_of(random.pose()) * glm::scale(glm::dmat4(1), glm::dvec3(0.7, 1.5, -1));
 }
 
-// Where what was at `then` in the world is after a node went from one matrix to another.
+// The world position of a point that was at `then` and belongs to a node, after the node's matrix has changed.
 glm::dvec3 carried(const glm::dmat4& before, const glm::dmat4& after, glm::dvec3 then) {
     return after * glm::inverse(before) * glm::dvec4(then, 1);
 }
 
-glm::dvec3 held_point(const xr::Pose& hand, double distance_m) {
+glm::dvec3 grabbed_point(const xr::Pose& hand, double distance_m) {
     return xr::matrix_of(hand) * glm::dvec4(0, 0, -distance_m, 1);
 }
 
-// The similarity that carries one matrix to another scales by this.
+// The scale of the similarity from one matrix to another.
 double scale_between(const glm::dmat4& before, const glm::dmat4& after) {
     return std::cbrt(glm::determinant(glm::dmat3(after)) / glm::determinant(glm::dmat3(before)));
 }
 
 TEST(Grab, OneFreeHandHoldsItRigidly) {
-    SomePoses some(10);
+    RandomPoses random(10);
     for (int i = 0; i < 100; ++i) {
-        const glm::dmat4 node = some_node(some);
-        const xr::Pose then = some.pose(), now = some.pose();
+        const glm::dmat4 node = random_node(random);
+        const xr::Pose then = random.pose(), now = random.pose();
         xr::Grab grab(node, kFree);
         EXPECT_TRUE(grab.empty());
-        grab.take(1, then, some.number(0, 3));
-        EXPECT_TRUE(grab.holds(1) && !grab.holds(0) && !grab.empty());
-        EXPECT_LT(apart(grab.world_from_node(), node), 1e-12);
+        grab.attach(1, then, random.number(0, 3));
+        EXPECT_TRUE(grab.is_attached(1) && !grab.is_attached(0) && !grab.empty());
+        EXPECT_LT(max_difference(grab.world_from_node(), node), 1e-12);
         grab.move(1, now);
-        EXPECT_LT(apart(grab.world_from_node(), xr::matrix_of(now) * glm::inverse(xr::matrix_of(then)) * node), 1e-10);
+        EXPECT_LT(max_difference(grab.world_from_node(), xr::matrix_of(now) * glm::inverse(xr::matrix_of(then)) * node),
+                  1e-10);
     }
 }
 
 TEST(Grab, OneHandCarriesAnUprightThingOnItsRay) {
-    SomePoses some(11);
+    RandomPoses random(11);
     for (int i = 0; i < 100; ++i) {
-        const glm::dmat4 node = some_node(some);
-        const double distance_m = some.number(0, 3);
-        const xr::Pose then = some.pose(), now = some.near(then, 1, 1.5);
+        const glm::dmat4 node = random_node(random);
+        const double distance_m = random.number(0, 3);
+        const xr::Pose then = random.pose(), now = random.near(then, 1, 1.5);
         xr::Grab grab(node, kUpright);
-        grab.take(0, then, distance_m);
+        grab.attach(0, then, distance_m);
         grab.move(0, now);
         const glm::dmat4 moved = grab.world_from_node();
-        const glm::dvec3 at = carried(node, moved, held_point(then, distance_m));
-        EXPECT_LT(glm::distance(at, held_point(now, distance_m)), 1e-10);
+        const glm::dvec3 at = carried(node, moved, grabbed_point(then, distance_m));
+        EXPECT_LT(glm::distance(at, grabbed_point(now, distance_m)), 1e-10);
         const glm::dmat3 turn = glm::dmat3(moved * glm::inverse(node));
         EXPECT_LT(glm::distance(turn[1], glm::dvec3(0, 1, 0)), 1e-10) << "up stays up";
         EXPECT_NEAR(glm::determinant(turn), 1, 1e-10);
@@ -72,29 +73,29 @@ TEST(Grab, OneHandCarriesAnUprightThingOnItsRay) {
 TEST(Grab, OnlyYawTurnsAnUprightThing) {
     const xr::Pose then = {{0, 1, 0}, xr::turn_by(0.4) * glm::angleAxis(-0.6, glm::dvec3(1, 0, 0))};
     xr::Grab grab(glm::dmat4(1), kUpright);
-    grab.take(0, then, 0);
+    grab.attach(0, then, 0);
     grab.move(0, {then.position, xr::turn_by(1.1) * glm::angleAxis(0.5, glm::dvec3(1, 0, 0))});
     const glm::dvec3 x = grab.world_from_node()[0];
     EXPECT_NEAR(std::atan2(-x.z, x.x), 0.7, 1e-12);
 }
 
 TEST(Grab, TwoFreeHandsKeepBothPoints) {
-    SomePoses some(12);
+    RandomPoses random(12);
     for (int i = 0; i < 100; ++i) {
-        const glm::dmat4 node = some_node(some);
-        const std::array<double, 2> distances = {some.number(0, 2), some.number(0, 2)};
-        const std::array<xr::Pose, 2> then = {some.pose(), some.pose()}, now = {some.pose(), some.pose()};
+        const glm::dmat4 node = random_node(random);
+        const std::array<double, 2> distances = {random.number(0, 2), random.number(0, 2)};
+        const std::array<xr::Pose, 2> then = {random.pose(), random.pose()}, now = {random.pose(), random.pose()};
         xr::Grab grab(node, kFree);
         for (const int hand : {0, 1}) {
-            grab.take(hand, then[static_cast<size_t>(hand)], distances[static_cast<size_t>(hand)]);
-            EXPECT_LT(apart(grab.world_from_node(), node), 1e-12);
+            grab.attach(hand, then[static_cast<size_t>(hand)], distances[static_cast<size_t>(hand)]);
+            EXPECT_LT(max_difference(grab.world_from_node(), node), 1e-12);
         }
         for (const int hand : {0, 1}) grab.move(hand, now[static_cast<size_t>(hand)]);
         const glm::dmat4 moved = grab.world_from_node();
         std::array<glm::dvec3, 2> from{}, to{};
         for (size_t hand : {0U, 1U}) {
-            from[hand] = held_point(then[hand], distances[hand]);
-            to[hand] = held_point(now[hand], distances[hand]);
+            from[hand] = grabbed_point(then[hand], distances[hand]);
+            to[hand] = grabbed_point(now[hand], distances[hand]);
             EXPECT_LT(glm::distance(carried(node, moved, from[hand]), to[hand]), 1e-9) << i;
         }
         const double ratio = glm::distance(to[0], to[1]) / glm::distance(from[0], from[1]);
@@ -107,9 +108,9 @@ TEST(Grab, TwoFreeHandsKeepBothPoints) {
 
 TEST(Grab, TwoHandsTurnAnUprightThingLikeTheirLineSeenFromAbove) {
     xr::Grab grab(glm::dmat4(1), kUpright);
-    grab.take(0, {{-0.2, 1, 0}});
-    grab.take(1, {{0.2, 1, 0}});
-    // The line a quarter to the left and up.
+    grab.attach(0, {{-0.2, 1, 0}});
+    grab.attach(1, {{0.2, 1, 0}});
+    // The line turns by a quarter to the left, and tilts up.
     grab.move(0, {{1, 1, 0.3}});
     grab.move(1, {{1, 1.4, -0.3}});
     const glm::dmat4 moved = grab.world_from_node();
@@ -120,16 +121,16 @@ TEST(Grab, TwoHandsTurnAnUprightThingLikeTheirLineSeenFromAbove) {
 }
 
 TEST(Grab, AVerticalLineGivesNoYaw) {
-    SomePoses some(13);
+    RandomPoses random(13);
     xr::Grab grab(glm::dmat4(1), kUpright);
-    grab.take(0, {{0, 0.5, 0}});
-    grab.take(1, {{0, 1.5, 0}});
+    grab.attach(0, {{0, 0.5, 0}});
+    grab.attach(1, {{0, 1.5, 0}});
     for (int i = 0; i < 50; ++i) {
-        grab.move(1, {{some.number(-0.1, 0.1), 1.5, some.number(-0.1, 0.1)}});
+        grab.move(1, {{random.number(-0.1, 0.1), 1.5, random.number(-0.1, 0.1)}});
         const glm::dmat4 moved = grab.world_from_node();
         EXPECT_LT(std::abs(moved[0].z) + std::abs(moved[2].x), 1e-12);
     }
-    // Out of the vertical it turns on from there: from +X to −Z is a quarter to the left.
+    // When the line leaves the vertical, it turns the node from there: from +X to −Z is a quarter turn to the left.
     grab.move(1, {{1, 1.5, 0}});
     grab.move(1, {{0.7, 1.5, -0.7}});
     grab.move(1, {{0, 1.5, -1}});
@@ -137,8 +138,8 @@ TEST(Grab, AVerticalLineGivesNoYaw) {
     EXPECT_NEAR(std::atan2(-x.z, x.x), glm::radians(90.0), 1e-9);
 
     xr::Grab at_once(glm::dmat4(1), kUpright);
-    at_once.take(0, {{0, 0.5, 0}});
-    at_once.take(1, {{0, 1.5, 0}});
+    at_once.attach(0, {{0, 0.5, 0}});
+    at_once.attach(1, {{0, 1.5, 0}});
     at_once.move(1, {{1, 1.5, 0}});
     EXPECT_LT(std::abs(at_once.world_from_node()[0].z), 1e-12) << "nothing to turn from";
 }
@@ -146,8 +147,8 @@ TEST(Grab, AVerticalLineGivesNoYaw) {
 TEST(Grab, AFullTurnOfTheLineIsOne) {
     for (const xr::GrabSettings& settings : {kFree, kUpright}) {
         xr::Grab grab(glm::dmat4(1), settings);
-        grab.take(0, {{-0.3, 1, 0}});
-        grab.take(1, {{0.3, 1, 0}});
+        grab.attach(0, {{-0.3, 1, 0}});
+        grab.attach(1, {{0.3, 1, 0}});
         for (int degrees = 1; degrees <= 360; ++degrees) {
             const double angle = glm::radians(static_cast<double>(degrees));
             const glm::dvec3 out(0.3 * std::cos(angle), 1e-3 * std::cos(7 * angle), -0.3 * std::sin(angle));
@@ -163,43 +164,43 @@ TEST(Grab, AFullTurnOfTheLineIsOne) {
 TEST(Grab, HalfATurnInOneFrameIsFinite) {
     for (const glm::dvec3 out : {glm::dvec3(0.3, 0, 0), glm::dvec3(0, 0.3, 0), glm::dvec3(0.1, 0.2, -0.3)}) {
         xr::Grab grab(glm::dmat4(1), kFree);
-        grab.take(0, {-out, {1, 0, 0, 0}});
-        grab.take(1, {out, {1, 0, 0, 0}});
+        grab.attach(0, {-out, {1, 0, 0, 0}});
+        grab.attach(1, {out, {1, 0, 0, 0}});
         grab.move(0, {out * 3.0, {1, 0, 0, 0}});
         EXPECT_LT(glm::distance(carried(glm::dmat4(1), grab.world_from_node(), -out), out * 3.0), 1e-9);
         EXPECT_LT(glm::distance(carried(glm::dmat4(1), grab.world_from_node(), out), out), 1e-9);
     }
 }
 
-// Hands as they come: taking, letting go, moving a little, reaching by nothing; wherever only takings and lettings go
-// happen the matrix stays, and a small move is a small change.
+// Random events: attaching, detaching, moving a little, pushing by nothing. The matrix changes only where a hand moves,
+// and by little.
 TEST(Grab, NeverJumps) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
-        SomePoses some(100 + seed);
+        RandomPoses random(100 + seed);
         const bool upright = seed % 2 == 0;
-        xr::Grab grab(some_node(some), {.upright = upright, .least_scale = 0.2, .most_scale = 4});
-        std::array<xr::Pose, 2> hands = {some.pose(0.5), some.pose(0.5)};
+        xr::Grab grab(random_node(random), {.upright = upright, .min_scale = 0.2, .max_scale = 4});
+        std::array<xr::Pose, 2> hands = {random.pose(0.5), random.pose(0.5)};
         for (int i = 0; i < 2000; ++i) {
-            const int hand = some.number(0, 1) < 0.5 ? 0 : 1;
+            const int hand = random.number(0, 1) < 0.5 ? 0 : 1;
             xr::Pose& pose = hands[static_cast<size_t>(hand)];
             const glm::dmat4 before = grab.world_from_node();
-            const double event = some.number(0, 1);
-            double most = 1e-9;
+            const double event = random.number(0, 1);
+            double max = 1e-9;
             if (event < 0.05) {
-                pose = some.pose(0.5);
-                grab.take(hand, pose, some.number(0, 1));
+                pose = random.pose(0.5);
+                grab.attach(hand, pose, random.number(0, 1));
             } else if (event < 0.1) {
-                grab.let_go(hand);
+                grab.detach(hand);
             } else if (event < 0.15) {
-                grab.reach(hand, 0);
+                grab.push(hand, 0);
             } else {
-                pose = some.near(pose, 1e-5, 1e-5);
+                pose = random.near(pose, 1e-5, 1e-5);
                 grab.move(hand, pose);
-                // 2 cm apart a point may turn and grow the thing by about 2e-3, seen 10 m away.
-                most = 0.1;
+                // With points 2 cm apart, a move turns and scales the node by about 2e-3, which shows up to 10 m away.
+                max = 0.1;
             }
             const glm::dmat4 after = grab.world_from_node();
-            ASSERT_LT(apart(after, before), most) << seed << " " << i << " " << event;
+            ASSERT_LT(max_difference(after, before), max) << seed << " " << i << " " << event;
             ASSERT_GT(grab.scale(), 0.2 * (1 - 1e-9));
             ASSERT_LT(grab.scale(), 4 * (1 + 1e-9));
             const glm::dmat4 step = after * glm::inverse(before);
@@ -211,15 +212,15 @@ TEST(Grab, NeverJumps) {
 TEST(Grab, ContinuesSmoothlyThroughTheVerticalAndThroughEachOther) {
     for (const xr::GrabSettings& settings : {kFree, kUpright}) {
         xr::Grab grab(glm::dmat4(1), settings);
-        grab.take(0, {});
-        grab.take(1, {{1, 0, 0}});
+        grab.attach(0, {});
+        grab.attach(1, {{1, 0, 0}});
         glm::dmat4 before = grab.world_from_node();
         for (int i = 0; i < 20000; ++i) {
-            // A line that swings over the top beside the vertical, and shrinks to less than a centimetre at times.
+            // The line swings over the top, close to the vertical, and at times shrinks to less than a centimetre.
             const double t = i * 1e-3, length = 0.5 + 0.499 * std::cos(t * 1.3);
             grab.move(1, {length * glm::dvec3(std::cos(t), std::sin(t), 0.05 * std::sin(2 * t))});
             const glm::dmat4 after = grab.world_from_node();
-            ASSERT_LT(apart(after, before), 0.05) << i;
+            ASSERT_LT(max_difference(after, before), 0.05) << i;
             before = after;
         }
     }
@@ -231,29 +232,29 @@ TEST(Grab, AHandThatTipsOverSpinsNothing) {
             {}, glm::angleAxis(t, glm::dvec3(1, 0, 0)) * glm::angleAxis(0.05 * std::sin(t / 3), glm::dvec3(0, 0, 1))};
     };
     xr::Grab grab(glm::dmat4(1), kUpright);
-    grab.take(0, tipped(0));
+    grab.attach(0, tipped(0));
     glm::dmat4 before = grab.world_from_node();
     for (double t = 0; t < 20; t += 0.01) {
         grab.move(0, tipped(t));
         const glm::dmat4 after = grab.world_from_node();
-        ASSERT_LT(apart(after, before), 0.05) << t;
+        ASSERT_LT(max_difference(after, before), 0.05) << t;
         before = after;
     }
 }
 
 TEST(Grab, ScaleStaysWithinItsLimitsSinceTheStart) {
-    xr::Grab grab(glm::scale(glm::dmat4(1), glm::dvec3(3)), {.upright = true, .least_scale = 0.5, .most_scale = 2});
-    for (int round = 0; round < 3; ++round) {  // again and again: the limits are not per grab
-        grab.take(0, {{-0.1, 1, 0}});
-        grab.take(1, {{0.1, 1, 0}});
+    xr::Grab grab(glm::scale(glm::dmat4(1), glm::dvec3(3)), {.upright = true, .min_scale = 0.5, .max_scale = 2});
+    for (int round = 0; round < 3; ++round) {  // the limits hold for all rounds together
+        grab.attach(0, {{-0.1, 1, 0}});
+        grab.attach(1, {{0.1, 1, 0}});
         grab.move(1, {{5, 1, 0}});
         EXPECT_NEAR(grab.scale(), 2, 1e-12);
         EXPECT_NEAR(glm::length(glm::dvec3(grab.world_from_node()[0])), 6, 1e-12);
-        grab.let_go(0);
-        grab.let_go(1);
+        grab.detach(0);
+        grab.detach(1);
     }
-    grab.take(0, {{-5, 1, 0}});
-    grab.take(1, {{5, 1, 0}});
+    grab.attach(0, {{-5, 1, 0}});
+    grab.attach(1, {{5, 1, 0}});
     grab.move(1, {{-4.9, 1, 0}});
     EXPECT_NEAR(grab.scale(), 0.5, 1e-12);
     EXPECT_NEAR(glm::length(glm::dvec3(grab.world_from_node()[0])), 1.5, 1e-12);
@@ -261,78 +262,80 @@ TEST(Grab, ScaleStaysWithinItsLimitsSinceTheStart) {
 
 TEST(Grab, HandsAtOnePlaceDoNotScale) {
     xr::Grab grab(glm::dmat4(1), kFree);
-    grab.take(0, {});
-    grab.take(1, {{0.001, 0, 0}});
-    EXPECT_LT(apart(grab.world_from_node(), glm::dmat4(1)), 1e-12);
+    grab.attach(0, {});
+    grab.attach(1, {{0.001, 0, 0}});
+    EXPECT_LT(max_difference(grab.world_from_node(), glm::dmat4(1)), 1e-12);
     grab.move(1, {{0, 0.015, 0}});
     EXPECT_NEAR(grab.scale(), 1, 1e-12);
-    EXPECT_LT(apart(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.0005, 0.0075, 0})), 1e-12);
+    EXPECT_LT(max_difference(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.0005, 0.0075, 0})), 1e-12);
     grab.move(1, {});
-    EXPECT_LT(apart(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.0005, 0, 0})), 1e-12) << "the same place";
+    EXPECT_LT(max_difference(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.0005, 0, 0})), 1e-12)
+        << "the same place";
     grab.move(1, {{0.2, 0, 0}});
-    EXPECT_NEAR(grab.scale(), 0.2 / xr::Grab::kLeastApart_m, 1e-9);
+    EXPECT_NEAR(grab.scale(), 0.2 / xr::Grab::kMinApart_m, 1e-9);
 }
 
 TEST(Grab, ReachesAlongTheHand) {
     const xr::Pose hand = {{0, 1, 0}, xr::turn_by(glm::radians(90.0))};  // looks along −X
     xr::Grab grab(glm::dmat4(1), kUpright);
-    grab.take(0, hand, 2);
-    grab.reach(0, 0.5);
-    EXPECT_LT(apart(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.5, 0, 0})), 1e-12);
+    grab.attach(0, hand, 2);
+    grab.push(0, 0.5);
+    EXPECT_LT(max_difference(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.5, 0, 0})), 1e-12);
     EXPECT_NEAR(grab.distance_m(0), 2.5, 1e-12);
-    grab.reach(0, -100);
-    EXPECT_NEAR(grab.distance_m(0), xr::Grab::kNearest_m, 1e-12);
-    EXPECT_LT(apart(grab.world_from_node(), glm::translate(glm::dmat4(1), {1.9, 0, 0})), 1e-12);
-    // It still hangs on the ray where it has been pulled to.
+    grab.push(0, -100);
+    EXPECT_NEAR(grab.distance_m(0), xr::Grab::kMinDistance_m, 1e-12);
+    EXPECT_LT(max_difference(grab.world_from_node(), glm::translate(glm::dmat4(1), {1.9, 0, 0})), 1e-12);
+    // The node still follows the ray, at the distance that it has been pulled to.
     grab.move(0, {{0, 1, 0}, {1, 0, 0, 0}});
     const glm::dvec3 at = carried(glm::dmat4(1), grab.world_from_node(), {-2, 1, 0});
     EXPECT_LT(glm::distance(at, {0, 1, -0.1}), 1e-12);
-    grab.reach(1, 5);
-    grab.take(1, {{1, 1, 0}}, 0.03);
+    grab.push(1, 5);
+    grab.attach(1, {{1, 1, 0}}, 0.03);
     const glm::dmat4 before = grab.world_from_node();
-    grab.reach(0, 5);
-    EXPECT_EQ(apart(grab.world_from_node(), before), 0) << "two hands hold it";
-    grab.let_go(0);
-    grab.reach(1, -1);
-    EXPECT_LT(apart(grab.world_from_node(), before), 1e-12) << "nearer than the nearest, it is not pushed away either";
+    grab.push(0, 5);
+    EXPECT_EQ(max_difference(grab.world_from_node(), before), 0) << "two hands hold it";
+    grab.detach(0);
+    grab.push(1, -1);
+    EXPECT_LT(max_difference(grab.world_from_node(), before), 1e-12)
+        << "nearer than the nearest, it is not pushed away either";
 }
 
 TEST(Grab, IgnoresWhatIsNoPose) {
     for (const xr::GrabSettings& settings : {kFree, kUpright}) {
-        SomePoses some(14);
+        RandomPoses random(14);
         xr::Grab grab(glm::dmat4(1), settings);
-        for (const xr::Pose& pose : test::no_poses()) grab.take(0, pose);
-        for (const double bad : {kNan, kInfinite, -kInfinite, -0.5}) grab.take(0, {}, bad);
+        for (const xr::Pose& pose : test::invalid_poses()) grab.attach(0, pose);
+        for (const double bad : {kNan, kInfinite, -kInfinite, -0.5}) grab.attach(0, {}, bad);
         EXPECT_TRUE(grab.empty());
-        grab.move(0, some.pose());
-        grab.let_go(0);
-        grab.reach(0, 1);
-        EXPECT_EQ(apart(grab.world_from_node(), glm::dmat4(1)), 0) << "nobody holds it";
-        grab.take(0, some.pose(), 1);
-        grab.take(1, some.pose(), 1);
-        grab.move(0, some.pose());
+        grab.move(0, random.pose());
+        grab.detach(0);
+        grab.push(0, 1);
+        EXPECT_EQ(max_difference(grab.world_from_node(), glm::dmat4(1)), 0) << "nobody holds it";
+        grab.attach(0, random.pose(), 1);
+        grab.attach(1, random.pose(), 1);
+        grab.move(0, random.pose());
         const glm::dmat4 before = grab.world_from_node();
         for (const int hand : {0, 1})
-            for (const xr::Pose& pose : test::no_poses()) grab.move(hand, pose);
-        grab.let_go(1);
-        for (const double bad : {kNan, kInfinite, -kInfinite}) grab.reach(0, bad);
-        EXPECT_LT(apart(grab.world_from_node(), before), 1e-12);
+            for (const xr::Pose& pose : test::invalid_poses()) grab.move(hand, pose);
+        grab.detach(1);
+        for (const double bad : {kNan, kInfinite, -kInfinite}) grab.push(0, bad);
+        EXPECT_LT(max_difference(grab.world_from_node(), before), 1e-12);
     }
 }
 
 TEST(Grab, StaysFiniteWhateverTheHandsDo) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
-        SomePoses some(200 + seed);
-        xr::Grab grab(some_node(some), {.upright = seed % 2 == 0});
-        const double most_m = seed < 10 ? 1 : 1e-3;
+        RandomPoses random(200 + seed);
+        xr::Grab grab(random_node(random), {.upright = seed % 2 == 0});
+        const double max_m = seed < 10 ? 1 : 1e-3;
         for (int i = 0; i < 1000; ++i) {
-            const int hand = some.number(0, 1) < 0.5 ? 0 : 1;
-            const double event = some.number(0, 1);
-            if (event < 0.1) grab.take(hand, some.pose(most_m), some.number(0, most_m));
-            if (event > 0.9) grab.let_go(hand);
-            grab.move(hand, some.pose(most_m));
+            const int hand = random.number(0, 1) < 0.5 ? 0 : 1;
+            const double event = random.number(0, 1);
+            if (event < 0.1) grab.attach(hand, random.pose(max_m), random.number(0, max_m));
+            if (event > 0.9) grab.detach(hand);
+            grab.move(hand, random.pose(max_m));
             const glm::dmat4 node = grab.world_from_node();
-            ASSERT_LT(apart(node, glm::dmat4(0)), 1e4) << seed << " " << i;
+            ASSERT_LT(max_difference(node, glm::dmat4(0)), 1e4) << seed << " " << i;
             ASSERT_GE(grab.scale(), 0.05 * (1 - 1e-9));
             ASSERT_LE(grab.scale(), 50 * (1 + 1e-9));
         }
@@ -340,11 +343,11 @@ TEST(Grab, StaysFiniteWhateverTheHandsDo) {
 }
 
 TEST(Floor, TheLowestCornerStandsOnIt) {
-    SomePoses some(15);
+    RandomPoses random(15);
     const glm::dvec3 low(-0.4, 0.1, -0.3), high(0.5, 1.7, 0.3);
     for (int i = 0; i < 100; ++i) {
-        const glm::dmat4 node = some_node(some);
-        const double floor_y = some.number(-2, 2);
+        const glm::dmat4 node = random_node(random);
+        const double floor_y = random.number(-2, 2);
         const glm::dmat4 standing = on_floor(node, low, high, floor_y);
         double lowest = kInfinite, was = kInfinite;
         for (unsigned corner = 0; corner < 8; ++corner) {
@@ -354,7 +357,8 @@ TEST(Floor, TheLowestCornerStandsOnIt) {
             was = std::min(was, (node * at).y);
         }
         EXPECT_NEAR(lowest, floor_y, 1e-12);
-        EXPECT_LT(apart(glm::translate(glm::dmat4(1), {0, floor_y - was, 0}) * node, standing), 1e-12) << "only that";
+        EXPECT_LT(max_difference(glm::translate(glm::dmat4(1), {0, floor_y - was, 0}) * node, standing), 1e-12)
+            << "only that";
         EXPECT_NEAR(above_floor(node, low, high, floor_y), was - floor_y, 1e-12);
     }
 }
@@ -362,8 +366,8 @@ TEST(Floor, TheLowestCornerStandsOnIt) {
 TEST(Floor, StaysWhereThereIsNone) {
     const glm::dmat4 node = glm::translate(glm::dmat4(1), {1, 2, 3});
     for (const double bad : {kNan, kInfinite, -kInfinite}) {
-        EXPECT_EQ(apart(on_floor(node, {0, 0, 0}, {1, 1, 1}, bad), node), 0);
-        EXPECT_EQ(apart(on_floor(node, {0, bad, 0}, {1, bad, 1}, 0), node), 0);
+        EXPECT_EQ(max_difference(on_floor(node, {0, 0, 0}, {1, 1, 1}, bad), node), 0);
+        EXPECT_EQ(max_difference(on_floor(node, {0, bad, 0}, {1, bad, 1}, 0), node), 0);
         EXPECT_FALSE(std::isfinite(above_floor(node, {0, 0, 0}, {1, 1, 1}, bad)));
         EXPECT_FALSE(std::isfinite(above_floor(node, {0, bad, 0}, {1, bad, 1}, 0)));
     }

@@ -5,25 +5,25 @@
 #include <algorithm>
 #include <numbers>
 
-#include "tests/xr/some_poses.h"
+#include "tests/xr/random_poses.h"
 
 namespace neuvv {
 namespace {
 
-using test::apart;
 using test::kInfinite;
 using test::kNan;
-using test::SomePoses;
+using test::max_difference;
+using test::RandomPoses;
 
-xr::XrRig some_rig(SomePoses& some) {
-    return {some.vector(5), some.number(-3, 3)};
+xr::XrRig random_rig(RandomPoses& random) {
+    return {random.vector(5), random.number(-3, 3)};
 }
 
 glm::dvec3 head_world(const xr::XrRig& rig, const xr::Pose& head) {
     return (xr::world_from_tracking(rig) * head).position;
 }
 
-// The least angle between two.
+// The smallest angle between two headings.
 double turned(double from_rad, double to_rad) {
     return std::abs(std::remainder(to_rad - from_rad, 2 * std::numbers::pi));
 }
@@ -33,31 +33,31 @@ bool same(const xr::XrRig& a, const xr::XrRig& b) {
 }
 
 TEST(Locomotion, TheRigIsAPose) {
-    // A quarter to the left: what was ahead in the room is to the left in the world.
+    // A quarter turn to the left: what is ahead in the room is to the left in the world.
     const xr::Pose pose = xr::world_from_tracking({{1, 2, 3}, glm::radians(90.0)});
     EXPECT_LT(glm::distance(pose * glm::dvec3(0, 0, -1), {0, 2, 3}), 1e-12);
 }
 
 TEST(Locomotion, SnapTurnsLeaveTheHeadWhereItIs) {
-    SomePoses some(20);
+    RandomPoses random(20);
     for (int i = 0; i < 100; ++i) {
-        const xr::XrRig rig = some_rig(some);
-        const xr::Pose head = some.pose();
-        const double by = some.number(-4, 4);
+        const xr::XrRig rig = random_rig(random);
+        const xr::Pose head = random.pose();
+        const double by = random.number(-4, 4);
         const xr::XrRig after = xr::turned_about_head(rig, head, by);
         EXPECT_LT(glm::distance(head_world(after, head), head_world(rig, head)), 1e-12);
         const glm::dquat looked = (xr::world_from_tracking(rig) * head).rotation,
                          looks = (xr::world_from_tracking(after) * head).rotation;
-        EXPECT_LT(apart(glm::mat4_cast(looks), glm::mat4_cast(xr::turn_by(by) * looked)), 1e-12);
+        EXPECT_LT(max_difference(glm::mat4_cast(looks), glm::mat4_cast(xr::turn_by(by) * looked)), 1e-12);
         EXPECT_NEAR(after.position.y, rig.position.y, 1e-12);
         EXPECT_LE(std::abs(after.yaw_rad), std::numbers::pi + 1e-12);
     }
 }
 
 TEST(Locomotion, EightTurnsAreNone) {
-    SomePoses some(21);
-    const xr::XrRig rig = some_rig(some);
-    const xr::Pose head = some.pose();
+    RandomPoses random(21);
+    const xr::XrRig rig = random_rig(random);
+    const xr::Pose head = random.pose();
     xr::XrRig turning = rig;
     for (int i = 0; i < 8; ++i) turning = xr::turned_about_head(turning, head, glm::radians(45.0));
     EXPECT_LT(glm::distance(turning.position, rig.position), 1e-12);
@@ -65,18 +65,18 @@ TEST(Locomotion, EightTurnsAreNone) {
 }
 
 TEST(Locomotion, TeleportsPutTheHeadThere) {
-    SomePoses some(22);
+    RandomPoses random(22);
     for (int i = 0; i < 100; ++i) {
-        const xr::XrRig rig = some_rig(some);
-        const xr::Pose head = some.pose();
-        const glm::dvec3 point = some.vector(10);
-        const xr::XrRig moved = xr::moved_so_that_head_stands_at(rig, head, point);
+        const xr::XrRig rig = random_rig(random);
+        const xr::Pose head = random.pose();
+        const glm::dvec3 point = random.vector(10);
+        const xr::XrRig moved = xr::with_head_above(rig, head, point);
         EXPECT_EQ(moved.yaw_rad, rig.yaw_rad);
         EXPECT_NEAR(moved.position.y, point.y, 1e-12);
         EXPECT_LT(glm::distance(head_world(moved, head), point + glm::dvec3(0, head.position.y, 0)), 1e-12);
 
-        const double face = some.number(-3, 3);
-        const xr::XrRig facing = xr::moved_so_that_head_stands_at(rig, head, point, face);
+        const double face = random.number(-3, 3);
+        const xr::XrRig facing = xr::with_head_above(rig, head, point, face);
         EXPECT_LT(glm::distance(head_world(facing, head), point + glm::dvec3(0, head.position.y, 0)), 1e-12);
         EXPECT_NEAR(facing.position.y, point.y, 1e-12);
         EXPECT_LT(turned(xr::yaw_of((xr::world_from_tracking(facing) * head).rotation), face), 1e-9);
@@ -84,18 +84,18 @@ TEST(Locomotion, TeleportsPutTheHeadThere) {
 }
 
 TEST(Locomotion, BadInputMovesNothing) {
-    SomePoses some(23);
-    const xr::XrRig rig = some_rig(some);
-    const xr::Pose head = some.pose();
-    for (const xr::Pose& pose : test::no_poses()) {
+    RandomPoses random(23);
+    const xr::XrRig rig = random_rig(random);
+    const xr::Pose head = random.pose();
+    for (const xr::Pose& pose : test::invalid_poses()) {
         EXPECT_TRUE(same(xr::turned_about_head(rig, pose, 1), rig));
-        EXPECT_TRUE(same(xr::moved_so_that_head_stands_at(rig, pose, {1, 2, 3}, 1.0), rig));
+        EXPECT_TRUE(same(xr::with_head_above(rig, pose, {1, 2, 3}, 1.0), rig));
         EXPECT_TRUE(same(xr::walked(rig, pose, {0, 1}, 1, 0.01), rig));
     }
     for (const double bad : {kNan, kInfinite, -kInfinite}) {
         EXPECT_TRUE(same(xr::turned_about_head(rig, head, bad), rig));
-        EXPECT_TRUE(same(xr::moved_so_that_head_stands_at(rig, head, {1, 2, 3}, bad), rig));
-        EXPECT_TRUE(same(xr::moved_so_that_head_stands_at(rig, head, {1, bad, 3}), rig));
+        EXPECT_TRUE(same(xr::with_head_above(rig, head, {1, 2, 3}, bad), rig));
+        EXPECT_TRUE(same(xr::with_head_above(rig, head, {1, bad, 3}), rig));
         EXPECT_TRUE(same(xr::walked(rig, head, {0, bad}, 1, 0.01), rig));
         EXPECT_TRUE(same(xr::walked(rig, head, {bad, 1}, 1, 0.01), rig));
         EXPECT_TRUE(same(xr::walked(rig, head, {0, 1}, bad, 0.01), rig));
@@ -115,31 +115,33 @@ double length_of(const xr::Arc& arc) {
     return length;
 }
 
-// The same throw in tiny steps: where it first meets the floor on its way down, unless it is too far by then.
-std::optional<glm::dvec3> integrated(const xr::Pose& aim, double floor_y, double speed, double most_m, double& way_m) {
+// The same throw, integrated in tiny steps: where it first meets the floor on its way down, unless its path is longer
+// than `max_m` by then.
+std::optional<glm::dvec3> integrated(const xr::Pose& aim, double floor_y, double speed, double max_m,
+                                     double& length_m) {
     constexpr double kStep_s = 1e-5;
     glm::dvec3 at = aim.position, velocity = xr::forward_of(aim) * speed;
-    for (way_m = 0; way_m < most_m;) {
+    for (length_m = 0; length_m < max_m;) {
         const glm::dvec3 before = at;
         at += velocity * kStep_s - glm::dvec3(0, 0.5 * 9.81 * kStep_s * kStep_s, 0);
         velocity.y -= 9.81 * kStep_s;
-        way_m += glm::distance(before, at);
+        length_m += glm::distance(before, at);
         if (before.y >= floor_y && at.y < floor_y) return at;
     }
     return {};
 }
 
 TEST(TeleportArc, LandsWhereAThrowDoes) {
-    SomePoses some(24);
+    RandomPoses random(24);
     int landed = 0, lost = 0;
     for (int i = 0; i < 60; ++i) {
-        const xr::Pose aim = thrown_from(some.vector(2), some.number(-180, 180), some.number(-90, 90));
-        const double floor_y = some.number(-3, 1.5), speed = some.number(1, 9);
+        const xr::Pose aim = thrown_from(random.vector(2), random.number(-180, 180), random.number(-90, 90));
+        const double floor_y = random.number(-3, 1.5), speed = random.number(1, 9);
         const xr::Arc arc = xr::teleport_arc(aim, floor_y, speed);
-        double way_m = 0;
-        const auto truth = integrated(aim, floor_y, speed, 12, way_m);
+        double length_m = 0;
+        const auto truth = integrated(aim, floor_y, speed, 12, length_m);
         ASSERT_EQ(arc.landing.has_value(), truth.has_value()) << i;
-        EXPECT_NEAR(length_of(arc), way_m, 0.05) << i << ": chords cut a steep throw's top";
+        EXPECT_NEAR(length_of(arc), length_m, 0.05) << i << ": chords cut a steep throw's top";
         truth ? ++landed : ++lost;
         if (!truth) continue;
         EXPECT_LT(glm::distance(*arc.landing, *truth), 1e-3);
@@ -155,7 +157,7 @@ TEST(TeleportArc, PointsAreOnTheParabolaAtEvenDistances) {
         const xr::Pose aim = thrown_from({1, 1.4, 2}, 40, pitch);
         const xr::Arc arc = xr::teleport_arc(aim, 0);
         ASSERT_TRUE(arc.landing);
-        ASSERT_LE(arc.points.size(), xr::kMostArcPoints);
+        ASSERT_LE(arc.points.size(), xr::kMaxArcPoints);
         EXPECT_EQ(arc.points.front(), aim.position);
         const glm::dvec3 velocity = xr::forward_of(aim) * 6.0;
         for (size_t i = 1; i < arc.points.size(); ++i) {
@@ -178,8 +180,8 @@ TEST(TeleportArc, SteepThrowsTurnWhereTheyAreSlowest) {
             const double height_m = from.x, speed = from.y;
             const xr::Arc arc = xr::teleport_arc(thrown_from({0, height_m, 0}, 0, pitch), 0, speed);
             ASSERT_TRUE(arc.landing);
-            const double up = speed * std::sin(glm::radians(pitch)), way_m = height_m + up * up / 9.81;
-            EXPECT_GT(length_of(arc), way_m - 0.09) << pitch << " " << speed;
+            const double up = speed * std::sin(glm::radians(pitch)), length_m = height_m + up * up / 9.81;
+            EXPECT_GT(length_of(arc), length_m - 0.09) << pitch << " " << speed;
             const auto highest = std::max_element(arc.points.begin(), arc.points.end(),
                                                   [](glm::dvec3 a, glm::dvec3 b) { return a.y < b.y; });
             EXPECT_TRUE(
@@ -187,7 +189,7 @@ TEST(TeleportArc, SteepThrowsTurnWhereTheyAreSlowest) {
             EXPECT_TRUE(
                 std::is_sorted(highest, arc.points.end(), [](glm::dvec3 a, glm::dvec3 b) { return a.y > b.y; }));
             for (size_t i = 1; i < arc.points.size(); ++i)
-                EXPECT_LT(glm::distance(arc.points[i - 1], arc.points[i]), xr::kPointsApart_m + 1e-5)
+                EXPECT_LT(glm::distance(arc.points[i - 1], arc.points[i]), xr::kArcSpacing_m + 1e-5)
                     << pitch << " " << i;
         }
 }
@@ -197,10 +199,10 @@ TEST(TeleportArc, EndsWhereItIsTooFar) {
     const xr::Arc far = xr::teleport_arc(up, 0, 50, 12);
     EXPECT_FALSE(far.landing);
     EXPECT_NEAR(length_of(far), 12, 0.01);
-    EXPECT_LE(far.points.size(), xr::kMostArcPoints);
+    EXPECT_LE(far.points.size(), xr::kMaxArcPoints);
     const xr::Arc farther = xr::teleport_arc(up, 0, 50, 1000);
     EXPECT_TRUE(farther.landing);
-    EXPECT_EQ(farther.points.size(), xr::kMostArcPoints);
+    EXPECT_EQ(farther.points.size(), xr::kMaxArcPoints);
     const xr::Arc below = xr::teleport_arc(thrown_from({0, -1, 0}, 0, 10), 0);
     EXPECT_FALSE(below.landing) << "the floor is above";
     EXPECT_NEAR(length_of(below), 12, 0.01);
@@ -224,7 +226,7 @@ TEST(TeleportArc, DegenerateThrows) {
     EXPECT_LT(glm::distance(*on_it.landing, {1, 0, 2}), 1e-12);
     for (const xr::Arc& arc : {dropped, straight_up, on_it, xr::teleport_arc({}, -1e9, 1e6, 1e6)})
         for (const glm::dvec3 point : arc.points) EXPECT_TRUE(std::isfinite(point.x + point.y + point.z));
-    for (const xr::Pose& pose : test::no_poses()) EXPECT_TRUE(xr::teleport_arc(pose, 0).points.empty());
+    for (const xr::Pose& pose : test::invalid_poses()) EXPECT_TRUE(xr::teleport_arc(pose, 0).points.empty());
     for (const double bad : {kNan, kInfinite, -kInfinite}) {
         for (const xr::Arc& arc :
              {xr::teleport_arc({}, bad), xr::teleport_arc({}, -1, bad), xr::teleport_arc({}, -1, 6, bad)}) {
@@ -237,10 +239,10 @@ TEST(TeleportArc, DegenerateThrows) {
 }
 
 TEST(Walking, GoesWhereTheHeadLooks) {
-    SomePoses some(25);
+    RandomPoses random(25);
     for (int i = 0; i < 100; ++i) {
-        const xr::XrRig rig = some_rig(some);
-        const xr::Pose head = some.pose();
+        const xr::XrRig rig = random_rig(random);
+        const xr::Pose head = random.pose();
         glm::dvec3 ahead = xr::forward_of(xr::world_from_tracking(rig) * head);
         ahead.y = 0;
         ahead = glm::normalize(ahead);
@@ -253,28 +255,28 @@ TEST(Walking, GoesWhereTheHeadLooks) {
     }
 }
 
-double way_of(glm::dvec2 stick, double dt_s = 0.05) {
+double walked_m(glm::dvec2 stick, double dt_s = 0.05) {
     return glm::length(xr::walked({}, {}, stick, 2, dt_s).position);
 }
 
 TEST(Walking, TheDeadZoneIsRoundAndItsEdgeNoStep) {
     for (double angle = 0; angle < 6.3; angle += 0.3) {
-        const glm::dvec2 way(std::cos(angle), std::sin(angle));
-        EXPECT_EQ(way_of(way * 0.149), 0);
-        EXPECT_GT(way_of(way * 0.151), 0);
-        EXPECT_LT(way_of(way * 0.151), 0.1 * 0.01) << "begins slowly";
-        EXPECT_NEAR(way_of(way * 0.575), 0.05, 1e-12) << "half way";
-        EXPECT_NEAR(way_of(way), 0.1, 1e-12);
-        EXPECT_NEAR(way_of(way * 1.4), 0.1, 1e-12) << "a square stick's corner";
+        const glm::dvec2 direction(std::cos(angle), std::sin(angle));
+        EXPECT_EQ(walked_m(direction * 0.149), 0);
+        EXPECT_GT(walked_m(direction * 0.151), 0);
+        EXPECT_LT(walked_m(direction * 0.151), 0.1 * 0.01) << "begins slowly";
+        EXPECT_NEAR(walked_m(direction * 0.575), 0.05, 1e-12) << "half way";
+        EXPECT_NEAR(walked_m(direction), 0.1, 1e-12);
+        EXPECT_NEAR(walked_m(direction * 1.4), 0.1, 1e-12) << "a square stick's corner";
     }
-    EXPECT_EQ(way_of({0, 0}), 0);
+    EXPECT_EQ(walked_m({0, 0}), 0);
     EXPECT_EQ(glm::length(xr::walked({}, {}, {0, 0}, 2, 0.05, 0).position), 0);
 }
 
 TEST(Walking, ALateFrameIsNoLeap) {
-    EXPECT_NEAR(way_of({0, 1}, 0.1), 0.2, 1e-12);
-    EXPECT_NEAR(way_of({0, 1}, 7), 0.2, 1e-12);
-    EXPECT_NEAR(way_of({0, 1}, kInfinite), 0.2, 1e-12);
+    EXPECT_NEAR(walked_m({0, 1}, 0.1), 0.2, 1e-12);
+    EXPECT_NEAR(walked_m({0, 1}, 7), 0.2, 1e-12);
+    EXPECT_NEAR(walked_m({0, 1}, kInfinite), 0.2, 1e-12);
 }
 
 TEST(Vignette, GrowsSmoothlyToOne) {

@@ -2,30 +2,30 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/xr/some_poses.h"
+#include "tests/xr/random_poses.h"
 
 namespace neuvv {
 namespace {
 
-using test::apart;
-using test::SomePoses;
+using test::max_difference;
+using test::RandomPoses;
 
 TEST(Pose, ComposesAsItsMatrixDoes) {
-    SomePoses some(1);
+    RandomPoses random(1);
     for (int i = 0; i < 100; ++i) {
-        const xr::Pose a = some.pose(), b = some.pose();
-        EXPECT_LT(apart(xr::matrix_of(a * b), xr::matrix_of(a) * xr::matrix_of(b)), 1e-12);
-        EXPECT_LT(apart(xr::matrix_of(xr::inverse(a)), glm::inverse(xr::matrix_of(a))), 1e-12);
-        EXPECT_LT(apart(xr::matrix_of(a * xr::inverse(a)), glm::dmat4(1)), 1e-12);
-        const glm::dvec3 point = some.vector(3);
+        const xr::Pose a = random.pose(), b = random.pose();
+        EXPECT_LT(max_difference(xr::matrix_of(a * b), xr::matrix_of(a) * xr::matrix_of(b)), 1e-12);
+        EXPECT_LT(max_difference(xr::matrix_of(xr::inverse(a)), glm::inverse(xr::matrix_of(a))), 1e-12);
+        EXPECT_LT(max_difference(xr::matrix_of(a * xr::inverse(a)), glm::dmat4(1)), 1e-12);
+        const glm::dvec3 point = random.vector(3);
         EXPECT_LT(glm::distance(a * point, glm::dvec3(xr::matrix_of(a) * glm::dvec4(point, 1))), 1e-12);
     }
 }
 
 TEST(Pose, LooksAlongMinusZ) {
-    SomePoses some(2);
+    RandomPoses random(2);
     for (int i = 0; i < 20; ++i) {
-        const xr::Pose pose = some.pose();
+        const xr::Pose pose = random.pose();
         const glm::dvec3 z = xr::matrix_of(pose)[2];
         EXPECT_LT(glm::distance(xr::forward_of(pose), -z), 1e-12);
         EXPECT_LT(glm::distance(xr::ray_of(pose).direction, -z), 1e-12);
@@ -35,18 +35,18 @@ TEST(Pose, LooksAlongMinusZ) {
 }
 
 TEST(Pose, ARuntimesFloatsAreNearEnough) {
-    SomePoses some(3);
-    xr::Pose pose = some.pose();
+    RandomPoses random(3);
+    xr::Pose pose = random.pose();
     const glm::dmat4 exact = xr::matrix_of(pose);
     pose.rotation *= 1.01;
-    EXPECT_LT(apart(xr::matrix_of(pose), exact), 1e-12) << "stays rigid";
-    EXPECT_LT(apart(xr::matrix_of(pose * xr::inverse(pose)), glm::dmat4(1)), 1e-12);
+    EXPECT_LT(max_difference(xr::matrix_of(pose), exact), 1e-12) << "stays rigid";
+    EXPECT_LT(max_difference(xr::matrix_of(pose * xr::inverse(pose)), glm::dmat4(1)), 1e-12);
 }
 
 TEST(Pose, YawIsWhereItLooks) {
-    SomePoses some(4);
+    RandomPoses random(4);
     for (int i = 0; i < 200; ++i) {
-        const xr::Pose pose = some.pose();
+        const xr::Pose pose = random.pose();
         const glm::dvec3 ahead = xr::forward_of(pose);
         const double yaw = xr::yaw_of(pose.rotation), across = std::hypot(ahead.x, ahead.z);
         EXPECT_NEAR(-std::sin(yaw) * across, ahead.x, 1e-12);
@@ -65,10 +65,10 @@ TEST(Pose, YawHoldsStraightUpAndDown) {
 }
 
 TEST(Pose, TwistIsTheTurnAboutYWhateverTheTilt) {
-    SomePoses some(5);
+    RandomPoses random(5);
     for (int i = 0; i < 200; ++i) {
-        const double yaw = some.number(-3, 3), tilt = some.number(-2.5, 2.5), way = some.number(-3, 3);
-        const glm::dquat tilted = glm::angleAxis(tilt, glm::dvec3(std::cos(way), 0, std::sin(way)));
+        const double yaw = random.number(-3, 3), tilt = random.number(-2.5, 2.5), heading = random.number(-3, 3);
+        const glm::dquat tilted = glm::angleAxis(tilt, glm::dvec3(std::cos(heading), 0, std::sin(heading)));
         EXPECT_NEAR(xr::twist_of(xr::turn_by(yaw) * tilted), yaw, 1e-12);
         EXPECT_NEAR(xr::twist_of(tilted * xr::turn_by(yaw)), yaw, 1e-12);
         EXPECT_NEAR(xr::twist_of(-(xr::turn_by(yaw) * tilted)), yaw, 1e-12) << "the same rotation";
@@ -77,9 +77,9 @@ TEST(Pose, TwistIsTheTurnAboutYWhateverTheTilt) {
 }
 
 TEST(Pose, IsSoundOrNot) {
-    SomePoses some(6);
-    for (int i = 0; i < 20; ++i) EXPECT_TRUE(xr::is_sound(some.pose(1000)));
-    for (const xr::Pose& pose : test::no_poses()) EXPECT_FALSE(xr::is_sound(pose));
+    RandomPoses random(6);
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(xr::is_valid(random.pose(1000)));
+    for (const xr::Pose& pose : test::invalid_poses()) EXPECT_FALSE(xr::is_valid(pose));
 }
 
 }  // namespace

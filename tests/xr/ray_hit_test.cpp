@@ -4,39 +4,40 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "tests/xr/some_poses.h"
+#include "tests/xr/random_poses.h"
 
 namespace neuvv {
 namespace {
 
 using test::kInfinite;
 using test::kNan;
-using test::SomePoses;
+using test::RandomPoses;
 
 const glm::dvec3 kLow(-0.5, 0, -0.25), kHigh(0.5, 1.8, 0.25);
 
-// How far a world point is out of the box, in the box's units; 0 inside.
+// The distance of a world point from the box, in the box's units; 0 inside.
 double outside(const glm::dmat4& box_from_world, glm::dvec3 world) {
     const glm::dvec3 there(box_from_world * glm::dvec4(world, 1));
     return glm::distance(there, glm::clamp(there, kLow, kHigh));
 }
 
-// Turned, scaled unevenly, sheared, every other one mirrored.
-glm::dmat4 some_matrix(SomePoses& some, bool mirrored) {
+// A random transform: rotated, scaled differently along each axis, sheared, and mirrored where `mirrored` says so.
+glm::dmat4 random_matrix(RandomPoses& random, bool mirrored) {
     glm::dmat4 shear(1);
-    shear[1].x = some.number(-0.5, 0.5);
-    const glm::dvec3 sizes(some.number(0.3, 2), some.number(0.3, 2), some.number(0.3, 2) * (mirrored ? -1 : 1));
-    return xr::matrix_of(some.pose()) * shear * glm::scale(glm::dmat4(1), sizes);
+    shear[1].x = random.number(-0.5, 0.5);
+    const glm::dvec3 sizes(random.number(0.3, 2), random.number(0.3, 2), random.number(0.3, 2) * (mirrored ? -1 : 1));
+    return xr::matrix_of(random.pose()) * shear * glm::scale(glm::dmat4(1), sizes);
 }
 
 TEST(BoxHit, IsTheFirstSampleWithin) {
-    SomePoses some(7);
+    RandomPoses random(7);
     constexpr double kStep_m = 2e-3, kEnd_m = 8;
     int hits = 0, misses = 0, inside = 0;
     for (int i = 0; i < 300; ++i) {
-        const glm::dmat4 world_from_box = some_matrix(some, i % 2 == 1), box_from_world = glm::inverse(world_from_box);
-        const glm::dvec3 seen = world_from_box * glm::dvec4(some.number(-0.8, 0.8), some.number(-0.5, 2.3), 0, 1);
-        const glm::dvec3 from = some.vector(i % 5 == 0 ? 0.2 : 3) + (i % 5 == 0 ? seen : glm::dvec3(0));
+        const glm::dmat4 world_from_box = random_matrix(random, i % 2 == 1),
+                         box_from_world = glm::inverse(world_from_box);
+        const glm::dvec3 seen = world_from_box * glm::dvec4(random.number(-0.8, 0.8), random.number(-0.5, 2.3), 0, 1);
+        const glm::dvec3 from = random.vector(i % 5 == 0 ? 0.2 : 3) + (i % 5 == 0 ? seen : glm::dvec3(0));
         const Ray ray = {from, glm::normalize(i % 7 == 0 ? from - seen : seen - from)};
         const std::optional<double> hit = box_hit(ray, world_from_box, kLow, kHigh);
         std::optional<double> sampled;
@@ -105,38 +106,38 @@ TEST(BoxHit, NothingOfWhatIsNoRayOrNoMatrix) {
 }
 
 TEST(RectangleHit, FindsThePointThatWasAimedAt) {
-    SomePoses some(8);
+    RandomPoses random(8);
     const glm::dvec2 size_m(0.8, 0.5);
     for (int i = 0; i < 200; ++i) {
-        const xr::Pose panel = some.pose();
+        const xr::Pose panel = random.pose();
         const glm::dmat4 axes = xr::matrix_of(panel);
-        const glm::dvec2 at(some.number(-0.2, 1.2), some.number(-0.2, 1.2));
+        const glm::dvec2 at(random.number(-0.2, 1.2), random.number(-0.2, 1.2));
         const glm::dvec3 corner = panel.position - glm::dvec3(axes[0]) * 0.4 + glm::dvec3(axes[1]) * 0.25;
         const glm::dvec3 target = corner + glm::dvec3(axes[0]) * at.x * 0.8 - glm::dvec3(axes[1]) * at.y * 0.5;
         const double side = i % 2 == 0 ? 1 : -1;
-        const glm::dvec3 eye = target + glm::dmat3(axes) * glm::dvec3(some.number(-1, 1), some.number(-1, 1), side);
+        const glm::dvec3 eye = target + glm::dmat3(axes) * glm::dvec3(random.number(-1, 1), random.number(-1, 1), side);
         const auto hit = xr::rectangle_hit({eye, glm::normalize(target - eye)}, panel, size_m);
         const bool within = at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1;
         ASSERT_EQ(hit.has_value(), within && side > 0) << i;
         EXPECT_FALSE(xr::rectangle_hit({eye, glm::normalize(eye - target)}, panel, size_m)) << "leads away";
         if (!hit) continue;
-        EXPECT_LT(glm::distance(hit->at, at), 1e-9);
-        EXPECT_NEAR(hit->metres, glm::distance(eye, target), 1e-9);
+        EXPECT_LT(glm::distance(hit->uv, at), 1e-9);
+        EXPECT_NEAR(hit->distance_m, glm::distance(eye, target), 1e-9);
     }
 }
 
 TEST(RectangleHit, CountsFromTheUpperLeft) {
     const auto hit = xr::rectangle_hit({{-0.9, 0.4, 3}, {0, 0, -1}}, xr::Pose{{0, 0, 1}}, {2, 1});
     ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->at.x, 0.05, 1e-12);
-    EXPECT_NEAR(hit->at.y, 0.1, 1e-12);
-    EXPECT_NEAR(hit->metres, 2, 1e-12);
+    EXPECT_NEAR(hit->uv.x, 0.05, 1e-12);
+    EXPECT_NEAR(hit->uv.y, 0.1, 1e-12);
+    EXPECT_NEAR(hit->distance_m, 2, 1e-12);
 }
 
 TEST(RectangleHit, NothingOfWhatIsNone) {
     const Ray ray = {{0, 0, 1}, {0, 0, -1}};
     ASSERT_TRUE(xr::rectangle_hit(ray, {}, {1, 1}));
-    for (const xr::Pose& pose : test::no_poses()) EXPECT_FALSE(xr::rectangle_hit(ray, pose, {1, 1}));
+    for (const xr::Pose& pose : test::invalid_poses()) EXPECT_FALSE(xr::rectangle_hit(ray, pose, {1, 1}));
     for (const double bad : {kNan, 0.0, -1.0}) {
         EXPECT_FALSE(xr::rectangle_hit(ray, {}, {bad, 1}));
         EXPECT_FALSE(xr::rectangle_hit(ray, {}, {1, bad}));

@@ -1,11 +1,11 @@
-// Action sets and actions, until a session has them.
+// Creating action sets and actions, and attaching them to a session.
 #include "call.h"
 
 namespace neuvv::xr_runtime {
 
 namespace {
 
-// Section "Well-Formed Path Strings" on single names.
+// The rules of the specification's section "Well-Formed Path Strings" for a single name.
 void check_name(const std::string& name, const char* what) {
     require(!name.empty(), XR_ERROR_NAME_INVALID, "name", fmt::format("the {} must not be empty", what));
     for (const char c : name) {

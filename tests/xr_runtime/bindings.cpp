@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kSimple = "/interaction_profiles/khr/simple_controller";
 
-// Core OpenXR has more profiles than this runtime: an application that suggests for them is right to.
+// Core OpenXR has more profiles than this runtime; an application may suggest bindings for them.
 const Profile* offered_profile(const Instance& instance, const std::string& path) {
     const Profile* profile = find_profile(path);
     if (!profile) {

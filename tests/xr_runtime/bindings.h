@@ -1,4 +1,4 @@
-// Which inputs an action gets, of the bindings that the application suggested.
+// The inputs of each action, by the bindings that the application suggested.
 #pragma once
 
 #include "state.h"
@@ -6,14 +6,15 @@
 namespace neuvv::xr_runtime {
 
 struct Source {
-    std::string binding;  // as suggested
-    std::string input;    // the profile's own path: /user/hand/right/input/trigger/value
+    std::string binding;  // the path as the application suggested it
+    std::string input;    // the path as the profile defines it: /user/hand/right/input/trigger/value
 };
 
-// Of the session's current profile; with a subaction path only what lies below.
+// The sources of an action in the session's current profile; with a subaction path, only those below that path.
 std::vector<Source> sources_of(const Session& session, const Action& action, XrPath subaction_path);
 
-// The profile that the controllers at hand get: their own where the application knows it, else the simple one.
+// The profile that the runtime uses for the script's controllers: their own one where the application has suggested
+// bindings for it, else the simple controller's.
 std::string fitting_profile(const Instance& instance);
 
 }  // namespace neuvv::xr_runtime

@@ -6,7 +6,7 @@ namespace neuvv::xr_runtime {
 
 namespace {
 
-// What may be chained to what, and the extensions of which one must be enabled for it.
+// Which structs may be chained to which, and the extensions of which one must be enabled.
 struct ChainRule {
     XrStructureType base, chained;
     const char* extension;
@@ -79,8 +79,9 @@ void report_own_failure(const std::string& text) {
 std::optional<XrResult> scripted_result(const char* function) {
     const std::string name = function;
     Instance* instance = runtime().instance.get();
-    if (!instance && name == "xrCreateInstance") load_configuration();  // here, so that it can be scripted itself
-    // What a lost instance still does: go away, and say what the loader asks before there is one.
+    // The script is read here, so that it can force the result of xrCreateInstance, too.
+    if (!instance && name == "xrCreateInstance") load_configuration();
+    // On a lost instance, destroying still works, and so does what the loader calls before it creates an instance.
     const bool always_works = name.starts_with("xrDestroy") || name == "xrCreateInstance" ||
                               name == "xrGetInstanceProcAddr" || name.starts_with("xrEnumerateInstanceExtension");
     if (instance && !always_works) {

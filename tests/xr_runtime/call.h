@@ -1,4 +1,4 @@
-// The frame around every entry point: the lock, findings, refusals, and checks that all functions share.
+// What surrounds every entry point: the lock, findings, refusals, and the checks that all functions share.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,24 +13,24 @@
 
 namespace neuvv::xr_runtime {
 
-// Ends an entry point with a result. Never crosses the runtime's border.
+// An exception that ends an entry point with a result. It never leaves the runtime.
 struct Refusal {
     XrResult result;
 };
 
-// The entry point that this thread is in, and its hold on the runtime's mutex.
+// The entry point that this thread is in, and its lock of the runtime's mutex.
 struct Call {
     const char* function;
     std::unique_lock<std::mutex> lock;
 };
 Call*& current_call();
 
-// Findings of the current entry point.
+// Report a finding of the current entry point.
 void violate(Rule rule, const std::string& text);
 void warn(Rule rule, const std::string& text);
-// The same, and the call fails.
+// Reports a violation, and makes the call fail.
 [[noreturn]] void refuse(XrResult result, Rule rule, const std::string& text);
-// The call fails by no fault of the application's.
+// Makes the call fail without a finding: it is not the application's fault.
 [[noreturn]] inline void decline(XrResult result) {
     throw Refusal{result};
 }
@@ -45,7 +45,7 @@ template <typename T>
 uint64_t bits(T handle) {
     return reinterpret_cast<uint64_t>(handle);
 }
-constexpr int kKindShift = 48;  // handles are a kind and a serial number that is never used again
+constexpr int kKindShift = 48;  // a handle is a kind and a serial number that is never reused
 
 template <typename T>
 std::shared_ptr<T> make_object() {
@@ -69,7 +69,7 @@ std::shared_ptr<T> shared(typename T::Handle handle) {
 inline void refuse_if_lost(const Session& session) {
     if (session.is_lost) decline(XR_ERROR_SESSION_LOST);
 }
-// The living object behind a handle, of a session that is not lost.
+// The object behind a handle. Refuses handles that are not valid, and declines where the session is lost.
 template <typename T>
 T& object(typename T::Handle handle) {
     T& found = *shared<T>(handle);
@@ -106,7 +106,7 @@ XR_LIST_STRUCTURE_TYPES_CORE(NEUVV_XR_STRUCT_TYPE)
 XR_LIST_STRUCTURE_TYPES_XR_USE_GRAPHICS_API_VULKAN(NEUVV_XR_STRUCT_TYPE)
 #undef NEUVV_XR_STRUCT_TYPE
 
-// Type and chain of any struct that has them.
+// Checks the type of a struct, and its chain of extension structs.
 void check_chain(XrStructureType expected, const char* name, const void* structure);
 
 template <typename T>
@@ -139,7 +139,7 @@ inline void check_pointer(const void* pointer, const char* name) {
 
 // --- The two-call idiom ---
 
-// Says how many there are; whether the caller wants them, too.
+// Writes the number of values to `count`. Returns whether the caller wants the values, too.
 bool wants_values(uint32_t capacity, uint32_t* count, const void* values, size_t available);
 
 template <typename T, typename Values>
@@ -148,7 +148,7 @@ XrResult give_values(uint32_t capacity, uint32_t* count, T* out, const Values& v
     return XR_SUCCESS;
 }
 XrResult give_text(uint32_t capacity, uint32_t* count, char* out, const std::string& text);
-// Likewise of structs that the caller typed: `fill(structure, index)` leaves type and next alone.
+// The same for structs whose type and next the caller has set: `fill(structure, index)` must not change these two.
 template <typename T, typename Fill>
 XrResult give_structs(uint32_t capacity, uint32_t* count, T* out, size_t available, const Fill& fill) {
     if (!wants_values(capacity, count, out, available)) return XR_SUCCESS;
@@ -156,7 +156,7 @@ XrResult give_structs(uint32_t capacity, uint32_t* count, T* out, size_t availab
     return XR_SUCCESS;
 }
 
-// --- What many functions ask ---
+// --- Checks that many functions need ---
 
 Instance& instance_of(XrInstance handle);
 void check_system(const Instance& instance, XrSystemId system);
@@ -164,12 +164,12 @@ void check_view_configuration(XrViewConfigurationType type);
 void check_time(XrTime time);
 void check_pose(const XrPosef& pose, const char* name);
 const std::string& text_of(XrPath path);  // refuses XR_ERROR_PATH_INVALID
-XrPath path_of(const std::string& text);  // of a text known to be well-formed
+XrPath path_of(const std::string& text);  // `text` must be well-formed
 // The path must be null or one that the action was created with.
 void check_subaction(const Action& action, XrPath path);
 inline constexpr XrSystemId kSystem = 0x4e56;
 
-// libvulkan's own, for applications that make their Vulkan objects by themselves (XR_KHR_vulkan_enable).
+// That of libvulkan, for applications that create their Vulkan objects themselves (XR_KHR_vulkan_enable).
 PFN_vkGetInstanceProcAddr vulkan_loader();
 
 // --- Entry points ---
@@ -177,14 +177,14 @@ PFN_vkGetInstanceProcAddr vulkan_loader();
 template <size_t kSize>
 struct FixedText {
     char text[kSize] = {};
-    // NOLINTNEXTLINE(google-explicit-constructor): literals become template arguments by it
+    // NOLINTNEXTLINE(google-explicit-constructor): literals are to become template arguments
     constexpr FixedText(const char (&from)[kSize]) { std::copy_n(from, kSize, text); }
 };
 
-// Script and folder, as the environment names them. The next instance goes on in the same script, as it must after a
-// loss; another script or folder starts anew.
+// Reads script and folder from the environment. Where both are the same as before, a new instance continues with the
+// script, as it must after a loss; otherwise the script begins anew.
 void load_configuration();
-// What the script wants instead of the call: a forced result, or the instance's loss.
+// The result that the script demands instead of the call: a forced one, or the loss of the instance.
 std::optional<XrResult> scripted_result(const char* function);
 void report_own_failure(const std::string& text);
 
@@ -212,7 +212,7 @@ struct Entry<kFunction, kName> {
 
 struct EntryPoint {
     const char* name;
-    const char* extension;  // null: core
+    const char* extension;  // null for core functions
     const char* other_extension;
     PFN_xrVoidFunction function;
 };

@@ -1,4 +1,4 @@
-// A compositor of a few lines, so that a person can look at what the headset would show.
+// A simple compositor, so that a person can look at what the headset would show.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ struct Colour {
     float rgba[4];
 };
 
-// Bilinear between texel centres, the border repeated; x and y in texels.
+// Bilinear interpolation between texel centres, clamped to the edge; x and y are in texels.
 Colour sampled(const LinearImage& image, float x, float y) {
     const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f);
     const float s = x - 0.5f - left, t = y - 0.5f - top;
@@ -44,14 +44,14 @@ bool is_for(const Layer& layer, uint32_t eye) {
     return layer.eyes == XR_EYE_VISIBILITY_BOTH || layer.eyes == own;
 }
 
-// Where a ray through the eye hits a quad's front, in texels of its image.
+// Where a ray from the eye hits the front of a quad, in texels of the quad's image.
 struct Hit {
     bool is_hit;
     float x, y;
 };
 Hit hit_quad(const Layer& layer, const LinearImage& image, const XrPosef& eye_in_quad, XrVector3f direction) {
     const XrVector3f ray = rotate(eye_in_quad.orientation, direction), from = eye_in_quad.position;
-    if (from.z <= 0 || ray.z >= 0) return {false, 0, 0};  // a quad shows its +Z side only
+    if (from.z <= 0 || ray.z >= 0) return {false, 0, 0};  // a quad is visible from its +Z side only
     const float t = -from.z / ray.z;
     const float u = (from.x + ray.x * t) / layer.size.width + 0.5f;
     const float v = 0.5f - (from.y + ray.y * t) / layer.size.height;

@@ -1,4 +1,4 @@
-// XR_EXT_debug_utils: taken, and of no effect, since findings go to the report.
+// XR_EXT_debug_utils: its functions are checked and have no effect, as findings go to the report.
 #include "call.h"
 
 namespace neuvv::xr_runtime {

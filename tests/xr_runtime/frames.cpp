@@ -12,7 +12,7 @@ namespace {
 
 constexpr XrTime kFirstDisplayTime = 1'000'000'000;
 constexpr int64_t kFramesWithoutPoll = 100;
-constexpr std::chrono::seconds kTimeout(20);  // with an application that waits twice and does not begin
+constexpr std::chrono::seconds kTimeout(20);  // for an application that calls xrWaitFrame twice without xrBeginFrame
 
 XrTime clock_now() {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
@@ -33,7 +33,8 @@ void check_events_polled(Instance& instance) {
     instance.last_poll_frame = frame;
 }
 
-// "xrWaitFrame must block until the previous frame has been begun". One thread alone would wait for itself for ever.
+// The specification: "xrWaitFrame must block until the previous frame has been begun". An application that waits and
+// begins on one thread would wait for itself for ever.
 void wait_until_begun(const std::shared_ptr<Session>& session) {
     if (!session->waited) return;
     const auto self = std::this_thread::get_id();
@@ -45,7 +46,7 @@ void wait_until_begun(const std::shared_ptr<Session>& session) {
     refuse_if_lost(*session);
 }
 
-// Where "time" is "real": until the display's next period, the ones missed left out.
+// Where the script's "time" is "real", waits until the next period of the display; missed periods are skipped.
 void throttle(const std::shared_ptr<Session>& session) {
     Progress& progress = runtime().progress;
     if (!runtime().script.is_real_time) return;
@@ -154,7 +155,7 @@ void mark_shown(const std::vector<Layer>& layers) {
     }
 }
 
-// READY becomes SYNCHRONIZED with the first frame, and a state more is reached with each after it.
+// With its first frame a session goes from READY to SYNCHRONIZED, and with each later frame one state further.
 void approach_target(Session& session) {
     if (session.state == XR_SESSION_STATE_READY)
         enter_state(session, XR_SESSION_STATE_SYNCHRONIZED);

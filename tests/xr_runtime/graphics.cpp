@@ -1,4 +1,4 @@
-// XR_KHR_vulkan_enable and XR_KHR_vulkan_enable2: which Vulkan the application gets to make.
+// XR_KHR_vulkan_enable and XR_KHR_vulkan_enable2: the Vulkan instance and device that the application must use.
 #include <dlfcn.h>
 
 #include "call.h"
@@ -7,7 +7,8 @@ namespace neuvv::xr_runtime {
 
 namespace {
 
-// As runtimes that share images with a compositor want them; here they only see to it that the application asks.
+// Runtimes that share images with a compositor require these extensions. Here they are only required to check that the
+// application enables what it is told to.
 constexpr const char* kInstanceExtensions[] = {"VK_KHR_get_physical_device_properties2",
                                                "VK_KHR_external_memory_capabilities"};
 constexpr const char* kDeviceExtensions[] = {"VK_KHR_get_memory_requirements2", "VK_KHR_dedicated_allocation",
@@ -87,7 +88,7 @@ XrResult get_device2(XrInstance handle, const XrVulkanGraphicsDeviceGetInfoKHR* 
     return XR_SUCCESS;
 }
 
-// The application's names and, of the runtime's, those missing there that the driver has.
+// The application's names, and those of the runtime that the driver has and the application's list lacks.
 template <size_t kCount>
 std::vector<const char*> merged(const char* const* names, uint32_t count, const char* const (&own)[kCount],
                                 const std::vector<VkExtensionProperties>& available) {

@@ -1,4 +1,4 @@
-// XR_EXT_hand_tracking: open hands around the grip poses; no finger ever bends.
+// XR_EXT_hand_tracking: open hands at the grip poses, whose fingers never bend.
 #include <array>
 
 #include "call.h"
@@ -15,11 +15,11 @@ constexpr XrSpaceLocationFlags kAllFlags =
     XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
 
 struct Joint {
-    XrVector3f at;  // of a right hand, in the grip pose: fingers along -Z, thumb towards -X
+    XrVector3f at;  // of a right hand, relative to the grip pose: fingers along -Z, thumb towards -X
     float radius_m;
 };
 
-// From metacarpal to tip of the finger at `x`, of the given length.
+// The joints of the finger at `x`, from metacarpal to tip.
 void add_finger(std::vector<Joint>& joints, float x, float length_m, int count) {
     for (int i = 0; i < count; ++i) {
         const float t = static_cast<float>(i) / static_cast<float>(count - 1);

@@ -97,7 +97,7 @@ Texels texels_of(const VulkanDevice& vulkan, const SubImage& image) {
             static_cast<uint32_t>(image.rect.extent.height)};
 }
 
-// 8-bit formats byte for byte, whatever they mean; half floats as sRGB.
+// Copies 8-bit formats byte by byte, and converts half floats to sRGB.
 void write_colour(const std::filesystem::path& path, const Texels& texels) {
     std::vector<uint8_t> bytes = texels.bytes;
     if (texels.format == VK_FORMAT_R16G16B16A16_SFLOAT) bytes = srgb_bytes(texels.linear());
@@ -146,7 +146,7 @@ void save_images(const VulkanDevice& vulkan, const Frame& frame, const std::vect
             const Texels texels = texels_of(vulkan, image);
             images.push_back(texels.linear());
             std::string name = fmt::format("frame_{:04}_quad{}.png", frame.index, quads);
-            // A second projection layer is rare, but must not hide the first.
+            // A second projection layer must not overwrite the files of the first.
             if (!layer.is_quad)
                 name = fmt::format("frame_{:04}_{}{}.png", frame.index, kEyes[eye],
                                    projections ? fmt::format("_layer{}", projections) : "");

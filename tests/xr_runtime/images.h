@@ -1,4 +1,5 @@
-// The images in NEUVV_XR_OUT of a frame's layers: what was submitted, and what a compositor would show.
+// The images of a frame's layers that are written to NEUVV_XR_OUT: what was submitted, and what a compositor would
+// show.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +16,12 @@ struct LinearImage {
     float* at(uint32_t x, uint32_t y) { return &rgba[(size_t{y} * width + x) * 4]; }
 };
 
-// As their formats lay them out; depth in the first channel. UNORM counts as linear, as the specification has it.
+// Decodes texels of a format; depth goes to the first channel. UNORM is linear, as the specification says.
 LinearImage linear_image(const std::vector<uint8_t>& texels, int64_t format, uint32_t width, uint32_t height);
 
 uint8_t srgb_byte(float linear);
 
-// What an eye sees of the layers, whose images stand in their order, for each the eye's own.
+// What an eye sees of the layers. `images` has the eye's image of each layer, in the order of the layers.
 LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images, uint32_t eye,
                     XrTime time);
 

@@ -1,4 +1,4 @@
-// xrSyncActions, the states of actions that it leaves, and haptics.
+// xrSyncActions, the action states that it updates, and haptics.
 #include <cmath>
 
 #include "bindings.h"
@@ -10,7 +10,7 @@ namespace neuvv::xr_runtime {
 
 namespace {
 
-constexpr float kPressed = 0.5f;  // of an analogue input that a boolean action reads
+constexpr float kPressed = 0.5f;  // threshold of an analogue input that a boolean action reads
 
 std::optional<XrVector2f> scripted(const std::string& path) {
     const auto& inputs = runtime().script.inputs;
@@ -19,8 +19,8 @@ std::optional<XrVector2f> scripted(const std::string& path) {
     return value_at(found->second, runtime().progress.frame(), XrVector2f{0, 0});
 }
 
-// What the script leaves unsaid follows from what it says of the same part, as on a real controller: a trigger that is
-// pulled is touched, one that is pulled through clicks; and the simple profile's select is the trigger.
+// Inputs that the script does not set follow from other inputs of the same part, as on a real controller: a pulled
+// trigger is touched, a fully pulled one clicks, and the simple profile's select is the trigger.
 XrVector2f input_value(const std::string& path) {
     if (const auto value = scripted(path)) return *value;
     const std::string part = path.substr(0, path.rfind('/')), component = path.substr(part.size());
@@ -43,16 +43,16 @@ XrVector2f input_value(const std::string& path) {
     return {x ? x->x : 0, y ? y->x : 0};
 }
 
-// Several sources: "or", the value of largest magnitude, the longest vector.
+// Combines several sources of an action: the "or" of booleans, the value of largest magnitude, the longest vector.
 XrVector2f combined(XrVector2f a, XrVector2f b) {
     return a.x * a.x + a.y * a.y >= b.x * b.x + b.y * b.y ? a : b;
 }
 
-// An input that two active sets read goes to the one of higher priority.
+// Where two active sets read the same input, the one of higher priority gets it.
 using Priorities = std::map<std::string, uint32_t>;
 
 struct ActiveSets {
-    // By set: the subaction paths that it is active for; XR_NULL_PATH for all.
+    // By set: the subaction paths for which it is active; XR_NULL_PATH means all.
     std::map<const ActionSet*, std::set<XrPath>> paths;
     bool has(const ActionSet* set, const std::string& source) const {
         const auto found = paths.find(set);
@@ -78,7 +78,7 @@ ActionState read_sources(const Session& session, const Action& action, XrPath su
     return state;
 }
 
-// A state's change counts only between two syncs that both had the action active.
+// A change counts only where the action was active at both syncs.
 void update(ActionState& kept, ActionState fresh) {
     const bool has_changed = kept.value.x != fresh.value.x || kept.value.y != fresh.value.y;
     fresh.has_changed = fresh.is_active && kept.is_active && has_changed;
@@ -107,7 +107,7 @@ void deactivate(Session& session) {
     session.action_states.clear();
 }
 
-// The runtime may change the profile in xrSyncActions only, and tells of it.
+// The runtime may change the profile in xrSyncActions only, and queues an event when it does.
 void sync_profile(Session& session) {
     const std::string fitting = fitting_profile(*session.instance);
     if (fitting == session.current_profile) return;
@@ -157,7 +157,7 @@ XrResult sync_actions(XrSession handle, const XrActionsSyncInfo* sync_info) {
     return XR_SUCCESS;
 }
 
-// --- What an application reads ---
+// --- States that an application reads ---
 
 std::shared_ptr<Action> action_of(const Session& session, XrAction handle, XrPath subaction_path, XrActionType type) {
     const auto action = shared<Action>(handle);
@@ -212,7 +212,7 @@ XrResult get_pose(XrSession handle, const XrActionStateGetInfo* info, XrActionSt
     return XR_SUCCESS;
 }
 
-// The vibrating parts that an XrHapticActionInfo means.
+// The outputs that an XrHapticActionInfo means.
 std::vector<Source> haptic_sources(const Session& session, const XrHapticActionInfo& info) {
     const auto action = action_of(session, info.action, info.subactionPath, XR_ACTION_TYPE_VIBRATION_OUTPUT);
     return sources_of(session, *action, info.subactionPath);

@@ -24,7 +24,8 @@ std::string script_text() {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// A script that is wrong offers everything, so that the loader goes on to xrCreateInstance, which says what is wrong.
+// With a wrong script all extensions are offered, so that the loader continues to xrCreateInstance, which reports what
+// is wrong.
 Script script_for_loader() {
     try {
         return parse_script(script_text());
@@ -106,7 +107,7 @@ XrResult create_instance(const XrInstanceCreateInfo* create_info, XrInstance* ha
     state.instance->last_poll_frame = state.progress.frame();
     state.instance->first_path = (state.next_serial << 20) + 1;
     *handle = state.instance->handle;
-    check_chain(info.type, "XrInstanceCreateInfo", create_info);  // now that the extensions are known
+    check_chain(info.type, "XrInstanceCreateInfo", create_info);  // after the enabled extensions are known
     state.report.write();
     return XR_SUCCESS;
 }
@@ -167,7 +168,7 @@ XrResult structure_type_to_string(XrInstance handle, XrStructureType value, char
     return XR_SUCCESS;
 }
 
-// Section "Well-Formed Path Strings".
+// The rules of the specification's section "Well-Formed Path Strings".
 bool is_well_formed(const std::string& path) {
     if (path.empty() || path.front() != '/' || path.size() < 2 || path.size() >= XR_MAX_PATH_LENGTH) return false;
     bool only_dots = true, is_empty = true;
@@ -220,14 +221,15 @@ XrResult time_to_timespec(XrInstance handle, XrTime time, timespec* to) {
 
 }  // namespace
 
-// A process that ends without xrDestroyInstance leaves its report all the same. A thread that is still inside keeps it.
+// Writes the report of a process that ends without xrDestroyInstance, unless another thread is still in an entry point.
 __attribute__((destructor)) void write_last_report() {
     const std::unique_lock lock(runtime().mutex, std::try_to_lock);
     if (lock && runtime().instance) runtime().report.write();
 }
 
 Runtime& runtime() {
-    static Runtime& state = *new Runtime;  // never destroyed: applications call from other threads until the end
+    // Never destroyed, as other threads may call the runtime until the process ends.
+    static Runtime& state = *new Runtime;
     return state;
 }
 

@@ -13,7 +13,8 @@ namespace {
 constexpr XrCompositionLayerFlags kKnownFlags = 7;
 constexpr float kSameAngle = 1e-5f, kSamePose = 1e-5f;  // rad; m and quaternion
 
-// The compositor shows the image that was released last; an older one only if the application means it.
+// The compositor shows the image that was released last. Showing an older image again is fine, unless the application
+// has acquired one in this frame and not released it.
 void check_released(Swapchain& swapchain, const std::string& what) {
     require(swapchain.released.has_value(), XR_ERROR_LAYER_INVALID, "swapchain-image",
             fmt::format("{}: no image of the swapchain was ever released", what));
@@ -62,7 +63,7 @@ SubImage checked_depth(const XrCompositionLayerDepthInfoKHR& info, const std::st
 }
 
 void check_fov(const XrFovf& fov, uint32_t view, const std::string& what) {
-    const float limit = 1.57079633f;  // exclusive; left beyond right, and down beyond up, mean a flipped image
+    const float limit = 1.57079633f;  // exclusive; left > right and down > up are valid and mean a flipped image
     for (const float angle : {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown})
         require(std::abs(angle) < limit, XR_ERROR_VALIDATION_FAILURE, "fov",
                 fmt::format("{}: the angle {} of the fov must be between -pi/2 and pi/2", what, angle));
@@ -76,7 +77,8 @@ void check_fov(const XrFovf& fov, uint32_t view, const std::string& what) {
         }
 }
 
-// The image is seen from where the runtime will believe that it was made.
+// The pose of a layer's view must be the one that xrLocateViews returned for this frame: from there the runtime assumes
+// that the image was drawn.
 void check_view_pose(const XrPosef& pose, const Space& space, uint32_t view, const Frame& frame,
                      const std::string& what) {
     check_pose(pose, (what + " pose").c_str());

@@ -1,4 +1,4 @@
-// What xrEndFrame was given, checked.
+// The layers that xrEndFrame receives, after checks.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ struct Layer {
     bool is_quad = false;
     XrCompositionLayerFlags flags = 0;
     const Space* space = nullptr;
-    std::array<ProjectionView, 2> views;  // of projection layers
-    SubImage image;                       // of quads, as are the rest
+    std::array<ProjectionView, 2> views;  // of a projection layer
+    SubImage image;                       // of a quad, as are the members below
     XrPosef pose = {{0, 0, 0, 1}, {0, 0, 0}};
     XrExtent2Df size = {0, 0};
     XrEyeVisibility eyes = XR_EYE_VISIBILITY_BOTH;
@@ -31,7 +31,7 @@ struct Layer {
     bool has_depth() const { return !is_quad && views[0].depth && views[1].depth; }
 };
 
-// Refuses where the specification has an error for it, and only reports the rest.
+// Refuses violations for which the specification defines an error, and only reports the others.
 std::vector<Layer> checked_layers(const XrFrameEndInfo& info, const Frame& frame);
 
 }  // namespace neuvv::xr_runtime

@@ -1,4 +1,4 @@
-// How the loader finds the functions.
+// Negotiation with the loader, which finds all functions by it.
 #include <cstddef>
 #include <cstring>
 
@@ -8,7 +8,7 @@ namespace neuvv::xr_runtime {
 
 namespace {
 
-// The loader's two structs, whose header Debian does not package.
+// Two structs of the loader; Debian does not package their header.
 constexpr int kLoaderInfo = 1, kRuntimeRequest = 3;
 constexpr uint32_t kStructVersion = 1, kInterfaceVersion = 1;
 
@@ -44,7 +44,7 @@ const std::vector<EntryPoint>& all_entries() {
     return all;
 }
 
-// The functions that may be asked for without an instance.
+// The functions that xrGetInstanceProcAddr returns without an instance.
 bool is_global(const char* name) {
     for (const char* global : {"xrEnumerateInstanceExtensionProperties", "xrEnumerateApiLayerProperties",
                                "xrCreateInstance", "xrGetInstanceProcAddr"})
@@ -59,7 +59,7 @@ XrResult get_instance_proc_addr(XrInstance handle, const char* name, PFN_xrVoidF
     if (handle == XR_NULL_HANDLE && !is_global(name)) decline(XR_ERROR_HANDLE_INVALID);
     for (const EntryPoint& entry : all_entries()) {
         if (std::strcmp(name, entry.name) != 0) continue;
-        // The loader and layers fill their tables with everything they know: asking is no fault, only calling is.
+        // The loader and layers query all functions that they know: a query is no violation, only a call is.
         if (entry.extension) {
             const Instance& instance = *shared<Instance>(handle);
             const bool is_enabled =

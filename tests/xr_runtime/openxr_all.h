@@ -1,5 +1,5 @@
-// The OpenXR and Vulkan headers as the runtime needs them: no prototypes, since it implements the one's functions and
-// loads the other's through the application.
+// The OpenXR and Vulkan headers without prototypes: the runtime implements OpenXR's functions, and loads Vulkan's
+// through the application.
 #pragma once
 
 #include <ctime>

@@ -1,5 +1,5 @@
-// Rigid motions as OpenXR writes them. `a * b` is b seen through a: with a the pose of B in A and b that of C in B, the
-// pose of C in A.
+// Poses as OpenXR defines them. Where a is the pose of B in A, and b is the pose of C in B, `a * b` is the pose of C in
+// A.
 #pragma once
 
 #include <algorithm>
@@ -70,7 +70,7 @@ inline XrPosef between(const XrPosef& a, const XrPosef& b, float t) {
         cosine = -cosine;
     }
     float from_weight = 1 - t, to_weight = t;
-    if (cosine < 0.9999f) {  // nearer, the sines below lose all digits
+    if (cosine < 0.9999f) {  // for smaller angles, the sines below lose all digits
         const float angle = std::acos(cosine);
         from_weight = std::sin((1 - t) * angle) / std::sin(angle);
         to_weight = std::sin(t * angle) / std::sin(angle);
@@ -81,14 +81,14 @@ inline XrPosef between(const XrPosef& a, const XrPosef& b, float t) {
             a.position * (1 - t) + b.position * t};
 }
 
-// The specification's word for a unit quaternion: a length within 1 % of one.
+// A unit quaternion, by the specification's definition: its length is within 1 % of 1.
 inline bool is_valid(const XrPosef& pose) {
     const float length = std::sqrt(dot(pose.orientation, pose.orientation));
     const XrVector3f& p = pose.position;
     return std::abs(length - 1) <= 0.01f && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-// The larger of the distance in metres and of that between the quaternions, of which q and -q are one rotation.
+// The larger one of the distance in metres and the distance of the quaternions; q and -q count as the same rotation.
 inline float difference(const XrPosef& a, const XrPosef& b) {
     const XrVector3f d = a.position - b.position;
     const float sign = dot(a.orientation, b.orientation) < 0 ? -1.0f : 1.0f;

@@ -35,7 +35,7 @@ const Inputs kThumbstick = Inputs{{"/input/thumbstick", kVector, ProfileInput::k
 const Inputs kTrackpad = Inputs{{"/input/trackpad", kVector, ProfileInput::kBoth}} +
                          floats({"/input/trackpad/x", "/input/trackpad/y"}) + booleans({"/input/trackpad/touch"});
 
-// The path's owner, as the index of its hand; -1 for none.
+// The index of the hand to which a path belongs; -1 for none.
 int side_of(const std::string& binding) {
     if (binding.starts_with("/user/hand/left/")) return 0;
     return binding.starts_with("/user/hand/right/") ? 1 : -1;

@@ -1,4 +1,4 @@
-// The controllers that the runtime knows: section "Interaction Profile Paths" as data.
+// The controllers that the runtime knows: the specification's section "Interaction Profile Paths" as data.
 #pragma once
 
 #include <string>
@@ -26,12 +26,12 @@ struct Profile {
 const std::vector<Profile>& known_profiles();
 const Profile* find_profile(const std::string& path);
 
-// The input that a binding path means for an action type, or null: paths may leave the last component to the runtime
-// (/input/trigger), which then takes value before click, for boolean actions click before value.
+// The input that a binding path means for an action type, or null. A path may omit the last component (/input/trigger);
+// the runtime then prefers value to click, and for boolean actions click to value.
 const ProfileInput* find_input(const Profile& profile, const std::string& binding, XrActionType type);
-// A path that the profile has in some way, whatever the action.
+// Whether the path means an input of the profile for any type of action.
 bool has_input(const Profile& profile, const std::string& binding);
-// Whether the action can get its type from the input: a boolean may feed a float and the other way round.
+// Whether an input can be the source of an action of this type: booleans and floats convert to each other.
 bool is_convertible(InputKind kind, XrActionType type);
 
 }  // namespace neuvv::xr_runtime

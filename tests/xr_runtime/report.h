@@ -1,4 +1,4 @@
-// What the runtime saw an application do: report.json in NEUVV_XR_OUT, see README.md.
+// The report on what an application did: report.json in NEUVV_XR_OUT, see README.md.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@
 
 namespace neuvv::xr_runtime {
 
-// Said once, however often it happens again.
+// A finding is reported once, however often it happens.
 struct Finding {
-    int64_t frame;  // the first
+    int64_t frame;  // when it happened first
     std::string function, rule, text;
     int64_t count;
 };
@@ -32,7 +32,7 @@ struct SavedLayers {
 };
 
 struct Report {
-    std::filesystem::path folder;  // empty: nothing is written
+    std::filesystem::path folder;  // where to write; empty: nowhere
     std::vector<Finding> violations, warnings;
     int64_t frames = 0, frames_with_layers = 0;
     std::vector<std::string> states;
@@ -45,10 +45,10 @@ struct Report {
     std::map<std::string, std::vector<Binding>> bindings;  // by interaction profile
     bool is_destroyed_cleanly = false;
 
-    // Both say whether it is new.
+    // Both return whether the finding is new.
     bool add_violation(Finding finding);
     bool add_warning(Finding finding);
-    // Atomically; a disk that refuses is told on stderr.
+    // Replaces the file atomically; a failure is reported on stderr.
     void write() const;
 };
 

@@ -1,4 +1,4 @@
-// What findings are called, in the report and in README.md. Another name does not compile.
+// The names of findings in the report and in README.md. Other names do not compile.
 #pragma once
 
 #include <algorithm>
@@ -65,7 +65,7 @@ inline constexpr std::string_view kRules[] = {"type",
 
 struct Rule {
     std::string_view name;
-    // NOLINTNEXTLINE(google-explicit-constructor): literals become rules by it
+    // NOLINTNEXTLINE(google-explicit-constructor): literals are to become rules
     consteval Rule(const char* text) : name(text) {
         if (std::find(std::begin(kRules), std::end(kRules), name) == std::end(kRules)) throw "no rule has this name";
     }

@@ -19,7 +19,7 @@ using Json = nlohmann::json;
     throw std::runtime_error(fmt::format("{}: {}", place, problem));
 }
 
-// An object whose keys must all be asked for: what is left over at the end is misspelt.
+// An object of the script all of whose keys must be read: one that is left at the end is misspelt.
 class Fields {
   public:
     Fields(const Json& json, std::string place) : json_(json), place_(std::move(place)) {

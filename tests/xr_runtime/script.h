@@ -1,4 +1,4 @@
-// What a test wants the runtime to be and to do: NEUVV_XR_SCRIPT, see README.md for the file.
+// The script that says what the runtime offers and does: NEUVV_XR_SCRIPT; README.md has the file's format.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@ namespace neuvv::xr_runtime {
 
 enum Hand { kLeft, kRight };
 
-// Values that hold from a frame on, in order of frames.
+// A value that applies from a frame on. Tracks are sorted by frame.
 template <typename T>
 struct Key {
     int64_t frame;
@@ -41,7 +41,7 @@ struct ForcedResult {
     std::string function;
     XrResult result;
     int64_t times;
-    int64_t skip;  // calls that go through first
+    int64_t skip;  // so many calls succeed first
 };
 
 struct Script {
@@ -63,21 +63,22 @@ struct Script {
     std::vector<ScriptEvent> events;                  // by frame
     std::vector<ForcedResult> forced;
     std::set<int64_t> save_frames;
-    int64_t save_every = 0;  // 0: only those named
-    int64_t end_frame = -1;  // -1: when the application asks
+    int64_t save_every = 0;  // 0: only save_frames
+    int64_t end_frame = -1;  // -1: when the application requests it
 };
 
-// Every extension that the runtime implements, with its version.
+// All extensions that the runtime implements, with their versions.
 const std::vector<XrExtensionProperties>& implemented_extensions();
 
 // Whether the runtime has a function of this name.
 bool has_function(const std::string& name);
 
-// The defaults where `text` is empty. Throws std::runtime_error naming the place in the file: keys that no table of
-// README.md has are errors, so that a misspelt event does not test nothing.
+// An empty `text` gives the defaults. Throws std::runtime_error with the place in the file. Unknown keys are errors, so
+// that a test with a misspelt event fails.
 Script parse_script(const std::string& text);
 
-// The track's value at a moment between frames: interpolated, the first and last held outside. `fallback` if empty.
+// The track's value at a time between frames: interpolated; constant before the first and after the last key;
+// `fallback` for a track without keys.
 XrPosef pose_at(const Track<XrPosef>& track, double frame, const XrPosef& fallback);
 
 template <typename T>

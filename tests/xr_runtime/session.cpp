@@ -29,7 +29,7 @@ const char* short_name(XrSessionState state) {
     }
 }
 
-// The device must be the one that the runtime named, through the same of the two extensions throughout.
+// The device must be the one that the runtime named, and all calls must use the same one of the two extensions.
 void check_binding(const Instance& instance, const XrGraphicsBindingVulkanKHR& binding) {
     require(instance.asked_requirements || instance.asked_requirements2, XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING,
             "graphics-requirements",
@@ -136,7 +136,7 @@ void lose_instance(Instance& instance, const ScriptEvent& event) {
     instance.calls_until_loss = event.calls;
 }
 
-// The new origin counts from a moment after the application can have heard of it.
+// The new origin applies from a time at which the application has had the event.
 void recentre(Session& session, const ScriptEvent& event) {
     Progress& progress = runtime().progress;
     const XrTime change = progress.display_times.back() + 2 * progress.period();
@@ -218,7 +218,7 @@ void walk_to(Session& session, XrSessionState state) {
 void stop_session(Session& session, AfterStop after) {
     if (session.state == XR_SESSION_STATE_STOPPING) return;
     session.after_stop = after;
-    // A session that never came so far as to be synchronized has shown nothing that it could take back.
+    // From FOCUSED or VISIBLE it goes through SYNCHRONIZED; from READY, where walk_to() does nothing, it stops at once.
     walk_to(session, XR_SESSION_STATE_SYNCHRONIZED);
     enter_state(session, XR_SESSION_STATE_STOPPING);
 }
@@ -239,7 +239,7 @@ void destroy_session_now(Session& session) {
     for (const auto& space : all_of<Space>()) forget(bits(space->handle));
     for (const auto& tracker : all_of<HandTracker>()) forget(bits(tracker->handle));
     close_device(session.vulkan);
-    session.is_lost = true;  // for threads that wait in it
+    session.is_lost = true;  // for threads that are waiting in an entry point
     runtime().frame_begun.notify_all();
     auto& events = session.instance->events;
     std::erase_if(

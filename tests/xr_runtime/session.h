@@ -1,4 +1,4 @@
-// A session's life: states, events, and what the script makes of them.
+// The life cycle of a session: states, events, and how the script changes them.
 #pragma once
 
 #include <cstring>
@@ -7,28 +7,28 @@
 
 namespace neuvv::xr_runtime {
 
-// `T` is one of the XrEventData structs, its type set.
+// `T` is one of the XrEventData structs; its type must be set.
 template <typename T>
 void queue_event(Instance& instance, const T& event) {
     static_assert(sizeof(T) <= sizeof(XrEventDataBuffer));
     std::memcpy(&instance.events.emplace_back(), &event, sizeof event);
 }
 
-// To another state, with its event, and the report's line.
+// Enters a state, queues its event and adds it to the report.
 void enter_state(Session& session, XrSessionState state);
-// Step by step between SYNCHRONIZED, VISIBLE and FOCUSED.
+// Goes to a state step by step, between SYNCHRONIZED, VISIBLE and FOCUSED.
 void walk_to(Session& session, XrSessionState state);
-// Down to STOPPING. What follows xrEndSession is said by `after`.
+// Goes to STOPPING; `after` says what follows xrEndSession.
 void stop_session(Session& session, AfterStop after);
-// xrPollEvent found nothing: brings READY again for sessions that restart.
+// To be called when xrPollEvent finds no event: sessions that restart become READY again after some such calls.
 void pass_idle_poll(Session& session);
-// Swapchains, spaces and all.
+// Destroys the session with all its swapchains, spaces and other objects.
 void destroy_session_now(Session& session);
 
-// With the event of XR_FB_display_refresh_rate, where that is enabled.
+// Changes the refresh rate, with the event of XR_FB_display_refresh_rate where that is enabled.
 void set_refresh_rate(Session& session, float hz);
 
-// What the script has for a frame that xrWaitFrame is about to give.
+// Does what the script demands at a frame that xrWaitFrame is about to return.
 void play_events(Session& session, int64_t frame);
 
 }  // namespace neuvv::xr_runtime

@@ -12,7 +12,7 @@ constexpr XrSpaceLocationFlags kAllFlags =
     XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT |
     XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
 
-// Where a reference space's origin is after the recentrings until then.
+// The origin of a reference space at a time, after all recentrings before it.
 XrPosef origin_in_world(XrReferenceSpaceType type, XrTime time) {
     XrPosef origin = kIdentityPose;
     if (type == XR_REFERENCE_SPACE_TYPE_LOCAL) origin.position.y = -runtime().script.floor_m;
@@ -137,7 +137,7 @@ Located space_in_world(const Space& space, XrTime time) {
 }
 
 Located locate(const Space& space, const Space& base, XrTime time) {
-    // What hangs on the head is known against the head, tracked or not.
+    // The relative pose of two spaces of the same reference is known, even while the head is not tracked.
     const bool are_same = !space.action && !base.action && space.reference == base.reference;
     if (are_same) return {inverse(base.offset) * space.offset, true};
     const Located a = space_in_world(space, time), b = space_in_world(base, time);

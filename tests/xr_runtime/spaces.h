@@ -1,4 +1,4 @@
-// Where things are. `world` is STAGE as it was before any recentring: the space of the script's poses.
+// Locating spaces. `world` is STAGE as it was before any recentring: the space of the script's poses.
 #pragma once
 
 #include "state.h"
@@ -14,10 +14,10 @@ Located head_in_world(XrTime time);
 Located hand_in_world(Hand hand, bool is_aim, XrTime time);
 Located space_in_world(const Space& space, XrTime time);
 Located locate(const Space& space, const Space& base, XrTime time);
-// In a space; the pose of the eye that looks along its -Z.
+// The pose of an eye, which looks along its -Z, in a space.
 Located view_in(const Space& space, uint32_t view, XrTime time);
 
-// By which hand a path like /user/hand/left/input/grip/pose belongs to.
+// The hand that a path like /user/hand/left/input/grip/pose belongs to.
 Hand hand_of(const std::string& path);
 
 }  // namespace neuvv::xr_runtime

@@ -1,4 +1,4 @@
-// Everything that the runtime knows. There is one of it in a process, behind one mutex that each entry point holds.
+// The whole state of the runtime. A process has one Runtime, whose mutex each entry point holds.
 #pragma once
 
 #include <condition_variable>
@@ -53,7 +53,7 @@ struct Action {
     std::vector<XrPath> subaction_paths;
 };
 
-// One suggested binding; `path` is as the application wrote it.
+// A suggested binding; `path` is what the application wrote.
 struct Binding {
     std::shared_ptr<Action> action;
     std::string path;
@@ -68,14 +68,14 @@ struct Instance {
     bool has_system = false, asked_requirements = false, asked_requirements2 = false;
     std::map<VkInstance, PFN_vkGetInstanceProcAddr> vulkan_instances;  // of xrCreateVulkanInstanceKHR
     std::map<VkDevice, VkPhysicalDevice> vulkan_devices;               // of xrCreateVulkanDeviceKHR
-    std::map<VkInstance, VkPhysicalDevice> graphics_devices;           // as xrGetVulkanGraphicsDevice(2)KHR answered
+    std::map<VkInstance, VkPhysicalDevice> graphics_devices;           // what xrGetVulkanGraphicsDevice(2)KHR returned
     std::deque<XrEventDataBuffer> events;
     int64_t last_poll_frame = 0;
-    XrPath first_path = 1;  // paths of another instance are none of this one's
+    XrPath first_path = 1;  // differs by instance, as paths belong to one instance
     std::vector<std::string> paths;
     std::map<std::string, std::vector<Binding>> suggested;  // by interaction profile
     bool is_lost = false;
-    int64_t calls_until_loss = -1;  // -1: none pending
+    int64_t calls_until_loss = -1;  // -1: no loss is pending
 
     bool has(const char* extension) const { return extensions.contains(extension); }
 };
@@ -102,8 +102,8 @@ struct Space {
     using Handle = XrSpace;
     Handle handle = XR_NULL_HANDLE;
     Session* session = nullptr;
-    XrReferenceSpaceType reference = XR_REFERENCE_SPACE_TYPE_MAX_ENUM;  // of reference spaces
-    std::shared_ptr<Action> action;                                     // of action spaces
+    XrReferenceSpaceType reference = XR_REFERENCE_SPACE_TYPE_MAX_ENUM;  // for reference spaces
+    std::shared_ptr<Action> action;                                     // for action spaces
     XrPath subaction_path = XR_NULL_PATH;
     XrPosef offset = {{0, 0, 0, 1}, {0, 0, 0}};
 };
@@ -131,12 +131,12 @@ struct Frame {
     int locate_count = 0;
 };
 
-// Of one action and one subaction path (or none), as the last xrSyncActions left it.
+// The state of an action for one subaction path (or for none), as of the last xrSyncActions.
 struct ActionState {
     bool is_active = false, has_changed = false;
     XrVector2f value = {0, 0};
     XrTime change_time = 0;
-    std::string source;  // the binding's path: for poses, which hand and which of its poses
+    std::string source;  // the path of the binding; for poses, it names the hand and grip or aim
 };
 
 enum class AfterStop { kNothing, kRestart, kExit };
@@ -149,16 +149,16 @@ struct Session {
     Instance* instance = nullptr;
     VulkanDevice vulkan;
     XrSessionState state = XR_SESSION_STATE_UNKNOWN;
-    XrSessionState target = XR_SESSION_STATE_FOCUSED;  // what finished frames lead towards
+    XrSessionState target = XR_SESSION_STATE_FOCUSED;  // the state that the session goes to with each finished frame
     bool is_running = false, is_lost = false;
     AfterStop after_stop = AfterStop::kNothing;
-    int64_t restart_polls = 0;  // of xrPollEvent that find nothing, in IDLE, before READY comes again
+    int64_t restart_polls = 0;  // how many empty xrPollEvent calls, in IDLE, come before READY
     int64_t ended_frames = 0;   // since xrBeginSession
     std::optional<Frame> waited, begun;
     std::thread::id waiter, beginner;
     bool is_attached = false, was_synced = false;
     std::vector<std::shared_ptr<ActionSet>> attached;
-    std::string current_profile;  // empty: none
+    std::string current_profile;  // empty: no controllers
     std::map<std::pair<XrAction, XrPath>, ActionState> action_states;
 };
 
@@ -168,17 +168,17 @@ struct Recentre {
     XrPosef shift;
 };
 
-// Where the script is: outlives instances and sessions, so that it goes on after a loss.
+// The position in the script. It outlives instances and sessions, so that the script continues after a loss.
 struct Progress {
     std::vector<XrTime> display_times;  // by frame
-    XrTime last_wake = 0;               // real time only
+    XrTime last_wake = 0;               // only where time is real
     size_t next_event = 0;
     int64_t slow_until = 0, slow_periods = 1, untracked_until = 0;
     std::vector<Recentre> recentres;
     float refresh_hz = 90;
     std::string profile;
     int mask_version = 0;
-    XrTime clock_base = 0;  // XrTime less CLOCK_MONOTONIC, in ns
+    XrTime clock_base = 0;  // XrTime minus CLOCK_MONOTONIC, in nanoseconds
 
     int64_t frame() const { return static_cast<int64_t>(display_times.size()) - 1; }
     XrDuration period() const { return static_cast<XrDuration>(1e9 / static_cast<double>(refresh_hz) + 0.5); }
@@ -187,21 +187,21 @@ struct Progress {
 struct Runtime {
     std::mutex mutex;
     std::condition_variable frame_begun;
-    std::string configuration;  // script and folder that the rest goes with
+    std::string configuration;  // script and folder to which the members below belong
     Script script;
     Report report;
     Progress progress;
     std::map<uint64_t, std::shared_ptr<void>> objects;
     uint64_t next_serial = 1;
-    std::shared_ptr<Instance> instance;  // one at a time
-    std::shared_ptr<Session> session;    // likewise
+    std::shared_ptr<Instance> instance;  // there is at most one
+    std::shared_ptr<Session> session;    // there is at most one
 };
 
 Runtime& runtime();
 
-// The time now, on the application's clock.
+// The present XrTime.
 XrTime now();
-// The frame, with its fraction, that is on display at a moment: the scripts' clock.
+// The index, with a fraction, of the frame that is on display at this time: the script's clock.
 double frame_at(XrTime time);
 
 }  // namespace neuvv::xr_runtime

@@ -1,4 +1,4 @@
-// Swapchains: made, and their images acquired, waited for and released in that order.
+// Creating swapchains, and acquiring, waiting for and releasing their images, in that order.
 #include "call.h"
 #include "session.h"
 

@@ -1,4 +1,4 @@
-// The one system, a headset with two views, and what it can do.
+// The only system, a headset with two views, and its properties.
 #include "call.h"
 #include "session.h"
 
@@ -87,7 +87,7 @@ XrResult get_rate(XrSession handle, float* out) {
 
 XrResult request_rate(XrSession handle, float hz) {
     Session& session = object<Session>(handle);
-    if (hz == 0) return XR_SUCCESS;  // as the system likes
+    if (hz == 0) return XR_SUCCESS;  // the application leaves the rate to the system
     const auto& rates = runtime().script.rates_hz;
     require(std::find(rates.begin(), rates.end(), hz) != rates.end(), XR_ERROR_DISPLAY_REFRESH_RATE_UNSUPPORTED_FB,
             "refresh-rate", fmt::format("{} Hz is none of the enumerated display refresh rates", hz));

@@ -1,4 +1,4 @@
-// Velocities by differences of scripted poses.
+// Velocities, as differences of scripted poses.
 #pragma once
 
 #include "pose.h"
@@ -6,12 +6,12 @@
 
 namespace neuvv::xr_runtime {
 
-// In the base's axes, in m/s and rad/s.
+// Along the axes of the base space, in m/s and rad/s.
 struct Velocity {
     XrVector3f linear = {0, 0, 0}, angular = {0, 0, 0};
 };
 
-// Of what `at` (from XrTime to Located) locates.
+// The velocity of what `at` locates: a function from XrTime to Located.
 template <typename At>
 Velocity velocity(const At& at, XrTime time) {
     const XrDuration step = runtime().progress.period() / 4;

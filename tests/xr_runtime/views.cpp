@@ -1,4 +1,4 @@
-// The two views, and the mask of what of them can never be seen.
+// The two views, and the mask of those parts of them that are never visible.
 #include <array>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace neuvv::xr_runtime {
 
 namespace {
 
-// A frame that has been waited for and not yet ended counts, by the time that xrWaitFrame predicted.
+// The frame with this predicted display time that has been waited for and is not ended; null where there is none.
 Frame* open_frame(Session& session, XrTime time) {
     if (session.begun && session.begun->display_time == time) return &*session.begun;
     if (session.waited && session.waited->display_time == time) return &*session.waited;
@@ -52,7 +52,7 @@ XrResult locate_views(XrSession handle, const XrViewLocateInfo* locate_info, XrV
     });
 }
 
-// --- The visibility mask: an ellipse in the field of view is visible, the corners outside of it are hidden ---
+// --- The visibility mask: an ellipse in the field of view is visible, the corners outside it are hidden ---
 
 struct Mesh {
     std::vector<XrVector2f> vertices;
@@ -69,14 +69,14 @@ struct Ellipse {
     }
 };
 
-// On the plane z = -1, and a little smaller whenever the script changes the mask.
+// The ellipse on the plane z = -1. Each change of the mask by the script makes it a little smaller, or large again.
 Ellipse ellipse_of(const XrFovf& fov, float scale) {
     const float left = std::tan(fov.angleLeft), right = std::tan(fov.angleRight);
     const float up = std::tan(fov.angleUp), down = std::tan(fov.angleDown);
     return {{(left + right) / 2, (up + down) / 2}, {(right - left) / 2 * scale, (up - down) / 2 * scale}};
 }
 
-// Each corner, with its two halves of the border, as a fan to its quarter of the ellipse; counter-clockwise.
+// The hidden triangles: from each corner, a fan to its quarter of the ellipse, counter-clockwise.
 Mesh hidden_mesh(const XrFovf& fov, float scale) {
     const Ellipse inner = ellipse_of(fov, scale), outer = ellipse_of(fov, 1);
     Mesh mesh;

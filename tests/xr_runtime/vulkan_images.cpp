@@ -50,7 +50,7 @@ void submit_and_wait(const VulkanDevice& vulkan) {
     check(vulkan.vkResetFences(vulkan.device, 1, &vulkan.fence), "vkResetFences");
 }
 
-// Everything before, whatever it was, ends before everything after starts: images are worth more than speed here.
+// A full barrier: all work before it ends before any work after it starts. Correct images matter more than speed here.
 void move_image(const VulkanDevice& vulkan, VkImage image, bool is_depth, VkImageLayout from, VkImageLayout to) {
     VkImageMemoryBarrier barrier = {VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
     barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
@@ -145,7 +145,8 @@ VkImageUsageFlags vulkan_usage(const XrSwapchainCreateInfo& info) {
                    {XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
                    {XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT, VK_IMAGE_USAGE_TRANSFER_DST_BIT},
                    {XR_SWAPCHAIN_USAGE_SAMPLED_BIT, VK_IMAGE_USAGE_SAMPLED_BIT}};
-    // The layout that images are handed out in asks for the attachment usage, whatever else the application wants.
+    // The layout in which images are handed out requires the attachment usage, whatever usages the application
+    // requests.
     VkImageUsageFlags usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     usage |= is_depth_format(info.format) ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
                                           : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;

@@ -1,5 +1,5 @@
-// Images on the application's VkDevice: swapchains, and copies of them for images. Every function that submits work
-// waits for it, and must be called only where the application has left its queue to the runtime.
+// Images on the application's VkDevice: those of swapchains, and copies of them on the host. Functions that submit work
+// wait for it. They may be called only while the application leaves its queue to the runtime.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace neuvv::xr_runtime {
 
-// clang-format would wrap this list in another way each time.
+// Versions of clang-format wrap this list differently.
 // clang-format off
 #define NEUVV_XR_VULKAN_FUNCTIONS(_) \
     _(vkAllocateCommandBuffers) _(vkAllocateMemory) _(vkBeginCommandBuffer) _(vkBindBufferMemory) \
@@ -40,19 +40,20 @@ struct SwapchainImages {
     bool is_depth = false;
 };
 
-// All throw std::runtime_error naming the Vulkan call that failed.
+// The functions throw std::runtime_error with the name of the Vulkan call that failed.
 VulkanDevice open_device(PFN_vkGetInstanceProcAddr load, const XrGraphicsBindingVulkanKHR& binding);
 void close_device(VulkanDevice& vulkan);
 
 bool is_depth_format(int64_t format);
 VkImageUsageFlags vulkan_usage(const XrSwapchainCreateInfo& info);
-// Whether the device has images as these.
+// Whether the device supports such images.
 bool supports(const VulkanDevice& vulkan, const XrSwapchainCreateInfo& info);
-// In the layout in which OpenXR hands out images: COLOR_ATTACHMENT_OPTIMAL or DEPTH_STENCIL_ATTACHMENT_OPTIMAL.
+// Creates the images, in the layout in which OpenXR hands them out: COLOR_ATTACHMENT_OPTIMAL or
+// DEPTH_STENCIL_ATTACHMENT_OPTIMAL.
 SwapchainImages create_images(const VulkanDevice& vulkan, const XrSwapchainCreateInfo& info, uint32_t count);
 void destroy_images(const VulkanDevice& vulkan, SwapchainImages& images);
 
-// The texels of a rectangle of one array layer, rows without gaps, as they lie in memory.
+// The texels of a rectangle of one array layer, in the image's format, with rows without gaps.
 std::vector<uint8_t> read_texels(const VulkanDevice& vulkan, VkImage image, int64_t format, const XrRect2Di& rect,
                                  uint32_t array_layer);
 uint32_t bytes_per_texel(int64_t format);

@@ -1,4 +1,4 @@
-// Action sets, actions and bindings, until a session has them.
+// Violations: action sets, actions, bindings, and attaching them to a session.
 #include <cstring>
 
 #include "xr_runtime_test/violation.h"

@@ -1,6 +1,6 @@
-// The smallest correct OpenXR application, step by step through the real loader: an instance, a Vulkan device, a
-// session, frames of a projection layer with depth and a quad, actions. What it sends stands in plain structs, so that
-// a test can do one thing wrong.
+// A minimal correct OpenXR application, step by step through the real loader: an instance, a Vulkan device, a session,
+// frames with a projection layer with depth and a quad layer, and actions. All that it passes to OpenXR is in plain
+// structs, so that a test can make one thing wrong.
 #pragma once
 
 #include <volk.h>
@@ -17,7 +17,7 @@
 
 namespace neuvv::test {
 
-// What goes to xrEndFrame.
+// The arguments of xrEndFrame.
 struct Frame {
     XrFrameState state;
     std::array<XrView, 2> views;
@@ -29,7 +29,7 @@ struct Frame {
     XrFrameEndInfo end;
 };
 
-// Each step takes the missing ones before it, and throws where a call of its own fails.
+// Each step first takes the steps before it that are missing. A step throws where one of its calls fails.
 class Application {
   public:
     Application();
@@ -37,35 +37,36 @@ class Application {
     Application& operator=(const Application&) = delete;
     ~Application();
 
-    // Of the runtime, and what the application enables: to be changed before make_instance.
+    // The runtime's script, and the extensions that the application enables; to be changed before make_instance.
     nlohmann::json script;
     std::vector<const char*> extensions;
 
-    // Where loader and runtime find manifest, script and report; make_instance does it, too.
+    // Sets the environment variables by which loader and runtime find manifest, script and report; make_instance calls
+    // it.
     void set_environment();
     void make_instance();
     void make_device();
     void make_session();
-    // Running, in the state READY.
+    // Makes the session run, in the state READY.
     void begin_session();
-    // Waited for, begun and filled as it should be: with layers where it shall be rendered.
+    // Waits for a frame, begins it and fills it correctly: with layers where the frame should be rendered.
     void prepare_frame();
     XrResult end_frame();
-    // The first that shall be rendered.
+    // Runs frames up to the first one that should be rendered, and prepares that one.
     void prepare_visible_frame();
-    // Until the session has the focus, between two frames.
+    // Runs frames until the session has the input focus; leaves it between two frames.
     void make_focused();
-    // A set of a button, a pose and a vibration; the bindings of one controller.
+    // An action set of a button, a pose and a vibration, with the bindings of one controller.
     void make_actions();
     void suggest_bindings();
     void attach_actions();
     XrResult sync_actions();
 
     void poll_events();
-    // A whole use of a swapchain's next image.
+    // Acquires a swapchain's next image, waits for it and releases it.
     static void draw_to(XrSwapchain swapchain);
     void destroy_session();
-    // Ends as it should, from any step, and can start again; what the runtime wrote of it all.
+    // Ends correctly, from any step, so that the application can start again. Returns the runtime's report.
     nlohmann::json end();
 
     XrInstanceCreateInfo instance_info() const;
@@ -94,12 +95,12 @@ class Application {
     XrActionSet action_set = XR_NULL_HANDLE;
     XrAction press = XR_NULL_HANDLE, grip = XR_NULL_HANDLE, buzz = XR_NULL_HANDLE;
     std::array<XrPath, 2> hands = {};
-    std::vector<XrSessionState> states;  // as the events told
+    std::vector<XrSessionState> states;  // by the events
     std::vector<XrEventDataBuffer> events;
 
   private:
     bool has(const char* extension) const;
-    // By XR_KHR_vulkan_enable2 where that is enabled, else by XR_KHR_vulkan_enable.
+    // Creates the device by XR_KHR_vulkan_enable2 where that is enabled, else by XR_KHR_vulkan_enable.
     void ask_requirements() const;
     void make_vulkan_instance();
     void find_physical_device();
@@ -112,7 +113,7 @@ class Application {
     TemporaryFolder folder_;
 };
 
-// Throws where it failed.
+// Throws where the call failed.
 void check(XrResult result, const char* call);
 
 }  // namespace neuvv::test

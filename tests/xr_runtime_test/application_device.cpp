@@ -1,4 +1,4 @@
-// The application's Vulkan, by either of the two extensions.
+// The application's Vulkan instance and device, by either one of the two extensions.
 #include <algorithm>
 #include <iterator>
 #include <sstream>
@@ -13,7 +13,7 @@ void check_vulkan(VkResult result, const char* call) {
     if (result != VK_SUCCESS) throw std::runtime_error(std::string(call) + " gave " + std::to_string(result));
 }
 
-// As XR_KHR_vulkan_enable lists them: with spaces between.
+// Splits a list of names as XR_KHR_vulkan_enable returns it: separated by spaces.
 std::vector<std::string> words_of(const char* call, const Application& app) {
     const auto get = app.function<PFN_xrGetVulkanInstanceExtensionsKHR>(call);
     uint32_t count = 0;
@@ -81,7 +81,8 @@ void Application::find_physical_device() {
 
 void Application::make_vulkan_device() {
     const float priority = 1;
-    VkDeviceQueueCreateInfo queue = {VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};  // the first family draws everywhere
+    // The first queue family can draw on all known devices.
+    VkDeviceQueueCreateInfo queue = {VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
     queue.queueCount = 1;
     queue.pQueuePriorities = &priority;
     VkDeviceCreateInfo vulkan = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};

@@ -1,4 +1,4 @@
-// A correct application is found nothing wrong with.
+// The runtime finds nothing wrong with a correct application.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// The frame loop: order, times, views.
+// Violations in the frame loop: order, times, views.
 #include "xr_runtime_test/violation.h"
 
 namespace neuvv::test {
@@ -22,7 +22,7 @@ XrResult wait(Application& app) {
     return xrWaitFrame(app.session, nullptr, &app.frame.state);
 }
 
-// The runtime knows that one thread alone does both once it has done both.
+// Once the same thread has waited for a frame and begun it, the runtime knows that the application has one thread.
 XrResult wait_twice(Application& app) {
     app.make_focused();
     check(wait(app), "xrWaitFrame");
@@ -99,7 +99,7 @@ XrResult never_locate(Application& app) {
     check(wait(app), "xrWaitFrame");
     check(xrBeginFrame(app.session, nullptr), "xrBeginFrame");
     app.frame.end.displayTime = app.frame.state.predictedDisplayTime;
-    return app.end_frame();  // the head rests, so that the views are right
+    return app.end_frame();  // the head does not move, so the views are right
 }
 
 XrResult show_while_hidden(Application& app) {

@@ -1,11 +1,11 @@
-// What a session reads of its actions, and haptics.
+// Violations where a session reads its actions, and in haptics.
 #include "xr_runtime_test/violation.h"
 
 namespace neuvv::test {
 
 namespace {
 
-// Focused, with the actions synchronized.
+// An application with the input focus, after xrSyncActions.
 void make_synced(Application& app) {
     app.attach_actions();
     app.make_focused();

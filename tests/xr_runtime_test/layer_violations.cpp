@@ -1,4 +1,4 @@
-// What xrEndFrame gets.
+// Violations in the arguments of xrEndFrame.
 #include <cmath>
 
 #include "xr_runtime_test/violation.h"
@@ -7,7 +7,7 @@ namespace neuvv::test {
 
 namespace {
 
-// A correct frame, altered.
+// Ends a correct frame after an alteration.
 XrResult send(Application& app, void (*alter)(Frame& frame)) {
     app.prepare_visible_frame();
     alter(app.frame);
@@ -113,7 +113,7 @@ XrResult image_that_was_never_drawn(Application& app) {
     return app.end_frame();
 }
 
-// The image of the frame before is shown, while the one of this frame is still drawn.
+// Shows the image of the frame before, while the image of this frame is acquired and not released.
 XrResult image_that_is_not_released(Application& app) {
     app.prepare_visible_frame();
     check(app.end_frame(), "xrEndFrame");

@@ -1,4 +1,4 @@
-// What few applications do and all may: no result but success, and no finding.
+// What few applications do although all may: every call succeeds, and there is no finding.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -53,12 +53,12 @@ void no_depth(Frame& frame) {
 void part_of_an_image(Frame& frame) {
     frame.eyes[0].subImage.imageRect = {{4, 8}, {16, 8}};
 }
-// The same turn.
+// The negative of a quaternion, which is the same rotation.
 void other_quaternion(Frame& frame) {
     auto& q = frame.eyes[1].pose.orientation;
     q = {-q.x, -q.y, -q.z, -q.w};
 }
-// Within the 1 % that the specification leaves.
+// A length within the 1 % that the specification allows.
 void rounded_quaternion(Frame& frame) {
     frame.quad.pose.orientation = {0, 0, 0, 1.009f};
 }

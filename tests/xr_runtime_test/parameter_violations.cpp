@@ -1,4 +1,4 @@
-// Parameters that single functions ask for: places for what they give, systems, flags, types of what may be left out.
+// Violations in parameters of single functions: output pointers, systems, flags, and types of optional structs.
 #include "xr_runtime_test/violation.h"
 
 namespace neuvv::test {
@@ -7,7 +7,7 @@ namespace {
 
 using App = Application;
 
-// --- Nowhere to put it ---
+// --- Null output pointers ---
 
 XrResult set_nowhere(App& app) {
     app.make_instance();
@@ -95,7 +95,7 @@ XrResult ask_another_system(App& app) {
     app.make_instance();
     return ask_requirements(app, app.system + 1);
 }
-// Before xrGetSystem gave it to this instance.
+// Before xrGetSystem has returned the system to this instance.
 XrResult ask_system_too_early(App& app) {
     app.make_instance();
     const XrSystemId early = app.system;
@@ -129,7 +129,7 @@ XrResult device_without_loader(App& app) {
     return make_vulkan_device(app, 0, nullptr);
 }
 
-// --- What may be left out, but not be something else ---
+// --- Optional structs of the wrong type ---
 
 constexpr XrSwapchainImageWaitInfo kAnotherType = {XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO};
 

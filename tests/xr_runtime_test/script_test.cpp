@@ -1,4 +1,4 @@
-// What scripts do to a correct application, and what is said of scripts that are wrong.
+// The effects of scripts on a correct application, and the messages about wrong scripts.
 #include <algorithm>
 
 #include "xr_runtime_test/application.h"
@@ -82,7 +82,7 @@ TEST(Script, LosesAnInstanceAfterSomeCalls) {
     app.make_focused();
     XrFrameState state = {XR_TYPE_FRAME_STATE};
     EXPECT_EQ(xrWaitFrame(app.session, nullptr, &state), XR_SUCCESS);
-    app.poll_events();  // two calls
+    app.poll_events();  // this makes two calls
     EXPECT_EQ(app.events.back().type, XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING);
     EXPECT_EQ(xrBeginFrame(app.session, nullptr), XR_ERROR_INSTANCE_LOST);
     EXPECT_EQ(app.locate_views(state.predictedDisplayTime), XR_ERROR_INSTANCE_LOST);
@@ -93,7 +93,7 @@ TEST(Script, LosesAnInstanceAfterSomeCalls) {
     EXPECT_EQ(report["violations"], json::array());
 }
 
-// Of the head, which rests.
+// The x coordinate of the head, which does not move.
 float x_of_head(const Application& app, XrTime time) {
     const XrReferenceSpaceCreateInfo info = Application::space_info(XR_REFERENCE_SPACE_TYPE_VIEW);
     XrSpace head = XR_NULL_HANDLE;

@@ -1,4 +1,4 @@
-// A session's life, its spaces, views and hands.
+// Violations in a session's life cycle, its spaces, views and hands.
 #include "xr_runtime_test/violation.h"
 
 namespace neuvv::test {

@@ -1,4 +1,4 @@
-// System and Vulkan device. (What is wrong with an XrInstanceCreateInfo the loader answers by itself.)
+// Violations in the setup of system and Vulkan device. (The loader itself answers errors in XrInstanceCreateInfo.)
 #include "xr_runtime_test/violation.h"
 
 namespace neuvv::test {

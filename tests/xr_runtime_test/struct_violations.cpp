@@ -1,4 +1,4 @@
-// What every function asks of its parameters: types, chains, pointers, handles, paths, counts.
+// Violations of what every function requires of its parameters: types, chains, pointers, handles, paths, counts.
 #include "xr_runtime_test/violation.h"
 
 namespace neuvv::test {

@@ -1,4 +1,4 @@
-// Swapchains, made and used.
+// Violations in creating and using swapchains.
 #include "xr_runtime_test/violation.h"
 
 namespace neuvv::test {
@@ -49,7 +49,7 @@ void colour_as_depth(XrSwapchainCreateInfo& info) {
 void depth_as_colour(XrSwapchainCreateInfo& info) {
     info.format = VK_FORMAT_D32_SFLOAT;
 }
-// More than an image of that size can have, on any device.
+// More than any device supports for an image of that size.
 void too_many_mips(XrSwapchainCreateInfo& info) {
     info.mipCount = 40;
 }

@@ -1,4 +1,4 @@
-// One thing that an application does wrong, and what the runtime must make of it.
+// One thing that an application does wrong, and the runtime's expected reaction.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,15 +11,15 @@ namespace neuvv::test {
 enum class Severity { kViolation, kWarning };
 
 struct Violation {
-    const char* name;  // as a test's
+    const char* name;  // of the test
     xr_runtime::Rule rule;
-    const char* function;  // that is called wrongly
-    XrResult result;       // of it
+    const char* function;  // the function that is called wrongly
+    XrResult result;       // what the call must return
     XrResult (*commit)(Application& app);
     Severity severity = Severity::kViolation;
 };
 
-// The tables, one per file.
+// The tables of violations, one per file.
 std::vector<Violation> setup_violations();
 std::vector<Violation> struct_violations();
 std::vector<Violation> parameter_violations();

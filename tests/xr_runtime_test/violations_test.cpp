@@ -1,4 +1,4 @@
-// Each violation alone in a session of its own: its result, and its rule in the report and nothing else.
+// Commits each violation alone, in a session of its own: expects its result, and only its rule in the report.
 #include <fstream>
 #include <set>
 
@@ -16,7 +16,7 @@ namespace {
 
 using Lines = std::set<std::string>;
 
-// As "xrEndFrame: layer"; what is wrong in both eyes is found twice.
+// The findings as "xrEndFrame: layer"; what is wrong in both eyes is found twice.
 Lines lines_of(const json& findings) {
     Lines lines;
     for (const json& finding : findings)
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Swapchain, Violations, testing::ValuesIn(swapchain_viol
 INSTANTIATE_TEST_SUITE_P(Action, Violations, testing::ValuesIn(action_violations()), name_of);
 INSTANTIATE_TEST_SUITE_P(Input, Violations, testing::ValuesIn(input_violations()), name_of);
 
-// Apart from the tables, because a second image at a time is warned of, too.
+// Not in the tables, as the runtime also warns of a second acquired image.
 TEST(Swapchain, GivesNoMoreImagesThanItHas) {
     Application app;
     app.make_session();
@@ -64,7 +64,8 @@ TEST(Swapchain, GivesNoMoreImagesThanItHas) {
     EXPECT_EQ(lines_of(report["violations"]), Lines{"xrAcquireSwapchainImage: swapchain-order"});
 }
 
-// Of the table in the section "What is checked"; "`swapchain-order`, `-image`" is short for two of one stem.
+// The rules in the table of the README's section "What is checked"; "`swapchain-order`, `-image`" is short for
+// `swapchain-order`, `swapchain-image`.
 std::set<std::string> rules_of_readme() {
     std::ifstream file(NEUVV_XR_RUNTIME_README);
     std::string line, stem;

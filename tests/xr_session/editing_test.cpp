@@ -1,4 +1,4 @@
-// To edit: what hands do to the stage, and what of it is saved.
+// Editing: what hands do to the stage, and what is saved.
 #include "edit/recovery.h"
 #include "golden/golden.h"
 #include "xr_session/xr_session.h"
@@ -17,23 +17,23 @@ struct Editing : XrSession {
         script.click(kReady, "right", "trigger/value");
         return script;
     }
-    // And by frame 13 the panel is shown.
+    // The same, and the panel is visible by frame 13.
     static XrScript with_panel() {
         XrScript script = selecting();
         script.click(kReady + 4, "left", "y/click");
         return script;
     }
-    // The panel's items after with_panel(). One run tells all cases.
+    // The panel's items after with_panel(). One run serves all tests.
     const json& arrange_panel() {
         static const json items = panel_after(with_panel(), 18);
         return items;
     }
-    // The last thing that a script does: saves by the panel, and ends.
+    // The end of a script: saves by the panel, which is visible.
     static void save(XrScript& script, int frame, const json& items) {
         press(script, frame, items, "save");
         script.end(frame + kPress + 6);
     }
-    // The same with the panel hidden so far.
+    // The same, where the panel is hidden.
     static void show_and_save(XrScript& script, int frame, const json& items) {
         script.click(frame, "left", "y/click");
         save(script, frame + 3, items);
@@ -46,14 +46,14 @@ TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
     const glm::dvec3 moved(0.4, 0.3, 0.2);
     script.input(12, "right", "squeeze/value", 1);
     script.hand(14, "right", kRightHand, kAnna);
-    script.moves(20, "right", kRightHand + moved, kAnna + moved);
+    script.move_to(20, "right", kRightHand + moved, kAnna + moved);
     script.save(22);
     script.input(24, "right", "squeeze/value", 0);
     show_and_save(script, 26, items);
     const XrRun run = this->run(script);
     expect_clean(run);
     const glm::dvec3 was(-0.8, 0, -2.8);
-    EXPECT_LT(glm::distance(place(node(saved(), "anna")), was + moved), 1e-3) << run.log;
+    EXPECT_LT(glm::distance(position(node(saved(), "anna")), was + moved), 1e-3) << run.log;
     EXPECT_EQ(run.seen["modified"], false);
     EXPECT_EQ(check_golden("xr_grab", run.image(22, "left")), "");
     EXPECT_FALSE(run.report["haptics"].empty()) << "hands feel what they take";
@@ -65,11 +65,11 @@ TEST_F(Editing, LettingGoNearTheFloorStandsOnIt) {
     const glm::dvec3 moved(0.4, 0.1, 0);
     script.input(12, "right", "squeeze/value", 1);
     script.hand(14, "right", kRightHand, kAnna);
-    script.moves(20, "right", kRightHand + moved, kAnna + moved);
+    script.move_to(20, "right", kRightHand + moved, kAnna + moved);
     script.input(24, "right", "squeeze/value", 0);
     show_and_save(script, 26, items);
     expect_clean(run(script));
-    EXPECT_LT(glm::distance(place(node(saved(), "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
+    EXPECT_LT(glm::distance(position(node(saved(), "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 
 TEST_F(Editing, TwoHandsScale) {
@@ -82,8 +82,8 @@ TEST_F(Editing, TwoHandsScale) {
     script.input(13, "left", "squeeze/value", 1);
     script.hand(15, "right", {0.3, 1, -0.4}, right);
     script.hand(15, "left", {-0.3, 1, -0.4}, left);
-    script.moves(21, "right", {0.45, 1, -0.4}, right + glm::dvec3(0.15, 0, 0));
-    script.moves(21, "left", {-0.45, 1, -0.4}, left - glm::dvec3(0.15, 0, 0));
+    script.move_to(21, "right", {0.45, 1, -0.4}, right + glm::dvec3(0.15, 0, 0));
+    script.move_to(21, "left", {-0.45, 1, -0.4}, left - glm::dvec3(0.15, 0, 0));
     script.save(22);
     script.input(24, "right", "squeeze/value", 0);
     script.input(24, "left", "squeeze/value", 0);
@@ -146,13 +146,13 @@ TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
     press(to_paint, 14, arrange, "paint");
     const json paint = panel_after(to_paint, 28);
     XrScript script = to_paint;
-    script.click(26, "left", "y/click");  // the panel is out of the way
+    script.click(26, "left", "y/click");  // hides the panel
     const glm::dvec3 head(-0.08, 0.99, -1.62);
     script.head(27, {0, 1.5, 0}, {0, 1.2, -2});
     script.hand(30, "right", head + glm::dvec3(-0.1, 0, 0.08), head + glm::dvec3(-0.1, 0, -1));
     script.input(64, "right", "trigger/value", 1);
     script.hand(66, "right", head + glm::dvec3(-0.1, 0, 0.08), head + glm::dvec3(-0.1, 0, -1));
-    script.moves(74, "right", head + glm::dvec3(0.2, 0.1, 0.08), head + glm::dvec3(0.2, 0.1, -1));
+    script.move_to(74, "right", head + glm::dvec3(0.2, 0.1, 0.08), head + glm::dvec3(0.2, 0.1, -1));
     script.input(76, "right", "trigger/value", 0);
     script.save(99);
     script.click(101, "left", "y/click");
@@ -179,7 +179,7 @@ TEST_F(Editing, ABoxThatIsPulledUpIsErased) {
     script.input(62, "right", "trigger/value", 1);
     script.hand(64, "right", hand, hand - glm::dvec3(0, 0, 1));
     const glm::dvec3 last = hand + glm::dvec3(1, 0.5, -1.1);
-    script.moves(72, "right", last, last - glm::dvec3(0, 0, 1));
+    script.move_to(72, "right", last, last - glm::dvec3(0, 0, 1));
     script.input(74, "right", "trigger/value", 0);
     script.save(76);
     script.click(78, "left", "y/click");
@@ -212,7 +212,7 @@ TEST_F(Editing, UndoWhileAHandHoldsTakesTheMoveBack) {
     XrScript script = selecting();
     script.input(12, "right", "squeeze/value", 1);
     script.hand(14, "right", kRightHand, kAnna);
-    script.moves(18, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
+    script.move_to(18, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
     script.click(20, "left", "x/click");
     script.save(24);
     script.input(26, "right", "squeeze/value", 0);
@@ -229,7 +229,7 @@ TEST_F(Editing, ComfortIsRememberedFromRunToRun) {
     script.end(30);
     expect_clean(run(script));
     XrScript later;
-    later.stick(12, "right", {0.5, 0});  // too little for a snap
+    later.stick(12, "right", {0.5, 0});  // too little for a snap turn
     later.end(30);
     const XrRun run = this->run(later);
     expect_clean(run);
@@ -241,7 +241,7 @@ TEST_F(Editing, APressThatBeganElsewherePressesNothing) {
     XrScript script = with_panel();
     script.hand(16, "right", kRightHand, {3, 1, 0});
     script.input(18, "right", "trigger/value", 1);
-    script.hand(20, "right", kRightHand, place_of(items["delete"]));
+    script.hand(20, "right", kRightHand, item_position(items["delete"]));
     script.input(24, "right", "trigger/value", 0);
     script.end(30);
     const XrRun run = this->run(script);
@@ -259,7 +259,7 @@ TEST_F(Editing, BareHandsPinchToSelectAndGrab) {
     script.save(kReady + 6);
     script.input(14, "right", "grasp_ext/value", 1);
     script.hand(16, "right", kRightHand, kAnna);
-    script.moves(22, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
+    script.move_to(22, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
     script.input(26, "right", "grasp_ext/value", 0);
     script.end(30);
     const XrRun run = this->run(script);
@@ -269,7 +269,7 @@ TEST_F(Editing, BareHandsPinchToSelectAndGrab) {
     const auto kept = edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
     ASSERT_EQ(kept.size(), 1u) << run.log;
     const json document = edit::restore(kept[0]).file.json.whole();
-    EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
+    EXPECT_LT(glm::distance(position(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 
 TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
@@ -279,7 +279,7 @@ TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
     script.hand(0, "left", kLeftHand, {-3, 1, -4});
     script.input(kReady, "right", "select/click", 1);
     script.hand(50, "right", kRightHand, kAnna);
-    script.moves(58, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
+    script.move_to(58, "right", kRightHand + glm::dvec3(0.4, 0, 0), kAnna + glm::dvec3(0.4, 0, 0));
     script.input(62, "right", "select/click", 0);
     script.end(66);
     const XrRun run = this->run(script);
@@ -287,24 +287,24 @@ TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
     const auto kept = edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
     ASSERT_EQ(kept.size(), 1u) << run.log;
     const json document = edit::restore(kept[0]).file.json.whole();
-    EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
+    EXPECT_LT(glm::distance(position(node(document, "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 
 TEST_F(Editing, AGripMovesThePanel) {
     const json items = panel_after(with_panel(), 14);
     XrScript script = with_panel();
-    const glm::dvec3 on_panel = place_of(items["play"]), aside(0.4, 0.1, 0);
+    const glm::dvec3 on_panel = item_position(items["play"]), aside(0.4, 0.1, 0);
     script.hand(14, "right", kRightHand, on_panel);
     script.input(16, "right", "squeeze/value", 1);
     script.hand(18, "right", kRightHand, on_panel);
-    script.moves(24, "right", kRightHand + aside, on_panel + aside);
+    script.move_to(24, "right", kRightHand + aside, on_panel + aside);
     script.input(26, "right", "squeeze/value", 0);
     script.save(28);
     script.end(30);
     const XrRun run = this->run(script);
     expect_clean(run);
     EXPECT_EQ(check_golden("xr_panel_moved", run.image(28, "left_seen")), "");
-    EXPECT_LT(glm::distance(place_of(run.seen["panel"]["play"]), on_panel + aside), 1e-4);
+    EXPECT_LT(glm::distance(item_position(run.seen["panel"]["play"]), on_panel + aside), 1e-4);
     EXPECT_EQ(run.seen["modified"], false) << "the performer behind it stays";
 }
 

@@ -1,4 +1,4 @@
-// Faults: each ends in recovery or in one clear line; nothing that was edited is lost.
+// Faults: each ends in recovery or in a message of one line, and no edit is lost.
 #include "edit/recovery.h"
 #include "xr_session/xr_session.h"
 
@@ -16,11 +16,11 @@ struct Faults : XrSession {
         script.click(10, "right", "b/click");
         return script;
     }
-    std::vector<edit::RecoveryEntry> kept() const {
+    std::vector<edit::RecoveryEntry> recovery_entries() const {
         return edit::find_recovery(folder.path / "state/neuvv/recovery", stage);
     }
     void expect_copy_is_kept(size_t runs = 1) const {
-        const auto entries = kept();
+        const auto entries = recovery_entries();
         ASSERT_EQ(entries.size(), runs);
         for (const edit::RecoveryEntry& entry : entries)
             EXPECT_EQ(edit::restore(entry).file.json["nodes"].size(), saved()["nodes"].size() + 1);
@@ -90,7 +90,7 @@ TEST_F(Faults, ARuntimeThatIsLostWithHandsInViewIsWaitedFor) {
 
 TEST_F(Faults, AStrokeThatIsCutOffByTheEndIsKept) {
     XrScript script = editing();
-    const glm::dvec3 copy(0.72, 0.99, -1.62);  // where its head's surface is
+    const glm::dvec3 copy(0.72, 0.99, -1.62);  // on the surface of the copy's head
     XrScript panel = editing();
     panel.click(14, "left", "y/click");
     const json items = panel_after(panel, 20);
@@ -101,8 +101,8 @@ TEST_F(Faults, AStrokeThatIsCutOffByTheEndIsKept) {
     panel.end(66);
     const XrRun run = this->run(panel);
     EXPECT_EQ(run.code, 0) << run.log;
-    const auto entries = kept();
-    ASSERT_EQ(entries.size(), 2u) << run.log;  // the first run's edits, too
+    const auto entries = recovery_entries();
+    ASSERT_EQ(entries.size(), 2u) << run.log;  // one of them with the first run's edits
     EXPECT_EQ(edit::restore(entries[0]).paint.size() + edit::restore(entries[1]).paint.size(), 1u)
         << "the layer that was painted";
 }
@@ -140,16 +140,16 @@ TEST_F(Faults, AGrabOutlivesALostPose) {
     XrScript script;
     script.hand(0, "right", kRightHand, kAnna);
     script.input(kReady, "right", "squeeze/value", 1);
-    script.loses(9, "right");
+    script.lose(9, "right");
     script.hand(12, "right", kRightHand + glm::dvec3(0.3, 0, 0), kAnna + glm::dvec3(0.3, 0, 0));
     script.input(16, "right", "squeeze/value", 0);
     script.end(20);
     const XrRun run = this->run(script);
     expect_clean(run);
-    const auto entries = kept();
+    const auto entries = recovery_entries();
     ASSERT_EQ(entries.size(), 1u);
     const json document = edit::restore(entries[0]).file.json.whole();
-    EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
+    EXPECT_LT(glm::distance(position(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
 }
 
 TEST_F(Faults, ALostHeadIsShownWhereItWas) {
@@ -189,22 +189,22 @@ TEST_F(Faults, AStopIsFollowedByAnotherStart) {
     EXPECT_TRUE(same_pixels(run.image(20, "left"), calm.image(20, "left")));
 }
 
-// What is held when a session is lost is put down where it is.
+// A performer that is grabbed when the session is lost is released where it is.
 TEST_F(Faults, AMoveOutlivesASessionThatIsLostInItsMiddle) {
     XrScript script;
     script.hand(0, "right", kRightHand, kAnna);
     script.input(kReady, "right", "squeeze/value", 1);
     script.hand(8, "right", kRightHand, kAnna);
-    script.moves(12, "right", kRightHand + glm::dvec3(0.3, 0, 0), kAnna + glm::dvec3(0.3, 0, 0));
+    script.move_to(12, "right", kRightHand + glm::dvec3(0.3, 0, 0), kAnna + glm::dvec3(0.3, 0, 0));
     script.event(14, "lose_session");
     script.end(28);
     const XrRun run = this->run(script);
     EXPECT_EQ(run.code, 0) << run.log;
     expect_no_violations(run);
-    const auto entries = kept();
+    const auto entries = recovery_entries();
     ASSERT_EQ(entries.size(), 1u) << run.log;
     const json document = edit::restore(entries[0]).file.json.whole();
-    EXPECT_LT(glm::distance(place(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
+    EXPECT_LT(glm::distance(position(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
 }
 
 TEST_F(Faults, ASessionThatCannotBeMadeIsOneLine) {

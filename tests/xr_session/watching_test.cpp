@@ -1,4 +1,4 @@
-// To watch: what both eyes see, and where their user stands.
+// Watching: what both eyes see, and where the user stands.
 #include <future>
 
 #include "edit/operations.h"
@@ -27,7 +27,7 @@ TEST_F(Watching, BothEyesSeeTheStage) {
     EXPECT_EQ(check_golden("xr_right", run.image(4, "right")), "");
 }
 
-// As the script has it: the head in the middle between them, 64 mm apart.
+// An eye as in the script: the eyes are 64 mm apart, with the head's position between them.
 xr::EyeView eye_of(const XrScript& script, int eye) {
     const auto& fov = script.json["fov_deg"][static_cast<size_t>(eye)];
     xr::EyeView view;
@@ -74,7 +74,7 @@ TEST_F(Watching, OtherFormatsShowTheSame) {
         script.json["formats"] = {format, "R8G8B8A8_SRGB", "D32_SFLOAT"};
         const XrRun other = run(script);
         expect_clean(other);
-        // Half floats blend what is clear without rounding in between.
+        // Half floats blend translucent shapes without rounding between them.
         EXPECT_TRUE(same_pixels(plain.image(4, "left_seen"), other.image(4, "left_seen"), 2)) << format;
     }
 }
@@ -158,7 +158,7 @@ TEST_F(Watching, AnInsetIsSharpWhereOneLooks) {
     const XrRun whole = run(script), inset = run(script, {"--inset", "0.5"});
     expect_clean(inset);
     const media::Image a = whole.image(6, "left"), b = inset.image(6, "left");
-    // About the eye's axis; beside it there are half as many rays a side.
+    // The inset is around the eye's axis; beside it there are half as many rays per side.
     uint32_t inside = 0, beside = 0;
     for (uint32_t y = 0; y < a.height; y++)
         for (uint32_t x = 0; x < a.width; x++) {
@@ -190,7 +190,7 @@ TEST_F(Watching, WalkingSmoothlyDarkensTheEdges) {
 }
 
 TEST_F(Watching, ItPlaysByTheDisplaysTime) {
-    constexpr double kPeriod_s = 1.0 / 90, kClip_s = 0.08;  // two frames at 25 Hz, which begin again
+    constexpr double kPeriod_s = 1.0 / 90, kClip_s = 0.08;  // a clip of two frames at 25 Hz, which loops
     const auto shown_at_the_end = [&](int end_frame, int slow_frames) {
         XrScript script;
         script.click(kReady, "right", "a/click");
@@ -201,46 +201,47 @@ TEST_F(Watching, ItPlaysByTheDisplaysTime) {
         EXPECT_EQ(run.seen["playing"], true);
         return run.seen["time_s"].get<double>();
     };
-    const auto apart = [&](double a, double b) { return std::abs(std::remainder(a - b, kClip_s)); };
+    const auto difference = [&](double a, double b) { return std::abs(std::remainder(a - b, kClip_s)); };
     const double first = shown_at_the_end(30, 0);
     EXPECT_GT(first, 0);
-    EXPECT_LT(apart(shown_at_the_end(40, 0), first + 10 * kPeriod_s), 1e-6) << "ten displays later";
-    EXPECT_LT(apart(shown_at_the_end(30, 4), first + 4 * 2 * kPeriod_s), 1e-6)
+    EXPECT_LT(difference(shown_at_the_end(40, 0), first + 10 * kPeriod_s), 1e-6) << "ten displays later";
+    EXPECT_LT(difference(shown_at_the_end(30, 4), first + 4 * 2 * kPeriod_s), 1e-6)
         << "four frames took three displays each";
 }
 
-// An image in the middle of a window, as large as it fits: pixels for one of it, and its corner.
-struct Fitted {
-    double fits, left, top;
+// How an image lies in the middle of a window, as large as fits: its scale, and its upper left corner in pixels of the
+// window.
+struct Fit {
+    double scale, left, top;
 };
-Fitted fitted(const media::Image& eye, const ui::WindowGeometry& window) {
-    const double fits = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
-    return {fits, (window.width - fits * eye.width) / 2, (window.height - fits * eye.height) / 2};
+Fit fit_of(const media::Image& eye, const ui::WindowGeometry& window) {
+    const double scale = std::min(double(window.width) / eye.width, double(window.height) / eye.height);
+    return {scale, (window.width - scale * eye.width) / 2, (window.height - scale * eye.height) / 2};
 }
 
-// Whether an image of an eye is shown in the middle of a window, as large as it fits; pixels of the window that the
-// screen does not reach are left out. The middle of an eye's pixel lies within half a pixel of the screen's, so its
-// neighbour may have a share in that.
+// Whether an eye's image is shown in the middle of a window, as large as fits. Pixels of the window that lie outside
+// the screen are ignored. The middle of an image's pixel is up to half a pixel from the middle of a screen's pixel, so
+// the tolerance allows for a share of the neighbouring pixel.
 bool is_mirrored(const media::Image& eye, const media::Image& screen, const ui::WindowGeometry& window) {
-    const auto [fits, left, top] = fitted(eye, window);
-    int most = 0;
+    const auto [scale, left, top] = fit_of(eye, window);
+    int max = 0;
     for (uint32_t y = 4; y < eye.height; y += 8)
         for (uint32_t x = 4; x < eye.width; x += 8) {
-            const auto at_x = static_cast<uint32_t>(left + fits * (x + 0.5)),
-                       at_y = static_cast<uint32_t>(top + fits * (y + 0.5));
+            const auto at_x = static_cast<uint32_t>(left + scale * (x + 0.5)),
+                       at_y = static_cast<uint32_t>(top + scale * (y + 0.5));
             if (at_x >= screen.width || at_y >= screen.height) continue;
-            for (int c = 0; c < 3; c++) most = std::max(most, std::abs(eye.at(x, y)[c] - screen.at(at_x, at_y)[c]));
+            for (int c = 0; c < 3; c++) max = std::max(max, std::abs(eye.at(x, y)[c] - screen.at(at_x, at_y)[c]));
         }
-    return most <= 255 * 0.5 / fits + 1;
+    return max <= 255 * 0.5 / scale + 1;
 }
 
-// A window that shows it.
-media::Image enlarged_into(const ui::WindowGeometry& window, const media::Image& eye) {
+// What a window looks like that shows the image.
+media::Image image_of_window(const ui::WindowGeometry& window, const media::Image& eye) {
     media::Image shown(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
-    const auto [fits, left, top] = fitted(eye, window);
+    const auto [scale, left, top] = fit_of(eye, window);
     for (uint32_t y = 0; y < shown.height; y++)
         for (uint32_t x = 0; x < shown.width; x++) {
-            const double at_x = (x + 0.5 - left) / fits, at_y = (y + 0.5 - top) / fits;
+            const double at_x = (x + 0.5 - left) / scale, at_y = (y + 0.5 - top) / scale;
             if (at_x >= 0 && at_y >= 0 && at_x < eye.width && at_y < eye.height)
                 std::copy_n(eye.at(static_cast<uint32_t>(at_x), static_cast<uint32_t>(at_y)), 4, shown.at(x, y));
         }
@@ -257,8 +258,8 @@ TEST_F(Watching, AMirrorShowsTheLeftEye) {
     const XrRun plain = run(script);
     const media::Image eye = plain.image(10, "left");
     EXPECT_FALSE(is_mirrored(eye, screen.image(), {})) << "nothing is shown yet";
-    EXPECT_TRUE(is_mirrored(eye, enlarged_into({}, eye), {}));
-    EXPECT_FALSE(is_mirrored(eye, enlarged_into({}, plain.image(10, "right")), {})) << "the other eye is told apart";
+    EXPECT_TRUE(is_mirrored(eye, image_of_window({}, eye), {}));
+    EXPECT_FALSE(is_mirrored(eye, image_of_window({}, plain.image(10, "right")), {})) << "the other eye is told apart";
     script.json["time"] = "real";
     script.end(80);
     auto mirrored = std::async(std::launch::async, [&] { return run(script, {"--mirror"}); });

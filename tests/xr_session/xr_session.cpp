@@ -25,9 +25,10 @@ json list(glm::dvec3 v) {
 }
 
 json pose(glm::dvec3 at, glm::dvec3 looks_at) {
-    const glm::dvec3 way = glm::normalize(looks_at - at);
+    const glm::dvec3 direction = glm::normalize(looks_at - at);
     return {{"at", list(at)},
-            {"turn_deg", list(glm::degrees(glm::dvec3(std::asin(way.y), std::atan2(-way.x, -way.z), 0)))}};
+            {"turn_deg",
+             list(glm::degrees(glm::dvec3(std::asin(direction.y), std::atan2(-direction.x, -direction.z), 0)))}};
 }
 
 }  // namespace
@@ -51,22 +52,23 @@ std::string XrScript::text() const {
     return whole.dump(1);
 }
 
-void XrScript::head(int frame, glm::dvec3 place, glm::dvec3 looks_at) {
-    timeline_[frame]["head"] = pose(place, looks_at);
+void XrScript::head(int frame, glm::dvec3 position, glm::dvec3 looks_at) {
+    timeline_[frame]["head"] = pose(position, looks_at);
 }
 
-void XrScript::hand(int frame, const std::string& hand, glm::dvec3 place, glm::dvec3 points_at) {
+void XrScript::hand(int frame, const std::string& hand, glm::dvec3 position, glm::dvec3 points_at) {
     if (last_.contains(hand) && frame > 0 && !timeline_[frame - 1].contains(hand))
         timeline_[frame - 1][hand] = last_[hand];
-    moves(frame, hand, place, points_at);
+    move_to(frame, hand, position, points_at);
 }
 
-void XrScript::moves(int frame, const std::string& hand, glm::dvec3 place, glm::dvec3 points_at) {
-    timeline_[frame][hand] = {{"grip", pose(place, points_at)}, {"aim", pose(place, points_at)}, {"tracked", true}};
+void XrScript::move_to(int frame, const std::string& hand, glm::dvec3 position, glm::dvec3 points_at) {
+    timeline_[frame][hand] = {
+        {"grip", pose(position, points_at)}, {"aim", pose(position, points_at)}, {"tracked", true}};
     last_[hand] = timeline_[frame][hand];
 }
 
-void XrScript::loses(int frame, const std::string& hand) {
+void XrScript::lose(int frame, const std::string& hand) {
     timeline_[frame][hand] = {{"tracked", false}};
 }
 
@@ -106,9 +108,9 @@ XrSession::XrSession() {
     stage::StageFile file = edit::new_stage(stage);
     edit::PerformerEdit performer;
     performer.clip = clip;
-    edit::Placement place;
-    place.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, -0.8, 0, -2.8, 1);
-    edit::add_performer(file, "anna", performer, place);
+    edit::Placement placement;
+    placement.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, -0.8, 0, -2.8, 1);
+    edit::add_performer(file, "anna", performer, placement);
     edit::Placement eyes;
     eyes.at = glm::dvec3(0, 1.5, 0);
     eyes.aim = glm::dvec3(0, 1.5, -1);
@@ -122,25 +124,25 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
     std::filesystem::create_directories(run.out);
     const std::filesystem::path path = run.out / "script.json", log = run.out / "log.txt";
     std::ofstream(path) << script.text();
-    std::vector<std::string> words{"/usr/bin/env",
-                                   "XR_RUNTIME_JSON=" NEUVV_XR_RUNTIME,
-                                   "XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation",
-                                   "XR_CORE_VALIDATION_EXPORT_TYPE=text",
-                                   "XR_CORE_VALIDATION_FILE_NAME=" + (run.out / "validation.txt").string(),
-                                   "NEUVV_XR_SCRIPT=" + path.string(),
-                                   "NEUVV_XR_OUT=" + run.out.string(),
-                                   "XDG_STATE_HOME=" + (folder.path / "state").string(),
-                                   "XDG_CONFIG_HOME=" + (folder.path / "config").string(),
-                                   NEUVV_PROGRAM,
-                                   "xr",
-                                   stage.string(),
-                                   "--report",
-                                   (run.out / "seen.json").string(),
-                                   "--validate",
-                                   "--scale",
-                                   "1"};
-    words.insert(words.end(), more.begin(), more.end());
-    ChildProcess program(words, log);
+    std::vector<std::string> arguments{"/usr/bin/env",
+                                       "XR_RUNTIME_JSON=" NEUVV_XR_RUNTIME,
+                                       "XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation",
+                                       "XR_CORE_VALIDATION_EXPORT_TYPE=text",
+                                       "XR_CORE_VALIDATION_FILE_NAME=" + (run.out / "validation.txt").string(),
+                                       "NEUVV_XR_SCRIPT=" + path.string(),
+                                       "NEUVV_XR_OUT=" + run.out.string(),
+                                       "XDG_STATE_HOME=" + (folder.path / "state").string(),
+                                       "XDG_CONFIG_HOME=" + (folder.path / "config").string(),
+                                       NEUVV_PROGRAM,
+                                       "xr",
+                                       stage.string(),
+                                       "--report",
+                                       (run.out / "seen.json").string(),
+                                       "--validate",
+                                       "--scale",
+                                       "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    ChildProcess program(arguments, log);
     const auto end = std::chrono::steady_clock::now() + kTimeout;
     while (!program.ended()) {
         if (std::chrono::steady_clock::now() > end) throw std::runtime_error("the program hangs: " + read_text(log));
@@ -162,7 +164,7 @@ json XrSession::panel_after(XrScript script, int end_frame) {
 
 void XrSession::press(XrScript& script, int frame, const json& items, const std::string& item) {
     if (!items.contains(item)) throw std::runtime_error("the panel has no " + item);
-    script.hand(frame, "right", kRightHand, place_of(items[item]));
+    script.hand(frame, "right", kRightHand, item_position(items[item]));
     script.input(frame + 2, "right", "trigger/value", 1);
     script.input(frame + 5, "right", "trigger/value", 0);
 }
@@ -174,7 +176,8 @@ void XrSession::expect_clean(const XrRun& run) {
     EXPECT_EQ(run.report["warnings"], json::array());
     EXPECT_EQ(run.report["destroyed_cleanly"], true);
     EXPECT_NE(run.log.find("Core Validation output type: text"), std::string::npos) << "the layer was not there";
-    const std::string layer = read_text(run.out / "validation.txt");  // which it makes with its first complaint
+    const std::string layer =
+        read_text(run.out / "validation.txt");  // the layer creates this file with its first complaint
     EXPECT_EQ(layer.find("VUID"), std::string::npos) << layer;
     EXPECT_EQ(run.log.find("validation:"), std::string::npos) << run.log;
 }
@@ -189,11 +192,11 @@ const json& XrSession::node(const json& document, const std::string& name) {
     throw std::runtime_error("there is no node " + name);
 }
 
-glm::dvec3 XrSession::place_of(const json& item) {
+glm::dvec3 XrSession::item_position(const json& item) {
     return {item.at(0), item.at(1), item.at(2)};
 }
 
-glm::dvec3 XrSession::place(const json& node) {
+glm::dvec3 XrSession::position(const json& node) {
     if (node.contains("matrix")) return {node["matrix"][12], node["matrix"][13], node["matrix"][14]};
     const auto at = node.value("translation", std::vector<double>{0, 0, 0});
     return {at[0], at[1], at[2]};

@@ -1,5 +1,5 @@
-// The program in a headset: `neuvv xr` against the test runtime, with a script of what head and hands do, and what came
-// of it.
+// Runs the program `neuvv xr` against the test runtime, with a script of what head and hands do, and collects what both
+// of them report.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,64 +16,65 @@
 
 namespace neuvv::test {
 
-// A script of the test runtime (tests/xr_runtime/README.md), in the stage's world: it is made so that the user stands
-// at its origin and looks along −Z.
+// A script for the test runtime (tests/xr_runtime/README.md). Positions are in the world of the stage, which is set up
+// so that the user stands at its origin and looks along −Z.
 constexpr int kReady = 6;
 struct XrScript {
     nlohmann::json json;
 
     XrScript();
-    // From this frame on, at once; `hand` is "left" or "right". The hand points at a place.
+    // From this frame on, head or hand is in this position. `hand` is "left" or "right"; it points at `points_at`.
     void head(int frame, glm::dvec3 at, glm::dvec3 looks_at);
     void hand(int frame, const std::string& hand, glm::dvec3 at, glm::dvec3 points_at);
-    // It comes there from where it was last, evenly.
-    void moves(int frame, const std::string& hand, glm::dvec3 at, glm::dvec3 points_at);
+    // The hand moves there from its last key, at a constant speed.
+    void move_to(int frame, const std::string& hand, glm::dvec3 at, glm::dvec3 points_at);
     void input(int frame, const std::string& hand, const std::string& what, double value);
     void stick(int frame, const std::string& hand, glm::dvec2 value);
-    void loses(int frame, const std::string& hand);
-    // A press of two frames, from kReady on at the earliest: before, a session has no focus.
+    void lose(int frame, const std::string& hand);
+    // Presses a button for two frames. `frame` is at least kReady: before, the session has no input focus.
     void click(int frame, const std::string& hand, const std::string& what);
     void event(int frame, const std::string& what, nlohmann::json more = nlohmann::json::object());
     void save(int frame);
     void end(int frame) { json["end_frame"] = frame; }
-    // As the runtime reads it.
+    // The script as the runtime reads it.
     std::string text() const;
 
   private:
-    std::map<int, nlohmann::json> timeline_;      // by frame
-    std::map<std::string, nlohmann::json> last_;  // pose of a hand
+    std::map<int, nlohmann::json> timeline_;      // keys, by frame
+    std::map<std::string, nlohmann::json> last_;  // the last key of each hand
 };
 
 struct XrRun {
     int code = 0;
-    std::string log;        // of both its outputs
-    nlohmann::json seen;    // its own report
-    nlohmann::json report;  // the runtime's
-    // Of a saved frame: "left", "right", "left_seen", "quad0".
+    std::string log;        // stdout and stderr of the program
+    nlohmann::json seen;    // the program's report (--report)
+    nlohmann::json report;  // the runtime's report
+    // An image of a saved frame; `which` is "left", "right", "left_seen" or "quad0".
     media::Image image(int frame, const std::string& which) const;
     std::filesystem::path out;
 };
 
-// In the middle of anna, and where the hands of scripts are at first.
+// The middle of anna, and the positions in which scripts begin with the hands.
 constexpr glm::dvec3 kAnna(0, 0.8, -2), kRightHand(0.2, 1.2, -0.3), kLeftHand(-0.2, 1.2, -0.3);
 
-// A stage of one performer, "anna", 1.6 m high on the floor 2 m before the user, on a disk of its own.
+// A stage with a disk as its floor and one performer, "anna", who is 1.6 m high and stands 2 m before the user.
 class XrSession : public testing::Test {
   protected:
     XrSession();
-    // Throws where the program hangs. The core validation layer reports on its output, as `--validate` does.
+    // Runs the program with OpenXR's core validation layer and `--validate`; both report in XrRun::log. Throws where
+    // the program hangs.
     XrRun run(const XrScript& script, const std::vector<std::string>& more = {});
-    // What the panel shows once the script has been gone through: the middles of its items, tracking space.
+    // The middles of the panel's items (tracking space) after a run of the script, by name.
     nlohmann::json panel_after(XrScript script, int end_frame);
-    // The right hand points at a panel's item and pulls the trigger. Takes kPress frames.
+    // The right hand points at an item of the panel and pulls the trigger. This takes kPress frames.
     static void press(XrScript& script, int frame, const nlohmann::json& items, const std::string& item);
     static constexpr int kPress = 8;
-    // Nothing that a runtime or a layer could complain of, and a clean end.
+    // Expects that neither the runtime nor a validation layer complained, and that the program ended cleanly.
     void expect_clean(const XrRun& run);
     nlohmann::json saved() const;
     static const nlohmann::json& node(const nlohmann::json& document, const std::string& name);
-    static glm::dvec3 place(const nlohmann::json& node);
-    static glm::dvec3 place_of(const nlohmann::json& item);  // of the panel
+    static glm::dvec3 position(const nlohmann::json& node);
+    static glm::dvec3 item_position(const nlohmann::json& item);  // of the panel
 
     TemporaryFolder folder;
     std::filesystem::path stage = folder.path / "stage.gltf", clip = folder.path / "figure.nvv";
@@ -82,7 +83,7 @@ class XrSession : public testing::Test {
     int runs_ = 0;
 };
 
-// Whether two images are the same but for one step of 255.
+// Whether no channel of two images differs by more than `step` (of 255).
 bool same_pixels(const media::Image& a, const media::Image& b, int step = 1);
 
 }  // namespace neuvv::test

@@ -7,27 +7,28 @@ namespace neuvv::headset {
 
 namespace {
 
-constexpr double kBeside = 0.5;  // rays a pixel's side beside the inset for one inside it
+constexpr double kBeside = 0.5;  // rays per pixel along each side outside the inset
 
-xr::XrSwapchainShape colour_shape(VkExtent2D size, bool keep) {
-    xr::XrSwapchainShape shape{size, xr::kEyes};
+xr::SwapchainShape colour_shape(VkExtent2D size, bool keep) {
+    xr::SwapchainShape shape{size, xr::kEyes};
     shape.formats = xr::eye_colour_formats();
     if (keep) shape.usage |= XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT;
     return shape;
 }
 
-xr::XrSwapchainShape depth_shape(VkExtent2D size) {
-    xr::XrSwapchainShape shape{size, xr::kEyes, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                               VK_IMAGE_ASPECT_DEPTH_BIT};
+xr::SwapchainShape depth_shape(VkExtent2D size) {
+    xr::SwapchainShape shape{size, xr::kEyes, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                             VK_IMAGE_ASPECT_DEPTH_BIT};
     shape.formats = xr::eye_depth_formats();
     return shape;
 }
 
-// A runtime that offers depth layers, but no format of depth that we draw, goes without.
-std::unique_ptr<xr::XrImages> depth_images(const gpu::Device& device, const xr::Session& session, VkExtent2D size) {
+// The swapchain of depth; null where the runtime does not take depth, or has none of the formats that EyePass draws.
+std::unique_ptr<xr::SwapchainImages> depth_images(const gpu::Device& device, const xr::Session& session,
+                                                  VkExtent2D size) {
     if (!session.runtime().has(XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME)) return nullptr;
     try {
-        return std::make_unique<xr::XrImages>(session, device, "depth of eyes", depth_shape(size));
+        return std::make_unique<xr::SwapchainImages>(session, device, "depth of eyes", depth_shape(size));
     } catch (const xr::XrFailure&) {
         throw;
     } catch (const RuntimeFailure&) {
@@ -35,7 +36,7 @@ std::unique_ptr<xr::XrImages> depth_images(const gpu::Device& device, const xr::
     }
 }
 
-bool same(const XrFovf& a, const XrFovf& b) {
+bool same_fov(const XrFovf& a, const XrFovf& b) {
     return a.angleLeft == b.angleLeft && a.angleRight == b.angleRight && a.angleUp == b.angleUp &&
            a.angleDown == b.angleDown;
 }
@@ -46,15 +47,15 @@ EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, cons
     : device_(device),
       session_(session),
       quality_(quality),
-      colour_(std::make_unique<xr::XrImages>(session, device, "eyes",
-                                             colour_shape(session.runtime().eye_size(), quality.keep_images))),
+      colour_(std::make_unique<xr::SwapchainImages>(session, device, "eyes",
+                                                    colour_shape(session.runtime().eye_size(), quality.keep_images))),
       depth_(quality.depth ? depth_images(device, session, colour_->size()) : nullptr),
       pass_(device, colour_->format(), depth_ ? depth_->format() : VK_FORMAT_D32_SFLOAT),
-      dynamic_(8),
+      dynamic_scale_(8),
       commands_(device, "mirror", 4) {
     const VkExtent2D size = colour_->size();
     if (!depth_)
-        own_depth_ =
+        fallback_depth_ =
             gpu::DeviceImage(device, "depth of eyes",
                              {size.width, size.height, VK_FORMAT_D32_SFLOAT,
                               VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_SAMPLE_COUNT_1_BIT, 1, xr::kEyes});
@@ -82,15 +83,15 @@ const char* EyeImages::format_name() const {
     }
 }
 
-// The mesh stands in the eye's own plane, so other angles place it elsewhere in the image.
-void EyeImages::hide(render::StageRenderer& renderer, const xr::EyeViews& eyes) {
+// The mesh is given on a plane before the eye, so its position in the image changes with the field of view, too.
+void EyeImages::update_hidden_triangles(render::StageRenderer& renderer, const xr::EyeViews& eyes) {
     if (!quality_.mask) return;
     bool changed = false;
     for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
-        if (!old_mask_[eye] && same(mask_fov_[eye], eyes.eye[eye].fov)) continue;
+        if (!mask_outdated_[eye] && same_fov(mask_fov_[eye], eyes.eye[eye].fov)) continue;
         mask_fov_[eye] = eyes.eye[eye].fov;
-        hidden_[eye] = xr::hidden_corners(session_, eye, mask_fov_[eye]);
-        old_mask_[eye] = false;
+        hidden_[eye] = xr::hidden_triangles(session_, eye, mask_fov_[eye]);
+        mask_outdated_[eye] = false;
         changed = true;
     }
     if (changed) renderer.hide(hidden_);
@@ -103,7 +104,7 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
     settings.width = size().width;
     settings.height = size().height;
     settings.mode = render::TraceMode::kPlay;
-    settings.scale = quality_.scale > 0 ? quality_.scale : dynamic_.scale();
+    settings.scale = quality_.scale > 0 ? quality_.scale : dynamic_scale_.scale();
     if (settings.scale > 0.97) settings.scale = 1;
     settings.next_slices.assign(next.begin(), next.end());
     if (quality_.inset)
@@ -117,37 +118,37 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
                      const xr::Pose& world_from_tracking, std::span<const render::NextSlice> next,
                      const xr::EyeShapes& shapes, double vignette, double budget_ms) {
     const auto begin = std::chrono::steady_clock::now();
-    hide(renderer, eyes);
+    update_hidden_triangles(renderer, eyes);
     for (uint32_t eye = 0; eye < xr::kEyes; eye++)
         cameras_[eye] = xr::eye_camera(eyes.eye[eye], world_from_tracking, size());
-    dynamic_.set_target(budget_ms);
+    dynamic_scale_.set_target(budget_ms);
     const render::FrameSettings settings = settings_of(renderer, evaluated, next);
     const gpu::Buffer& images = renderer.frames().draw(cameras_, settings);
     const auto drawn = std::chrono::steady_clock::now();
 
     const uint32_t index = colour_->acquire(), depth = depth_ ? depth_->acquire() : 0;
-    xr::EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : own_depth_.image, colour_->view(index),
-                         depth_ ? depth_->view(depth) : own_depth_.view, size()};
-    const auto acquired = std::chrono::steady_clock::now();  // the compositor's time is not ours
+    xr::EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : fallback_depth_.image,
+                         colour_->view(index), depth_ ? depth_->view(depth) : fallback_depth_.view, size()};
+    const auto acquired = std::chrono::steady_clock::now();  // waiting for the compositor does not count
     pass_.draw(renderer, images, cameras_, shapes, vignette, target);
     const auto ended = std::chrono::steady_clock::now();
-    if (left_) keep_left(target.colour);
+    if (left_) copy_left(target.colour);
     colour_->release();
     if (depth_) depth_->release();
-    drawn_ = eyes;
+    drawn_eyes_ = eyes;
     drawn_scale_ = settings.scale;
     const std::chrono::duration<double, std::milli> took = (drawn - begin) + (ended - acquired);
-    dynamic_.drawn(drawn_scale_, took.count());
+    dynamic_scale_.drawn(drawn_scale_, took.count());
 }
 
-void EyeImages::keep_left(VkImage image) {
-    kept_left_ = true;
+void EyeImages::copy_left(VkImage image) {
+    has_left_ = true;
     constexpr VkImageSubresourceRange kLayers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, xr::kEyes};
     commands_.begin();
     gpu::move_layout(commands_, image, kLayers, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                      VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     gpu::move_layout(commands_, *left_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    VkImageBlit part{};  // another format is converted
+    VkImageBlit part{};  // a blit converts between formats, a copy does not
     part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     part.srcOffsets[1] =
         part.dstOffsets[1] = {static_cast<int32_t>(size().width), static_cast<int32_t>(size().height), 1};
@@ -163,20 +164,20 @@ void EyeImages::keep_left(VkImage image) {
 const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session, bool over_holes) {
     for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
         views_[eye] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW};
-        views_[eye].pose = xr::xr_pose(drawn_.eye[eye].pose);
-        views_[eye].fov = drawn_.eye[eye].fov;
-        views_[eye].subImage = colour_->part(eye);
+        views_[eye].pose = xr::xr_pose(drawn_eyes_.eye[eye].pose);
+        views_[eye].fov = drawn_eyes_.eye[eye].fov;
+        views_[eye].subImage = colour_->sub_image(eye);
         if (!depth_) continue;
         depths_[eye] = {XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR};
-        depths_[eye].subImage = depth_->part(eye);
+        depths_[eye].subImage = depth_->sub_image(eye);
         depths_[eye].minDepth = 0;
         depths_[eye].maxDepth = 1;
         depths_[eye].nearZ = INFINITY;  // reversed: depth 0 is infinitely far
         depths_[eye].farZ = static_cast<float>(render::kSetNear_m);
         views_[eye].next = &depths_[eye];
     }
-    const bool mixes = session.runtime().blend_mode() == XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND;
-    projection_.layerFlags = over_holes || mixes ? XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT : 0;
+    const bool blends = session.runtime().blend_mode() == XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND;
+    projection_.layerFlags = over_holes || blends ? XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT : 0;
     projection_.space = session.tracking_space();
     projection_.viewCount = xr::kEyes;
     projection_.views = views_.data();

@@ -1,40 +1,42 @@
-// A hand in the stage: where it is, what it presses and what it points at.
+// A hand in the stage: its pose, its buttons, and what its pointer ray hits.
 #pragma once
 
 #include <optional>
 #include <utility>
 
+#include "xr/analogue_input.h"
 #include "xr/hands.h"
-#include "xr/press.h"
 
 namespace neuvv::headset {
 
-// Something that a ray meets.
-struct PointedAt {
-    enum class What { kNothing, kPanel, kPerformer, kFloor } what = What::kNothing;
-    double metres = 0;       // along the ray
-    glm::dvec2 on_panel{0};  // 0..1 from the upper left
-    uint32_t performer = 0;  // of Stage::performers
+// The nearest thing that a pointer ray hits.
+struct PointerHit {
+    enum class Target { kNothing, kPanel, kPerformer, kFloor } target = Target::kNothing;
+    double distance_m = 0;   // along the ray
+    glm::dvec2 panel_uv{0};  // on the panel: 0..1 from the upper left
+    uint32_t performer = 0;  // index into Stage::performers
 };
 
 struct Hand {
     xr::HandInput input;                // of this frame
     std::optional<xr::Pose> aim, grip;  // world
-    xr::Press select, grab;
+    xr::AnalogueButton select, grab;
     xr::Flick flick;
-    PointedAt at;
-    double selecting_s = 0;  // for how long select has been held
-    PointedAt pressed;   // what select was pressed on, while it is held; of the panel where it points now, or did last
-    bool fresh = false;  // that press was begun, and nothing has been done by it
-    bool held_long = false;   // that press has been taken for a long one
-    bool deselects = false;   // it will, where it does not become one
-    bool throws_arc = false;  // the stick is pushed for a teleport
-    // What it may feel at the frame's end, 0..1.
-    double pulse = 0;
+    PointerHit hit;  // of this frame
+    // The present press of select. A press belongs to what the ray hit when it began; on the panel, the hit follows the
+    // ray for as long as the ray stays on the panel.
+    PointerHit pressed_on;
+    double select_down_s = 0;          // how long select has been down
+    bool press_pending = false;        // the press has begun, and nothing has reacted to it yet
+    bool long_press = false;           // the press has had an effect as a long press
+    bool deselect_on_release = false;  // unless the press becomes a long one
+    bool aiming_teleport = false;      // the stick is pushed
+    double vibration = 0;              // strength 0..1 that this frame asks for
 
-    // A press is taken once, in the frame in which it is begun or in the first in which edits are possible again.
-    bool takes_press() { return std::exchange(fresh, false); }
-    void feel(double strength) { pulse = std::max(pulse, strength); }
+    // Whether a press has begun that nothing has reacted to yet: true once for each press, in the frame in which it
+    // begins, or in the first one in which edits are possible again.
+    bool consume_press() { return std::exchange(press_pending, false); }
+    void vibrate(double strength) { vibration = std::max(vibration, strength); }
 };
 
 using Hands = std::array<Hand, xr::kHands>;

@@ -9,70 +9,74 @@ namespace {
 constexpr glm::vec4 kBody{0.08f, 0.085f, 0.09f, 1}, kTrim{0.3f, 0.32f, 0.35f, 1}, kBlue{0.05f, 0.42f, 0.85f, 1},
     kWhite{0.9f, 0.9f, 0.9f, 0.8f}, kRay{0.5f, 0.75f, 1, 0.8f}, kFaint{0.5f, 0.75f, 1, 0}, kGreen{0.1f, 0.75f, 0.3f, 1},
     kRed{0.8f, 0.1f, 0.05f, 1}, kNoRegion{0, 0, 0, 0};
-constexpr double kIdleRay_m = 1.2, kSelectedOut = 0.006;
+constexpr double kIdleRay_m = 1.2, kSelectedMargin = 0.006;
 
 void draw_controller(xr::EyeShapes& shapes, const Hand& hand) {
-    if (!hand.grip || hand.input.bare) return;
+    if (!hand.grip || hand.input.bare_hand) return;
     const glm::dmat4 grip = xr::matrix_of(*hand.grip);
     shapes.solid_box(grip, {-0.017, -0.02, -0.03}, {0.017, 0.015, 0.085}, kBody);
     shapes.solid_box(grip, {-0.024, 0.0, -0.075}, {0.024, 0.022, -0.03}, kTrim);
     const float pressed = static_cast<float>(std::clamp(hand.input.select, 0.0, 1.0));
     shapes.solid_box(grip, {-0.008, -0.02, -0.062}, {0.008, 0.0, -0.045},
-                     glm::mix(kTrim, kBlue, hand.select.held() ? 1.0f : 0.5f * pressed));
+                     glm::mix(kTrim, kBlue, hand.select.is_down() ? 1.0f : 0.5f * pressed));
 }
 
-void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> held_m) {
+void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> grabbed_m) {
     if (!hand.aim) return;
-    const bool meets = hand.at.what == PointedAt::What::kPanel || hand.at.what == PointedAt::What::kPerformer;
-    const double metres = held_m ? *held_m : meets ? hand.at.metres : kIdleRay_m;
+    const bool hits =
+        hand.hit.target == PointerHit::Target::kPanel || hand.hit.target == PointerHit::Target::kPerformer;
+    const double distance_m = grabbed_m ? *grabbed_m : hits ? hand.hit.distance_m : kIdleRay_m;
     const Ray ray = xr::ray_of(*hand.aim);
-    const glm::dvec3 end = ray.origin + metres * ray.direction;
-    shapes.line(ray.origin, end, 0.003, kRay, meets || held_m ? kRay : kFaint);
-    if (meets || held_m) shapes.ball(end, held_m ? 0.014 : 0.008, held_m ? kBlue : glm::vec4(0.9f, 0.9f, 0.9f, 1));
+    const glm::dvec3 end = ray.origin + distance_m * ray.direction;
+    shapes.line(ray.origin, end, 0.003, kRay, hits || grabbed_m ? kRay : kFaint);
+    if (hits || grabbed_m)
+        shapes.ball(end, grabbed_m ? 0.014 : 0.008, grabbed_m ? kBlue : glm::vec4(0.9f, 0.9f, 0.9f, 1));
 }
 
-void draw_boxes(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
-    const auto selected = on.selected_performer();
-    for (const stage::EvaluatedPerformer& performer : on.evaluated.performers) {
+void draw_boxes(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction) {
+    const auto selected = state.selected_performer();
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
         if (!performer.visible) continue;
         bool pointed_at = false;
         for (const Hand& hand : interaction.hands)
-            pointed_at |= hand.at.what == PointedAt::What::kPerformer && hand.at.performer == performer.performer;
+            pointed_at |=
+                hand.hit.target == PointerHit::Target::kPerformer && hand.hit.performer == performer.performer;
         const bool is_selected = selected == performer.performer;
-        if (!is_selected && !(pointed_at && on.tool == HandTool::kArrange)) continue;
-        const auto [low, high] = editor::box_of(on, performer.performer);
-        // Around another's box, not within its edges; but on the floor as it is.
-        const double out = is_selected ? kSelectedOut : 0;
-        shapes.box_edges(performer.world_from_performer, low - glm::dvec3(out, 0, out), high + out,
+        if (!is_selected && !(pointed_at && state.tool == HandTool::kArrange)) continue;
+        const auto [low, high] = editor::box_of(state, performer.performer);
+        // A margin keeps the selection's edges off those of another box in the same place, but not below the floor.
+        const double margin = is_selected ? kSelectedMargin : 0;
+        shapes.box_edges(performer.world_from_performer, low - glm::dvec3(margin, 0, margin), high + margin,
                          is_selected ? 0.006 : 0.003, is_selected ? kBlue : kWhite);
     }
-    const auto& region = interaction.brush.region();
-    if (on.tool != HandTool::kRegion || !region) return;
-    for (const stage::EvaluatedPerformer& performer : on.evaluated.performers)
-        if (on.stage->performers[performer.performer].node == region->node)
+    const auto& region = interaction.painter.region();
+    if (state.tool != HandTool::kRegion || !region) return;
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers)
+        if (state.stage->performers[performer.performer].node == region->node)
             shapes.box_edges(performer.world_from_performer, region->low, region->high, 0.004, kGreen);
 }
 
 glm::vec4 brush_colour(const HandBrush& brush, float alpha) {
-    if (brush.does == HandBrush::Does::kErase) return {0.6f, 0.6f, 0.6f, alpha};
+    if (brush.mode == HandBrush::Mode::kErase) return {0.6f, 0.6f, 0.6f, alpha};
     return {media::linear_from_srgb(brush.colour), alpha};
 }
 
-void draw_brush(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
+void draw_brush(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction) {
     const Hand& hand = interaction.hands[xr::kRight];
-    if (on.tool == HandTool::kArrange || !hand.aim || hand.at.what == PointedAt::What::kPanel) return;
-    const glm::dvec3 tip = BrushHand::tip_of(*hand.aim);
-    if (on.tool == HandTool::kRegion) {
-        shapes.see_through(true);  // its corner, in a performer too
+    if (state.tool == HandTool::kArrange || !hand.aim || hand.hit.target == PointerHit::Target::kPanel) return;
+    const glm::dvec3 tip = HandPainter::tip_of(*hand.aim);
+    if (state.tool == HandTool::kRegion) {
+        shapes.draw_on_top(true);  // the region's corner is visible inside a performer, too
         shapes.ball(tip, 0.008, kGreen);
-        return shapes.see_through(false);
+        return shapes.draw_on_top(false);
     }
-    // Faint where it is within a performer or behind one.
-    for (const bool through : {true, false}) {
-        shapes.see_through(through);
-        const glm::vec4 colour = brush_colour(on.brush, through ? 0.15f : hand.select.held() ? 0.6f : 0.35f);
-        const double radius = on.brush.radius_m;
-        if (on.brush.tip == HandBrush::Tip::kBall)
+    // The brush is drawn twice: faintly on top of all, then with a depth test, so inside or behind a performer it is
+    // faint.
+    for (const bool on_top : {true, false}) {
+        shapes.draw_on_top(on_top);
+        const glm::vec4 colour = brush_colour(state.brush, on_top ? 0.15f : hand.select.is_down() ? 0.6f : 0.35f);
+        const double radius = state.brush.radius_m;
+        if (state.brush.tip == HandBrush::Tip::kBall)
             shapes.ball(tip, radius, colour);
         else
             shapes.solid_box(glm::translate(glm::dmat4(1), tip), glm::dvec3(-radius), glm::dvec3(radius), colour);
@@ -87,34 +91,35 @@ void draw_arc(xr::EyeShapes& shapes, const xr::Arc* arc) {
 
 }  // namespace
 
-void draw_floor(xr::EyeShapes& shapes, const OnStage& on) {
-    constexpr int kReach = 4;
-    constexpr glm::vec4 kLine{0.25f, 0.27f, 0.3f, 0.5f}, kFades{0.25f, 0.27f, 0.3f, 0};
-    if (editor::has_set(*on.stage)) return;
-    const glm::dvec3 middle(std::round(on.rig.position.x), on.floor_m, std::round(on.rig.position.z));
-    for (int i = -kReach; i <= kReach; i++)
+void draw_floor(xr::EyeShapes& shapes, const HeadsetState& state) {
+    constexpr int kLinesPerSide = 4;
+    constexpr glm::vec4 kLine{0.25f, 0.27f, 0.3f, 0.5f}, kFadedLine{0.25f, 0.27f, 0.3f, 0};
+    if (editor::has_set(*state.stage)) return;
+    const glm::dvec3 middle(std::round(state.rig.position.x), state.floor_m, std::round(state.rig.position.z));
+    for (int i = -kLinesPerSide; i <= kLinesPerSide; i++)
         for (const glm::dvec3& along : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {
             const glm::dvec3 beside(along.z, 0, along.x), at = middle + double(i) * beside;
-            for (const double way : {-1.0, 1.0})
-                shapes.line(at, at + way * kReach * along, 0.008, i == 0 ? kLine : 0.7f * kLine, kFades);
+            for (const double direction : {-1.0, 1.0})
+                shapes.line(at, at + direction * kLinesPerSide * along, 0.008, i == 0 ? kLine : 0.7f * kLine,
+                            kFadedLine);
         }
 }
 
-void draw_interaction(xr::EyeShapes& shapes, const OnStage& on, const Interaction& interaction) {
-    draw_boxes(shapes, on, interaction);
+void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction) {
+    draw_boxes(shapes, state, interaction);
     for (int which = 0; which < xr::kHands; which++) {
         const Hand& hand = interaction.hands[which];
         draw_controller(shapes, hand);
         const bool paints =
-            which == xr::kRight && on.tool != HandTool::kArrange && hand.at.what != PointedAt::What::kPanel;
-        if (paints || hand.throws_arc) continue;
+            which == xr::kRight && state.tool != HandTool::kArrange && hand.hit.target != PointerHit::Target::kPanel;
+        if (paints || hand.aiming_teleport) continue;
         draw_ray(
             shapes, hand,
-            interaction.holding.holds(which) ? std::optional(interaction.holding.distance_m(which)) : std::nullopt);
+            interaction.grab.is_grabbing(which) ? std::optional(interaction.grab.distance_m(which)) : std::nullopt);
     }
-    draw_brush(shapes, on, interaction);
-    draw_arc(shapes, interaction.walking.arc());
-    if (interaction.panel) shapes.hole(interaction.panel->world, interaction.panel->size_m);
+    draw_brush(shapes, state, interaction);
+    draw_arc(shapes, interaction.locomotion.arc());
+    if (interaction.panel) shapes.hole(interaction.panel->world_from_panel, interaction.panel->size_m);
 }
 
 void draw_joints(xr::EyeShapes& shapes, const xr::HandJoints& joints, const xr::Pose& world_from_tracking) {
@@ -124,7 +129,7 @@ void draw_joints(xr::EyeShapes& shapes, const xr::HandJoints& joints, const xr::
 
 void draw_overlay(xr::EyeShapes& shapes, const JointOverlay& overlay, const glm::dmat4& world_from_performer) {
     const auto at = [&](uint32_t joint) {
-        return glm::dvec3(world_from_performer * glm::dvec4(overlay.joints[joint].at, 1));
+        return glm::dvec3(world_from_performer * glm::dvec4(overlay.joints[joint].position, 1));
     };
     for (uint32_t joint = 0; joint < overlay.joints.size(); joint++)
         shapes.ball(at(joint), 0.025, overlay.joints[joint].colour);

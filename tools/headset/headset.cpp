@@ -22,39 +22,39 @@ namespace neuvv::headset {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kNotice_s = 6, kMostStep_s = 0.25, kFinish_s = 60;
-constexpr double kShare = 0.85;  // of a period of the display that drawing may take
-constexpr int32_t kAhead = 2;    // images of the clip whose slices are made ahead
+constexpr double kNotice_s = 6, kMaxStep_s = 0.25, kFinish_s = 60;
+constexpr double kDrawShare = 0.85;       // the share of the display's period that drawing may take
+constexpr int32_t kPrefetchedFrames = 2;  // frames whose slices are built before they are shown
 
 double seconds_since(Clock::time_point from) {
     return std::chrono::duration<double>(Clock::now() - from).count();
 }
 
-void say(const std::string& line) {
+void print_line(const std::string& line) {
     fmt::print(stderr, "{}\n", line);
 }
 
-// What outlives sessions and runtimes.
+// All that outlives sessions and runtimes.
 struct Program {
-    explicit Program(const HeadsetOptions& wanted)
-        : options(wanted), jobs([this](const std::string& problem) { on.editor.notify(problem, true); }, [] {}) {}
+    explicit Program(const HeadsetOptions& given)
+        : options(given), jobs([this](const std::string& problem) { state.editor.notify(problem, true); }, [] {}) {}
 
     const HeadsetOptions& options;
-    OnStage on;
+    HeadsetState state;
     JobQueue jobs;
     Interaction interaction = Interaction(jobs);
     HeadsetSettings settings = HeadsetSettings(config_folder().empty() ? "" : config_folder() / "headset.json");
     std::optional<editor::DocumentSaver> saver;
     std::vector<editor::Notice> notices;
-    std::unique_ptr<ui::Window> window;  // of the mirror
+    std::unique_ptr<ui::Window> window;  // of the mirror; null without --mirror
     Clock::time_point began = Clock::now();
-    bool placed = false;           // the user stands somewhere
-    bool leaves = false;           // was asked to
-    std::optional<xr::Pose> head;  // tracking space: where it was last
-    uint64_t frames = 0;           // drawn, of the runtime that is there
+    bool rig_is_set = false;       // the user has a position in the stage
+    bool leaving = false;          // the user wants to leave
+    std::optional<xr::Pose> head;  // tracking space; the last tracked pose
+    uint64_t frames = 0;           // drawn since the program began
     std::map<std::string, glm::dvec2> panel_items;
 
-    double asked_until_s = 0;  // whether to leave what is not saved
+    double confirm_until_s = 0;  // until then, Leave leaves although there are unsaved edits
 
     double now_s() const { return seconds_since(began); }
     void leave();
@@ -65,121 +65,122 @@ struct Program {
 
 void Program::open() {
     const std::filesystem::path stage = editor::stage_of_file(options.file);
-    std::vector<edit::RecoveryEntry> all_lost = editor::lost_edits_of(stage);
-    std::optional<edit::RecoveryEntry> lost;
-    if (!all_lost.empty()) lost = std::move(all_lost.front());
-    if (lost && !options.recover) {
-        say(fmt::format("unsaved edits of {} are kept: --recover takes them", stage.string()));
-        lost.reset();
+    std::vector<edit::RecoveryEntry> recoverable = editor::lost_edits_of(stage);
+    std::optional<edit::RecoveryEntry> recovered;
+    if (!recoverable.empty()) recovered = std::move(recoverable.front());
+    if (recovered && !options.recover) {
+        print_line(fmt::format("unsaved edits of {} are kept: --recover takes them", stage.string()));
+        recovered.reset();
     }
-    if (lost) on.editor.notify("unsaved edits of an earlier run are taken: save keeps them");
-    if (lost && edit::has_anothers_file(*lost))
-        on.editor.notify("the stage's file has changed since: saving keeps that beside it");
-    on.editor.open(lost ? edit::restore(*lost) : editor::open_document(options.file), lost.has_value());
-    on.follow_document();
-    settings.load(on, interaction.holding.settings);
-    on.clock.playing = options.play;
-    on.look_at_evaluated();
-    saver.emplace(on.editor, jobs);
-    saver->autosave.opened(std::move(lost));
+    if (recovered) state.editor.notify("unsaved edits of an earlier run are taken: save keeps them");
+    if (recovered && edit::has_anothers_file(*recovered))
+        state.editor.notify("the stage's file has changed since: saving keeps that beside it");
+    state.editor.open(recovered ? edit::restore(*recovered) : editor::open_document(options.file),
+                      recovered.has_value());
+    state.follow_document();
+    settings.load(state, interaction.grab.settings);
+    state.clock.playing = options.play;
+    state.look_at_evaluated();
+    saver.emplace(state.editor, jobs);
+    saver->autosave.opened(std::move(recovered));
 }
 
-// What is held is put down, and what is being painted or saved comes to its end.
+// Ends grabs and strokes, and waits up to kFinish_s for unfinished strokes and files.
 void Program::finish() {
-    interaction.holding.put_down(on);
-    interaction.brush.end_stroke(on);
+    interaction.grab.release(state);
+    interaction.painter.end_stroke(state);
     const Clock::time_point from = Clock::now();
     do {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
         jobs.run_posted();
-        on.follow_document();
-        interaction.brush.lay(on);
-    } while ((!jobs.idle() || jobs.has_posted() || interaction.brush.busy()) && seconds_since(from) < kFinish_s);
+        state.follow_document();
+        interaction.painter.process_strokes(state);
+    } while ((!jobs.idle() || jobs.has_posted() || interaction.painter.is_busy()) && seconds_since(from) < kFinish_s);
     notify();
 }
 
-// Unsaved edits are not lost, but whoever leaves should know of them.
+// The recovery files keep unsaved edits. Still, the first press of Leave only reports that there are any.
 void Program::leave() {
-    leaves = !on.editor.modified() || saver->saving() || now_s() < asked_until_s;
-    if (leaves) return;
-    asked_until_s = now_s() + kNotice_s;
-    on.editor.notify("not saved: Leave once more keeps the edits for --recover", true);
+    leaving = !state.editor.modified() || saver->saving() || now_s() < confirm_until_s;
+    if (leaving) return;
+    confirm_until_s = now_s() + kNotice_s;
+    state.editor.notify("not saved: Leave once more keeps the edits for --recover", true);
 }
 
-// Notices are shown for a while, and said on the terminal.
+// Prints new notices, and removes those that have been on the panel for kNotice_s.
 void Program::notify() {
-    for (editor::Notice& notice : on.editor.take_notices()) {
-        say(notice.text);
+    for (editor::Notice& notice : state.editor.take_notices()) {
+        print_line(notice.text);
         notice.until_s = now_s() + kNotice_s;
         notices.push_back(std::move(notice));
     }
     std::erase_if(notices, [&](const editor::Notice& notice) { return notice.until_s < now_s(); });
 }
 
-// A stage on a device, for as long as the runtime lives that made it.
-struct OnRuntime {
-    explicit OnRuntime(Program& of);
+// The runtime, the device that it created, and the stage on that device.
+struct RuntimeContext {
+    explicit RuntimeContext(Program& program);
     void follow(Program& program);
 
     xr::Runtime runtime;
     gpu::Device device;
-    // Of all clips that were ever on stage, as read last: undoing a deletion in a session must not read one.
+    // The fields of all clips that were ever on the stage, so that undoing a deletion reads no file between two frames.
     std::map<std::filesystem::path, std::shared_ptr<const render::Field>> fields;
     std::unique_ptr<render::StageLoader> loader;
-    std::unique_ptr<render::StageRenderer> renderer;  // made for the first session's images
-    std::shared_ptr<const stage::Stage> drawn;
+    std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
+    std::shared_ptr<const stage::Stage> drawn_stage;
 };
 
-OnRuntime::OnRuntime(Program& of)
+RuntimeContext::RuntimeContext(Program& program)
     : device(
-          of.options.device, of.options.validate ? gpu::Validation::kOn : gpu::Validation::kOff,
-          [this, &of] {
+          program.options.device, program.options.validate ? gpu::Validation::kOn : gpu::Validation::kOff,
+          [this, &program] {
               gpu::DeviceExtensions extensions = runtime.device_extensions();
-              if (!of.window) return extensions;
-              const gpu::DeviceExtensions more = of.window->extensions();
+              if (!program.window) return extensions;
+              const gpu::DeviceExtensions more = program.window->extensions();
               extensions.instance.insert(extensions.instance.end(), more.instance.begin(), more.instance.end());
               extensions.device.insert(extensions.device.end(), more.device.begin(), more.device.end());
               return extensions;
           }(),
           runtime.device_maker()) {}
 
-void know_clips(OnStage& on, OnRuntime& at) {
-    on.leaf_boxes.clear();
-    for (uint32_t clip = 0; clip < on.stage->clips.size(); clip++) {
-        const auto field = at.renderer->shared_field(clip);
-        on.leaf_boxes.emplace_back(field->leaves_min, field->leaves_max);
-        at.fields[on.stage->clips[clip].path] = field;
+void update_clips(HeadsetState& state, RuntimeContext& context) {
+    state.leaf_boxes.clear();
+    for (uint32_t clip = 0; clip < state.stage->clips.size(); clip++) {
+        const auto field = context.renderer->shared_field(clip);
+        state.leaf_boxes.emplace_back(field->leaves_min, field->leaves_max);
+        context.fields[state.stage->clips[clip].path] = field;
     }
 }
 
-void OnRuntime::follow(Program& program) {
-    program.on.follow_document();
-    if (drawn == program.on.stage) return;
+void RuntimeContext::follow(Program& program) {
+    program.state.follow_document();
+    if (drawn_stage == program.state.stage) return;
     try {
-        renderer->change(*program.on.stage, loader->load(*program.on.stage));
-    } catch (const InputError& error) {  // a clip or a layer that is not there: the last edit cannot be shown
-        program.on.stage = drawn;
-        return program.on.editor.take_back(error.what());
+        renderer->change(*program.state.stage, loader->load(*program.state.stage));
+    } catch (const InputError& error) {  // a clip or a layer is missing: the last edit cannot be shown
+        program.state.stage = drawn_stage;
+        return program.state.editor.take_back(error.what());
     }
-    drawn = program.on.stage;
-    know_clips(program.on, *this);
+    drawn_stage = program.state.stage;
+    update_clips(program.state, *this);
 }
 
-void tell_validation(const gpu::Device& device) {
-    for (const std::string& message : device.drain_validation_messages()) say("validation: " + message);
+void print_validation_messages(const gpu::Device& device) {
+    for (const std::string& message : device.drain_validation_messages()) print_line("validation: " + message);
 }
 
-// A session's images and hands.
-struct InSession {
-    InSession(Program& program, OnRuntime& at)
-        : session(at.runtime, at.device),
-          actions(session),
-          fingers(session),
-          eyes(at.device, session, program.options.quality),
-          panel(at.device, session) {}
-    xr::Session session;
+// A session, with its input and its images.
+struct SessionContext {
+    SessionContext(Program& program, RuntimeContext& context)
+        : xr_session(context.runtime, context.device),
+          actions(xr_session),
+          hand_tracking(xr_session),
+          eyes(context.device, xr_session, program.options.quality),
+          panel(context.device, xr_session) {}
+    xr::Session xr_session;
     xr::Actions actions;
-    xr::HandTracking fingers;
+    xr::HandTracking hand_tracking;
     EyeImages eyes;
     PanelSurface panel;
     std::unique_ptr<Mirror> mirror;
@@ -188,165 +189,176 @@ struct InSession {
     double images_per_second = 0;
 };
 
-void make_renderer(Program& program, OnRuntime& at, const EyeImages& eyes) {
-    if (at.renderer) return;
+void make_renderer(Program& program, RuntimeContext& context, const EyeImages& eyes) {
+    if (context.renderer) return;
     const render::PaintSource paint = [&program](const std::filesystem::path& path, const voctree::PaintedField&) {
-        const auto& edited = program.on.editor.document().paint;
+        const auto& edited = program.state.editor.document().paint;
         const auto found = edited.find(stage::absolute_path(path));
         return found != edited.end() ? found->second : nullptr;
     };
-    at.drawn = program.on.stage;
-    at.loader = std::make_unique<render::StageLoader>(at.device, paint);
-    at.renderer =
-        std::make_unique<render::StageRenderer>(at.device, *at.drawn, at.loader->load(*at.drawn), eyes.capacity());
-    know_clips(program.on, at);
-    program.on.look_at_evaluated();
-    if (!program.placed) program.on.floor_m = editor::floor_of(program.on);  // later it stays, with who stands on it
+    context.drawn_stage = program.state.stage;
+    context.loader = std::make_unique<render::StageLoader>(context.device, paint);
+    context.renderer = std::make_unique<render::StageRenderer>(
+        context.device, *context.drawn_stage, context.loader->load(*context.drawn_stage), eyes.capacity());
+    update_clips(program.state, context);
+    program.state.look_at_evaluated();
+    if (!program.rig_is_set)
+        program.state.floor_m = editor::floor_of(program.state);  // afterwards it stays, as the user stands on it
 }
 
-void hear(const xr::SessionNews& news, InSession& in) {
-    if (news.controllers) {
-        in.actions.look_at_controllers();
+void handle_events(const xr::SessionEvents& events, SessionContext& session) {
+    if (events.controllers_changed) {
+        session.actions.update_controllers();
         for (const int hand : {xr::kLeft, xr::kRight})
-            if (const std::string controller = in.actions.controller(hand); !controller.empty())
-                say(fmt::format("{} hand: {}", hand == xr::kLeft ? "left" : "right", controller));
+            if (const std::string controller = session.actions.controller(hand); !controller.empty())
+                print_line(fmt::format("{} hand: {}", hand == xr::kLeft ? "left" : "right", controller));
     }
     for (uint32_t eye = 0; eye < xr::kEyes; eye++)
-        if (news.mask[eye]) in.eyes.look_at_mask(eye);
+        if (events.mask_changed[eye]) session.eyes.invalidate_mask(eye);
 }
 
-// Slices of what will be seen next.
-std::vector<render::NextSlice> slices_ahead(const Program& program, const render::StageRenderer& renderer) {
+// The slices of the next kPrefetchedFrames frames of the stage, while it plays.
+std::vector<render::NextSlice> slices_to_prefetch(const Program& program, const render::StageRenderer& renderer) {
     std::vector<render::NextSlice> next;
-    if (!program.on.clock.playing) return next;
-    for (int32_t n = 1; n <= kAhead; n++)
+    if (!program.state.clock.playing) return next;
+    for (int32_t n = 1; n <= kPrefetchedFrames; n++)
         for (const render::Instance& instance :
-             renderer.settings_at(stage::stage_at(*program.on.stage, program.on.clock.shown_after_s(n))).instances)
+             renderer.settings_at(stage::stage_at(*program.state.stage, program.state.clock.shown_after_s(n)))
+                 .instances)
             next.push_back({{instance.frame, instance.paint}, instance.field});
     return next;
 }
 
-// Hands, time and edits up to the time at which this frame is seen.
-void update_stage(Program& program, OnRuntime& at, InSession& in, const xr::FrameTime& time, double dt_s) {
-    OnStage& on = program.on;
-    xr::HandInputs inputs = in.actions.sample(time.display);
-    in.fingers.locate(time.display);
-    for (const int hand : {xr::kLeft, xr::kRight}) xr::stand_in(inputs[hand], in.fingers.joints(hand));
-    const auto head = in.session.locate(in.session.head_space(), time.display);
+// Updates hands, edits and the stage's time to the time at which the display shows this frame.
+void update_stage(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time,
+                  double dt_s) {
+    HeadsetState& state = program.state;
+    xr::HandInputs inputs = session.actions.sample(time.display);
+    session.hand_tracking.locate(time.display);
+    for (const int hand : {xr::kLeft, xr::kRight})
+        xr::fill_from_joints(inputs[hand], session.hand_tracking.joints(hand));
+    const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
     if (head) program.head = *head;
-    if (head && !program.placed) {
-        on.rig = first_rig(on, *head);
-        program.placed = true;
+    if (head && !program.rig_is_set) {
+        state.rig = initial_rig(state, *head);
+        program.rig_is_set = true;
     }
     program.jobs.run_posted();
-    at.follow(program);  // what is edited from here on is seen in the next frame
-    on.clock.tick(dt_s);
-    on.look_at_evaluated();
-    if (program.head) program.interaction.update(on, inputs, *program.head, dt_s);
+    context.follow(program);  // edits that are made after this show in the next frame
+    state.clock.tick(dt_s);
+    state.look_at_evaluated();
+    if (program.head) program.interaction.update(state, inputs, *program.head, dt_s);
     for (const int hand : {xr::kLeft, xr::kRight})
-        if (const double pulse = program.interaction.hands[hand].pulse; pulse > 0) in.actions.pulse(hand, pulse, 0.03);
+        if (const double pulse = program.interaction.hands[hand].vibration; pulse > 0)
+            session.actions.vibrate(hand, pulse, 0.03);
     program.saver->autosave.tick(program.now_s());
     program.notify();
 }
 
-void draw_panel_of(Program& program, InSession& in, double dt_s) {
+void update_panel(Program& program, SessionContext& session, double dt_s) {
     if (!program.interaction.panel) return;
-    PanelAsks asks;
-    const PanelFacts facts{program.notices, in.images_per_second, in.eyes.scale(), program.saver->saving()};
-    if (program.on.is_behind() && in.panel.has_image()) return;  // hands have edited what it shows: as it was
+    PanelResult result;
+    const PanelStatus status{program.notices, session.images_per_second, session.eyes.scale(), program.saver->saving()};
+    if (program.state.is_behind() && session.panel.has_image())
+        return;  // hands have edited the document: its nodes do not match the stage
     const PanelPointer pointer = program.interaction.panel_pointer();
-    in.panel.draw(pointer, dt_s, [&] { asks = draw_panel(program.on, program.interaction, facts); });
-    program.panel_items = asks.items;
-    if (asks.save && !program.saver->saving()) program.saver->save(program.saver->default_path());
-    if (asks.leave) program.leave();
+    session.panel.draw(pointer, dt_s, [&] { result = draw_panel(program.state, program.interaction, status); });
+    program.panel_items = result.items;
+    if (result.save && !program.saver->saving()) program.saver->save(program.saver->default_path());
+    if (result.leave) program.leave();
 }
 
-// The stage as it is now for both eyes. False: there is nothing to be shown yet.
-bool draw_eyes(Program& program, OnRuntime& at, InSession& in, const xr::FrameTime& time) {
-    OnStage& on = program.on;
-    const bool hides_room = at.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
-    at.renderer->show(on.evaluated, hides_room);
-    const xr::Pose world = xr::world_from_tracking(on.rig);
-    const auto head = in.session.locate(in.session.head_space(), time.display);
-    in.shapes.begin(world * (head ? head->position : glm::dvec3(0)), in.eyes.pixel_rad());
-    if (hides_room) draw_floor(in.shapes, on);
-    draw_interaction(in.shapes, on, program.interaction);
+// Draws the stage for both eyes. Returns false while the poses of the eyes are not known.
+bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time) {
+    HeadsetState& state = program.state;
+    const bool hides_room = context.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+    context.renderer->show(state.evaluated, hides_room);
+    const xr::Pose world = xr::world_from_tracking(state.rig);
+    const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
+    session.shapes.begin(world * (head ? head->position : glm::dvec3(0)), session.eyes.pixel_rad());
+    if (hides_room) draw_floor(session.shapes, state);
+    draw_interaction(session.shapes, state, program.interaction);
     for (const int hand : {xr::kLeft, xr::kRight})
-        if (program.interaction.hands[hand].input.bare) draw_joints(in.shapes, in.fingers.joints(hand), world);
-    const std::vector<render::NextSlice> next = slices_ahead(program, *at.renderer);
-    // As late as may be: all that does not depend on where the head is has been done.
-    const auto eyes = in.session.locate_eyes(time.display);
+        if (program.interaction.hands[hand].input.bare_hand)
+            draw_joints(session.shapes, session.hand_tracking.joints(hand), world);
+    const std::vector<render::NextSlice> next = slices_to_prefetch(program, *context.renderer);
+    // As late as possible, for the newest prediction: all that does not depend on the head has been done before.
+    const auto eyes = session.xr_session.locate_eyes(time.display);
     if (!eyes) return false;
-    in.eyes.draw(*at.renderer, on.evaluated, *eyes, world, next, in.shapes, program.interaction.walking.vignette(),
-                 kShare * static_cast<double>(time.period) / 1e6);
+    session.eyes.draw(*context.renderer, state.evaluated, *eyes, world, next, session.shapes,
+                      program.interaction.locomotion.vignette(), kDrawShare * static_cast<double>(time.period) / 1e6);
     return true;
 }
 
-void frame(Program& program, OnRuntime& at, InSession& in) {
-    const xr::FrameTime time = in.session.wait();
-    const double dt_s = in.last_display > 0
-                            ? std::clamp(static_cast<double>(time.display - in.last_display) / 1e9, 0.0, kMostStep_s)
-                            : 0;
-    in.last_display = time.display;
-    if (dt_s > 0) in.images_per_second += 0.1 * (1 / dt_s - in.images_per_second);
-    in.session.begin();
-    update_stage(program, at, in, time, dt_s);
+void frame(Program& program, RuntimeContext& context, SessionContext& session) {
+    const xr::FrameTime time = session.xr_session.wait_frame();
+    const double dt_s =
+        session.last_display > 0
+            ? std::clamp(static_cast<double>(time.display - session.last_display) / 1e9, 0.0, kMaxStep_s)
+            : 0;
+    session.last_display = time.display;
+    if (dt_s > 0) session.images_per_second += 0.1 * (1 / dt_s - session.images_per_second);
+    session.xr_session.begin_frame();
+    update_stage(program, context, session, time, dt_s);
     std::vector<const XrCompositionLayerBaseHeader*> layers;
-    if (time.render) {
-        draw_panel_of(program, in, dt_s);
-        if (draw_eyes(program, at, in, time)) {
+    if (time.should_render) {
+        update_panel(program, session, dt_s);
+        if (draw_eyes(program, context, session, time)) {
             const auto& panel = program.interaction.panel;
             if (panel)
-                layers.push_back(in.panel.layer(
-                    in.session, xr::inverse(xr::world_from_tracking(program.on.rig)) * panel->world, panel->size_m));
-            layers.push_back(in.eyes.layer(in.session, panel.has_value()));
+                layers.push_back(session.panel.layer(
+                    session.xr_session,
+                    xr::inverse(xr::world_from_tracking(program.state.rig)) * panel->world_from_panel, panel->size_m));
+            layers.push_back(session.eyes.layer(session.xr_session, panel.has_value()));
         }
     }
-    in.session.end(time, layers);
+    session.xr_session.end_frame(time, layers);
     program.frames += !layers.empty();
-    if (in.mirror && !in.mirror->show(in.eyes.left())) program.leaves = true;
+    if (session.mirror && !session.mirror->show(session.eyes.left())) program.leaving = true;
 }
 
-void ask_for_rate(const Program& program, InSession& in) {
+void request_refresh_rate(const Program& program, SessionContext& session) {
     if (!program.options.refresh_hz) return;
-    const std::vector<float> rates = in.session.refresh_rates();
-    if (rates.empty()) return say("the runtime's refresh rate cannot be chosen");
-    const auto wanted = static_cast<float>(*program.options.refresh_hz);
-    const float nearest = *std::min_element(
-        rates.begin(), rates.end(), [&](float a, float b) { return std::abs(a - wanted) < std::abs(b - wanted); });
-    in.session.request_refresh_rate(nearest);
+    const std::vector<float> rates = session.xr_session.refresh_rates();
+    if (rates.empty()) return print_line("the runtime's refresh rate cannot be chosen");
+    const auto requested = static_cast<float>(*program.options.refresh_hz);
+    const float nearest = *std::min_element(rates.begin(), rates.end(), [&](float a, float b) {
+        return std::abs(a - requested) < std::abs(b - requested);
+    });
+    session.xr_session.request_refresh_rate(nearest);
 }
 
-// Until it ends. kLost: another session may be begun.
-xr::SessionDoes run_session(Program& program, OnRuntime& at) {
-    InSession in(program, at);
-    make_renderer(program, at, in.eyes);
-    in.actions.look_at_controllers();
-    if (program.window) in.mirror = std::make_unique<Mirror>(at.device, *program.window, in.eyes.size());
-    bool asked = false, rated = false;
+// Returns when the session has ended (kEnded), or is lost so that another one may be begun (kLost).
+xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
+    SessionContext session(program, context);
+    make_renderer(program, context, session.eyes);
+    session.actions.update_controllers();
+    if (program.window) session.mirror = std::make_unique<Mirror>(context.device, *program.window, session.eyes.size());
+    bool exit_requested = false, rate_requested = false;
     for (;;) {
-        xr::SessionNews news;
-        const xr::SessionDoes does = in.session.poll(news);
-        hear(news, in);
-        if (does == xr::SessionDoes::kEnd || does == xr::SessionDoes::kLost) {
-            program.interaction.holding.put_down(program.on);
-            return does;
+        xr::SessionEvents events;
+        const xr::SessionStatus status = session.xr_session.poll(events);
+        handle_events(events, session);
+        if (status == xr::SessionStatus::kEnded || status == xr::SessionStatus::kLost) {
+            program.interaction.grab.release(program.state);
+            return status;
         }
-        if ((program.leaves || stop_requested()) && !std::exchange(asked, true)) in.session.request_exit();
-        if (does == xr::SessionDoes::kWait) {
+        if ((program.leaving || stop_requested()) && !std::exchange(exit_requested, true))
+            session.xr_session.request_exit();
+        if (status == xr::SessionStatus::kIdle) {
             program.jobs.run_posted();
             program.saver->autosave.tick(program.now_s());
             program.notify();
-            if (in.mirror && !in.mirror->show(in.eyes.left())) program.leaves = true;
+            if (session.mirror && !session.mirror->show(session.eyes.left())) program.leaving = true;
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
             continue;
         }
-        if (!std::exchange(rated, true)) ask_for_rate(program, in);
-        frame(program, at, in);
+        if (!std::exchange(rate_requested, true)) request_refresh_rate(program, session);
+        frame(program, context, session);
     }
 }
 
-// Another session may do where this one was lost, or the headset was unplugged.
+// Whether a new session on the same runtime may work: this one was lost, or the headset was unplugged.
 bool is_session_loss(const xr::XrFailure& failure) {
     return failure.result == XR_ERROR_SESSION_LOST || failure.result == XR_ERROR_FORM_FACTOR_UNAVAILABLE;
 }
@@ -356,43 +368,45 @@ bool is_instance_loss(const xr::XrFailure& failure) {
            failure.result == XR_ERROR_RUNTIME_UNAVAILABLE;
 }
 
-// How long one tries for what is not there: from the last frame on, or from the start.
+// A timeout for retries, which begins anew whenever frames have been drawn.
 class RetryLimit {
   public:
     explicit RetryLimit(const Program& program) : program_(program), frames_(program.frames) {}
-    // After a failure, a pause. Throws where it has lasted too long.
+    // To be called after a failure: pauses before the next try. Throws RuntimeFailure after the timeout.
     void wait(const std::string& why) {
         if (program_.frames != frames_) from_ = Clock::now();
-        ran_ |= program_.frames != frames_;
+        has_run_ |= program_.frames != frames_;
         frames_ = program_.frames;
         if (seconds_since(from_) > program_.options.retry_s)
             throw RuntimeFailure(fmt::format("the headset's runtime does not come back: {}", why));
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
     }
-    bool has_run() const { return ran_ || program_.frames != frames_; }
+    bool has_run() const { return has_run_ || program_.frames != frames_; }
 
   private:
     const Program& program_;
     uint64_t frames_;
-    bool ran_ = false;
+    bool has_run_ = false;
     Clock::time_point from_ = Clock::now();
 };
 
-// Sessions on one runtime, until the user leaves. Throws XrFailure where the runtime is lost.
-void run_sessions(Program& program, OnRuntime& at) {
-    say(fmt::format("{}, \"{}\", on {}", at.runtime.name(), at.runtime.headset(), at.device.summary().name));
+// Runs sessions on one runtime until the user leaves. Throws XrFailure where the runtime is lost.
+void run_sessions(Program& program, RuntimeContext& context) {
+    print_line(fmt::format("{}, \"{}\", on {}", context.runtime.name(), context.runtime.headset(),
+                           context.device.summary().name));
     for (RetryLimit retries(program);;) {
         std::string why = "every session ends";
         try {
-            if (run_session(program, at) == xr::SessionDoes::kEnd) return tell_validation(at.device);
+            if (run_session(program, context) == xr::SessionStatus::kEnded)
+                return print_validation_messages(context.device);
         } catch (const xr::XrFailure& failure) {
-            program.interaction.holding.put_down(program.on);
+            program.interaction.grab.release(program.state);
             if (!is_session_loss(failure) || !retries.has_run()) throw;
             why = failure.what();
         }
-        tell_validation(at.device);
-        if (stop_requested() || program.leaves) return;
-        program.on.editor.notify("the headset's session was lost; another one begins");
+        print_validation_messages(context.device);
+        if (stop_requested() || program.leaving) return;
+        program.state.editor.notify("the headset's session was lost; another one begins");
         program.notify();
         retries.wait(why);
     }
@@ -402,67 +416,68 @@ void run_runtimes(Program& program) {
     for (RetryLimit retries(program);;) {
         std::string why;
         try {
-            OnRuntime at(program);
-            run_sessions(program, at);
+            RuntimeContext context(program);
+            run_sessions(program, context);
             return;
         } catch (const xr::XrFailure& failure) {
-            program.interaction.holding.put_down(program.on);
+            program.interaction.grab.release(program.state);
             if (!is_instance_loss(failure) || !retries.has_run()) throw;
             why = failure.what();
-            say("the headset's runtime was lost; waiting for it");
+            print_line("the headset's runtime was lost; waiting for it");
         } catch (const RuntimeFailure& failure) {
             if (!retries.has_run()) throw;
             why = failure.what();
         }
-        if (stop_requested() || program.leaves) return;
+        if (stop_requested() || program.leaving) return;
         retries.wait(why);
     }
 }
 
 void write_report(const Program& program) {
     nlohmann::json report;
-    const xr::Pose tracking = xr::inverse(xr::world_from_tracking(program.on.rig));
+    const xr::Pose tracking = xr::inverse(xr::world_from_tracking(program.state.rig));
     for (const auto& [name, at] : program.panel_items) {
         if (!program.interaction.panel) break;
-        const glm::dvec3 place = tracking * program.interaction.panel->at(at);
+        const glm::dvec3 place = tracking * program.interaction.panel->point_at(at);
         report["panel"][name] = {place.x, place.y, place.z};
     }
-    report["time_s"] = program.on.clock.time_s();
-    report["speed"] = program.on.clock.speed;
-    report["playing"] = program.on.clock.playing;
-    report["stands"] = {program.on.rig.position.x, program.on.rig.position.y, program.on.rig.position.z};
-    report["turned_deg"] = glm::degrees(program.on.rig.yaw_rad);
-    report["modified"] = program.on.editor.modified();
+    report["time_s"] = program.state.clock.time_s();
+    report["speed"] = program.state.clock.speed;
+    report["playing"] = program.state.clock.playing;
+    report["stands"] = {program.state.rig.position.x, program.state.rig.position.y, program.state.rig.position.z};
+    report["turned_deg"] = glm::degrees(program.state.rig.yaw_rad);
+    report["modified"] = program.state.editor.modified();
     const std::string text = report.dump(1);
     write_file_atomically(program.options.report, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
 }  // namespace
 
-void watch_in_headset(const HeadsetOptions& options) {
+void run_headset(const HeadsetOptions& options) {
     catch_stop_signals();
     Program program(options);
     program.open();
     if (options.mirror) program.window = std::make_unique<ui::Window>("NeuVV in a headset", ui::WindowGeometry{});
-    const auto keep = [&] {
+    const auto save_all = [&] {
         program.finish();
         program.jobs.stop();
         try {
-            program.settings.save(program.on, program.interaction.holding.settings);
+            program.settings.save(program.state, program.interaction.grab.settings);
         } catch (const RuntimeFailure& failure) {
-            say(failure.what());
+            print_line(failure.what());
         }
         if (program.saver->autosave.store_now())
-            say(fmt::format("unsaved edits are kept: `neuvv xr '{0}' --recover` or `neuvv view '{0}'` takes them",
+            print_line(
+                fmt::format("unsaved edits are kept: `neuvv xr '{0}' --recover` or `neuvv view '{0}'` takes them",
                             options.file.string()));
     };
     try {
         run_runtimes(program);
     } catch (...) {
-        keep();
+        save_all();
         throw;
     }
-    keep();
+    save_all();
     if (!options.report.empty()) write_report(program);
 }
 

@@ -1,10 +1,10 @@
-// A stage in a headset: the loop from frame to frame, and what begins anew when a session or the runtime is lost.
+// A stage in a headset: the frame loop, and recovery where a session or the runtime is lost.
 //
 //     Runtime ─► Device ─► StageRenderer ─► Session ─► frame: wait ─► hands ─► stage ─► eyes ─► end
 //        ▲                                     ▲                                              │
 //        └────────── instance lost ────────────┴─────────────── session lost ─────────────────┘
 //
-// Document, history, time and the user's place outlive both.
+// Document, history, time and the user's position outlive both.
 #pragma once
 
 #include <filesystem>
@@ -22,12 +22,14 @@ struct HeadsetOptions {
     EyeQuality quality;
     std::optional<double> refresh_hz;
     bool mirror = false, validate = false, recover = false, play = false;
-    std::filesystem::path
-        report;           // what was seen last and where its buttons are, for programs that drive it; empty: none
-    double retry_s = 20;  // for so long a lost runtime is waited for
+    // Where to write, at the end, the last state and the positions of the panel's buttons, for programs that drive this
+    // one; empty: nowhere.
+    std::filesystem::path report;
+    double retry_s = 20;  // timeout: how long to wait for a lost runtime
 };
 
-// Until its user leaves. Throws RuntimeFailure or InputError, in a line; unsaved edits are stored by then.
-void watch_in_headset(const HeadsetOptions& options);
+// Returns when the user leaves. Throws RuntimeFailure or InputError with a message of one line; unsaved edits have been
+// stored by then.
+void run_headset(const HeadsetOptions& options);
 
 }  // namespace neuvv::headset

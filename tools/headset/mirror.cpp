@@ -7,7 +7,7 @@ namespace neuvv::headset {
 Mirror::Mirror(const gpu::Device& device, ui::Window& window, VkExtent2D eye)
     : device_(device),
       window_(window),
-      swapchain_(device, window.make_surface(device), gpu::PresentPace::kFree),  // the headset's pace alone counts
+      swapchain_(device, window.make_surface(device), gpu::PresentPace::kFree),  // only the headset throttles the loop
       values_(device, "mirror",
               {eye.width, eye.height, VK_FORMAT_R8G8B8A8_UNORM,
                VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT}),
@@ -21,7 +21,7 @@ bool Mirror::show(const gpu::DeviceImage* image) {
     if (!image) return true;
     const VkExtent2D framebuffer = window_.framebuffer(), extent = swapchain_.extent();
     if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
-    if (!commands_.is_done()) return true;  // the monitor is slower: this image is left out
+    if (!commands_.is_done()) return true;  // the monitor is slower than the headset: leave this image out
     commands_.wait();
     if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height)
         swapchain_.resize(framebuffer);

@@ -1,4 +1,4 @@
-// What the panel shows: time, the tools, the selected performer, light, comfort.
+// The content of the panel: time, the tools, the selected performer, lights, comfort.
 #pragma once
 
 #include <map>
@@ -9,19 +9,20 @@
 
 namespace neuvv::headset {
 
-// What is asked of whoever has files.
-struct PanelAsks {
+// What the user pressed that the panel does not do itself, and where its items are.
+struct PanelResult {
     bool save = false, leave = false;
-    std::map<std::string, glm::dvec2> items;  // the middles of what can be pressed, 0..1 from the upper left
+    std::map<std::string, glm::dvec2> items;  // by name: the middle of each item, 0..1 from the upper left
 };
 
-struct PanelFacts {
+// What the panel displays beside the state.
+struct PanelStatus {
     std::vector<editor::Notice> notices;  // the latest last
     double images_per_second = 0, scale = 1;
     bool saving = false;
 };
 
-// Between ImGui::NewFrame() and Render(); fills ImGui's whole display.
-PanelAsks draw_panel(OnStage& on, Interaction& interaction, const PanelFacts& facts);
+// To be called between ImGui::NewFrame() and Render(). The panel fills the whole display of ImGui.
+PanelResult draw_panel(HeadsetState& state, Interaction& interaction, const PanelStatus& status);
 
 }  // namespace neuvv::headset

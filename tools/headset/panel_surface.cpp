@@ -11,8 +11,8 @@ namespace {
 constexpr VkExtent2D kSize{960, 720};
 constexpr float kScale = 1.75f;
 
-xr::XrSwapchainShape shape() {
-    xr::XrSwapchainShape shape{kSize, 1, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT};
+xr::SwapchainShape shape() {
+    xr::SwapchainShape shape{kSize, 1, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT};
     shape.formats = {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB};
     return shape;
 }
@@ -26,11 +26,12 @@ VkFormat unorm_of(VkFormat srgb) {
 PanelSurface::PanelSurface(const gpu::Device& device, const xr::Session& session)
     : device_(device),
       images_(session, device, "panel", shape()),
-      drawn_(device, "panel",
-             {kSize.width, kSize.height, unorm_of(images_.format()),
-              VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}),
-      drawing_(device, drawn_.shape.format, 2, kScale),
-      framebuffer_(ui::make_framebuffer(device, drawing_, drawn_.view, kSize)),
+      imgui_image_(
+          device, "panel",
+          {kSize.width, kSize.height, unorm_of(images_.format()),
+           VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}),
+      drawing_(device, imgui_image_.shape.format, 2, kScale),
+      framebuffer_(ui::make_framebuffer(device, drawing_, imgui_image_.view, kSize)),
       commands_(device, "panel", 4) {}
 
 PanelSurface::~PanelSurface() {
@@ -38,22 +39,22 @@ PanelSurface::~PanelSurface() {
     vkDestroyFramebuffer(device_.handle(), framebuffer_, nullptr);
 }
 
-void PanelSurface::feed(const PanelPointer& pointer, double dt_s) {
+void PanelSurface::update_input(const PanelPointer& pointer, double dt_s) {
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = {static_cast<float>(kSize.width), static_cast<float>(kSize.height)};
     io.DeltaTime = static_cast<float>(std::max(dt_s, 1e-3));
-    io.MousePos = pointer.at ? ImVec2{static_cast<float>(pointer.at->x) * io.DisplaySize.x,
-                                      static_cast<float>(pointer.at->y) * io.DisplaySize.y}
+    io.MousePos = pointer.uv ? ImVec2{static_cast<float>(pointer.uv->x) * io.DisplaySize.x,
+                                      static_cast<float>(pointer.uv->y) * io.DisplaySize.y}
                              : ImVec2{-FLT_MAX, -FLT_MAX};
     io.MouseDown[0] = pointer.pressed;
     io.MouseWheel = static_cast<float>(pointer.wheel * 6 * dt_s);
 }
 
-void PanelSurface::draw(const PanelPointer& pointer, double dt_s, const std::function<void()>& panels) {
-    feed(pointer, dt_s);
+void PanelSurface::draw(const PanelPointer& pointer, double dt_s, const std::function<void()>& draw_widgets) {
+    update_input(pointer, dt_s);
     drawing_.new_frame();
     ImGui::NewFrame();
-    panels();
+    draw_widgets();
     ImGui::Render();
     const uint32_t index = images_.acquire();
     commands_.begin();
@@ -66,27 +67,30 @@ void PanelSurface::draw(const PanelPointer& pointer, double dt_s, const std::fun
 
 void PanelSurface::record(VkImage to) {
     constexpr VkImageSubresourceRange kAll{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    gpu::move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    gpu::move_layout(commands_, imgui_image_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkClearColorValue clear{};
-    vkCmdClearColorImage(commands_.handle(), drawn_.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &clear, 1, &kAll);
-    gpu::move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    vkCmdClearColorImage(commands_.handle(), imgui_image_.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &clear, 1,
+                         &kAll);
+    gpu::move_layout(commands_, imgui_image_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                     VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     drawing_.record(commands_, framebuffer_, kSize);
-    gpu::move_layout(commands_, drawn_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::move_layout(commands_, imgui_image_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     gpu::move_layout(commands_, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkImageCopy part{};
     part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     part.extent = {kSize.width, kSize.height, 1};
-    vkCmdCopyImage(commands_.handle(), drawn_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
+    vkCmdCopyImage(commands_.handle(), imgui_image_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part);
     gpu::move_layout(commands_, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 }
 
 const XrCompositionLayerBaseHeader* PanelSurface::layer(const xr::Session& session, const xr::Pose& tracking_from_panel,
                                                         glm::dvec2 size_m) {
-    quad_.layerFlags = 0;  // what lies beneath a hole is the panel alone
+    quad_.layerFlags = 0;  // opaque: no other layer lies beneath the panel
     quad_.space = session.tracking_space();
     quad_.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
-    quad_.subImage = images_.part(0);
+    quad_.subImage = images_.sub_image(0);
     quad_.pose = xr::xr_pose(tracking_from_panel);
     quad_.size = {static_cast<float>(size_m.x), static_cast<float>(size_m.y)};
     return reinterpret_cast<const XrCompositionLayerBaseHeader*>(&quad_);

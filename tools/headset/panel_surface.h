@@ -1,4 +1,4 @@
-// The panel as an image: ImGui drawn into a quad layer, with a hand's ray as its mouse.
+// The panel as a quad layer of the compositor: an image that ImGui draws, with a hand's pointer ray as its mouse.
 #pragma once
 
 #include <functional>
@@ -16,19 +16,19 @@ class PanelSurface {
     PanelSurface(const PanelSurface&) = delete;
     PanelSurface& operator=(const PanelSurface&) = delete;
 
-    // Draws what `panels` puts up with ImGui. Waits for the device.
-    void draw(const PanelPointer& pointer, double dt_s, const std::function<void()>& panels);
-    // What was drawn last, where the panel stands in tracking space.
+    // Draws the widgets that `draw_widgets` submits to ImGui, and waits for the device.
+    void draw(const PanelPointer& pointer, double dt_s, const std::function<void()>& draw_widgets);
+    // The layer with the image that was drawn last. It is valid until the next call.
     const XrCompositionLayerBaseHeader* layer(const xr::Session& session, const xr::Pose& tracking_from_panel,
                                               glm::dvec2 size_m);
     bool has_image() const { return has_image_; }
 
   private:
-    void feed(const PanelPointer& pointer, double dt_s);
+    void update_input(const PanelPointer& pointer, double dt_s);
     void record(VkImage to);
     const gpu::Device& device_;
-    xr::XrImages images_;
-    gpu::DeviceImage drawn_;  // UNORM: ImGui's colours are sRGB already
+    xr::SwapchainImages images_;
+    gpu::DeviceImage imgui_image_;  // what ImGui draws to; UNORM, as its colours are sRGB already
     ui::PanelDrawing drawing_;
     bool has_image_ = false;
     VkFramebuffer framebuffer_ = VK_NULL_HANDLE;

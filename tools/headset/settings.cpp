@@ -21,28 +21,28 @@ void read_comfort(editor::PreferenceReader& reader, const ordered_json& json, Co
     reader.boolean(json, at, "vignette", comfort.vignette);
 }
 
-// One of two words. Whether it is the second.
+// Reads a member that has one of two values. Returns whether it is the second one.
 bool read_choice(editor::PreferenceReader& reader, const ordered_json& json, const char* name,
-                 std::array<const char*, 2> words, bool before) {
+                 std::array<const char*, 2> values, bool before) {
     const ordered_json* member = editor::PreferenceReader::find(json, name);
-    std::string word;
+    std::string value;
     const std::string at = std::string("brush.") + name;
-    if (!member || !reader.text(*member, at, word)) return before;
-    if (word != words[0] && word != words[1]) {
+    if (!member || !reader.text(*member, at, value)) return before;
+    if (value != values[0] && value != values[1]) {
         reader.wrong.push_back(at);
         return before;
     }
-    return word == words[1];
+    return value == values[1];
 }
 
 void read_brush(editor::PreferenceReader& reader, const ordered_json& json, HandBrush& brush) {
     const std::string at = "brush.";
     const bool is_box = read_choice(reader, json, "tip", {"ball", "box"}, brush.tip == HandBrush::Tip::kBox);
     brush.tip = is_box ? HandBrush::Tip::kBox : HandBrush::Tip::kBall;
-    const bool erases = read_choice(reader, json, "does", {"paint", "erase"}, brush.does == HandBrush::Does::kErase);
-    brush.does = erases ? HandBrush::Does::kErase : HandBrush::Does::kPaint;
-    reader.number(json, at, "radius_m", kLeastBrush_m, kLargestBrush_m, brush.radius_m);
-    reader.number(json, at, "opacity", kLeastBrushOpacity, 1.0, brush.opacity);
+    const bool erases = read_choice(reader, json, "does", {"paint", "erase"}, brush.mode == HandBrush::Mode::kErase);
+    brush.mode = erases ? HandBrush::Mode::kErase : HandBrush::Mode::kPaint;
+    reader.number(json, at, "radius_m", kMinBrush_m, kMaxBrush_m, brush.radius_m);
+    reader.number(json, at, "opacity", kMinBrushOpacity, 1.0, brush.opacity);
     reader.boolean(json, at, "wholeClip", brush.whole_clip);
     const ordered_json& colour = reader.object(json, "colour");
     reader.number(colour, "brush.colour.", "red", 0.0f, 1.0f, brush.colour.r);
@@ -50,7 +50,7 @@ void read_brush(editor::PreferenceReader& reader, const ordered_json& json, Hand
     reader.number(colour, "brush.colour.", "blue", 0.0f, 1.0f, brush.colour.b);
 }
 
-// As people write it: 0.3, not 0.30000001192092896.
+// Rounded to four decimals, as people write numbers: 0.3, not 0.30000001192092896.
 double rounded(double value) {
     return std::round(value * 1e4) / 1e4;
 }
@@ -66,7 +66,7 @@ void write_comfort(ordered_json& json, const Comfort& comfort) {
 
 void write_brush(ordered_json& json, const HandBrush& brush) {
     json["tip"] = brush.tip == HandBrush::Tip::kBox ? "box" : "ball";
-    json["does"] = brush.does == HandBrush::Does::kErase ? "erase" : "paint";
+    json["does"] = brush.mode == HandBrush::Mode::kErase ? "erase" : "paint";
     json["radius_m"] = rounded(brush.radius_m);
     ordered_json& colour = editor::object_in(json, "colour");
     colour["red"] = rounded(brush.colour.r);
@@ -78,38 +78,38 @@ void write_brush(ordered_json& json, const HandBrush& brush) {
 
 }  // namespace
 
-void HeadsetSettings::load(OnStage& on, HoldSettings& hold) {
+void HeadsetSettings::load(HeadsetState& state, PerformerGrabSettings& grab) {
     if (path_.empty()) return;
     editor::PreferenceFile file = editor::load_preference_file(path_);
     editor::PreferenceReader reader;
-    read_comfort(reader, reader.object(file.document, "comfort"), on.comfort);
-    read_brush(reader, reader.object(file.document, "brush"), on.brush);
-    reader.boolean(reader.object(file.document, "panel"), "panel.", "onWrist", on.panel_on_wrist);
-    const ordered_json& held = reader.object(file.document, "hold");
-    reader.boolean(held, "hold.", "upright", hold.upright);
-    reader.boolean(held, "hold.", "snapsToFloor", hold.snaps_to_floor);
+    read_comfort(reader, reader.object(file.document, "comfort"), state.comfort);
+    read_brush(reader, reader.object(file.document, "brush"), state.brush);
+    reader.boolean(reader.object(file.document, "panel"), "panel.", "onWrist", state.panel_on_wrist);
+    const ordered_json& grab_json = reader.object(file.document, "hold");
+    reader.boolean(grab_json, "hold.", "upright", grab.upright);
+    reader.boolean(grab_json, "hold.", "snapsToFloor", grab.snaps_to_floor);
     const std::string problem = file.message.empty() ? editor::wrong_members(path_, reader.wrong) : file.message;
-    if (!problem.empty()) on.editor.notify(problem, true);
-    before_ = written(on, hold, file.document);
+    if (!problem.empty()) state.editor.notify(problem, true);
+    saved_ = to_json(state, grab, file.document);
     document_ = std::move(file.document);
 }
 
-ordered_json HeadsetSettings::written(const OnStage& on, const HoldSettings& hold, ordered_json over) {
-    write_comfort(editor::object_in(over, "comfort"), on.comfort);
-    write_brush(editor::object_in(over, "brush"), on.brush);
-    editor::object_in(over, "panel")["onWrist"] = on.panel_on_wrist;
-    ordered_json& held = editor::object_in(over, "hold");
-    held["upright"] = hold.upright;
-    held["snapsToFloor"] = hold.snaps_to_floor;
-    return over;
+ordered_json HeadsetSettings::to_json(const HeadsetState& state, const PerformerGrabSettings& grab, ordered_json base) {
+    write_comfort(editor::object_in(base, "comfort"), state.comfort);
+    write_brush(editor::object_in(base, "brush"), state.brush);
+    editor::object_in(base, "panel")["onWrist"] = state.panel_on_wrist;
+    ordered_json& grab_json = editor::object_in(base, "hold");
+    grab_json["upright"] = grab.upright;
+    grab_json["snapsToFloor"] = grab.snaps_to_floor;
+    return base;
 }
 
-void HeadsetSettings::save(const OnStage& on, const HoldSettings& hold) {
+void HeadsetSettings::save(const HeadsetState& state, const PerformerGrabSettings& grab) {
     if (path_.empty()) return;
-    ordered_json now = written(on, hold, document_);
-    if (now == before_) return;
+    ordered_json now = to_json(state, grab, document_);
+    if (now == saved_) return;
     editor::save_preference_file(path_, now);
-    before_ = std::move(now);
+    saved_ = std::move(now);
 }
 
 }  // namespace neuvv::headset

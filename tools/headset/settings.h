@@ -1,34 +1,35 @@
-// What a user of headsets chose, remembered between runs, as JSON in config_folder()/"headset.json".
+// The preferences of a headset's user, kept between runs as JSON in config_folder()/"headset.json".
 //
 //   {"comfort": {"smoothWalk": false, "smoothTurn": false, "snap_deg": 30, "turn_deg_per_s": 90, "walk_m_per_s": 1.6,
 //    "vignette": true}, "panel": {"onWrist": false}, "hold": {"upright": true, "snapsToFloor": true},
 //    "brush": {"tip": "ball", "does": "paint", "radius_m": 0.06, "colour": {"red": 0.9, "green": 0.25,
 //    "blue": 0.1}, "opacity": 1, "wholeClip": true}}
 //
-// Every member may be missing. Members that are not known here stay in the file.
+// Every member may be missing. Members that this program does not know stay in the file.
 #pragma once
 
 #include "editor/preference_file.h"
-#include "tools/headset/holding.h"
-#include "tools/headset/on_stage.h"
+#include "tools/headset/headset_state.h"
+#include "tools/headset/performer_grab.h"
 
 namespace neuvv::headset {
 
 class HeadsetSettings {
   public:
-    // Empty `path`: nothing is remembered.
+    // With an empty `path`, load() and save() do nothing.
     explicit HeadsetSettings(std::filesystem::path path) : path_(std::move(path)) {}
 
-    // Sets what was chosen before. What is wrong in the file is told by the editor and has its default, which save()
-    // writes over it.
-    void load(OnStage& on, HoldSettings& hold);
-    // Writes where something was chosen since. Throws RuntimeFailure.
-    void save(const OnStage& on, const HoldSettings& hold);
+    // Sets all members that the file has. Invalid members keep their defaults, and a notice of the editor names them;
+    // save() replaces them in the file.
+    void load(HeadsetState& state, PerformerGrabSettings& grab);
+    // Writes the file where a setting has changed since load() or the last save(). Throws RuntimeFailure.
+    void save(const HeadsetState& state, const PerformerGrabSettings& grab);
 
   private:
-    static nlohmann::ordered_json written(const OnStage& on, const HoldSettings& hold, nlohmann::ordered_json over);
+    static nlohmann::ordered_json to_json(const HeadsetState& state, const PerformerGrabSettings& grab,
+                                          nlohmann::ordered_json base);
     std::filesystem::path path_;
-    nlohmann::ordered_json document_ = nlohmann::ordered_json::object(), before_;  // the file's; as it would be written
+    nlohmann::ordered_json document_ = nlohmann::ordered_json::object(), saved_;  // as read; as last read or saved
 };
 
 }  // namespace neuvv::headset

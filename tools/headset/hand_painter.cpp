@@ -1,0 +1,293 @@
+#include "tools/headset/hand_painter.h"
+
+#include <fmt/format.h>
+
+#include "edit/paint_layers.h"
+#include "media/colour.h"
+
+namespace neuvv::headset {
+
+namespace {
+
+constexpr double kTipDistance_m = 0.08;  // from the hand to the tip
+
+editor::PaintOperation operation_of(const HandBrush& brush, float frame, uint32_t frames) {
+    editor::PaintOperation operation;
+    operation.kind = brush.mode == HandBrush::Mode::kErase ? editor::PaintOperation::Kind::kErase
+                                                           : editor::PaintOperation::Kind::kColour;
+    operation.colour = media::linear_from_srgb(brush.colour);
+    operation.opacity = static_cast<float>(brush.opacity);
+    operation.frames = {frame, frame, edit::Follow::kRun};
+    if (brush.whole_clip) operation.frames = {0, static_cast<float>(frames - 1), edit::Follow::kNot};
+    return operation;
+}
+
+// The tip of the brush as it moved between two points, with the performer's transform at that time. The tip has its
+// shape in the world: a box is aligned with the world's axes, however the performer is turned.
+struct TipSweep {
+    glm::dmat4 world_from_performer{1};
+    glm::dvec3 from{0}, to{0};  // world
+    double radius_m = 0;
+    HandBrush::Tip shape = HandBrush::Tip::kBall;
+
+    bool touches(glm::vec3 position) const {
+        const glm::dvec3 at = world_from_performer * glm::dvec4(position, 1), way = to - from;
+        const double length = glm::dot(way, way);
+        const double along = length > 0 ? glm::clamp(glm::dot(at - from, way) / length, 0.0, 1.0) : 0;
+        const glm::dvec3 off = glm::abs(at - from - along * way);
+        return shape == HandBrush::Tip::kBall ? glm::dot(off, off) < radius_m * radius_m
+                                              : std::max({off.x, off.y, off.z}) < radius_m;
+    }
+};
+
+}  // namespace
+
+// A performer's clip on the host, and the layer of it that strokes paint.
+struct HandPainter::PaintTarget {
+    uint32_t node = 0;
+    std::filesystem::path clip_path, layer_path;
+    bool is_new = false;  // whether the layer is
+    std::shared_ptr<const editor::PaintClip> clip;
+    std::shared_ptr<const voctree::EditLayer> layer;  // as read; null where it is new, or in the document
+};
+
+struct HandPainter::Stroke {
+    uint32_t node = 0;
+    std::string description;
+    HandBrush brush;
+    float frame = 0;  // of the clip, when the stroke began
+    std::vector<TipSweep> pending;
+    std::optional<PaintRegion> region;  // for a stroke that applies a region instead of tips
+    std::optional<glm::dvec3> last_tip;
+    bool job_running = false, released = false;
+    // Set once the performer has been read. After that only the jobs use the session, one at a time.
+    std::shared_ptr<const PaintTarget> target;
+    std::optional<editor::PaintSession> session;
+    bool region_applied = false, changed_leaves = false, failed = false;
+
+    bool has_pending() const { return !pending.empty() || (region && !region_applied); }
+};
+
+glm::dvec3 HandPainter::tip_of(const xr::Pose& world_aim) {
+    return world_aim * glm::dvec3(0, 0, -kTipDistance_m);
+}
+
+// The selected performer, or the only one. Empty, with a status, where it is not clear which one to paint.
+std::optional<uint32_t> HandPainter::performer_to_paint(const HeadsetState& state) {
+    if (const auto selected = state.selected_performer()) return selected;
+    if (state.stage->performers.size() == 1) return 0;
+    status_ = "Select the performer that shall be painted";
+    return std::nullopt;
+}
+
+// Strokes paint the performer's uppermost layer where no other performer uses it, else a new layer. Returns null while
+// clip and layer are being read, or where they cannot be; a job reads them, and calls process_strokes() when it ends.
+std::shared_ptr<const HandPainter::PaintTarget> HandPainter::load_target(HeadsetState& state, uint32_t index) {
+    const stage::StagePerformer& performer = state.stage->performers[index];
+    const auto layers = edit::paint_layers_of(state.editor.file(), performer.node);
+    if (!layers) return nullptr;
+    const bool paints_top_layer =
+        !layers->empty() && !edit::is_shared(state.editor.file(), performer.node, layers->back().path);
+    const std::filesystem::path clip_path = state.stage->clips[performer.clip].path;
+    const bool same =
+        target_ && target_->node == performer.node && target_->clip_path == clip_path &&
+        (paints_top_layer
+             ? target_->layer_path == layers->back().path
+             : target_->is_new && !edit::worn_layers(state.editor.file()).contains(target_->layer_path) &&
+                   !state.editor.document().paint.contains(target_->layer_path));  // an undone stroke stays there
+    if (same) return target_;
+    if (failed_target_.id == state.editor.id() && failed_target_.node == performer.node) {
+        status_ = failed_target_.problem;
+        return nullptr;
+    }
+    status_ = fmt::format("Reading {}, to be painted", performer.name);
+    if (std::exchange(reading_, true)) return nullptr;
+    auto target = std::make_shared<PaintTarget>();
+    target->node = performer.node;
+    target->clip_path = clip_path;
+    target->layer_path =
+        paints_top_layer ? layers->back().path : edit::free_paint_path(state.editor.document(), performer.node);
+    target->is_new = !paints_top_layer;
+    if (target_ && target_->clip_path == clip_path) target->clip = target_->clip;
+    std::vector<std::filesystem::path> layers_to_read;
+    if (paints_top_layer && !state.editor.document().paint.contains(target->layer_path))
+        layers_to_read.push_back(target->layer_path);
+    jobs_.start(status_,
+                [this, &state, target, layers = std::move(layers_to_read), id = state.editor.id()]() -> JobQueue::Then {
+                    try {
+                        const auto read = editor::read_performer(target->clip_path, target->clip, layers);
+                        target->clip = read.clip;
+                        if (!layers.empty()) target->layer = read.layers.at(target->layer_path);
+                    } catch (const std::exception& error) {
+                        return [this, &state, id, node = target->node, problem = std::string(error.what())] {
+                            reading_ = false;
+                            failed_target_ = {id, node, problem};
+                            state.editor.notify(problem, true);
+                            process_strokes(state);
+                        };
+                    }
+                    return [this, &state, target] {
+                        reading_ = false;
+                        target_ = target;
+                        process_strokes(state);
+                    };
+                });
+    return nullptr;
+}
+
+void HandPainter::update(HeadsetState& state, Hands& hands) {
+    Hand& hand = hands[xr::kRight];
+    status_.clear();
+    if (state.tool != HandTool::kPaint || !hand.select.is_down()) end_stroke(state);
+    process_strokes(state);
+    if (region_ && region_->node_count != state.editor.node_count()) region_.reset();
+    if (!region_ || state.tool != HandTool::kRegion) corner_.reset();
+    if (state.tool == HandTool::kArrange) return;
+    const auto performer = performer_to_paint(state);
+    if (!performer) return;
+    if (strokes_.empty()) {
+        if (const auto target = load_target(state, *performer)) update_status(state, *target);
+    }
+    if (state.tool == HandTool::kRegion) return drag_region(state, *performer, hand);
+    if (hand.aim && hand.consume_press() && hand.hit.target != PointerHit::Target::kPanel) {
+        strokes_.push_back(begin_stroke(state, *performer));
+        hand.vibrate(0.3);
+    }
+    extend_stroke(state, hand);
+}
+
+void HandPainter::update_status(const HeadsetState& state, const PaintTarget& target) {
+    const auto& node = state.stage->scene.nodes[target.node];
+    const auto layers = edit::paint_layers_of(state.editor.file(), target.node);
+    const bool has_layer = layers && !layers->empty() && layers->back().path == target.layer_path;
+    status_ = has_layer ? fmt::format("Paints {}, on its layer \"{}\"", node.name, edit::title_of(layers->back()))
+                        : fmt::format("Paints {}, on a new layer", node.name);
+}
+
+std::shared_ptr<HandPainter::Stroke> HandPainter::begin_stroke(const HeadsetState& state, uint32_t index) const {
+    const stage::StagePerformer& performer = state.stage->performers[index];
+    auto stroke = std::make_shared<Stroke>();
+    stroke->node = performer.node;
+    stroke->brush = state.brush;
+    stroke->description = fmt::format("{} {} in the air", performer.name,
+                                      state.brush.mode == HandBrush::Mode::kErase ? "erased" : "painted");
+    for (const stage::EvaluatedPerformer& at : state.evaluated.performers)
+        if (at.performer == index) stroke->frame = at.frame;
+    return stroke;
+}
+
+void HandPainter::extend_stroke(HeadsetState& state, const Hand& hand) {
+    if (strokes_.empty() || strokes_.back()->released || !hand.aim) return;
+    Stroke& stroke = *strokes_.back();
+    const glm::dvec3 tip = tip_of(*hand.aim);
+    if (stroke.last_tip && glm::distance(*stroke.last_tip, tip) < 0.25 * stroke.brush.radius_m) return;
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
+        if (state.stage->performers[performer.performer].node != stroke.node) continue;
+        stroke.pending.push_back({performer.world_from_performer, stroke.last_tip.value_or(tip), tip,
+                                  stroke.brush.radius_m, stroke.brush.tip});
+        stroke.last_tip = tip;
+    }
+    process_strokes(state);
+}
+
+void HandPainter::process_strokes(HeadsetState& state) {
+    if (strokes_.empty() || strokes_.front()->job_running) return;
+    const std::shared_ptr<Stroke> stroke = strokes_.front();
+    if (!stroke->target) {
+        if (state.is_behind()) return;
+        for (uint32_t i = 0; i < state.stage->performers.size() && !stroke->target; i++)
+            if (state.stage->performers[i].node == stroke->node) stroke->target = load_target(state, i);
+        if (!stroke->target && !reading_) strokes_.pop_front();  // a notice has said why
+        if (!stroke->target) return;
+        const PaintTarget& target = *stroke->target;
+        if (target.layer) state.editor.open_layer(target.layer_path, target.layer);
+        const auto known = state.editor.document().paint.find(target.layer_path);
+        const auto before = known != state.editor.document().paint.end()
+                                ? known->second
+                                : std::make_shared<voctree::EditLayer>(voctree::EditLayer{target.clip->field, {}});
+        stroke->session.emplace(editor::PaintSubject{target.clip}, before,
+                                operation_of(stroke->brush, stroke->frame, target.clip->tree.frames));
+    }
+    if (stroke->has_pending())
+        start_job(state, stroke);
+    else if (stroke->released)
+        finish_stroke(state);
+}
+
+void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke) {
+    stroke->job_running = true;
+    edit::Region touched;
+    if (stroke->region) {
+        touched = edit::box_region(glm::vec3(stroke->region->low), glm::vec3(stroke->region->high));
+        stroke->region_applied = true;
+    } else {
+        touched = [tips = std::exchange(stroke->pending, {})](glm::vec3 position) {
+            return std::any_of(tips.begin(), tips.end(), [&](const TipSweep& tip) { return tip.touches(position); });
+        };
+    }
+    jobs_.start("", [this, &state, stroke, touched = std::move(touched)]() -> JobQueue::Then {
+        std::shared_ptr<const voctree::EditLayer> layer;
+        try {
+            if (stroke->session->add_region(touched)) layer = stroke->session->layer();
+        } catch (const std::exception& error) {
+            return [this, &state, stroke, problem = std::string(error.what())] {
+                state.editor.notify(problem, true);
+                stroke->failed = true;
+                finish_stroke(state);
+            };
+        }
+        return [this, &state, stroke, layer] {
+            stroke->job_running = false;
+            stroke->changed_leaves |= layer != nullptr;
+            if (layer)
+                state.editor.drag([&](edit::Document& document) {
+                    return edit::put_paint(document, stroke->node, stroke->target->layer_path, "headset", layer,
+                                           stroke->description);
+                });
+            process_strokes(state);
+        };
+    });
+}
+
+void HandPainter::finish_stroke(HeadsetState& state) {
+    state.editor.end_drag();
+    const Stroke& stroke = *strokes_.front();
+    if (stroke.region_applied && !stroke.changed_leaves && !stroke.failed)
+        state.editor.notify("there is nothing in the box", true);
+    strokes_.pop_front();
+}
+
+void HandPainter::end_stroke(HeadsetState& state) {
+    if (strokes_.empty() || strokes_.back()->released) return;
+    strokes_.back()->released = true;
+    process_strokes(state);
+}
+
+void HandPainter::drag_region(const HeadsetState& state, uint32_t index, Hand& hand) {
+    if (!hand.aim) return;
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
+        if (performer.performer != index) continue;
+        const glm::dvec3 tip = glm::inverse(performer.world_from_performer) * glm::dvec4(tip_of(*hand.aim), 1);
+        if (hand.consume_press() && hand.hit.target != PointerHit::Target::kPanel) {
+            corner_ = tip;
+            hand.vibrate(0.3);
+        }
+        if (!corner_) return;
+        region_ = PaintRegion{state.stage->performers[index].node, state.editor.node_count(), glm::min(*corner_, tip),
+                              glm::max(*corner_, tip)};
+        if (!hand.select.is_down()) corner_.reset();
+    }
+}
+
+void HandPainter::apply_region(HeadsetState& state) {
+    const auto performer = performer_to_paint(state);
+    if (!region_ || !performer || state.stage->performers[*performer].node != region_->node)
+        return state.editor.notify("pull up a box with the trigger first", true);
+    auto stroke = begin_stroke(state, *performer);
+    stroke->region = region_;
+    stroke->released = true;
+    strokes_.push_back(std::move(stroke));
+    process_strokes(state);
+}
+
+}  // namespace neuvv::headset

@@ -1,0 +1,83 @@
+// Painting in the air: a ball or a box at the tip of the right hand colours or erases those leaves of the selected
+// performer that it touches. With the region tool, the hand drags a box from corner to corner, which the panel's
+// buttons colour or erase.
+//
+// The leaves are searched, and layers made, by the job queue, so that no frame waits. What a stroke touches while a job
+// runs is done by the next job. A stroke that begins while another one is still being applied, or while its performer
+// is being read, waits for that.
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "base/job_queue.h"
+#include "editor/paint_session.h"
+#include "tools/headset/hand.h"
+#include "tools/headset/headset_state.h"
+
+namespace neuvv::headset {
+
+// A box in the space of a performer, metres.
+struct PaintRegion {
+    uint32_t node = 0;      // of the performer
+    size_t node_count = 0;  // of the document: when it changes, `node` may be another node
+    glm::dvec3 low{0}, high{0};
+};
+
+class HandPainter {
+  public:
+    // `jobs` must outlive this object, or be stopped before it is destroyed.
+    explicit HandPainter(JobQueue& jobs) : jobs_(jobs) {}
+
+    // Begins, extends and ends strokes or drags the region, by the selected tool and the right hand.
+    void update(HeadsetState& state, Hands& hands);
+    // Ends the stroke of the hand. A stroke is one step of the history, including what is still being applied of it.
+    void end_stroke(HeadsetState& state);
+    // Continues with the oldest stroke, where that is possible: starts its next job or finishes it. update() calls it,
+    // and so do the jobs when they end.
+    void process_strokes(HeadsetState& state);
+    // Whether any stroke is unfinished. Until then, the numbers of nodes must not change.
+    bool is_busy() const { return !strokes_.empty(); }
+
+    const std::optional<PaintRegion>& region() const { return region_; }
+    void clear_region() { region_.reset(); }
+    // Colours or erases all leaves in the region, as the brush is set.
+    void apply_region(HeadsetState& state);
+
+    // The tip of the brush in the world.
+    static glm::dvec3 tip_of(const xr::Pose& world_aim);
+    // A line for the user: "Paints anna, on its layer \"stars\"", "Reading anna, to be painted"; empty where there is
+    // nothing to paint.
+    const std::string& status() const { return status_; }
+
+  private:
+    struct PaintTarget;
+    struct Stroke;
+    std::optional<uint32_t> performer_to_paint(const HeadsetState& state);
+    std::shared_ptr<const PaintTarget> load_target(HeadsetState& state, uint32_t performer);
+    void update_status(const HeadsetState& state, const PaintTarget& target);
+    std::shared_ptr<Stroke> begin_stroke(const HeadsetState& state, uint32_t performer) const;
+    void extend_stroke(HeadsetState& state, const Hand& hand);
+    void start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke);
+    void finish_stroke(HeadsetState& state);
+    void drag_region(const HeadsetState& state, uint32_t performer, Hand& hand);
+
+    JobQueue& jobs_;
+    std::shared_ptr<const PaintTarget> target_;  // the one that was read last
+    // From the oldest on, which is being applied once its performer has been read. The last one belongs to the hand
+    // until it is released.
+    std::deque<std::shared_ptr<Stroke>> strokes_;
+    struct FailedTarget {
+        uint64_t id = 0;  // of the document
+        uint32_t node = 0;
+        std::string problem;
+    } failed_target_;  // the last one that could not be read; it is not tried again until the document changes
+    bool reading_ = false;
+    std::string status_;
+    std::optional<PaintRegion> region_;
+    std::optional<glm::dvec3> corner_;  // performer's space: where the drag of the region began, while it lasts
+};
+
+}  // namespace neuvv::headset

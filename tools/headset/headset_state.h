@@ -1,0 +1,42 @@
+// The stage that is watched and edited in a headset, on the host, and its user: position, tool and settings. It needs
+// neither OpenXR nor a device, so hands change it in a test as they do in the program.
+#pragma once
+
+#include "editor/stage_state.h"
+#include "xr/locomotion.h"
+
+namespace neuvv::headset {
+
+enum class HandTool { kArrange, kPaint, kRegion };
+
+struct Comfort {
+    bool smooth_walk = false;  // else the user teleports
+    bool smooth_turn = false;  // else the user turns in steps of snap_deg
+    double snap_deg = 30, turn_deg_per_s = 90, walk_m_per_s = 1.6;
+    bool vignette = true;  // dark edges of the image while the user moves smoothly
+};
+
+constexpr double kMinBrush_m = 0.01, kMaxBrush_m = 0.4, kMinBrushOpacity = 0.05;
+struct HandBrush {
+    enum class Tip { kBall, kBox } tip = Tip::kBall;
+    enum class Mode { kPaint, kErase } mode = Mode::kPaint;
+    double radius_m = 0.06;               // world; of a box, half the length of an edge
+    glm::vec3 colour{0.9f, 0.25f, 0.1f};  // sRGB
+    double opacity = 1;
+    bool whole_clip = true;  // else around the present frame, while the surface stays (edit::Follow::kRun)
+};
+
+struct HeadsetState : editor::StageState {
+    xr::XrRig rig;
+    double floor_m = 0;  // height in the world: where user and performers stand
+    HandTool tool = HandTool::kArrange;
+    Comfort comfort;
+    HandBrush brush;
+    bool panel_visible = false, panel_on_wrist = false;
+};
+
+// The rig with which a user begins: above the floor where the stage's first perspective camera is, with its heading;
+// without such a camera, in front of the performers. `head` is in the tracking space.
+xr::XrRig initial_rig(const HeadsetState& state, const xr::Pose& head);
+
+}  // namespace neuvv::headset

@@ -1,0 +1,103 @@
+#include "tools/headset/performer_grab.h"
+
+#include "edit/operations.h"
+
+namespace neuvv::headset {
+
+namespace {
+
+constexpr double kPush_m_per_s = 2.5, kLongPress_s = 0.35, kDeadZone = 0.15;
+
+// Without a grab button, a long press of select on a performer starts a grab.
+bool starts_grab(Hand& hand) {
+    if (hand.input.has_grab) return hand.grab.pressed();
+    if (hand.select_down_s <= kLongPress_s || hand.long_press) return false;
+    hand.long_press = hand.pressed_on.target == PointerHit::Target::kPerformer;
+    return hand.long_press;
+}
+
+bool ends_grab(const Hand& hand) {
+    return hand.input.has_grab ? !hand.grab.is_down() : !hand.select.is_down();
+}
+
+}  // namespace
+
+void PerformerGrab::start(HeadsetState& state, Hand& hand, int which) {
+    if (!hand.aim || hand.hit.target != PointerHit::Target::kPerformer) return;
+    const uint32_t node = state.stage->performers[hand.hit.performer].node;
+    if (edit::is_locked(state.editor.file(), node))
+        return state.editor.notify("it is locked: unlock it to move it", true);
+    if (grab_ && node != node_) return;  // the other hand has grabbed another performer
+    if (!grab_) {
+        start_transform_ = state.evaluated.pose.world_from_node[node];
+        const Ray ray = xr::ray_of(*hand.aim);
+        start_point_ = ray.origin + hand.hit.distance_m * ray.direction;
+        grab_.emplace(start_transform_, xr::GrabSettings{settings.upright});
+    }
+    node_ = node;
+    grab_->attach(which, *hand.aim, hand.hit.distance_m);
+    state.editor.select(node);
+    hand.vibrate(0.7);
+}
+
+void PerformerGrab::update(HeadsetState& state, Hands& hands, double dt_s) {
+    for (int which = 0; which < xr::kHands; which++) {
+        Hand& hand = hands[which];
+        if (is_grabbing(which) && ends_grab(hand)) {
+            if (grab_->is_attached(1 - which))
+                grab_->detach(which);
+            else
+                release(state);
+            hand.vibrate(0.3);
+        } else if (!is_grabbing(which) && state.tool == HandTool::kArrange && starts_grab(hand)) {
+            start(state, hand, which);
+        }
+    }
+    if (state.tool != HandTool::kArrange) release(state);  // the user has selected another tool
+    if (!grab_) return;
+    for (int which = 0; which < xr::kHands; which++) {
+        if (!is_grabbing(which) || !hands[which].aim) continue;
+        grab_->move(which, *hands[which].aim);
+        const double stick = hands[which].input.stick.y;
+        if (std::abs(stick) > kDeadZone) grab_->push(which, stick * kPush_m_per_s * dt_s);
+    }
+    if (node_ < state.evaluated.pose.world_from_node.size())
+        editor::carry(state.evaluated, *state.stage, node_, grab_->world_from_node());
+}
+
+// Scaling happens about the grabbed point, not about the performer's feet. So the height of the grabbed point says
+// whether the performer was lifted.
+glm::dmat4 PerformerGrab::snapped(const HeadsetState& state, const glm::dmat4& world_from_node) const {
+    for (uint32_t performer = 0; performer < state.stage->performers.size() && settings.snaps_to_floor; performer++) {
+        if (state.stage->performers[performer].node != node_) continue;
+        const auto [low, high] = editor::box_of(state, performer);
+        const double above = above_floor(world_from_node, low, high, state.floor_m),
+                     before = above_floor(start_transform_, low, high, state.floor_m);
+        const glm::dmat4 moved = world_from_node * glm::inverse(start_transform_);
+        const double lifted = (moved * glm::dvec4(start_point_, 1)).y - start_point_.y;
+        const bool stood = std::abs(before) < kSnapDistance_m && std::abs(lifted) < kSnapDistance_m;
+        if (above < kSnapDistance_m || stood) return on_floor(world_from_node, low, high, state.floor_m);
+    }
+    return world_from_node;
+}
+
+void PerformerGrab::release(HeadsetState& state) {
+    if (!grab_) return;
+    glm::dmat4 world_from_node = grab_->world_from_node();
+    grab_.reset();
+    if (node_ >= state.stage->scene.nodes.size()) return;
+    world_from_node = snapped(state, world_from_node);
+    editor::carry(state.evaluated, *state.stage, node_, world_from_node);  // until the edited document is evaluated
+    move_node_to(state, node_, world_from_node);
+}
+
+void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node) {
+    const int32_t parent = state.stage->scene.nodes[node].parent;
+    const glm::dmat4 world_from_parent =
+        parent < 0 ? glm::dmat4(1) : state.evaluated.pose.world_from_node[static_cast<size_t>(parent)];
+    edit::Placement placement;
+    placement.to = glm::inverse(world_from_parent) * world_from_node;
+    state.editor.edit([&](edit::Document& document) { return edit::place_node(document.file, node, placement); });
+}
+
+}  // namespace neuvv::headset

@@ -1,0 +1,48 @@
+// Grabbing performers: one hand moves and turns a performer, two hands scale it, too. While it is grabbed, only the
+// evaluated stage has its new transform; the edit of the document is made when the last hand releases it.
+#pragma once
+
+#include <optional>
+
+#include "tools/headset/hand.h"
+#include "tools/headset/headset_state.h"
+#include "xr/grab.h"
+
+namespace neuvv::headset {
+
+struct PerformerGrabSettings {
+    bool upright = true;  // performers do not tilt
+    // A performer that is released below the floor, or less than kSnapDistance_m above it, is put on the floor. So is
+    // one that stood on the floor before, where the hands scaled it but lifted it by less than that.
+    bool snaps_to_floor = true;
+};
+constexpr double kSnapDistance_m = 0.15;
+
+class PerformerGrab {
+  public:
+    PerformerGrabSettings settings;
+
+    // Starts, moves and ends the grab by the buttons and poses of this frame. Changes `state.evaluated`, and so has to
+    // be called before it is drawn.
+    void update(HeadsetState& state, Hands& hands, double dt_s);
+    // Ends the grab: an edit moves the performer to where it is now. To be called before other edits, and before a
+    // session ends.
+    void release(HeadsetState& state);
+    bool is_grabbing(int hand) const { return grab_ && grab_->is_attached(hand); }
+    bool is_active() const { return grab_.has_value(); }
+    // The distance from a hand that is grabbing to the point that it grabbed.
+    double distance_m(int hand) const { return grab_->distance_m(hand); }
+
+  private:
+    void start(HeadsetState& state, Hand& hand, int which);
+    glm::dmat4 snapped(const HeadsetState& state, const glm::dmat4& world_from_node) const;
+    std::optional<xr::Grab> grab_;
+    uint32_t node_ = 0;
+    glm::dmat4 start_transform_{1};  // world from node, when the first hand grabbed it
+    glm::dvec3 start_point_{0};      // world: the point that the first hand grabbed
+};
+
+// Edits the document: gives a node this transform.
+void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node);
+
+}  // namespace neuvv::headset
