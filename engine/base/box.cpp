@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Volume of the matrix's axes, each made one long, below which they do not span space.
-constexpr double kLeastVolume = 1e-12;
+constexpr double kMinVolume = 1e-12;
 
 bool is_finite(glm::dvec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -31,7 +31,7 @@ std::optional<Inverse> inverse_of(const glm::dmat3& linear) {
         axes[i] /= inverse.lengths[i];
     }
     const double volume = std::abs(glm::determinant(axes));
-    if (!is_finite(inverse.lengths) || !(volume >= kLeastVolume)) return {};  // NaN where a length is 0
+    if (!is_finite(inverse.lengths) || !(volume >= kMinVolume)) return {};  // NaN where a length is 0
     inverse.turn = glm::inverse(axes);
     return inverse;
 }

@@ -10,7 +10,7 @@
 namespace neuvv {
 
 // How errors write where a value stands.
-enum class JsonPlaces {
+enum class JsonPlaceStyle {
     kDotted,   // "frames[12].w"
     kPointer,  // "/frames/12/w"
 };
@@ -28,7 +28,7 @@ struct BasicJsonNode {
     const Json& value;
     const std::string& file;
     std::string place;
-    JsonPlaces places = JsonPlaces::kDotted;
+    JsonPlaceStyle style = JsonPlaceStyle::kDotted;
     const JsonDamage* damage = nullptr;
 
     // Throw InputError at the node's place.
@@ -56,9 +56,9 @@ JsonFile read_json(const std::filesystem::path& file, const std::string& expecte
 template <typename Json>
 double json_number(const BasicJsonNode<Json>& node);  // finite
 template <typename Json>
-double json_number(const BasicJsonNode<Json>& node, double least, double most, const char* meaning);  // "not {meaning}"
+double json_number(const BasicJsonNode<Json>& node, double min, double max, const char* meaning);  // "not {meaning}"
 template <typename Json>
-uint64_t json_count(const BasicJsonNode<Json>& node, uint64_t most);  // a whole number from 0
+uint64_t json_count(const BasicJsonNode<Json>& node, uint64_t max);  // a whole number from 0
 template <typename Json>
 bool json_flag(const BasicJsonNode<Json>& node);
 template <typename Json>
@@ -80,12 +80,12 @@ struct JsonMembers : OrderedJsonNode {
     void text(const char* name, std::string& text) const;
     // The index of the text among `names`.
     template <typename Enum>
-    void choice(const char* name, std::span<const char* const> names, Enum& chosen) const {
-        chosen = static_cast<Enum>(choice_of(name, names, static_cast<size_t>(chosen)));
+    void choice(const char* name, std::span<const char* const> names, Enum& result) const {
+        result = static_cast<Enum>(choice_of(name, names, static_cast<size_t>(result)));
     }
 
   private:
-    size_t choice_of(const char* name, std::span<const char* const> names, size_t otherwise) const;
+    size_t choice_of(const char* name, std::span<const char* const> names, size_t fallback) const;
 };
 
 constexpr size_t kMaxQuoted = 120;  // of a file's own text, in an error

@@ -74,32 +74,32 @@ class SpooledMemory : public std::pmr::memory_resource {
 };
 
 // The number in a file of /proc or /sys, in units of `unit`; `most` where there is none.
-uint64_t number_after(const char* path, const std::string& label, uint64_t unit, uint64_t most) {
+uint64_t number_after(const char* path, const std::string& label, uint64_t unit, uint64_t fallback) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
         if (!line.starts_with(label)) continue;
         char* end = nullptr;
         const char* digits = line.c_str() + label.size();
         const uint64_t value = std::strtoull(digits, &end, 10);
-        return end == digits ? most : value * unit;
+        return end == digits ? fallback : value * unit;
     }
-    return most;
+    return fallback;
 }
 
 volatile std::sig_atomic_t g_stop = 0;
-timespec g_asked_to_stop{};  // the handler's own
+timespec g_stop_requested_at{};  // the handler's own
 
 void on_stop_signal(int signal) {
     constexpr double kTogether_s = 0.5;  // one request: `timeout` signals a program, then its group
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);
-    const double since_s = static_cast<double>(now.tv_sec - g_asked_to_stop.tv_sec) +
-                           1e-9 * static_cast<double>(now.tv_nsec - g_asked_to_stop.tv_nsec);
+    const double since_s = static_cast<double>(now.tv_sec - g_stop_requested_at.tv_sec) +
+                           1e-9 * static_cast<double>(now.tv_nsec - g_stop_requested_at.tv_nsec);
     if (g_stop && since_s > kTogether_s) {  // asked twice: stop at once
         std::signal(signal, SIG_DFL);
         std::raise(signal);
     }
-    if (!g_stop) g_asked_to_stop = now;
+    if (!g_stop) g_stop_requested_at = now;
     g_stop = 1;
 }
 
@@ -214,12 +214,12 @@ void* function_of_loaded_library(const char* library, const char* function) {
     return address;
 }
 
-ProgramEnd run_program(std::vector<std::string> words) {
+ProgramOutput run_program(std::vector<std::string> arguments) {
     std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
+    for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw RuntimeFailure(fmt::format("{}: {}", words[0], std::strerror(errno)));
+    if (pipe2(ends, O_CLOEXEC) != 0) throw RuntimeFailure(fmt::format("{}: {}", arguments[0], std::strerror(errno)));
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
@@ -228,20 +228,20 @@ ProgramEnd run_program(std::vector<std::string> words) {
     const int failed = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
-    ProgramEnd end;
+    ProgramOutput output;
     char piece[4096];
     for (ssize_t got = 0; !failed && (got = read(ends[0], piece, sizeof piece)) != 0;)
         if (got > 0)
-            end.said.append(piece, static_cast<size_t>(got));
+            output.text.append(piece, static_cast<size_t>(got));
         else if (errno != EINTR)
             break;
     close(ends[0]);
-    if (failed) throw RuntimeFailure(fmt::format("{} cannot be started: {}", words[0], std::strerror(failed)));
+    if (failed) throw RuntimeFailure(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(failed)));
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
-    end.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return end;
+    output.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return output;
 }
 
 namespace {

@@ -51,12 +51,12 @@ bool stderr_is_terminal();
 // none. The library is not loaded for that.
 void* function_of_loaded_library(const char* library, const char* function);
 
-// Runs a program of PATH to its end; no shell reads the words. Throws RuntimeFailure where it cannot be started.
-struct ProgramEnd {
+// Runs a program of PATH to its end; no shell reads the arguments. Throws RuntimeFailure where it cannot be started.
+struct ProgramOutput {
     int code = 0;      // 128 and the signal's number where one ended it
-    std::string said;  // on stdout and stderr
+    std::string text;  // on stdout and stderr
 };
-ProgramEnd run_program(std::vector<std::string> words);
+ProgramOutput run_program(std::vector<std::string> arguments);
 
 // Folder for caches of this program (XDG_CACHE_HOME or ~/.cache, plus "neuvv"); created; empty if there is none.
 std::filesystem::path cache_folder();

@@ -9,7 +9,7 @@
 namespace neuvv {
 
 // The parts between `at`, less the spaces around each: at least one, which may be empty.
-std::vector<std::string> split(const std::string& text, char at);
+std::vector<std::string> split(const std::string& text, char separator);
 
 // Bytes as data URIs hold them, padded with '='.
 std::string base64(std::span<const uint8_t> bytes);
