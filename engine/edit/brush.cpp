@@ -11,7 +11,7 @@ namespace neuvv::edit {
 namespace {
 
 // Alphas that a ray has gathered at a touch's ends, and without which there is no touch.
-constexpr float kTouchFront = 0.02f, kTouched = 0.5f, kTouchBack = 0.9f;
+constexpr float kTouchFront = 0.02f, kTouchMiddle = 0.5f, kTouchBack = 0.9f;
 // A leaf's colours over a clip count as one as long as no channel differs by more: of its square root, which is about
 // how colours look.
 constexpr float kSameColour = 0.06f;
@@ -62,16 +62,17 @@ std::vector<Touch> touches_under(render::Picker& picker, const stage::Camera& ca
             rays.push_back(render::pick_ray(
                 camera, glm::mix(from, pixels[i], static_cast<double>(step) / static_cast<double>(steps))));
     }
-    const std::vector<render::Picked> fronts = picker.pick(rays, kTouchFront), middles = picker.pick(rays, kTouched);
+    const std::vector<render::Picked> fronts = picker.pick(rays, kTouchFront),
+                                      middles = picker.pick(rays, kTouchMiddle);
     const std::vector<render::Picked> far = picker.pick(rays, kTouchBack), farther = picker.pick(rays);
     std::vector<Touch> touches;
     for (size_t i = 0; i < rays.size(); i++) {
         if (!middles[i].hit()) continue;
-        const auto place = [&](const render::Picked& picked) {
+        const auto point_at = [&](const render::Picked& picked) {
             return glm::vec3(rays[i].origin) + picked.distance_m * glm::vec3(rays[i].direction);
         };
         const render::Picked& back = farther[i].hit() ? farther[i] : far[i].hit() ? far[i] : middles[i];
-        touches.push_back({place(fronts[i]), place(back)});
+        touches.push_back({point_at(fronts[i]), point_at(back)});
     }
     return touches;
 }
@@ -84,11 +85,11 @@ std::vector<voctree::LeafEdit> stroke(const Canvas& canvas, std::span<const floa
         low = glm::min(low, glm::min(touch.front, touch.back));
         high = glm::max(high, glm::max(touch.front, touch.back));
     }
-    const Region around = box_region(low - brush.radius_m, high + brush.radius_m);
+    const Region bounds = box_region(low - brush.radius_m, high + brush.radius_m);
     std::vector<float> covered(sigma.size());
     parallel_for(sigma.size(), 1024, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++)
-            if (sigma[leaf] > 0 && around(canvas.middles[leaf]))
+            if (sigma[leaf] > 0 && bounds(canvas.middles[leaf]))
                 covered[leaf] = coverage(brush, distance_to_stroke(canvas.middles[leaf], touches, brush.radius_m));
     });
     std::vector<voctree::LeafEdit> edits;
@@ -133,8 +134,8 @@ namespace {
 // Some successive frames at which a leaf has about the same shifted colour.
 struct Shade {
     float first = 0, last = 0;
-    glm::vec3 least{0}, most{0};  // square roots
-    glm::vec3 sum{0};             // of colours, by density
+    glm::vec3 low{0}, high{0};  // square roots
+    glm::vec3 sum{0};           // of colours, by density
     float weight = 0;
 };
 
@@ -150,9 +151,9 @@ std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::s
         const glm::vec3 colour = shifted(mean_colour(tree, rows[i], leaf), shift), root = glm::sqrt(colour);
         if (before) {
             Shade& shade = shades.back();
-            const glm::vec3 least = glm::min(shade.least, root), most = glm::max(shade.most, root);
-            if (glm::all(glm::lessThanEqual(most - least, glm::vec3(kSameColour)))) {
-                shade = {shade.first, frames[i], least, most, shade.sum + sigma * colour, shade.weight + sigma};
+            const glm::vec3 low = glm::min(shade.low, root), high = glm::max(shade.high, root);
+            if (glm::all(glm::lessThanEqual(high - low, glm::vec3(kSameColour)))) {
+                shade = {shade.first, frames[i], low, high, shade.sum + sigma * colour, shade.weight + sigma};
                 continue;
             }
         }
@@ -178,7 +179,7 @@ std::vector<voctree::LeafEdit> shift_colours(const Canvas& canvas, std::span<con
     });
     std::vector<voctree::LeafEdit> edits;
     for (const std::vector<voctree::LeafEdit>& some : of_leaf) edits.insert(edits.end(), some.begin(), some.end());
-    return through_between(std::move(edits), first, last);
+    return extend_between_frames(std::move(edits), first, last);
 }
 
 }  // namespace neuvv::edit

@@ -33,7 +33,7 @@ void remove_path(stage::StageFile& file) {
     ordered_json& stage = *find_extension(scene, stage::kStageExtension);
     stage.erase("cameraPath");
     if (stage.empty()) remove_extension(scene, stage::kStageExtension);
-    forget_unused(file, stage::kStageExtension);
+    undeclare_unused(file, stage::kStageExtension);
 }
 
 // keys[key] of the path; throws where there is none.
@@ -77,7 +77,7 @@ void set_duration(ordered_json& path, double last_s) {
     }
 }
 
-std::string words_of(const ordered_json& path) {
+std::string summary_of(const ordered_json& path) {
     const size_t count = path["keys"].size();
     return fmt::format("camera path of {} {}, {:.6g} s", count, count == 1 ? "key" : "keys",
                        path.value("duration", time_of(path["keys"].back())));
@@ -114,7 +114,7 @@ std::string set_camera_path(stage::StageFile& file, const std::optional<stage::C
                 kept.update(key);
                 key = std::move(kept);
             }
-        return words_of(json);
+        return summary_of(json);
     });
 }
 
@@ -131,7 +131,7 @@ std::string add_path_key(stage::StageFile& file, const stage::CameraPathKey& key
         else
             insert_key(keys, stage::json_of(key));
         set_duration(path, last_s);
-        return fmt::format("key at {:.6g} s {}; {}", key.time_s, replaces ? "replaced" : "added", words_of(path));
+        return fmt::format("key at {:.6g} s {}; {}", key.time_s, replaces ? "replaced" : "added", summary_of(path));
     });
 }
 
@@ -145,7 +145,7 @@ std::string remove_path_key(stage::StageFile& file, size_t key) {
         return fmt::format("key at {:.6g} s removed; no camera path", time_s);
     }
     set_duration(path, last_s);
-    return fmt::format("key at {:.6g} s removed; {}", time_s, words_of(path));
+    return fmt::format("key at {:.6g} s removed; {}", time_s, summary_of(path));
 }
 
 std::string move_path_key(stage::StageFile& file, size_t key, double to_s, double frame_s) {
@@ -159,7 +159,7 @@ std::string move_path_key(stage::StageFile& file, size_t key, double to_s, doubl
     moved["time"] = to_s;
     insert_key(keys, std::move(moved));
     set_duration(path, last_s);
-    return fmt::format("key moved from {:.6g} s to {:.6g} s; {}", from_s, to_s, words_of(path));
+    return fmt::format("key moved from {:.6g} s to {:.6g} s; {}", from_s, to_s, summary_of(path));
 }
 
 }  // namespace neuvv::edit

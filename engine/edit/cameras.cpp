@@ -38,12 +38,12 @@ std::string add_camera(stage::StageFile& file, const std::string& name, double v
         cameras.push_back({{"name", json["name"]},
                            {"type", "perspective"},
                            {"perspective", {{"yfov", vertical_angle_rad}, {"znear", kNear_m}}}});
-        LocalTransform place;
-        place.translation = glm::dvec3(world_from_camera[3]);
-        place.rotation = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
-        set_local_transform(json, place);
+        LocalTransform transform;
+        transform.translation = glm::dvec3(world_from_camera[3]);
+        transform.rotation = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
+        set_local_transform(json, transform);
         return fmt::format("added camera {}, {:.6g}° high, at {}", title_of(file, node),
-                           glm::degrees(vertical_angle_rad), text_of(place.translation));
+                           glm::degrees(vertical_angle_rad), text_of(transform.translation));
     });
 }
 

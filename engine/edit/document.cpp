@@ -12,16 +12,16 @@ namespace neuvv::edit {
 
 namespace {
 
-bool holds_extension(const ordered_json& json, const char* name) {
+bool uses_extension(const ordered_json& json, const char* name) {
     if (json.is_object() && json.contains("extensions") && json["extensions"].is_object() &&
         json["extensions"].contains(name))
         return true;
     return json.is_structured() &&
-           std::any_of(json.begin(), json.end(), [&](const ordered_json& part) { return holds_extension(part, name); });
+           std::any_of(json.begin(), json.end(), [&](const ordered_json& part) { return uses_extension(part, name); });
 }
 
-glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec3& otherwise) {
-    if (!node.contains(name)) return otherwise;
+glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec3& fallback) {
+    if (!node.contains(name)) return fallback;
     return {node[name][0].get<double>(), node[name][1].get<double>(), node[name][2].get<double>()};
 }
 
@@ -116,10 +116,10 @@ void remove_extension(stage::StageJson& document, const char* name) {
     if (document["extensions"].empty()) document.erase("extensions");
 }
 
-void forget_unused(stage::StageFile& file, const char* name) {
+void undeclare_unused(stage::StageFile& file, const char* name) {
     if (find_extension(file.json, name)) return;
     for (const auto& [member, value] : file.json.members())
-        if (holds_extension(*value, name)) return;
+        if (uses_extension(*value, name)) return;
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
         if (!file.json.contains(list) || !file.json[list].is_array()) continue;
         ordered_json& names = file.json.edit(list);
@@ -193,57 +193,57 @@ std::string FreeNames::take(const std::string& wanted) {
 }
 
 LocalTransform local_transform_of(const ordered_json& node) {
-    LocalTransform place;
-    place.has_matrix = node.contains("matrix");
-    for (int i = 0; i < 16 && place.has_matrix; ++i)
-        place.matrix[i / 4][i % 4] = node["matrix"][static_cast<size_t>(i)].get<double>();
-    place.translation = vector_in(node, "translation", place.translation);
-    place.scale = vector_in(node, "scale", place.scale);
+    LocalTransform transform;
+    transform.has_matrix = node.contains("matrix");
+    for (int i = 0; i < 16 && transform.has_matrix; ++i)
+        transform.matrix[i / 4][i % 4] = node["matrix"][static_cast<size_t>(i)].get<double>();
+    transform.translation = vector_in(node, "translation", transform.translation);
+    transform.scale = vector_in(node, "scale", transform.scale);
     if (node.contains("rotation")) {
         const ordered_json& q = node["rotation"];
-        place.rotation =
+        transform.rotation =
             glm::normalize(glm::dquat(q[3].get<double>(), q[0].get<double>(), q[1].get<double>(), q[2].get<double>()));
     }
-    return place;
+    return transform;
 }
 
-void set_local_transform(ordered_json& node, const LocalTransform& place) {
+void set_local_transform(ordered_json& node, const LocalTransform& transform) {
     const LocalTransform before = local_transform_of(node);
-    if (place.has_matrix) {
+    if (transform.has_matrix) {
         for (const char* name : {"translation", "rotation", "scale"}) node.erase(name);
-        if (before.has_matrix && before.matrix == place.matrix) return;
+        if (before.has_matrix && before.matrix == transform.matrix) return;
         node["matrix"] = ordered_json::array();
-        for (int i = 0; i < 16; ++i) node["matrix"].push_back(place.matrix[i / 4][i % 4]);
+        for (int i = 0; i < 16; ++i) node["matrix"].push_back(transform.matrix[i / 4][i % 4]);
         return;
     }
     node.erase("matrix");
-    const glm::dquat& q = place.rotation;
-    if (place.translation != before.translation) node["translation"] = json_of(place.translation);
+    const glm::dquat& q = transform.rotation;
+    if (transform.translation != before.translation) node["translation"] = json_of(transform.translation);
     if (q != before.rotation) node["rotation"] = {q.x, q.y, q.z, q.w};
-    if (place.scale != before.scale) node["scale"] = json_of(place.scale);
+    if (transform.scale != before.scale) node["scale"] = json_of(transform.scale);
 }
 
-glm::dquat looking(const glm::dvec3& direction) {
+glm::dquat rotation_towards(const glm::dvec3& direction) {
     const glm::dvec3 back = -glm::normalize(direction);
     const glm::dvec3 up = std::abs(back.y) < 0.999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1);
     const glm::dvec3 right = glm::normalize(glm::cross(up, back));
     return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
 }
 
-LocalTransform turned_about(LocalTransform place, const glm::dvec3& middle, double angle_rad) {
+LocalTransform turned_about(LocalTransform transform, const glm::dvec3& middle, double angle_rad) {
     const glm::dquat turn = glm::angleAxis(angle_rad, glm::dvec3(0, 1, 0));
-    if (place.has_matrix) {
+    if (transform.has_matrix) {
         glm::dmat4 about = glm::translate(glm::dmat4(1), middle) * glm::mat4_cast(turn);
-        place.matrix = glm::translate(about, -middle) * place.matrix;
+        transform.matrix = glm::translate(about, -middle) * transform.matrix;
     } else {
-        place.translation = middle + turn * (place.translation - middle);
-        place.rotation = turn * place.rotation;
+        transform.translation = middle + turn * (transform.translation - middle);
+        transform.rotation = turn * transform.rotation;
     }
-    return place;
+    return transform;
 }
 
-glm::dvec3 place_of(const LocalTransform& place) {
-    return place.has_matrix ? glm::dvec3(place.matrix[3]) : place.translation;
+glm::dvec3 position_of(const LocalTransform& transform) {
+    return transform.has_matrix ? glm::dvec3(transform.matrix[3]) : transform.translation;
 }
 
 ordered_json json_of(const glm::dvec3& v) {

@@ -64,7 +64,7 @@ void declare_extension(stage::StageFile& file, const char* name);
 void remove_extension(ordered_json& owner, const char* name);
 void remove_extension(stage::StageJson& document, const char* name);
 // The document no longer says that it uses an extension that nothing has.
-void forget_unused(stage::StageFile& file, const char* name);
+void undeclare_unused(stage::StageFile& file, const char* name);
 
 // The performer on a node; throws InputError where there is none.
 ordered_json& performer_of(stage::StageFile& file, uint32_t node);
@@ -100,12 +100,12 @@ struct LocalTransform {
 };
 LocalTransform local_transform_of(const ordered_json& node);
 // Writes those members that differ from what the node says.
-void set_local_transform(ordered_json& node, const LocalTransform& place);
+void set_local_transform(ordered_json& node, const LocalTransform& transform);
 // The rotation whose −Z is `direction` and whose +Y is as upright as may be.
-glm::dquat looking(const glm::dvec3& direction);
+glm::dquat rotation_towards(const glm::dvec3& direction);
 // Turned about a vertical axis through `middle`, counter-clockwise seen from above.
-LocalTransform turned_about(LocalTransform place, const glm::dvec3& middle, double angle_rad);
-glm::dvec3 place_of(const LocalTransform& place);
+LocalTransform turned_about(LocalTransform transform, const glm::dvec3& middle, double angle_rad);
+glm::dvec3 position_of(const LocalTransform& transform);
 
 ordered_json json_of(const glm::dvec3& v);
 std::string text_of(const glm::dvec3& v);

@@ -46,13 +46,13 @@ ordered_json* siblings_of(stage::StageFile& file, uint32_t node) {
     return holds(scene, "nodes") ? &scene["nodes"] : nullptr;
 }
 
-LocalTransform copy_place(const LocalTransform& first, const CopySettings& settings, uint32_t copy) {
+LocalTransform copy_transform(const LocalTransform& first, const CopySettings& settings, uint32_t copy) {
     if (settings.pattern == CopyPattern::kRow) {
-        LocalTransform place = first;
+        LocalTransform transform = first;
         const glm::dvec3 step(settings.distance_m * copy, 0, 0);
-        place.translation += step;
-        place.matrix[3] += glm::dvec4(step, 0);
-        return place;
+        transform.translation += step;
+        transform.matrix[3] += glm::dvec4(step, 0);
+        return transform;
     }
     glm::dvec3 front = first.has_matrix ? glm::dvec3(first.matrix[2]) : first.rotation * glm::dvec3(0, 0, 1);
     front.y = 0;
@@ -60,7 +60,7 @@ LocalTransform copy_place(const LocalTransform& first, const CopySettings& setti
     const double angle_rad = settings.pattern == CopyPattern::kRing
                                  ? 2 * std::numbers::pi * copy / (settings.count + 1.0)
                                  : glm::radians(settings.arc_deg) * copy / settings.count;
-    return turned_about(first, place_of(first) - settings.distance_m * front, angle_rad);
+    return turned_about(first, position_of(first) - settings.distance_m * front, angle_rad);
 }
 
 // The performer's time, made ready for its clip.
@@ -131,7 +131,7 @@ std::string duplicate(stage::StageFile& file, uint32_t node, const CopySettings&
     const stage::Timeline timeline = settings.stagger.value != 0 ? timeline_of(file, node) : stage::Timeline{};
     for (uint32_t copy = 1; copy <= settings.count; ++copy) {
         const uint32_t index = copies.emplace_back(copy_family(file, family, names));
-        set_local_transform(node_of(file, index), copy_place(first, settings, copy));
+        set_local_transform(node_of(file, index), copy_transform(first, settings, copy));
         if (ordered_json* performer = find_extension(node_of(file, index), stage::kPerformerExtension))
             stagger(*performer, settings, timeline, copy);
     }

@@ -25,7 +25,7 @@ std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const st
     const bool same_file = file.saved->on_disk && stage::absolute_path(path) == stage::absolute_path(file.path);
     if (!same_file || !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
     std::vector<uint8_t> bytes = read_file(path);
-    if (bytes == file.saved->bytes && !document.disk_is_anothers) return std::nullopt;
+    if (bytes == file.saved->bytes && !document.disk_is_foreign) return std::nullopt;
     return bytes;
 }
 
@@ -50,7 +50,7 @@ std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const s
 
 std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path) {
     stage::expect_sound_document(document.file);
-    const std::set<std::filesystem::path> worn = worn_layers(document.file);
+    const std::set<std::filesystem::path> worn = used_layers(document.file);
     for (const auto& layer : document.paint) {
         if (!worn.contains(layer.first) || is_saved(document, layer)) continue;
         voctree::write_paint(layer.first, *layer.second);
@@ -62,7 +62,7 @@ std::optional<std::filesystem::path> save_document(Document& document, const std
         write_file_atomically(*kept, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });
     }
     stage::save_stage_file(document.file, path);
-    document.disk_is_anothers = false;
+    document.disk_is_foreign = false;
     return kept;
 }
 

@@ -23,7 +23,7 @@ struct Document {
     PaintLayers paint;
     PaintLayers saved_paint;  // those of them that the disk holds, as it holds them
     // The file on the disk is not what this was made from, but another program's (a recovered document's).
-    bool disk_is_anothers = false;
+    bool disk_is_foreign = false;
 };
 
 // Whether both say and paint the same, wherever they lie and whatever the disk has.

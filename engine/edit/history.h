@@ -20,7 +20,7 @@ class History {
 
     // After an edit: the document as it was before it, as it is, and what the edit said. What was undone cannot be
     // redone then.
-    void did(Document before, const Document& after, std::string what);
+    void add_step(Document before, const Document& after, std::string what);
 
     // Puts JSON and paint back by a step, or forward again; what the step was, nothing where there is none. The
     // document keeps its path and what was saved; where it was saved into another folder since, URIs follow (moved_to,
@@ -32,7 +32,7 @@ class History {
     const std::string* next_redo() const { return redo_.empty() ? nullptr : &redo_.back().what; }
 
     // What the steps hold beyond the document, each value that several of them share once.
-    uint64_t held_bytes(const Document& document) const;
+    uint64_t extra_bytes(const Document& document) const;
 
     // Numbers the states that the document has been in: the same number, the same state.
     uint64_t revision() const { return revision_; }

@@ -36,21 +36,21 @@ void add_lock(const stage::StageFile& file, uint32_t index, ordered_json& node) 
 
 }  // namespace
 
-std::string show_node(stage::StageFile& file, uint32_t node, bool shown) {
+std::string show_node(stage::StageFile& file, uint32_t node, bool visible) {
     node_of(file, node);
-    if (shown) {
+    if (visible) {
         remove_extension(node_of(file, node), stage::kVisibilityExtension);
         if (ordered_json* performer = find_extension(node_of(file, node), stage::kPerformerExtension))
             performer->erase("visible");
-        forget_unused(file, stage::kVisibilityExtension);
+        undeclare_unused(file, stage::kVisibilityExtension);
     } else {
         declare_extension(file, stage::kVisibilityExtension);
         make_extension(file, node_of(file, node), stage::kVisibilityExtension)["visible"] = false;
     }
-    return fmt::format("{}: {}", title_of(file, node), shown ? "shown" : "hidden, and what hangs on it");
+    return fmt::format("{}: {}", title_of(file, node), visible ? "shown" : "hidden, and what hangs on it");
 }
 
-bool is_shown(const stage::StageFile& file, uint32_t node) {
+bool is_visible(const stage::StageFile& file, uint32_t node) {
     const ordered_json& json = node_of(file, node);
     for (const char* extension : {stage::kVisibilityExtension, stage::kPerformerExtension})
         if (const ordered_json* found = find_extension(json, extension))

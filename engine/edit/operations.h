@@ -47,7 +47,7 @@ std::string set_performer(stage::StageFile& file, uint32_t node, const Performer
 
 // Shown or hidden together with all that hangs on it, by KHR_node_visibility: meshes, lights and performers; cameras
 // stay. A performer that is shown is also seen by its own `visible`.
-std::string show_node(stage::StageFile& file, uint32_t node, bool shown);
+std::string show_node(stage::StageFile& file, uint32_t node, bool visible);
 // For programs in which one could move a node by mistake (extras.neuvv.locked); operations do not mind it.
 std::string lock_node(stage::StageFile& file, uint32_t node, bool locked);
 

@@ -29,7 +29,7 @@ std::string title_of(const ListedLayer& layer) {
 }
 
 std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
-    const std::set<std::filesystem::path> taken = worn_layers(document.file);
+    const std::set<std::filesystem::path> taken = used_layers(document.file);
     std::string stem = node_title(document.file, node);
     for (char& letter : stem)
         if (!std::isalnum(static_cast<unsigned char>(letter)) && static_cast<unsigned char>(letter) < 0x80)
@@ -44,7 +44,7 @@ std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
     }
 }
 
-std::set<std::filesystem::path> worn_layers(const stage::StageFile& file) {
+std::set<std::filesystem::path> used_layers(const stage::StageFile& file) {
     std::set<std::filesystem::path> worn;
     for (uint32_t node = 0; node < node_count(file); node++)
         for (const ListedLayer& layer : paint_layers_of(file, node).value_or(std::vector<ListedLayer>{}))
@@ -62,8 +62,8 @@ bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesyste
     return false;
 }
 
-std::string own_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& own,
-                      std::shared_ptr<const voctree::EditLayer> layer) {
+std::string unshare_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& own,
+                          std::shared_ptr<const voctree::EditLayer> layer) {
     const std::vector<ListedLayer> worn = paint_layers_of(document.file, node).value();
     const stage::PaintLayer& entry = worn.at(at).entry;
     PaintEdit change{title_of(worn[at]), entry.visible, entry.opacity, entry.blend};
@@ -75,7 +75,7 @@ std::string own_paint(Document& document, uint32_t node, size_t at, const std::f
                        title_of(worn[at]));
 }
 
-std::string put_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
+std::string set_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
                       std::shared_ptr<const voctree::EditLayer> layer, const std::string& what) {
     const auto worn = paint_layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
     if (std::none_of(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == path; })) {

@@ -27,15 +27,15 @@ std::string title_of(const ListedLayer& layer);
 std::filesystem::path free_paint_path(const Document& document, uint32_t node);
 
 // Of all performers.
-std::set<std::filesystem::path> worn_layers(const stage::StageFile& file);
+std::set<std::filesystem::path> used_layers(const stage::StageFile& file);
 // Whether another performer wears it, too.
 bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesystem::path& path);
 // The performer wears `own`, which has no file yet, in the place of its `at`-th layer, as it was. An operation.
-std::string own_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& own,
-                      std::shared_ptr<const voctree::EditLayer> layer);
+std::string unshare_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& own,
+                          std::shared_ptr<const voctree::EditLayer> layer);
 
 // The layer becomes this; one that the performer does not wear yet becomes its uppermost, called `name`. An operation.
-std::string put_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
+std::string set_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
                       std::shared_ptr<const voctree::EditLayer> layer, const std::string& what);
 
 }  // namespace neuvv::edit

@@ -64,7 +64,7 @@ NodeTransform transform_of(const stage::StageFile& file, uint32_t node);
 bool is_animated(const stage::StageFile& file, uint32_t node);
 
 // What the node itself says: whether those above it are shown is not asked.
-bool is_shown(const stage::StageFile& file, uint32_t node);
+bool is_visible(const stage::StageFile& file, uint32_t node);
 bool is_locked(const stage::StageFile& file, uint32_t node);
 
 // The camera on a node, nothing where it has none.

@@ -129,9 +129,9 @@ bool same_nodes(const stage::StageFile& a, const stage::StageFile& b, size_t cou
 }
 
 NodeTransform transform_of(const stage::StageFile& file, uint32_t node) {
-    const LocalTransform place = local_transform_of(node_of(file, node));
-    if (place.has_matrix) return parts_of(place.matrix);
-    return {place.translation, place.rotation, place.scale};
+    const LocalTransform transform = local_transform_of(node_of(file, node));
+    if (transform.has_matrix) return parts_of(transform.matrix);
+    return {transform.translation, transform.rotation, transform.scale};
 }
 
 bool is_animated(const stage::StageFile& file, uint32_t node) {

@@ -54,7 +54,7 @@ uint64_t hash_of(const std::vector<uint8_t>& bytes) {
 constexpr JsonDamage kDamaged{"is missing or damaged", "discard what cannot be recovered"};
 
 OrderedJsonNode entry_node(const ordered_json& json, const std::string& file) {
-    return {json, file, "", JsonPlaces::kDotted, &kDamaged};
+    return {json, file, "", JsonPlaceStyle::kDotted, &kDamaged};
 }
 
 uint64_t hex_of(const OrderedJsonNode& node) {
@@ -179,7 +179,7 @@ void RecoveryWriter::store(const Document& document) {
     };
     const bool same_disk = file_.saved == document.file.saved;
     if (same_disk && file_.path == document.file.path && same_layers() && file_.json == document.file.json) return;
-    const uint64_t hash = document.disk_is_anothers ? 0 : same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
+    const uint64_t hash = document.disk_is_foreign ? 0 : same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
     ordered_json json = {{"version", kVersion},
                          {"stage", escaped(stage::absolute_path(document.file.path))},
                          {"when", static_cast<uint64_t>(now_s())},
@@ -233,7 +233,7 @@ std::vector<RecoveryEntry> find_recovery(const std::filesystem::path& folder, co
     return entries;
 }
 
-bool has_anothers_file(const RecoveryEntry& entry) {
+bool has_foreign_file(const RecoveryEntry& entry) {
     std::error_code error;
     return entry.changed && entry.on_disk && std::filesystem::exists(entry.stage, error);
 }
@@ -250,7 +250,7 @@ Document restore(const RecoveryEntry& entry) {
     // The text of a .gltf is all of it; a .glb has its buffers beside.
     if (on_disk && (stage.extension() != ".gltf" || std::filesystem::exists(stage, error))) {
         document.file = stage::read_stage_file(stage);
-        document.disk_is_anothers = has_anothers_file(entry);
+        document.disk_is_foreign = has_foreign_file(entry);
     } else {
         document.file = stage::make_stage_file(stage, text_of(stored, 2) + "\n");
     }

@@ -60,7 +60,7 @@ struct RecoveryEntry {
 };
 
 // Whether the disk has another program's version of a stage that had been saved: which saving keeps beside it.
-bool has_anothers_file(const RecoveryEntry& entry);
+bool has_foreign_file(const RecoveryEntry& entry);
 
 // All entries, the latest first; what is damaged is left out. No folder, no entries.
 std::vector<RecoveryEntry> list_recovery(const std::filesystem::path& folder);

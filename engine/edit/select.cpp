@@ -86,14 +86,14 @@ std::vector<Span> joined(std::vector<Span> spans) {
 
 Canvas::Canvas(const voctree::VOctree& field)
     : tree(field), rows(voctree::basis_entries(field.sigma_basis, field.bases)) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    middles.reserve(places.size());
-    edges_m.reserve(places.size());
-    for (const voctree::LeafPosition& place : places) {
-        const float side = std::ldexp(1.0f, -static_cast<int>(place.depth));
-        const glm::vec3 middle = (glm::vec3(place.x, place.y, place.z) + 0.5f) * side;
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    middles.reserve(positions.size());
+    edges_m.reserve(positions.size());
+    for (const voctree::LeafPosition& position : positions) {
+        const float side = std::ldexp(1.0f, -static_cast<int>(position.depth));
+        const glm::vec3 middle = (glm::vec3(position.x, position.y, position.z) + 0.5f) * side;
         middles.push_back(tree.box_min + middle * tree.box_size);
-        edges_m.push_back(voctree::leaf_edge_m(tree, place.depth));
+        edges_m.push_back(voctree::leaf_edge_m(tree, position.depth));
     }
 }
 
@@ -203,16 +203,16 @@ std::vector<voctree::LeafEdit> at_frames(const Canvas& canvas, std::span<const v
     return result;
 }
 
-std::vector<voctree::LeafEdit> through_between(std::vector<voctree::LeafEdit> edits, float first, float last) {
+std::vector<voctree::LeafEdit> extend_between_frames(std::vector<voctree::LeafEdit> edits, float first, float last) {
     std::sort(edits.begin(), edits.end(), [](const voctree::LeafEdit& a, const voctree::LeafEdit& b) {
         return std::pair(a.leaf, a.first) < std::pair(b.leaf, b.first);
     });
     constexpr float kEver = std::numeric_limits<float>::infinity();
-    const std::vector<voctree::LeafEdit> made = edits;
-    for (size_t i = 0; i < made.size(); i++) {
-        const voctree::LeafEdit& edit = made[i];
-        const float before = i > 0 && made[i - 1].leaf == edit.leaf ? made[i - 1].last : -kEver;
-        const float after = i + 1 < made.size() && made[i + 1].leaf == edit.leaf ? made[i + 1].first : kEver;
+    const std::vector<voctree::LeafEdit> given = edits;
+    for (size_t i = 0; i < given.size(); i++) {
+        const voctree::LeafEdit& edit = given[i];
+        const float before = i > 0 && given[i - 1].leaf == edit.leaf ? given[i - 1].last : -kEver;
+        const float after = i + 1 < given.size() && given[i + 1].leaf == edit.leaf ? given[i + 1].first : kEver;
         const float previous = std::ceil(edit.first) - 1, next = std::floor(edit.last) + 1;
         const float begin = before < previous ? std::nextafter(previous, edit.first) : 0.5f * (before + edit.first);
         const float end = std::nextafter(after > next ? next : 0.5f * (edit.last + after), edit.last);

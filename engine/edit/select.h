@@ -64,6 +64,6 @@ std::vector<voctree::LeafEdit> at_frames(const Canvas& canvas, std::span<const v
 // Edits that were made at whole frames, or from one to another, reach into the fractions before and after them, where
 // the field fades between two frames: to the next frame, or half way where the leaf has an edit there, too; never out
 // of first to last. In order of leaf and frame.
-std::vector<voctree::LeafEdit> through_between(std::vector<voctree::LeafEdit> edits, float first, float last);
+std::vector<voctree::LeafEdit> extend_between_frames(std::vector<voctree::LeafEdit> edits, float first, float last);
 
 }  // namespace neuvv::edit

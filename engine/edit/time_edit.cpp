@@ -26,7 +26,7 @@ struct Bar {
     double speed = 1, start = 0;
     bool hold = false;
 
-    double shown() const { return (end - begin) / speed; }
+    double duration() const { return (end - begin) / speed; }
 };
 
 double in_frames(const stage::ClipTime& time, const ClipRate& clip) {
@@ -43,7 +43,7 @@ bool merge(double first, double second) {
     return second == 0 || first == 0 || (first > 0) == (second > 0) || (first > 0 && first + second >= 0);
 }
 
-double take_start(stage::TimeMap& inner, const ClipRate& clip) {
+double take_start_offset(stage::TimeMap& inner, const ClipRate& clip) {
     double start = 0;
     while (!inner.empty() && inner.back().verb == stage::TimeVerb::kOffset) {
         const double by = in_frames(inner.back().a, clip);
@@ -96,7 +96,7 @@ Bar read_bar(const stage::TimeMap& map, const ClipRate& clip) {
     bar.hold =
         std::erase_if(bar.inner, [](const stage::TimeOperator& op) { return op.verb == stage::TimeVerb::kHold; }) > 0;
     ready(bar.inner, clip);  // a sound one
-    bar.start = take_start(bar.inner, clip);
+    bar.start = take_start_offset(bar.inner, clip);
     const stage::Timeline timeline = ready(bar.inner, clip);
     bar.end = length_of(timeline);
     while (!bar.inner.empty() && take_last(bar, timeline.steps[bar.inner.size() - 1])) bar.inner.pop_back();
@@ -166,23 +166,23 @@ double inner_span(const Bar& bar, double seconds, const ClipRate& clip) {
 
 // Cuts `by` frames of inner off the bar's start, or gives it so much more.
 void cut_start(Bar& bar, double by) {
-    const double most = std::max(0.0, bar.end - bar.begin - bar.frame);
+    const double max = std::max(0.0, bar.end - bar.begin - bar.frame);
     if (bar.reverse) {
-        by = std::clamp(by, std::min(0.0, bar.end - bar.length), most);
+        by = std::clamp(by, std::min(0.0, bar.end - bar.length), max);
         bar.end -= by;
     } else {
-        by = std::clamp(by, -bar.begin, most);
+        by = std::clamp(by, -bar.begin, max);
         bar.begin += by;
     }
     bar.start += by / bar.speed;
 }
 
 void cut_end(Bar& bar, double by) {
-    const double most = std::max(0.0, bar.end - bar.begin - bar.frame);
+    const double max = std::max(0.0, bar.end - bar.begin - bar.frame);
     if (bar.reverse)
-        bar.begin += std::clamp(by, -bar.begin, most);
+        bar.begin += std::clamp(by, -bar.begin, max);
     else
-        bar.end -= std::clamp(by, std::min(0.0, bar.end - bar.length), most);
+        bar.end -= std::clamp(by, std::min(0.0, bar.end - bar.length), max);
 }
 
 // loop:a:b is clip:a:b,loop; what stands before the loop is a round of it.
@@ -209,7 +209,7 @@ stage::TimeMap with_rounds_reversed(stage::TimeMap map, const ClipRate& clip) {
 
 TimeBar bar_of(const stage::TimeMap& map, const ClipRate& clip) {
     const Bar bar = read_bar(map, clip);
-    return {bar.start / clip.fps, (bar.start + bar.shown()) / clip.fps};
+    return {bar.start / clip.fps, (bar.start + bar.duration()) / clip.fps};
 }
 
 stage::TimeMap moved(const stage::TimeMap& map, const ClipRate& clip, double by_s) {
@@ -227,7 +227,7 @@ stage::TimeMap trimmed_start(const stage::TimeMap& map, const ClipRate& clip, do
 stage::TimeMap trimmed_end(const stage::TimeMap& map, const ClipRate& clip, double at_s) {
     Bar bar = read_bar(map, clip);
     if (std::isfinite(bar.end)) {
-        cut_end(bar, inner_span(bar, (bar.start + bar.shown()) / clip.fps - checked(at_s), clip));
+        cut_end(bar, inner_span(bar, (bar.start + bar.duration()) / clip.fps - checked(at_s), clip));
     } else {
         const double end = bar.begin + inner_span(bar, checked(at_s) - bar.start / clip.fps, clip);
         bar.end = std::max(end, bar.begin + bar.frame);

@@ -44,7 +44,7 @@ Repeat repeat_of(const stage::TimeMap& map);
 stage::TimeMap repeated(stage::TimeMap map, Repeat repeat);
 
 // The image that is shown at this stage time stands from then on for so long; always.
-stage::TimeMap held_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds);
+stage::TimeMap paused_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds);
 stage::TimeMap frozen_at(stage::TimeMap map, const ClipRate& clip, double stage_s);
 
 }  // namespace neuvv::edit

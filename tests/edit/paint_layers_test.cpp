@@ -69,7 +69,7 @@ TEST_F(Layers, ThatAreSharedBecomeOnesOwn) {
     EXPECT_TRUE(edit::is_shared(document.file, copy, at("one.nvpaint")));
 
     const auto before = edit::paint_layers_of(document.file, anna).value();
-    edit::own_paint(document, copy, worn, at("own.nvpaint"), layer(0.5f));
+    edit::unshare_paint(document, copy, worn, at("own.nvpaint"), layer(0.5f));
     const auto after = edit::paint_layers_of(document.file, copy).value();
     ASSERT_EQ(after.size(), before.size());
     for (size_t i = 0; i < after.size(); i++) {

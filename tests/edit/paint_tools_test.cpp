@@ -135,7 +135,7 @@ TEST(ThroughBetween, ReachesToWhereTheFieldHasFaded) {
         for (const auto& [from, to] : spans) edits.push_back({3, from, to, glm::vec3(1), 1});
         edits.push_back({2, 4, 4, glm::vec3(1), 1});
         std::vector<std::pair<float, float>> found;
-        for (const voctree::LeafEdit& edit : edit::through_between(edits, first, last))
+        for (const voctree::LeafEdit& edit : edit::extend_between_frames(edits, first, last))
             found.emplace_back(edit.first, edit.last);
         found.erase(found.begin());  // that of another leaf
         return found;

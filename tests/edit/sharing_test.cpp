@@ -109,20 +109,20 @@ TEST_F(Sharing, HistoryCountsItsJson) {
     const auto step = [&](int i) {
         edit::Document before = document;
         std::string said = place("Anna", {i, 0, 0});
-        history.did(std::move(before), document, std::move(said));
+        history.add_step(std::move(before), document, std::move(said));
     };
     step(1);
-    const uint64_t one = history.held_bytes(document);
+    const uint64_t one = history.extra_bytes(document);
     EXPECT_GT(one, 100000u) << "the nodes as they were";
     EXPECT_LT(one, 150000u) << "the images are the document's";
     step(2);
-    EXPECT_NEAR(static_cast<double>(history.held_bytes(document)), 2.0 * static_cast<double>(one), 1000);
+    EXPECT_NEAR(static_cast<double>(history.extra_bytes(document)), 2.0 * static_cast<double>(one), 1000);
     for (int i = 3; i <= 10; ++i) step(i);
-    EXPECT_LE(history.held_bytes(document), 350000u);
+    EXPECT_LE(history.extra_bytes(document), 350000u);
     int steps = 0;
     while (history.undo(document)) ++steps;
     EXPECT_EQ(steps, 3) << "the oldest were forgotten";
-    EXPECT_GT(history.held_bytes(document), 2 * one) << "what is to be done again counts, too";
+    EXPECT_GT(history.extra_bytes(document), 2 * one) << "what is to be done again counts, too";
 }
 
 TEST_F(Sharing, StagesShareWhatIsMadeOfBytes) {
@@ -222,7 +222,7 @@ TEST_F(Sharing, RandomEditsMakeTheStagesOfTheirDocuments) {
             edit::Document before = document;
             try {
                 std::string said = operations[random() % operations.size()](document.file);
-                history.did(std::move(before), document, std::move(said));
+                history.add_step(std::move(before), document, std::move(said));
             } catch (const InputError&) {
                 EXPECT_EQ(document.file.json, before.file.json);
                 continue;

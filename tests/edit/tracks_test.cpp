@@ -111,7 +111,7 @@ TEST(TimelineTracks, HoldsAndFreezesWhatIsShown) {
         return stage::frame_at(stage::timeline_of(map, clip.frames, clip.fps, "test", "time"), stage_s);
     };
     for (const char* text : {"", "offset:1s", "offset:10f,hold", "offset:-5f", "speed:2,offset:0.4s"}) {
-        const stage::TimeMap map = map_of(text), held = edit::held_at(map, clip, 1.2, 0.6),
+        const stage::TimeMap map = map_of(text), held = edit::paused_at(map, clip, 1.2, 0.6),
                              frozen = edit::frozen_at(map, clip, 1.2);
         EXPECT_EQ(frame(held, 1), frame(map, 1)) << text;
         for (const double later_s : {0.0, 0.3, 0.6}) EXPECT_EQ(frame(held, 1.2 + later_s), frame(map, 1.2)) << text;
