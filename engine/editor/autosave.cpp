@@ -13,7 +13,7 @@ void Autosave::opened(std::optional<edit::RecoveryEntry> from) {
 
 // One at a time, of a copy.
 void Autosave::tick(double now_s) {
-    if (now_s - stored_s_ < kAutosaveEvery_s) return;
+    if (now_s - stored_s_ < kAutosaveInterval_s) return;
     if (!writer_ || storing_ || !editor_.is_open() || editor_.id() == stored_id_) return;
     stored_s_ = now_s;
     storing_ = true;

@@ -10,7 +10,7 @@
 
 namespace neuvv::editor {
 
-constexpr double kAutosaveEvery_s = 2;
+constexpr double kAutosaveInterval_s = 2;
 
 class Autosave {
   public:

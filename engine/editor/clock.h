@@ -23,16 +23,16 @@ class StageClock {
     // The time that is shown. While the stage plays, time_s is rounded down to a whole frame, because clips have whole
     // frames and slices are cached for those; played slower than real time, frames are divided so that as many are
     // shown each second. While it stands, the same as time_s.
-    double shown_s() const;
+    double displayed_s() const;
     // The n-th time that will be shown after that one, if the stage goes on playing.
-    double shown_after_s(int32_t n) const;
+    double displayed_after_s(int32_t n) const;
     double duration_s() const { return duration_s_; }
     double fps() const { return fps_; }
     double in_s() const { return in_s_; }
     double out_s() const { return out_s_; }
     // The frame that is shown; the one before where the time lies between two.
-    int64_t image() const;
-    int64_t images() const;                                                        // at least 1
+    int64_t frame() const;
+    int64_t frames() const;                                                        // at least 1
     double last_s() const { return static_cast<double>(last_in_range()) / fps_; }  // the range's last image
 
     // The range, cut to the stage, at least one image long; ends in the wrong order are exchanged. The time stays.
@@ -50,13 +50,13 @@ class StageClock {
     void tick(double real_s);
     // Stops, and goes to the n-th image from here: from between two, 1 is the next and −1 the one before. Inside of
     // the range it stays there, by loops or by its ends; outside, the stage's own ends hold.
-    void step(int32_t images);
+    void step(int32_t by);
     // Goes to a time of the stage, in the range or not. Not finite: stays.
     void scrub(double time_s);
 
   private:
     int64_t first_in_range() const, last_in_range() const;
-    double shown_step_s() const;
+    double displayed_step_s() const;
 
     double duration_s_ = 0, fps_ = 25;
     double in_s_ = 0, out_s_ = 0;

@@ -27,7 +27,7 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
     saving_++;
     auto document = std::make_shared<edit::Document>(editor_.document());
     jobs_.start(fmt::format("Saving {}", path.filename().string()),
-                [this, document, path, id = editor_.id(), opened = editor_.opened(),
+                [this, document, path, id = editor_.id(), open_count = editor_.open_count(),
                  also = also_changed(*document, path), done]() -> JobQueue::Then {
                     std::string problem;
                     std::optional<std::filesystem::path> theirs;
@@ -39,10 +39,10 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
                     return [=, this] {
                         saving_--;
                         if (!problem.empty()) return editor_.notify(problem, true);
-                        editor_.saved(*document, opened, id);
+                        editor_.saved(*document, open_count, id);
                         if (!editor_.modified()) autosave.forget();
                         editor_.notify(edit::saved_text(path, theirs) + also);
-                        if (done) done(*document, opened);
+                        if (done) done(*document, open_count);
                     };
                 });
 }

@@ -20,7 +20,7 @@ class DocumentSaver {
     // Writes the document as it is now to `path`; a drag ends first. What became of it is told to the user. `done` runs
     // on the owner's thread where it was written, with the document as the disk has it and the number that
     // Editor::opened() had.
-    using Done = std::function<void(const edit::Document& saved, uint64_t opened)>;
+    using Done = std::function<void(const edit::Document& saved, uint64_t open_count)>;
     void save(const std::filesystem::path& path, Done done = {});
     bool saving() const { return saving_ > 0; }
     // Where the document would be saved without asking anybody: its file; beside its clip, under a name that is free,

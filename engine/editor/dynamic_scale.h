@@ -7,17 +7,17 @@
 
 namespace neuvv::editor {
 
-constexpr double kLeastScale = 0.2;
+constexpr double kMinScale = 0.2;
 
 class DynamicScale {
   public:
-    // `scale` is that of the first image, kLeastScale to 1.
+    // `scale` is that of the first image, kMinScale to 1.
     explicit DynamicScale(double target_ms, double scale = 0.5);
 
-    // Of the next image, kLeastScale to 1. It goes down at once as far as it must, up by at most kUp an image, and
-    // stays as it is while a change would be smaller than kStill: sizes that come and go flicker.
+    // Of the next image, kMinScale to 1. It goes down at once as far as it must, up by at most kMaxGrowth an image, and
+    // stays as it is while a change would be smaller than kMinChange: sizes that come and go flicker.
     double scale() const { return scale_; }
-    static constexpr double kUp = 1.15, kStill = 0.06;
+    static constexpr double kMaxGrowth = 1.15, kMinChange = 0.06;
 
     // An image was drawn at this scale in this time; also a block of a larger one, whose scale is the root of its
     // share of a full image's work. What is not positive and finite is ignored.
@@ -32,7 +32,7 @@ class DynamicScale {
 
   private:
     void fit();
-    double wanted() const;
+    double target_scale() const;
 
     double target_ms_, scale_;
     double fixed_ms_ = 0, full_ms_ = 0;

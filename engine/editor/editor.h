@@ -34,10 +34,10 @@ class Editor {
     uint64_t id() const { return id_; }
     bool modified() const { return open_ && history_.is_modified(); }
     // It changes with each open().
-    uint64_t opened() const { return opened_; }
+    uint64_t open_count() const { return open_count_; }
     // The disk has the document as it was with this id, as saving left it. What was edited since stays, and follows it
     // to its folder; a document that was opened since has nothing to do with it.
-    void saved(const edit::Document& as, uint64_t opened, uint64_t id);
+    void saved(const edit::Document& as, uint64_t open_count, uint64_t id);
 
     // While the reason is not empty nothing can be edited, and the user is told the reason instead.
     void freeze(std::string reason) { frozen_ = std::move(reason); }
@@ -72,12 +72,12 @@ class Editor {
     bool refused();
     bool apply(const Operation& operation, std::string& what);
     void changed();
-    void step(const char* told, const std::function<std::optional<std::string>()>& take);
+    void step(const char* verb, const std::function<std::optional<std::string>()>& take);
     bool open_ = false;
     std::string frozen_;
     edit::Document document_;
     edit::History history_;
-    uint64_t id_ = 0, opened_ = 0;
+    uint64_t id_ = 0, open_count_ = 0;
     std::optional<uint32_t> selected_;
     std::optional<edit::Document> before_drag_;
     std::string dragged_;

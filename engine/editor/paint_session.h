@@ -53,7 +53,7 @@ class PaintSession {
     PaintArea area_;
     std::vector<SelectedLeaf> selected_;  // in order of leaves
     // Of touches.
-    glm::dmat4 seen_from_{0};
+    glm::dmat4 last_world_from_camera_{0};
     std::optional<glm::dvec2> last_pixel_;
     // Of a projection.
     uint32_t next_frame_ = 0, last_frame_ = 0;
@@ -70,6 +70,6 @@ ReadPerformer read_performer(const std::filesystem::path& clip_path, std::shared
                              std::span<const std::filesystem::path> layers);
 
 // An image whose pixels are means of so many by so many of the other's; the last ones of fewer.
-media::Image reduced(const media::Image& image, uint32_t factor);
+media::Image downscaled(const media::Image& image, uint32_t factor);
 
 }  // namespace neuvv::editor

@@ -21,11 +21,11 @@ struct PaintClip {
     edit::Canvas canvas;
 };
 
-struct WornLayer {
+struct VisibleLayer {
     std::shared_ptr<const voctree::EditLayer> layer;
     stage::PaintBlend blend = stage::PaintBlend::kNormal;
     float opacity = 1;
-    bool operator==(const WornLayer&) const = default;
+    bool operator==(const VisibleLayer&) const = default;
 };
 
 // What is painted on. What looks at the surface needs `field`; what works on regions alone does not.
@@ -33,7 +33,7 @@ struct PaintSubject {
     std::shared_ptr<const PaintClip> clip;
     std::shared_ptr<const render::Field> field;  // the same on the device
     float frame = 0;
-    std::vector<WornLayer> paint;  // that shows, the lowest first
+    std::vector<VisibleLayer> paint;  // that shows, the lowest first
     bool operator==(const PaintSubject&) const = default;
 };
 

@@ -7,7 +7,7 @@
 
 namespace neuvv::editor {
 
-struct Seen {
+struct PickedPoint {
     std::optional<uint32_t> node;  // of a performer or of a piece of the set
     std::optional<glm::dvec3> at;  // world: where
 };
@@ -15,7 +15,7 @@ struct Seen {
 // Of the performers whose boxes the ray meets, the nearest whose alpha there is at least a half, the set before it
 // counted; else the set's nearest triangle. `pixel` as cameras count. A task of the render thread: it draws one pixel
 // for each of those boxes.
-Seen seen_at(OnDevice& on_device, const stage::EvaluatedStage& evaluated, const stage::Camera& camera,
-             glm::dvec2 pixel);
+PickedPoint pick_at(OnDevice& on_device, const stage::EvaluatedStage& evaluated, const stage::Camera& camera,
+                    glm::dvec2 pixel);
 
 }  // namespace neuvv::editor

@@ -1,7 +1,8 @@
 // Between pixels and the world: rays, what is seen where, and what a pointer drags along lines and planes.
 //
 // Pixels count as Camera's do: x to the right, y down, centres at +0.5. Drags are continuous everywhere: past the point
-// where a line vanishes, or above a plane's horizon, what is dragged stays kFarthest times as deep as it was grabbed.
+// where a line vanishes, or above a plane's horizon, what is dragged stays kMaxDepthFactor times as deep as it was
+// grabbed.
 #pragma once
 
 #include <optional>
@@ -12,10 +13,10 @@
 
 namespace neuvv::editor {
 
-constexpr double kFarthest = 20;
+constexpr double kMaxDepthFactor = 20;
 
 // Whether a pointer is anywhere: ImGui's is −FLT_MAX when it is not.
-bool is_somewhere(glm::dvec2 pointer);
+bool is_valid_pointer(glm::dvec2 pointer);
 
 // The ray of pick_ray (render/pick.h) in double precision, in the world.
 Ray ray_through(const stage::Camera& camera, glm::dvec2 pixel);
@@ -23,8 +24,8 @@ Ray ray_through(const stage::Camera& camera, glm::dvec2 pixel);
 // Metres in front of the camera, along its axis; negative behind it.
 double depth_of(const stage::Camera& camera, glm::dvec3 world);
 
-// Where a point is seen; nothing where it is less than kNearest_m in front of the camera. May lie out of the image.
-constexpr double kNearest_m = 1e-3;
+// Where a point is seen; nothing where it is less than kMinDepth_m in front of the camera. May lie out of the image.
+constexpr double kMinDepth_m = 1e-3;
 std::optional<glm::dvec2> pixel_of(const stage::Camera& camera, glm::dvec3 world);
 
 // The part of a segment that is in front of the camera, in pixels; nothing where none is.
@@ -37,7 +38,7 @@ double metres_of_pixels(const stage::Camera& camera, glm::dvec3 world, double pi
 // it appears in the image. `through` is in front of the camera, where it is seen s is 0. Nothing where the line is
 // seen end on: where its piece from s = 0 to `shown` were less than kEndOn_px long in the image.
 constexpr double kEndOn_px = 8;
-std::optional<double> line_drag(const stage::Camera& camera, glm::dvec3 through, glm::dvec3 along, double shown,
+std::optional<double> line_drag(const stage::Camera& camera, glm::dvec3 through, glm::dvec3 along, double handle,
                                 glm::dvec2 pointer);
 
 // Drags in a plane: its point under the pointer. Nothing where the plane is seen edge on: where the sine of the

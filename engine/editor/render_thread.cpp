@@ -12,9 +12,9 @@ namespace neuvv::editor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kSettle = std::chrono::milliseconds(100);  // without a new view: nothing moves any more
-constexpr auto kTakenWithin = std::chrono::milliseconds(30);
-constexpr VkExtent2D kFirstCapacity{1280, 720};
+constexpr auto kRefineDelay = std::chrono::milliseconds(100);  // without a new view: nothing moves any more
+constexpr auto kPresentTimeout = std::chrono::milliseconds(30);
+constexpr VkExtent2D kInitialCapacity{1280, 720};
 constexpr uint32_t kCapacityStep = 128;
 
 double milliseconds_since(Clock::time_point from) {
@@ -41,7 +41,7 @@ void add_passes(std::vector<gpu::PassTime>& to, const std::vector<gpu::PassTime>
 struct RenderThread::Job {
     std::shared_ptr<const edit::Document> stage;
     uint64_t stage_id = 0;
-    std::optional<Remake> remake;
+    std::optional<Replacement> replacement;
     Task task;
     std::optional<ViewRequest> view;
     bool refine = false;
@@ -111,18 +111,18 @@ void RenderThread::post_idle(Idle idle) {
     changed_.notify_all();
 }
 
-void RenderThread::remake(gpu::ShaderReplacements shaders, std::function<void(const std::string&)> done) {
+void RenderThread::replace_shaders(gpu::ShaderReplacements shaders, std::function<void(const std::string&)> done) {
     {
         const std::lock_guard lock(mutex_);
-        next_remake_ = Remake{std::move(shaders), std::move(done)};
+        next_replacement_ = Replacement{std::move(shaders), std::move(done)};
     }
     changed_.notify_all();
 }
 
-void RenderThread::taken(uint64_t number) {
+void RenderThread::presented(uint64_t number) {
     {
         const std::lock_guard lock(mutex_);
-        taken_ = number;
+        presented_ = number;
     }
     changed_.notify_all();
 }
@@ -136,26 +136,27 @@ RenderThreadState RenderThread::state() const {
 // What is to be done next: the newest stage, then tasks, the newest view, what is left of the last one, the rest.
 bool RenderThread::wait_for_job(Job& job) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, kTakenWithin, [&] { return stop_ || taken_ >= state_.displayed.number; });
+    changed_.wait_for(lock, kPresentTimeout, [&] { return stop_ || presented_ >= state_.displayed.number; });
     const auto ready = [&] {
-        return stop_ || next_stage_ || next_remake_ || (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
+        return stop_ || next_stage_ || next_replacement_ ||
+               (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
     };
     if (refinement_ && stage_)
-        changed_.wait_until(lock, refinement_->from, ready);
+        changed_.wait_until(lock, refinement_->start, ready);
     else
         changed_.wait(lock, ready);
     if (stop_) return false;
     if (next_stage_) {
         job.stage = std::exchange(next_stage_, nullptr);
         job.stage_id = next_stage_id_;
-    } else if (next_remake_) {
-        job.remake = std::exchange(next_remake_, std::nullopt);
+    } else if (next_replacement_) {
+        job.replacement = std::exchange(next_replacement_, std::nullopt);
     } else if (!tasks_.empty()) {
         job.task = std::move(tasks_.front());
         tasks_.pop_front();
     } else if (next_view_) {
         job.view = std::exchange(next_view_, std::nullopt);
-    } else if (refinement_ && Clock::now() >= refinement_->from) {
+    } else if (refinement_ && Clock::now() >= refinement_->start) {
         job.refine = true;
     } else if (!idle_.empty()) {
         job.idle = idle_.front();
@@ -170,12 +171,12 @@ void RenderThread::run() {
             do_job(job);
         } catch (const InputError& error) {
             refinement_.reset();
-            tell_problem(error.what(), 0);
+            report_problem(error.what(), 0);
         } catch (const RuntimeFailure& error) {
             refinement_.reset();
             const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&error);
             if (vulkan && vulkan->device_lost()) throw;
-            tell_problem(error.what(), 0);
+            report_problem(error.what(), 0);
         }
     }
 }
@@ -184,8 +185,8 @@ void RenderThread::do_job(Job& job) {
     if (job.stage) {
         load(std::move(job.stage), job.stage_id);
         draw_newest();
-    } else if (job.remake) {
-        make_again(*job.remake);
+    } else if (job.replacement) {
+        replace_shaders_now(*job.replacement);
     } else if (job.task) {
         OnDevice on_device{device_, *stage_, *renderer_};
         job.task(on_device);
@@ -202,7 +203,7 @@ void RenderThread::do_job(Job& job) {
     }
 }
 
-void RenderThread::tell_problem(std::string problem, uint64_t unsound_id) {
+void RenderThread::report_problem(std::string problem, uint64_t unsound_id) {
     {
         const std::lock_guard lock(mutex_);
         state_.loading.clear();
@@ -222,7 +223,7 @@ bool RenderThread::is_sound(const edit::Document& document) const {
     return true;
 }
 
-void RenderThread::tell_progress(const std::string& file, size_t done, size_t of) {
+void RenderThread::report_progress(const std::string& file, size_t done, size_t of) {
     {
         const std::lock_guard lock(mutex_);
         state_.loading = file;
@@ -232,14 +233,14 @@ void RenderThread::tell_progress(const std::string& file, size_t done, size_t of
     wake_();
 }
 
-void RenderThread::make_again(const Remake& remake) {
+void RenderThread::replace_shaders_now(const Replacement& replacement) {
     const gpu::ShaderReplacements before = device_.shaders().replacements();
-    device_.shaders().set(remake.shaders);
+    device_.shaders().set(replacement.shaders);
     const VkExtent2D capacity = capacity_;
     std::unique_ptr<render::StageRenderer> last = std::move(renderer_);
     std::string problem;
     try {
-        if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { tell_progress("shaders", done, of); });
+        if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { report_progress("shaders", done, of); });
         draw_newest();  // some passes are made when they are first needed
     } catch (const std::runtime_error& error) {
         device_.shaders().set(before);
@@ -252,13 +253,13 @@ void RenderThread::make_again(const Remake& remake) {
         const std::lock_guard lock(mutex_);
         state_.loading.clear();
     }
-    remake.done(problem);
+    replacement.done(problem);
 }
 
 // Keeps the old one where the new one cannot be drawn.
 void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t id) {
     const auto progress = [&, file = document->file.path.filename().string()](size_t done, size_t of) {
-        tell_progress(file, done, of);
+        report_progress(file, done, of);
     };
     const auto before = std::exchange(document_, document);
     try {
@@ -273,7 +274,7 @@ void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t
         stage_id_ = id;
     } catch (const InputError& error) {
         document_ = before;
-        return tell_problem(error.what(), is_sound(*document) ? 0 : id);
+        return report_problem(error.what(), is_sound(*document) ? 0 : id);
     } catch (...) {
         document_ = before;
         throw;
@@ -302,7 +303,7 @@ void RenderThread::draw_newest() {
 }
 
 void RenderThread::make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress) {
-    VkExtent2D capacity = kFirstCapacity;
+    VkExtent2D capacity = kInitialCapacity;
     {
         const std::lock_guard lock(mutex_);
         if (view_) capacity = {roomy(view_->camera.width), roomy(view_->camera.height)};
@@ -340,7 +341,7 @@ render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const s
     render::FrameSettings settings = renderer_->settings_at(evaluated);
     const glm::vec4 background = settings.resolve.background;
     settings.resolve = view.resolve;
-    if (!view.own_background) settings.resolve.background = background;
+    if (!view.overrides_background) settings.resolve.background = background;
     settings.width = view.camera.width;
     settings.height = view.camera.height;
     settings.samples = 1;
@@ -354,9 +355,9 @@ void RenderThread::draw(const ViewRequest& view) {
     fit(size);
     const Clock::time_point begin = Clock::now();
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.own_background);
+    renderer_->show(evaluated, !view.overrides_background);
     render::FrameSettings settings = settings_of(view, evaluated);
-    settings.scale = std::min(scale_.scale(), view.most_scale);
+    settings.scale = std::min(scale_.scale(), view.max_scale);
     for (const double next : view.next_s)
         for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
             settings.next_slices.push_back({{instance.frame, instance.paint}, instance.field});
@@ -379,7 +380,7 @@ void RenderThread::draw(const ViewRequest& view) {
         if (!displayed.finished) {
             const uint32_t samples = settings.scale < 1 ? 1 : view.samples;  // all pixels soon, then all their rays
             grid_.begin(samples);  // the renderer has room for the rays of the image with one
-            refinement_ = Refinement{0, samples, begin + kSettle, displayed};
+            refinement_ = Refinement{0, samples, begin + kRefineDelay, displayed};
         }
     }
     publish(displayed);
@@ -418,7 +419,7 @@ void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t 
     const stage::Camera& camera = part.camera;
     if (camera.width == 0 || camera.height == 0) return;
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.own_background);
+    renderer_->show(evaluated, !view.overrides_background);
     render::FrameSettings settings = settings_of(view, evaluated);
     settings.width = camera.width;
     settings.height = camera.height;

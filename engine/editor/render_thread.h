@@ -29,11 +29,11 @@ struct ViewRequest {
     stage::Camera camera;  // of the image's size
     double time_s = 0;
     std::vector<double> next_s;       // the times that will be shown next, the first first: their slices are prefetched
-    render::ResolveSettings resolve;  // its background counts only with `own_background`, else the stage's does
-    bool own_background = false;
-    bool moving = false;    // the image shall come soon rather than sharp
-    double most_scale = 1;  // rays a pixel along each side while moving, at most
-    uint32_t samples = 1;   // when still
+    render::ResolveSettings resolve;  // its background counts only with `overrides_background`, else the stage's does
+    bool overrides_background = false;
+    bool moving = false;   // the image shall come soon rather than sharp
+    double max_scale = 1;  // rays a pixel along each side while moving, at most
+    uint32_t samples = 1;  // when still
 };
 
 // The image that is displayed now.
@@ -96,11 +96,11 @@ class RenderThread {
 
     // Passes of other shaders, in a renderer that reads its clips again; `done` is called on the render thread, with
     // the reason where they cannot be made, which leaves the last ones; else with an empty text.
-    void remake(gpu::ShaderReplacements shaders, std::function<void(const std::string& problem)> done);
+    void replace_shaders(gpu::ShaderReplacements shaders, std::function<void(const std::string& problem)> done);
 
     // The commands that present this image are in the device's queue. The next image waits for that, though not long:
     // the queue would present this one only after it.
-    void taken(uint64_t number);
+    void presented(uint64_t number);
 
     // Throws the exception that ended the thread.
     RenderThreadState state() const;
@@ -110,19 +110,19 @@ class RenderThread {
     struct Refinement {
         uint32_t next = 0;     // block of the grid
         uint32_t samples = 1;  // of this round
-        std::chrono::steady_clock::time_point from;
+        std::chrono::steady_clock::time_point start;
         DisplayedImage displayed;
     };
-    struct Remake {
+    struct Replacement {
         gpu::ShaderReplacements shaders;
         std::function<void(const std::string&)> done;
     };
     struct Job;
     void run();
     void do_job(Job& job);
-    void make_again(const Remake& remake);
-    void tell_progress(const std::string& file, size_t done, size_t of);
-    void tell_problem(std::string problem, uint64_t unsound_id);
+    void replace_shaders_now(const Replacement& replacement);
+    void report_progress(const std::string& file, size_t done, size_t of);
+    void report_problem(std::string problem, uint64_t unsound_id);
     bool wait_for_job(Job& job);
     void load(std::shared_ptr<const edit::Document> document, uint64_t id);
     bool is_sound(const edit::Document& document) const;
@@ -145,10 +145,10 @@ class RenderThread {
     std::shared_ptr<const edit::Document> next_stage_;
     uint64_t next_stage_id_ = 0;
     std::optional<ViewRequest> next_view_;
-    std::optional<Remake> next_remake_;
+    std::optional<Replacement> next_replacement_;
     std::deque<Task> tasks_;
     std::deque<Idle> idle_;
-    uint64_t taken_ = 0;
+    uint64_t presented_ = 0;
     RenderThreadState state_;
 
     // The thread's own.

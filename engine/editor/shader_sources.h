@@ -23,7 +23,7 @@ class ShaderSources {
         std::string problem;                // a line; empty: none
     };
     // Some of a second for each shader. Where one does not compile, none of the change counts until it does.
-    Change look();
+    Change compile_changes();
     // All that were compiled, as of the last call of look() without a problem.
     const gpu::ShaderReplacements& replacements() const { return replacements_; }
 
@@ -35,7 +35,7 @@ class ShaderSources {
     std::vector<uint32_t> compiled(const std::string& file) const;
 
     std::filesystem::path folder_;
-    Times seen_;
+    Times last_times_;
     std::set<std::string> stale_;   // changed, and not compiled since
     std::filesystem::path shared_;  // of shared/, changed: the program has another one until it is built anew
     gpu::ShaderReplacements replacements_;

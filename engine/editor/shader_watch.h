@@ -26,11 +26,11 @@ class ShaderWatch {
   private:
     Parts parts_;
     std::shared_ptr<ShaderSources> sources_;  // used by jobs alone, one after the other
-    double looked_s_ = 0;
-    bool looking_ = false;
+    double checked_s_ = 0;
+    bool checking_ = false;
     std::optional<gpu::ShaderReplacements> compiled_;  // that the render thread does not have yet
     std::string names_;                                // of their sources
-    void give();
+    void send_to_render_thread();
 };
 
 }  // namespace neuvv::editor

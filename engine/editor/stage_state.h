@@ -26,7 +26,7 @@ struct StageState {
     // Makes the stage from the document where it was edited since; a document that cannot be shown is taken back.
     // Throws InputError only for the first one.
     void follow_document();
-    void look_at_evaluated();
+    void evaluate();
     // The document was edited since: numbers of `stage` may mean other things there.
     bool is_behind() const { return stage_id != editor.id(); }
     // The performer on the selected node, an index into stage->performers.
@@ -43,7 +43,7 @@ bool has_set(const stage::Stage& stage);
 double floor_of(const StageState& state);
 
 // Moves a node in the world; everything that hangs on it goes along: performers, meshes, lights.
-void carry(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
-           const glm::dmat4& world_from_node);
+void move_node(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
+               const glm::dmat4& world_from_node);
 
 }  // namespace neuvv::editor

@@ -66,7 +66,7 @@ TEST(BlockGrid, KeepsToTheLeastAndTheMost) {
     for (int i = 0; i < 8; i++) {
         EXPECT_GE(draw(grid, 0, 1, 3).side, 3u);
     }
-    EXPECT_LE(draw(grid, 0, 1e9).side, editor::BlockGrid::kMostBlocks);
+    EXPECT_LE(draw(grid, 0, 1e9).side, editor::BlockGrid::kMaxSide);
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST(Editor, ASaveKeepsWhatWasEditedMeanwhile) {
     ASSERT_TRUE(editor.edit(named(0, "second")));
     ASSERT_TRUE(editor.drag(named(1, "held")));
     edit::save_document(saved, in_temp("b.gltf"));
-    editor.saved(saved, editor.opened(), id);
+    editor.saved(saved, editor.open_count(), id);
     EXPECT_EQ(editor.file().path, in_temp("b.gltf"));
     ASSERT_TRUE(editor.drag(named(1, "held longer")));
     editor.end_drag();
@@ -89,7 +89,7 @@ TEST(Editor, ASaveOfAnotherDocumentIsNotThisOnes) {
     editor::Editor editor;
     editor.open(stage_named("a.gltf"), false);
     edit::Document saved = editor.document();
-    const uint64_t number = editor.opened(), id = editor.id();
+    const uint64_t number = editor.open_count(), id = editor.id();
     editor.open(stage_named("new.gltf"), true);
     edit::save_document(saved, in_temp("a.gltf"));
     editor.saved(saved, number, id);
@@ -140,7 +140,7 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
     editor.open(document, false);
     const auto paint = [&](const char* file, std::shared_ptr<const voctree::EditLayer> painted) {
         return [path = at(file), anna, painted](edit::Document& edited) {
-            return edit::put_paint(edited, anna, path, "new", painted, "painted");
+            return edit::set_paint(edited, anna, path, "new", painted, "painted");
         };
     };
     const auto before = std::make_shared<const voctree::EditLayer>(voctree::read_paint(at("disk.nvpaint"), field));
@@ -155,7 +155,7 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
 
     edit::Document saved = editor.document();
     edit::save_document(saved, saved.file.path);
-    editor.saved(saved, editor.opened(), editor.id());
+    editor.saved(saved, editor.open_count(), editor.id());
     EXPECT_FALSE(editor.modified());
     EXPECT_EQ(voctree::read_paint(at("disk.nvpaint"), field).edits, whole->edits);
     editor.undo();

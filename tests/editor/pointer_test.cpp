@@ -80,11 +80,11 @@ TEST(Pointer, LinesHaveNoJumpWhereTheyVanish) {
     double before = -1;
     for (double y = 400; y >= 0; y -= 0.01) {
         const double s = editor::line_drag(camera, through, along, 1, {camera.cx, y}).value();
-        EXPECT_LE(std::abs(s), 4 * editor::kFarthest);
+        EXPECT_LE(std::abs(s), 4 * editor::kMaxDepthFactor);
         EXPECT_GE(s, before - 1e-9) << "comes back at " << y;
         before = s;
         if (y < camera.cy) {
-            EXPECT_NEAR(s, 4 * (editor::kFarthest - 1), 1e-9);
+            EXPECT_NEAR(s, 4 * (editor::kMaxDepthFactor - 1), 1e-9);
         }
     }
     EXPECT_FALSE(editor::line_drag(camera, {0, 0, -4}, along, 1, {10, 10})) << "end on";
@@ -112,7 +112,7 @@ TEST(Pointer, PlanesHaveNoJumpAtTheirHorizon) {
     for (double y = camera.height; y >= 0; y -= 0.01) {
         const glm::dvec3 point = editor::plane_drag(camera, through, normal, {camera.cx, y}).value();
         EXPECT_NEAR(point.y, -1, 1e-9) << "left the plane at " << y;
-        EXPECT_LE(glm::length(point), editor::kFarthest * 4.2);
+        EXPECT_LE(glm::length(point), editor::kMaxDepthFactor * 4.2);
         // Above the horizon nothing moves away, but for the turn of the ray.
         if (y > camera.cy + 3) {
             EXPECT_LE(point.z, before + 1e-9);

@@ -46,7 +46,7 @@ class HandsAtAStage : public testing::Test {
     void frame(double dt_s = 1.0 / 90) {
         jobs.run_posted();
         on.follow_document();
-        on.look_at_evaluated();
+        on.evaluate();
         interaction.update(on, inputs, head, dt_s);
         for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }

@@ -88,7 +88,7 @@ std::shared_ptr<const BrushHand::Ready> BrushHand::prepare(OnStage& on, uint32_t
     const std::filesystem::path clip_path = on.stage->clips[performer.clip].path;
     const bool same = ready_ && ready_->node == performer.node && ready_->clip_path == clip_path &&
                       (own ? ready_->layer_path == layers->back().path
-                           : ready_->is_new && !edit::worn_layers(on.editor.file()).contains(ready_->layer_path) &&
+                           : ready_->is_new && !edit::used_layers(on.editor.file()).contains(ready_->layer_path) &&
                                  !on.editor.document().paint.contains(ready_->layer_path));  // undone, it is there yet
     if (same) return ready_;
     if (failed_.id == on.editor.id() && failed_.node == performer.node) {
@@ -234,7 +234,7 @@ void BrushHand::lay_more(OnStage& on, std::shared_ptr<Stroke> stroke) {
             stroke->met |= layer != nullptr;
             if (layer)
                 on.editor.drag([&](edit::Document& document) {
-                    return edit::put_paint(document, stroke->node, stroke->ready->layer_path, "headset", layer,
+                    return edit::set_paint(document, stroke->node, stroke->ready->layer_path, "headset", layer,
                                            stroke->what);
                 });
             lay(on);

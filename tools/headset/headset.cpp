@@ -73,13 +73,13 @@ void Program::open() {
         lost.reset();
     }
     if (lost) on.editor.notify("unsaved edits of an earlier run are taken: save keeps them");
-    if (lost && edit::has_anothers_file(*lost))
+    if (lost && edit::has_foreign_file(*lost))
         on.editor.notify("the stage's file has changed since: saving keeps that beside it");
     on.editor.open(lost ? edit::restore(*lost) : editor::open_document(options.file), lost.has_value());
     on.follow_document();
     settings.load(on, interaction.holding.settings);
     on.clock.playing = options.play;
-    on.look_at_evaluated();
+    on.evaluate();
     saver.emplace(on.editor, jobs);
     saver->autosave.opened(std::move(lost));
 }
@@ -200,7 +200,7 @@ void make_renderer(Program& program, OnRuntime& at, const EyeImages& eyes) {
     at.renderer =
         std::make_unique<render::StageRenderer>(at.device, *at.drawn, at.loader->load(*at.drawn), eyes.capacity());
     know_clips(program.on, at);
-    program.on.look_at_evaluated();
+    program.on.evaluate();
     if (!program.placed) program.on.floor_m = editor::floor_of(program.on);  // later it stays, with who stands on it
 }
 
@@ -221,7 +221,7 @@ std::vector<render::NextSlice> slices_ahead(const Program& program, const render
     if (!program.on.clock.playing) return next;
     for (int32_t n = 1; n <= kAhead; n++)
         for (const render::Instance& instance :
-             renderer.settings_at(stage::stage_at(*program.on.stage, program.on.clock.shown_after_s(n))).instances)
+             renderer.settings_at(stage::stage_at(*program.on.stage, program.on.clock.displayed_after_s(n))).instances)
             next.push_back({{instance.frame, instance.paint}, instance.field});
     return next;
 }
@@ -241,7 +241,7 @@ void update_stage(Program& program, OnRuntime& at, InSession& in, const xr::Fram
     program.jobs.run_posted();
     at.follow(program);  // what is edited from here on is seen in the next frame
     on.clock.tick(dt_s);
-    on.look_at_evaluated();
+    on.evaluate();
     if (program.head) program.interaction.update(on, inputs, *program.head, dt_s);
     for (const int hand : {xr::kLeft, xr::kRight})
         if (const double pulse = program.interaction.hands[hand].pulse; pulse > 0) in.actions.pulse(hand, pulse, 0.03);

@@ -61,7 +61,7 @@ void Holding::update(OnStage& on, Hands& hands, double dt_s) {
         if (std::abs(stick) > kDeadZone) grab_->reach(which, stick * kReach_m_per_s * dt_s);
     }
     if (node_ < on.evaluated.pose.world_from_node.size())
-        editor::carry(on.evaluated, *on.stage, node_, grab_->world_from_node());
+        editor::move_node(on.evaluated, *on.stage, node_, grab_->world_from_node());
 }
 
 // What is larger or smaller than it was hangs from where it is held, not from its feet: whether it was lifted is told
@@ -86,7 +86,7 @@ void Holding::put_down(OnStage& on) {
     grab_.reset();
     if (node_ >= on.stage->scene.nodes.size()) return;
     world_from_node = snapped(on, world_from_node);
-    editor::carry(on.evaluated, *on.stage, node_, world_from_node);  // until the edit is shown
+    editor::move_node(on.evaluated, *on.stage, node_, world_from_node);  // until the edit is shown
     stand_at(on, node_, world_from_node);
 }
 
