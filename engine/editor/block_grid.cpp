@@ -6,8 +6,8 @@
 namespace neuvv::editor {
 
 namespace {
-constexpr double kTooLong = 1.5, kTooShort = 0.35;  // of the target
-constexpr double kUselessShare = 0.6;               // of the time of four times as many pixels
+constexpr double kTooLong = 1.5, kTooShort = 0.35;  // times the target
+constexpr double kUselessShare = 0.6;               // of the time that a block with four times as many pixels took
 }  // namespace
 
 void BlockGrid::begin(uint32_t min_side) {

@@ -9,14 +9,14 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr double kOnFrame = 1e-6;  // of an image: what is nearer is on it
+constexpr double kOnFrame = 1e-6;  // frames: a time that is nearer to a frame than this is on the frame
 
-// Images that begin before a time.
+// The number of frames that begin before a time.
 int64_t frames_before(double time_s, double fps) {
     return static_cast<int64_t>(std::ceil(time_s * fps - kOnFrame));
 }
 
-// What is left of `value` after whole lengths, 0 up to, not including, the length.
+// `value` modulo `length`, in [0, length).
 double wrapped(double value, double length) {
     const double rest = std::fmod(value, length);
     const double positive = rest < 0 ? rest + length : rest;
@@ -94,7 +94,7 @@ double StageClock::until_next_s() const {
 }
 
 void StageClock::play_or_pause() {
-    time_s_ = displayed_s();  // what was seen last stays
+    time_s_ = displayed_s();  // the time that was displayed last
     playing = !playing;
     if (!playing || loops) return;
     if (speed > 0 && frame() == last_in_range()) time_s_ = in_s_;

@@ -8,7 +8,8 @@ namespace neuvv::editor {
 
 namespace {
 
-// Layers that a stage which is left behind wears, too, and that saving the other one changes.
+// Says which layers of paint the stage at the old path uses, too, where the document is saved to another path: saving
+// changes those layers for both stages. Empty: none.
 std::string also_changed(const edit::Document& document, const std::filesystem::path& path) {
     if (!document.file.saved->on_disk || stage::absolute_path(path) == stage::absolute_path(document.file.path))
         return {};

@@ -111,7 +111,7 @@ void Editor::redo() {
     step("done again", [this] { return history_.redo(document_); });
 }
 
-// Numbers of nodes may mean others afterwards: then nothing is selected.
+// Afterwards the index of the selected node may mean another node: then nothing is selected.
 void Editor::step(const char* verb, const std::function<std::optional<std::string>()>& take) {
     const stage::StageFile before = document_.file;
     try {
@@ -127,7 +127,7 @@ void Editor::step(const char* verb, const std::function<std::optional<std::strin
     changed();
 }
 
-// A drag goes on from where it began: the layer was there then, too.
+// A drag is applied to the document as it was when the drag began, so the layer is added there, too.
 void Editor::open_layer(const std::filesystem::path& path, const std::shared_ptr<const voctree::EditLayer>& layer) {
     for (edit::Document* document : {&document_, before_drag_ ? &*before_drag_ : nullptr})
         if (document && document->paint.emplace(path, layer).second) document->saved_paint.emplace(path, layer);

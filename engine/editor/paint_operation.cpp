@@ -9,9 +9,9 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr float kTakenShare = 0.5f;  // from such a share on, erasing and restoring take a leaf
+constexpr float kTakenShare = 0.5f;  // from this share of a leaf on, densities, kErase and kRestore apply to it
 
-// The frames at which the operation holds on each leaf, and the leaves that share them.
+// The ranges of frames at which the operation applies to the leaves, each with the leaves that share it.
 using Spans = std::map<std::pair<float, float>, std::vector<uint32_t>>;
 Spans spans_of(const edit::Canvas& canvas, std::span<const SelectedLeaf> leaves, const edit::EditFrames& frames) {
     std::vector<voctree::LeafEdit> edits;
@@ -35,7 +35,7 @@ std::vector<voctree::LeafEdit> shifted_edits(const edit::Canvas& canvas, std::sp
     return edits;
 }
 
-// Only the edits of these leaves are gone through once a span; they may be few of many.
+// Only the edits of the selected leaves, which may be few of many, are searched once for each range of frames.
 voctree::EditLayer restored(const edit::Canvas& canvas, const voctree::EditLayer& before,
                             std::span<const SelectedLeaf> leaves, const edit::EditFrames& frames) {
     std::vector<uint8_t> is_selected(canvas.tree.leaf_count);
@@ -52,7 +52,7 @@ voctree::EditLayer restored(const edit::Canvas& canvas, const voctree::EditLayer
     return after;
 }
 
-// Of kColour and kErase; without their frames.
+// The edits of kColour and kErase, without frames.
 std::vector<voctree::LeafEdit> coloured_edits(std::span<const SelectedLeaf> leaves, const PaintOperation& operation) {
     const bool erases = operation.kind == PaintOperation::Kind::kErase;
     std::vector<voctree::LeafEdit> edits;
@@ -66,7 +66,7 @@ std::vector<voctree::LeafEdit> coloured_edits(std::span<const SelectedLeaf> leav
     return edits;
 }
 
-// A density beside other colours is an edit of its own.
+// A density is an edit of its own, beside the edits that shift colours.
 std::vector<voctree::LeafEdit> density_edits(std::span<const SelectedLeaf> leaves, const PaintOperation& operation) {
     PaintOperation density = operation;
     density.colour = glm::vec3(0);

@@ -11,7 +11,7 @@ namespace neuvv::editor {
 
 namespace {
 
-// Both in order of leaves; of a leaf that is in both, the larger share.
+// The union of two lists in order of leaves. A leaf that is in both gets the larger share.
 std::vector<SelectedLeaf> united(const std::vector<SelectedLeaf>& a, const std::vector<SelectedLeaf>& b) {
     std::vector<SelectedLeaf> all;
     all.reserve(a.size() + b.size());
@@ -45,8 +45,8 @@ bool PaintSession::add_region(const edit::Region& region) {
     return selected_.size() > before;
 }
 
-// The line to the first new pixel begins with a touch at the last one again, which lies beside itself in the stroke
-// and so covers nothing new. The brush's alpha is whole, so that an edit's alpha is what is covered.
+// The line to the first new pixel begins again at the last pixel. That touch lies on the stroke already and covers
+// nothing new. The brush's alpha is 1, so the alpha of an edit is the covered share of the leaf.
 void PaintSession::add_touches(PaintSurface& surface, const stage::Camera& camera, std::span<const glm::dvec2> pixels) {
     surface.show(subject_);
     if (camera.world_from_camera != last_world_from_camera_) last_pixel_.reset();

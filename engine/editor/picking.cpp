@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kPickedAlpha = 0.5f;
 
-// Möller and Trumbore 1997; both sides.
+// Möller and Trumbore 1997; both sides of the triangle count. Infinite where the ray misses it.
 double distance_to_triangle(const Ray& ray, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
     const glm::dvec3 ab = b - a, ac = c - a, across = glm::cross(ray.direction, ac);
     const double volume = glm::dot(ab, across);
@@ -22,7 +22,7 @@ double distance_to_triangle(const Ray& ray, glm::dvec3 a, glm::dvec3 b, glm::dve
     return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : INFINITY;
 }
 
-// The view of one pixel.
+// The camera of an image of one pixel, which is this pixel of the given camera.
 stage::Camera pixel_of_camera(stage::Camera camera, glm::dvec2 pixel) {
     camera.cx -= std::floor(pixel.x);
     camera.cy -= std::floor(pixel.y);

@@ -13,7 +13,7 @@ glm::dvec3 eye_of(const stage::Camera& camera) {
     return camera.world_from_camera[3];
 }
 
-// Axes of the camera; x, y in the image's plane, z towards the viewer.
+// A direction in the axes of the camera: x and y in the image plane, z towards the viewer.
 glm::dvec3 in_camera(const stage::Camera& camera, glm::dvec3 direction) {
     return glm::transpose(glm::dmat3(camera.world_from_camera)) * direction;
 }
@@ -60,14 +60,14 @@ double metres_of_pixels(const stage::Camera& camera, glm::dvec3 world, double pi
 std::optional<double> line_drag(const stage::Camera& camera, glm::dvec3 through, glm::dvec3 along, double handle,
                                 glm::dvec2 pointer) {
     const glm::dvec3 p = in_camera(camera, through - eye_of(camera)), a = in_camera(camera, along);
-    const double depth = -p.z, recedes = -a.z;  // of the line's point: depth + s · recedes
+    const double depth = -p.z, recedes = -a.z;  // the depth of the point at s is depth + s · recedes
     if (!(depth >= kMinDepth_m)) return std::nullopt;
-    // A point of the line is seen at pixel(0) + k · across, k = s / (depth · (depth + s · recedes)).
+    // A point of the line appears at pixel(0) + k · across, where k = s / (depth · (depth + s · recedes)).
     const glm::dvec2 across(camera.fx * (a.x * depth - p.x * recedes), -camera.fy * (a.y * depth - p.y * recedes));
     const double length2 = glm::dot(across, across);
     if (!(std::sqrt(length2) * std::abs(handle) >= kEndOn_px * depth * depth)) return std::nullopt;
     const double k = glm::dot(pointer - project_in_camera(camera, p), across) / length2;
-    // depth / (depth + s · recedes): 0 where the line vanishes, growing without end towards the camera's plane.
+    // This is depth / (depth + s · recedes): 0 where the line vanishes, and unbounded towards the plane of the camera.
     const double nearness = 1 - k * depth * recedes;
     if (nearness < 1 / kMaxDepthFactor) return depth * (kMaxDepthFactor - 1) / recedes;
     return k * depth * depth / nearness;
@@ -82,8 +82,8 @@ std::optional<glm::dvec3> plane_drag(const stage::Camera& camera, glm::dvec3 thr
     const glm::dvec3 up = glm::normalize(height < 0 ? -normal : normal);
     height = glm::dot(up, to_plane);
     const Ray ray = ray_through(camera, pointer);
-    // Near the horizon the ray ends at kMaxDepthFactor distances, beside the plane; the plane's point below that is
-    // taken.
+    // Near the horizon the ray ends at kMaxDepthFactor times the distance, above the plane; the result is the point of
+    // the plane below its end.
     const double along = height / std::max(glm::dot(up, ray.direction), height / (kMaxDepthFactor * distance));
     const glm::dvec3 met = ray.direction * along;
     return ray.origin + met - up * (glm::dot(up, met) - height);

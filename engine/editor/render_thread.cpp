@@ -12,7 +12,7 @@ namespace neuvv::editor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kRefineDelay = std::chrono::milliseconds(100);  // without a new view: nothing moves any more
+constexpr auto kRefineDelay = std::chrono::milliseconds(100);  // without a new view; then the view is refined
 constexpr auto kPresentTimeout = std::chrono::milliseconds(30);
 constexpr VkExtent2D kInitialCapacity{1280, 720};
 constexpr uint32_t kCapacityStep = 128;
@@ -21,7 +21,8 @@ double milliseconds_since(Clock::time_point from) {
     return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
 }
 
-// Room for blocks that are a few rays larger than a share of the image, and for windows that grow a little.
+// The capacity for this many pixels, with room for blocks that are a few rays larger than their share of the image, and
+// for windows that grow a little.
 uint32_t roomy(uint32_t pixels) {
     return (pixels + 8 + kCapacityStep - 1) / kCapacityStep * kCapacityStep;
 }
@@ -133,7 +134,8 @@ RenderThreadState RenderThread::state() const {
     return state_;
 }
 
-// What is to be done next: the newest stage, then tasks, the newest view, what is left of the last one, the rest.
+// Waits for the next job and returns it, in this order: the newest stage, new shaders, tasks, the newest view, the next
+// block of a view that does not change, idle work. Returns false where the thread must end.
 bool RenderThread::wait_for_job(Job& job) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, kPresentTimeout, [&] { return stop_ || presented_ >= state_.displayed.number; });
@@ -164,7 +166,7 @@ bool RenderThread::wait_for_job(Job& job) {
     return true;
 }
 
-// What a device has no room for, or a file is not there for, leaves the last image; only a lost device is the end.
+// Where the device has no memory left or a file is missing, the last image stays; only a lost device ends the thread.
 void RenderThread::run() {
     for (Job job; wait_for_job(job); job = {}) {
         try {
@@ -213,7 +215,7 @@ void RenderThread::report_problem(std::string problem, uint64_t unsound_id) {
     wake_();
 }
 
-// Whether it could be drawn if all its clips were there.
+// Whether the document could be drawn if all its clips were there.
 bool RenderThread::is_sound(const edit::Document& document) const {
     try {
         stage::expect_sound_document(document.file, stage_.get());
@@ -241,7 +243,7 @@ void RenderThread::replace_shaders_now(const Replacement& replacement) {
     std::string problem;
     try {
         if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { report_progress("shaders", done, of); });
-        draw_newest();  // some passes are made when they are first needed
+        draw_newest();  // some passes are made only when they are first needed
     } catch (const std::runtime_error& error) {
         device_.shaders().set(before);
         renderer_ = std::move(last);
@@ -256,7 +258,7 @@ void RenderThread::replace_shaders_now(const Replacement& replacement) {
     replacement.done(problem);
 }
 
-// Keeps the old one where the new one cannot be drawn.
+// Loads the stage of the document. Keeps the old stage where the new one cannot be drawn.
 void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t id) {
     const auto progress = [&, file = document->file.path.filename().string()](size_t done, size_t of) {
         report_progress(file, done, of);
@@ -293,7 +295,7 @@ void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t
     wake_();
 }
 
-// At once after a stage came, so that one that is edited all the time is seen, too.
+// Draws the newest view at once, so that a stage that changes all the time is drawn, too.
 void RenderThread::draw_newest() {
     {
         const std::lock_guard lock(mutex_);
@@ -319,7 +321,7 @@ void RenderThread::make_renderer(const stage::Stage& stage, const render::StageL
     capacity_ = capacity;
 }
 
-// An image and a renderer of at least this size.
+// Makes sure that the image and the renderer have at least this size.
 void RenderThread::fit(VkExtent2D size) {
     if (size.width + 8 > capacity_.width || size.height + 8 > capacity_.height) {
         capacity_ = {std::max(capacity_.width, roomy(size.width)), std::max(capacity_.height, roomy(size.height))};
@@ -378,15 +380,17 @@ void RenderThread::draw(const ViewRequest& view) {
     if (!view.moving) {
         displayed.finished = settings.scale == 1 && view.samples == 1;
         if (!displayed.finished) {
-            const uint32_t samples = settings.scale < 1 ? 1 : view.samples;  // all pixels soon, then all their rays
-            grid_.begin(samples);  // the renderer has room for the rays of the image with one
+            const uint32_t samples =
+                settings.scale < 1 ? 1 : view.samples;  // first one ray for each pixel, then all rays
+            grid_.begin(
+                samples);  // a block has no more rays than the renderer has room for: one per pixel of the image
             refinement_ = Refinement{0, samples, begin + kRefineDelay, displayed};
         }
     }
     publish(displayed);
 }
 
-// One block of the view that stands still, with all its rays.
+// Draws the next block of the view that does not change, with all its rays.
 void RenderThread::refine() {
     Refinement& refinement = *refinement_;
     if (refinement.next == 0) {

@@ -15,10 +15,10 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr uint64_t kMaxSourceBytes = 1 << 20;  // of a source
+constexpr uint64_t kMaxSourceBytes = 1 << 20;  // of a file
 constexpr uint32_t kSpirvMagic = 0x07230203;
 
-// "trace.comp:12: 'x' : undeclared identifier"
+// The first error in the output of the compiler: "trace.comp:12: 'x' : undeclared identifier".
 std::string first_error(const std::string& output, const std::string& file) {
     std::istringstream lines(output);
     constexpr std::string_view kError = "ERROR: ";
@@ -27,7 +27,7 @@ std::string first_error(const std::string& output, const std::string& file) {
     return fmt::format("{}: glslangValidator: {}", file, output.substr(0, output.find('\n')));
 }
 
-// In a folder of the user's own.
+// A temporary file in the user's cache folder, removed with this object.
 struct TemporaryFile {
     std::filesystem::path path;
     TemporaryFile() {
@@ -43,7 +43,7 @@ struct TemporaryFile {
     TemporaryFile& operator=(const TemporaryFile&) = delete;
 };
 
-// What a source includes, as it is written there.
+// The names of the files that a source includes, as they are written there.
 std::vector<std::string> include_names(const std::filesystem::path& file) {
     const std::vector<uint8_t> bytes = read_file(file, kMaxSourceBytes);
     std::istringstream lines(std::string(bytes.begin(), bytes.end()));
@@ -72,14 +72,14 @@ ShaderSources::Times ShaderSources::times() const {
     return times;
 }
 
-// A shader's source and all that it includes, in whichever file.
+// A shader's source and all files that it includes, directly or through others.
 std::set<std::filesystem::path> ShaderSources::included(const std::filesystem::path& file) const {
     std::set<std::filesystem::path> found{file};
     std::vector<std::filesystem::path> open{file};
     while (!open.empty()) {
         const std::filesystem::path of = open.back();
         open.pop_back();
-        if (!std::filesystem::is_regular_file(of)) continue;  // an editor is just replacing it
+        if (!std::filesystem::is_regular_file(of)) continue;  // a text editor is just replacing it
         for (const std::string& name : include_names(of))
             for (const std::filesystem::path& at : {of.parent_path() / name, folder_ / name})
                 if (std::filesystem::is_regular_file(at) && found.insert(at).second) open.push_back(at);
@@ -125,7 +125,8 @@ ShaderSources::Change ShaderSources::compile_changes() {
     return change;
 }
 
-// All that changed counts before anything is refused: it is compiled once it can be.
+// Marks the shaders that depend on the changed files before it throws, so that they are compiled once that is possible.
+// Throws InputError where a header of shared/ changed.
 void ShaderSources::find_stale(const std::set<std::filesystem::path>& changed) {
     for (const std::filesystem::path& path : changed)
         if (path.parent_path().filename() == "shared") shared_ = path;

@@ -19,7 +19,7 @@ std::filesystem::path shaders_of_debug_build() {
     try {
         const ShaderSources sources(NEUVV_SHADER_FOLDER);
         return NEUVV_SHADER_FOLDER;
-    } catch (const std::runtime_error&) {  // they have gone on since
+    } catch (const std::runtime_error&) {  // the sources have changed since the build
     }
 #endif
     return {};
