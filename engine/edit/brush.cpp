@@ -10,10 +10,11 @@ namespace neuvv::edit {
 
 namespace {
 
-// Alphas that a ray has gathered at a touch's ends, and without which there is no touch.
+// The alphas that a ray has gathered at the front and the back of a touch; a ray that never gathers the middle one
+// makes no touch.
 constexpr float kTouchFront = 0.02f, kTouchMiddle = 0.5f, kTouchBack = 0.9f;
-// A leaf's colours over a clip count as one as long as no channel differs by more: of its square root, which is about
-// how colours look.
+// The colours of a leaf over a clip count as the same while no channel differs by more. The measure is the square root
+// of a channel, which is about how bright it looks.
 constexpr float kSameColour = 0.06f;
 
 float distance_to_segment(glm::vec3 at, glm::vec3 a, glm::vec3 b) {
@@ -23,7 +24,7 @@ float distance_to_segment(glm::vec3 at, glm::vec3 a, glm::vec3 b) {
     return glm::distance(at, a + part * along);
 }
 
-// How near a place is to the stroke; infinite beyond the reach.
+// The distance from a point to the stroke, metres; larger than the radius where the stroke does not cover it.
 float distance_to_stroke(glm::vec3 at, std::span<const Touch> touches, float radius) {
     float nearest = std::numeric_limits<float>::infinity();
     for (size_t i = 0; i < touches.size(); i++) {
@@ -55,7 +56,8 @@ std::vector<Touch> touches_under(render::Picker& picker, const stage::Camera& ca
     std::vector<PickRay> rays;
     for (size_t i = 0; i < pixels.size(); i++) {
         const glm::dvec2 from = pixels[i == 0 ? 0 : i - 1];
-        // A ray a pixel; farther than an image reaches there is nothing to pick.
+        // One ray per pixel. The number of rays is limited, because lines that are much longer than the image have
+        // nothing to pick.
         const double length = std::min(std::ceil(glm::distance(from, pixels[i])), 4.0 * (camera.width + camera.height));
         const auto steps = static_cast<size_t>(std::max(length, 1.0));
         for (size_t step = 1; step <= steps; step++)
@@ -119,9 +121,9 @@ glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift) {
     const glm::vec3 axis(1 / std::sqrt(3.0f));
     const glm::vec3 turned = colour * c + glm::cross(axis, colour) * s + axis * glm::dot(axis, colour) * (1 - c);
     const float grey = luminance(colour);
-    // Turning changed the luminance; take its chroma alone, about the old one.
+    // Turning changed the luminance: only the chroma of the result is kept, about the old luminance.
     const glm::vec3 chroma = shift.saturation * (turned - luminance(turned));
-    float room = 1;  // so much of it stays within 0 to 1
+    float room = 1;  // the largest share of the chroma with which all channels stay within 0 to 1
     for (int i = 0; i < 3; i++) {
         if (grey + chroma[i] > 1) room = std::min(room, (1 - grey) / chroma[i]);
         if (grey + chroma[i] < 0) room = std::min(room, grey / -chroma[i]);
@@ -131,15 +133,15 @@ glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift) {
 
 namespace {
 
-// Some successive frames at which a leaf has about the same shifted colour.
+// Successive frames at which a leaf has about the same shifted colour.
 struct Shade {
     float first = 0, last = 0;
-    glm::vec3 low{0}, high{0};  // square roots
-    glm::vec3 sum{0};           // of colours, by density
+    glm::vec3 low{0}, high{0};  // the range of the colours' square roots
+    glm::vec3 sum{0};           // of the colours, weighted by density
     float weight = 0;
 };
 
-// `rows` of `frames`.
+// The shades of a leaf over the frames; `rows` belongs to `frames`.
 std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::span<const float> frames,
                              std::span<const RowsAtTime> rows, const ColourShift& shift) {
     std::vector<Shade> shades;

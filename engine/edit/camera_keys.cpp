@@ -1,4 +1,4 @@
-// The stage's camera path: as JSON, so that members of ours from later versions stay.
+// The stage's camera path. It is edited as JSON, so that members from later versions of this program are kept.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ double time_of(const ordered_json& key) {
     return key["time"].get<double>();
 }
 
-// The stage's cameraPath, null where there is none.
+// The stage's cameraPath; null where it has none.
 ordered_json* find_path(stage::StageFile& file) {
     ordered_json* stage = find_extension(scene_of(file), stage::kStageExtension);
     return stage && stage->contains("cameraPath") ? &(*stage)["cameraPath"] : nullptr;
@@ -36,7 +36,7 @@ void remove_path(stage::StageFile& file) {
     undeclare_unused(file, stage::kStageExtension);
 }
 
-// keys[key] of the path; throws where there is none.
+// The stage's path. Throws InputError where it has no such key.
 ordered_json& path_with_key(stage::StageFile& file, size_t key) {
     ordered_json* path = find_path(file);
     const size_t count = path ? (*path)["keys"].size() : 0;
@@ -46,7 +46,7 @@ ordered_json& path_with_key(stage::StageFile& file, size_t key) {
     return *path;
 }
 
-// The key nearest to a time, within half a frame; keys.size() where there is none.
+// The index of the key that is nearest to a time, within half a frame; keys.size() where there is none.
 size_t key_at(const ordered_json& keys, double time_s, double frame_s) {
     size_t nearest = keys.size();
     double distance = 0.5 * frame_s;
@@ -64,8 +64,8 @@ void insert_key(ordered_json& keys, ordered_json key) {
     keys.insert(after, std::move(key));
 }
 
-// The end of an open path that ended with its last key, at `last_s`, still does. A cycle that has no time left to come
-// back takes as long for that as from key to key.
+// Updates the duration of a path. An open path that ended with its last key, at `last_s`, still does. A cyclic path
+// without time to return to its first key gets the mean time from key to key for that.
 void set_duration(ordered_json& path, double last_s) {
     const ordered_json& keys = path["keys"];
     const double first = time_of(keys.front()), last = time_of(keys.back()), duration = path.value("duration", last_s);
@@ -83,7 +83,7 @@ std::string summary_of(const ordered_json& path) {
                        path.value("duration", time_of(path["keys"].back())));
 }
 
-// A stage's path says no more of a lens than its angle.
+// Throws InputError for keys whose lens has more than a vertical angle, which the path of a stage cannot express.
 void expect_simple(const stage::StageFile& file, const stage::CameraPath& path) {
     for (size_t i = 0; i < path.keys.size(); ++i) {
         const stage::CameraPathKey& key = path.keys[i];

@@ -10,9 +10,9 @@ namespace neuvv::edit {
 
 namespace {
 
-constexpr double kNear_m = 0.05;  // glTF wants one; no image of ours has one
+constexpr double kNear_m = 0.05;  // glTF requires a near plane; this program has none
 
-// The index of the camera that a node holds; throws where it holds none, or one that is not perspective.
+// The index of the camera on a node. Throws InputError where the node has none, or one that is not perspective.
 size_t perspective_camera_of(const stage::StageFile& file, uint32_t node) {
     const ordered_json& json = node_of(file, node);
     const std::string place = fmt::format("/nodes/{}", node);

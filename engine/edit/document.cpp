@@ -39,7 +39,7 @@ std::optional<uint64_t> index_of(const ordered_json& value) {
 }
 
 const ordered_json* find_member(const ordered_json& owner, const char* name) {
-    const auto found = owner.find(name);  // the end of what is no object
+    const auto found = owner.find(name);  // the end where the owner is no object
     return found == owner.end() ? nullptr : &*found;
 }
 
@@ -85,7 +85,7 @@ ordered_json* find_extension(stage::StageJson& document, const char* name) {
 ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, const char* name) {
     if (!owner.contains("extensions")) owner["extensions"] = ordered_json::object();
     if (!owner["extensions"].is_object())
-        throw InputError(file.path.string(), "extensions", "is not an object", "mend the file");
+        throw InputError(file.path.string(), "extensions", "is not an object", "correct the file");
     if (ordered_json* found = find_extension(owner, name)) return *found;
     return owner["extensions"][name] = ordered_json::object();
 }
@@ -94,7 +94,7 @@ ordered_json& make_extension(stage::StageFile& file, const char* name) {
     if (ordered_json* found = find_extension(file.json, name)) return *found;
     if (!file.json.contains("extensions")) file.json.set("extensions", ordered_json::object());
     if (!file.json["extensions"].is_object())
-        throw InputError(file.path.string(), "extensions", "is not an object", "mend the file");
+        throw InputError(file.path.string(), "extensions", "is not an object", "correct the file");
     return file.json.edit("extensions")[name] = ordered_json::object();
 }
 
@@ -138,19 +138,19 @@ const ordered_json& performer_of(const stage::StageFile& file, uint32_t node) {
 }
 
 ordered_json& performer_of(stage::StageFile& file, uint32_t node) {
-    performer_of(std::as_const(file), node);  // which throws
+    performer_of(std::as_const(file), node);  // throws where there is none
     return *find_extension(node_of(file, node), stage::kPerformerExtension);
 }
 
 ordered_json& list_in(ordered_json& json, const char* name) {
     if (!json.contains(name)) json[name] = ordered_json::array();
-    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "mend the file");
+    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "correct the file");
     return json[name];
 }
 
 ordered_json& list_in(stage::StageJson& json, const char* name) {
     if (!json.contains(name)) json.set(name, ordered_json::array());
-    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "mend the file");
+    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "correct the file");
     return json.edit(name);
 }
 

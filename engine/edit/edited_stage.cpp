@@ -18,7 +18,7 @@ bool is_saved(const Document& document, const PaintLayers::value_type& layer) {
     return saved != document.saved_paint.end() && saved->second == layer.second;
 }
 
-// What the disk has in the place of this file, where that is another program's.
+// The bytes of the file at `path` where another program has written it since the document was read; else nullopt.
 std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const std::filesystem::path& path) {
     const stage::StageFile& file = document.file;
     std::error_code ignored;

@@ -36,7 +36,7 @@ std::optional<std::string> History::step(Document& document, uint64_t& revision,
     stage::StageFile target = stage::moved_to({from.back().path, from.back().json, {}}, file.path);
     Step step = std::move(from.back());
     from.pop_back();
-    // Layers that were opened since are as they were opened, for their first edit is another step.
+    // Layers that were opened since the step are kept as they were opened, because their first edit is a later step.
     step.paint.insert(document.paint.begin(), document.paint.end());
     step.path = file.path;
     step.json = std::exchange(file.json, std::move(target.json));

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kDefaultCandela = 100;
 
-// lights[...] of a node; throws where it has none.
+// The light on a node. Throws InputError where the node has none.
 ordered_json& light_of(stage::StageFile& file, uint32_t node) {
     ordered_json* reference = find_extension(node_of(file, node), kLightsExtension);
     ordered_json* lights = find_extension(file.json, kLightsExtension);
@@ -44,7 +44,7 @@ void edit_light(ordered_json& light, const LightEdit& edit) {
     if (edit.outer_cone_deg) spot["outerConeAngle"] = glm::radians(*edit.outer_cone_deg);
 }
 
-// What was changed, in words.
+// What was changed, as a phrase.
 std::string changes_of(const LightEdit& edit, const ordered_json& light) {
     std::string text;
     const auto also = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };

@@ -18,7 +18,7 @@ ordered_json rotation_json(const glm::dquat& q) {
     return {q.x, q.y, q.z, q.w};
 }
 
-// Positions, normals and indices of a square, and the buffer that holds them.
+// Adds a square floor: positions, normals and indices, and the buffer that contains them.
 void add_floor(ordered_json& json) {
     constexpr float h = kFloorHalfSide;
     const std::array<float, 24> vertices = {-h, 0, h, h, 0, h, h, 0, -h, -h, 0, -h, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};

@@ -1,4 +1,4 @@
-// What is said about a node as a whole: whether it is shown, whether it is locked.
+// Whether a node is visible, and whether it is locked.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -10,7 +10,7 @@ namespace neuvv::edit {
 
 namespace {
 
-// extras.neuvv of a node, null where it is not there or something else.
+// extras.neuvv of a node; null where it is missing or no object.
 const ordered_json* our_extras(const ordered_json& node) {
     const ordered_json* extras = find_member(node, "extras");
     const ordered_json* ours = extras ? find_member(*extras, "neuvv") : nullptr;

@@ -17,7 +17,7 @@ std::string with_commas(const std::vector<std::string>& parts) {
     return text;
 }
 
-// Nothing where it is sheared or flat.
+// Translation, rotation and scale of the matrix; nullopt where it is sheared or flat.
 std::optional<LocalTransform> decomposed(const glm::dmat4& matrix) {
     constexpr double kSheared = 1e-6;
     LocalTransform transform;
@@ -38,7 +38,7 @@ std::optional<LocalTransform> decomposed(const glm::dmat4& matrix) {
     return transform;
 }
 
-// What hardly changed is as it was: numbers that somebody typed stay.
+// Values that hardly changed are kept as they were, so that numbers that somebody typed stay.
 LocalTransform dragged_to(const LocalTransform& before, const glm::dmat4& matrix) {
     constexpr double kSame = 1e-9;
     const std::optional<LocalTransform> parts = before.has_matrix ? std::nullopt : decomposed(matrix);
@@ -82,7 +82,7 @@ LocalTransform placed(LocalTransform transform, const Placement& placement) {
     return transform;
 }
 
-// What was done, in words; where it stands, unless it was turned or scaled by hand where it is.
+// What changed, as a list of phrases. The position is left out where the node was only turned or scaled by a drag.
 std::vector<std::string> changes_of(const Placement& placement, const LocalTransform& before,
                                     const LocalTransform& transform) {
     std::vector<std::string> changes;
@@ -189,7 +189,7 @@ std::string place_node(stage::StageFile& file, uint32_t node, const Placement& p
         if (!(glm::length(direction) > 1e-9))
             throw InputError(file.path.string(), fmt::format("/nodes/{}", node), "it stands where it shall look");
         if (transform.has_matrix) {
-            // Its axes keep their lengths; shear is what an aim takes away.
+            // The axes keep their lengths; shear is lost.
             const glm::dmat4 turn = glm::mat4_cast(rotation_towards(direction));
             for (int axis = 0; axis < 3; axis++)
                 transform.matrix[axis] = glm::length(glm::dvec3(transform.matrix[axis])) * turn[axis];
@@ -206,7 +206,7 @@ std::string rename_node(stage::StageFile& file, uint32_t node, const std::string
     const std::string before = title_of(file, node);
     ordered_json& json = node_of(file, node);
     if (name.empty()) throw InputError(file.path.string(), before, "cannot be named \"\"", "choose a name");
-    if (json.contains("name")) json["name"] = "";  // its own is free
+    if (json.contains("name")) json["name"] = "";  // so that its own name is free
     const std::string free = FreeNames(file).take(name);
     json["name"] = free;
     return fmt::format("{}: named \"{}\"{}", before, free,

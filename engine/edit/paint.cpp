@@ -1,4 +1,4 @@
-// The list of a performer's paint layers; what a layer paints is in its own file.
+// The list of a performer's paint layers; the paint itself is in the files of the layers.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -26,7 +26,7 @@ void edit_layer(ordered_json& layer, const PaintEdit& edit) {
     if (edit.blend) layer["blend"] = stage::kPaintBlendNames[static_cast<size_t>(*edit.blend)];
 }
 
-// "0 \"red\" (red.nvpaint): tint, opacity 0.5".
+// A layer in a message: "0 \"red\" (red.nvpaint): tint, opacity 0.5".
 std::string summary_of(size_t index, const ordered_json& layer) {
     const std::string name = layer.value("name", "");
     return fmt::format("{} {}({}): {}, opacity {:.6g}{}", index, name.empty() ? "" : fmt::format("\"{}\" ", name),

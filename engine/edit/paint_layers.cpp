@@ -62,15 +62,15 @@ bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesyste
     return false;
 }
 
-std::string unshare_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& own,
+std::string unshare_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& new_path,
                           std::shared_ptr<const voctree::EditLayer> layer) {
     const std::vector<ListedLayer> worn = paint_layers_of(document.file, node).value();
     const stage::PaintLayer& entry = worn.at(at).entry;
     PaintEdit change{title_of(worn[at]), entry.visible, entry.opacity, entry.blend};
-    add_paint_layer(document.file, node, own, change);
+    add_paint_layer(document.file, node, new_path, change);
     move_paint_layer(document.file, node, worn.size(), at);
     remove_paint_layer(document.file, node, at + 1);
-    document.paint[own] = std::move(layer);
+    document.paint[new_path] = std::move(layer);
     return fmt::format("{}: \"{}\" is its own now, others keep theirs", node_title(document.file, node),
                        title_of(worn[at]));
 }

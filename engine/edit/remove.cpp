@@ -1,4 +1,4 @@
-// Taking things out of lists that everything refers to by index.
+// Removing elements of lists to which other parts of the document refer by index.
 #include <fmt/format.h>
 
 #include <functional>
@@ -16,7 +16,7 @@ namespace {
 
 using Indices = std::set<uint64_t>;
 
-// Extensions whose indices are known here, or that hold none of nodes, meshes, skins, cameras and lights.
+// Extensions whose indices are handled here, or that contain no indices of nodes, meshes, skins, cameras and lights.
 constexpr const char* kSafeExtensions[] = {"KHR_lights_punctual", "NEUVV_",     "KHR_materials_",
                                            "KHR_texture_",        "KHR_mesh_",  "EXT_mesh_",
                                            "EXT_texture_",        "KHR_draco_", stage::kVisibilityExtension};
@@ -26,7 +26,7 @@ size_t size_of(const Json& json, const char* list) {
     return json.contains(list) ? json[list].size() : 0;
 }
 
-// The new index of each element; −1 for those that go.
+// The new index of each element; −1 for removed ones.
 std::vector<int64_t> renumbering(size_t size, const Indices& gone) {
     std::vector<int64_t> new_index(size);
     int64_t next = 0;
@@ -36,7 +36,7 @@ std::vector<int64_t> renumbering(size_t size, const Indices& gone) {
 
 void erase_elements(ordered_json& owner, const char* list, const Indices& gone) {
     for (auto index = gone.rbegin(); index != gone.rend(); ++index) owner[list].erase(*index);
-    if (!gone.empty() && owner[list].empty()) owner.erase(list);  // glTF knows no empty lists
+    if (!gone.empty() && owner[list].empty()) owner.erase(list);  // glTF does not allow empty lists
 }
 
 void erase_elements(stage::StageJson& document, const char* list, const Indices& gone) {
@@ -46,7 +46,7 @@ void erase_elements(stage::StageJson& document, const char* list, const Indices&
     if (elements.empty()) document.erase(list);
 }
 
-// An index of a list that was renumbered; taken out of its owner where what it names is gone.
+// Renumbers an index into a list that was renumbered. It is removed from its owner where its element was removed.
 void renumber_member(ordered_json& owner, const char* name, const std::vector<int64_t>& new_index) {
     const std::optional<uint64_t> index = owner.contains(name) ? index_of(owner[name]) : std::nullopt;
     if (!index || *index >= new_index.size()) return;
@@ -83,13 +83,13 @@ void for_each(stage::StageJson& document, const char* list, const std::function<
             if (element.is_object()) action(element);
 }
 
-// The index that a node holds: of its own member, or of its light.
+// The index of what a node refers to: its mesh, skin or camera, or its light.
 std::optional<uint64_t> referenced_index(const ordered_json& node, const char* name) {
     const ordered_json* owner = name == std::string("light") ? find_extension(node, kLightsExtension) : &node;
     return owner && owner->contains(name) ? index_of((*owner)[name]) : std::nullopt;
 }
 
-// What nodes of the family hold and no other node.
+// The elements that nodes of the family refer to and no other node does.
 Indices only_used_by(const stage::StageFile& file, const Indices& family, const char* name) {
     Indices inside, outside;
     for (size_t i = 0; i < size_of(file.json, "nodes"); ++i)
@@ -110,7 +110,8 @@ void expect_no_joint(const stage::StageFile& file, const Indices& family, const 
     }
 }
 
-// Channels of removed nodes, then the samplers that nothing uses any more; true where the animation does nothing now.
+// Removes the channels of removed nodes, then the samplers that no channel uses any more. Returns whether the animation
+// has no channels left.
 bool prune_animation(ordered_json& animation, const std::vector<int64_t>& new_index) {
     if (!animation.contains("channels") || !animation["channels"].is_array()) return false;
     ordered_json& channels = animation["channels"];
@@ -167,7 +168,7 @@ void remove_lights(stage::StageFile& file, const Indices& gone) {
     if (!lights->contains("lights")) remove_extension(file.json, kLightsExtension);
 }
 
-// Extensions that may hold indices which were renumbered.
+// The extensions that may contain indices which were renumbered.
 std::string doubtful_extensions(const stage::StageFile& file) {
     std::string names;
     for (const ordered_json& used : file.json.value("extensionsUsed", ordered_json::array())) {
@@ -182,7 +183,7 @@ std::string doubtful_extensions(const stage::StageFile& file) {
 }  // namespace
 
 std::string remove_node(stage::StageFile& file, uint32_t node) {
-    node_of(std::as_const(file), node);  // which throws
+    node_of(std::as_const(file), node);  // throws where there is none
     const std::string title = title_of(file, node);
     const std::vector<uint32_t> nodes = family_of(file, node);
     const Indices family(nodes.begin(), nodes.end());

@@ -39,14 +39,15 @@ bool repeats(const stage::TimeOperator& op) {
     return op.verb == stage::TimeVerb::kLoop || op.verb == stage::TimeVerb::kPingPong;
 }
 
-// Where an operator goes that shall not care for when the performer begins: before the last offsets.
+// The index at which an operator is inserted whose effect must not depend on when the performer begins: before the last
+// offsets.
 size_t before_start(const stage::TimeMap& map) {
     size_t at = map.size();
     while (at > 0 && (map[at - 1].verb == stage::TimeVerb::kOffset || map[at - 1].verb == stage::TimeVerb::kHold)) at--;
     return at;
 }
 
-// With an operator that says what is shown from a stage time on.
+// Adds an operator that says what is displayed from a stage time on.
 stage::TimeMap with_stop(stage::TimeMap map, const ClipRate& clip, stage::TimeVerb verb, double stage_s,
                          double seconds) {
     const size_t at = before_start(map);
