@@ -15,7 +15,7 @@ using json = nlohmann::json;
 
 constexpr uint64_t kMaxJsonBytes = uint64_t{256} << 20;
 
-// Walks a file that does not parse and remembers how far it came.
+// Parses a file that is no valid JSON, to find the place of the error.
 struct PlaceFinder : nlohmann::json_sax<json> {
     struct Level {
         bool array;
@@ -59,7 +59,7 @@ struct PlaceFinder : nlohmann::json_sax<json> {
     std::string place() const {
         std::string text;
         for (const Level& level : levels) {
-            if (text.size() > kMaxQuoted) break;  // a file of brackets alone
+            if (text.size() > kMaxQuoted) break;  // for a file of many brackets
             if (level.array)
                 text += fmt::format("[{}]", level.index);
             else if (!level.key.empty())
