@@ -35,7 +35,7 @@ struct Histories : test::ForeignDocument {
         document.paint[at(name)] = layer(colour, leaves);
         history.add_step(std::move(before), document, "stroke");
     }
-    // On the disk, and a layer of Anna's.
+    // The document with a layer of Anna's, both on the disk.
     void wear(const std::string& name, float colour) {
         voctree::write_paint(at(name), *layer(colour));
         edit::add_paint_layer(document.file, edit::find_node(document.file, "Anna"), at(name), {});

@@ -1,4 +1,4 @@
-// Cameras, and what is said about nodes as a whole.
+// Cameras, and the visibility and locks of nodes.
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -144,7 +144,7 @@ TEST_F(Nodes, LocksAreSaidAndNotEnforced) {
     EXPECT_TRUE(edit::is_locked(stage::load_stage(folder.path / "locked.gltf").file, node("Floor")));
     for (const char* name : {"Anna", "Floor", "Spot"}) edit::lock_node(file, node(name), false);
     EXPECT_EQ(file.json, before);
-    // Extras are anyone's, of any type.
+    // Extras belong to any program and may have any type.
     for (const char* extras : {"7", R"("locked")", "[1]", R"({"neuvv":3})", R"({"neuvv":{"locked":"yes"}})"}) {
         file.json.edit("nodes")[0]["extras"] = ordered_json::parse(extras);
         EXPECT_FALSE(edit::is_locked(file, 0)) << extras;

@@ -1,4 +1,4 @@
-// Layers in a document: what a performer wears, free names, and layers that are shared.
+// Layers in a document: which ones a performer uses, free names, and layers that are shared.
 #include "edit/paint_layers.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a document says: that it is what the engine loads, and that whatever may be missing may be missing.
+// Values read from documents: they are those that the engine loads, and whatever is optional may be missing.
 #include "edit/read.h"
 
 #include <gtest/gtest.h>
@@ -95,14 +95,15 @@ TEST_F(Read, AnOrthographicCameraHasNoAngle) {
 }
 
 TEST(ReadTransforms, AMatrixIsTakenApart) {
-    edit::NodeTransform told{{0.5, 1, -2}, glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3))), {-1.5, 2, 0.25}};
+    edit::NodeTransform written{
+        {0.5, 1, -2}, glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3))), {-1.5, 2, 0.25}};
     stage::StageFile file = document(R"(, "nodes": [{"name": "a"}])");
-    edit::place_node(file, 0, {.matrix = matrix_of(told)});
+    edit::place_node(file, 0, {.matrix = matrix_of(written)});
     ASSERT_TRUE(file.json["nodes"][0].contains("matrix"));
     const edit::NodeTransform read = edit::transform_of(file, 0);
-    expect_near(read.translation, told.translation);
-    expect_near(read.scale, told.scale);
-    EXPECT_NEAR(std::abs(glm::dot(read.rotation, told.rotation)), 1, 1e-12);
+    expect_near(read.translation, written.translation);
+    expect_near(read.scale, written.scale);
+    EXPECT_NEAR(std::abs(glm::dot(read.rotation, written.rotation)), 1, 1e-12);
 }
 
 TEST(ReadTransforms, AShearedMatrixKeepsItsXAxis) {

@@ -11,7 +11,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Four seconds of 25 images each, playing from 0.
+// Four seconds of 25 frames each, playing from 0.
 editor::StageClock playing_clock() {
     editor::StageClock clock;
     clock.set_stage(4, 25);
@@ -133,7 +133,7 @@ TEST(Playback, StopsAtTheEndWhereItDoesNotLoop) {
 
 TEST(Playback, StepsFromPictureToPicture) {
     editor::StageClock clock = playing_clock();
-    clock.tick(0.99);  // between image 24 and 25
+    clock.tick(0.99);  // between the frames 24 and 25
     clock.step(1);
     EXPECT_FALSE(clock.playing);
     EXPECT_EQ(clock.time_s(), 25 / 25.0);

@@ -11,7 +11,7 @@
 namespace neuvv {
 namespace {
 
-// A device whose images cost fixed + full · scale², each off by up to `noise` of that.
+// A device on which an image takes fixed + full · scale² milliseconds, with relative noise of up to `noise`.
 struct Simulated {
     double fixed_ms, full_ms, noise = 0;
     std::mt19937 random{7};
@@ -25,7 +25,7 @@ struct Simulated {
     }
 };
 
-// The scales of so many images.
+// Draws so many images and returns their scales.
 std::vector<double> draw(editor::DynamicScale& control, Simulated& device, int images) {
     std::vector<double> scales;
     for (int i = 0; i < images; ++i) {
@@ -82,9 +82,9 @@ TEST(DynamicScale, DoesNotOscillateWithNoise) {
         int changes = 0;
         for (size_t i = 1; i < scales.size(); ++i) changes += scales[i] != scales[i - 1];
         EXPECT_LE(changes, 50) << device.fixed_ms << " + " << device.full_ms;
-        const auto [least, most] = std::minmax_element(scales.begin(), scales.end());
-        EXPECT_GE(*least, 0.75 * ideal) << device.fixed_ms << " + " << device.full_ms;
-        EXPECT_LE(*most, 1.25 * ideal) << device.fixed_ms << " + " << device.full_ms;
+        const auto [min, max] = std::minmax_element(scales.begin(), scales.end());
+        EXPECT_GE(*min, 0.75 * ideal) << device.fixed_ms << " + " << device.full_ms;
+        EXPECT_LE(*max, 1.25 * ideal) << device.fixed_ms << " + " << device.full_ms;
     }
 }
 

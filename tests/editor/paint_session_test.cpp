@@ -1,4 +1,4 @@
-// Painting as the viewer does it, in pieces while the hand moves: the same as edit/ paints at once.
+// Painting in pieces, as the viewer does while the hand moves, gives the same as painting at once by edit/.
 #include "editor/paint_session.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct PaintSessions : GpuTest {
         std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip->field, {}});
     editor::PaintSurface surface{device()};
     stage::Camera camera = figure_camera(160);
-    // Over the head, off it, and back over the shoulders.
+    // A line over the head, off the figure, and back over the shoulders.
     std::vector<glm::dvec2> line = {{60, 50}, {75, 60}, {84, 52}, {150, 20}, {156, 90}, {90, 130}, {60, 132}};
     editor::PaintOperation operation{.colour = {0, 0.25f, 1}, .opacity = 0.75f, .frames = {0, 0, edit::Follow::kAll}};
 
@@ -38,7 +38,7 @@ struct PaintSessions : GpuTest {
         in.add_touches(surface, from, pixels);
         return in.layer();
     }
-    // What edit/ paints, asked once.
+    // What edit/ paints in one call.
     voctree::EditLayer painted_at_once(float frame) {
         render::Picker picker(device(), *field);
         picker.show(frame);

@@ -19,7 +19,7 @@ struct Shaders : testing::Test {
     void SetUp() override {
         std::filesystem::copy(NEUVV_SHADERS, folder.path, std::filesystem::copy_options::recursive);
     }
-    // Later than all that was written before, whatever the file system's clock has for steps.
+    // A time later than all that was written before, whatever the resolution of the file system's clock is.
     void touch(const std::string& name) {
         const auto file = folder.path / name;
         std::filesystem::last_write_time(file,
@@ -86,7 +86,7 @@ TEST_F(Shaders, MayMakeTheCompilerWarn) {
 
 TEST_F(Shaders, WhatCppHasTooIsBuiltAnew) {
     editor::ShaderSources sources(folder.path);
-    for (const char* changed : {"shared/trace.h", "resolve.comp"}) {  // then nothing else is compiled with it
+    for (const char* changed : {"shared/trace.h", "resolve.comp"}) {  // then none of the shaders is compiled
         touch(changed);
         const editor::ShaderSources::Change change = sources.compile_changes();
         EXPECT_TRUE(change.compiled.empty()) << changed;
