@@ -8,8 +8,8 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr double kDecay =
-    0.8;  // the weight of older images shrinks by this factor at each image: as good as a mean of nine images
+// The weight of older images shrinks by this factor at each image: as good as a mean of nine images.
+constexpr double kDecay = 0.8;
 constexpr double kOutlier = 1.6;  // beyond what is possible by this factor: another view, so the past is dropped
 // The standard deviation of scale², as a share of its mean, from which on the slope is measured rather than assumed.
 constexpr double kTrustedSpread = 0.2;

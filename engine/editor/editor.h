@@ -48,7 +48,8 @@ class Editor {
     // the reason, and leaves the document as it was.
     bool edit(const Operation& operation);
     // Previews an edit that is still going on. Each operation is applied to the document as it was before the first
-    // call; end_drag() makes the last result one step of the history. Other edits end the drag first.
+    // call; end_drag() makes the last result one step of the history. Returns false as edit() does. Other edits end
+    // the drag first.
     bool drag(const Operation& operation);
     void end_drag();
     void cancel_drag();

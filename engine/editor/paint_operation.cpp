@@ -9,7 +9,7 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr float kTakenShare = 0.5f;  // from this share of a leaf on, densities, kErase and kRestore apply to it
+constexpr float kMinShare = 0.5f;  // from this share of a leaf on, densities, kErase and kRestore apply to it
 
 // The ranges of frames at which the operation applies to the leaves, each with the leaves that share it.
 using Spans = std::map<std::pair<float, float>, std::vector<uint32_t>>;
@@ -57,7 +57,7 @@ std::vector<voctree::LeafEdit> coloured_edits(std::span<const SelectedLeaf> leav
     const bool erases = operation.kind == PaintOperation::Kind::kErase;
     std::vector<voctree::LeafEdit> edits;
     for (const SelectedLeaf& one : leaves) {
-        const float sigma = one.share < kTakenShare ? voctree::kKeepSigma : erases ? 0 : operation.sigma;
+        const float sigma = one.share < kMinShare ? voctree::kKeepSigma : erases ? 0 : operation.sigma;
         const float alpha = erases ? 0 : operation.opacity * one.share;
         if (alpha <= 0 && sigma < 0) continue;
         edits.push_back(
@@ -82,7 +82,7 @@ std::shared_ptr<const voctree::EditLayer> apply_operation(const edit::Canvas& ca
                                                           const PaintOperation& operation) {
     if (operation.kind == PaintOperation::Kind::kRestore) {
         std::vector<SelectedLeaf> selected(leaves.begin(), leaves.end());
-        std::erase_if(selected, [](const SelectedLeaf& one) { return one.share < kTakenShare; });
+        std::erase_if(selected, [](const SelectedLeaf& one) { return one.share < kMinShare; });
         if (selected.empty()) return nullptr;
         return std::make_shared<const voctree::EditLayer>(restored(canvas, before, selected, operation.frames));
     }

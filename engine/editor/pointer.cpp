@@ -82,8 +82,8 @@ std::optional<glm::dvec3> plane_drag(const stage::Camera& camera, glm::dvec3 thr
     const glm::dvec3 up = glm::normalize(height < 0 ? -normal : normal);
     height = glm::dot(up, to_plane);
     const Ray ray = ray_through(camera, pointer);
-    // Near the horizon the ray ends at kMaxDepthFactor times the distance, above the plane; the result is the point of
-    // the plane below its end.
+    // Near the horizon the ray ends at kMaxDepthFactor times the distance, off the plane; the result is the point of
+    // the plane that is nearest to its end.
     const double along = height / std::max(glm::dot(up, ray.direction), height / (kMaxDepthFactor * distance));
     const glm::dvec3 met = ray.direction * along;
     return ray.origin + met - up * (glm::dot(up, met) - height);

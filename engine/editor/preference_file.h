@@ -42,9 +42,9 @@ struct PreferenceReader {
 };
 
 struct PreferenceFile {
-    nlohmann::ordered_json document =
-        nlohmann::ordered_json::object();  // empty where the file is missing or cannot be read
-    std::string message;                   // a line for the user about what was wrong; empty: nothing was
+    // Empty where the file is missing or cannot be read.
+    nlohmann::ordered_json document = nlohmann::ordered_json::object();
+    std::string message;  // a line for the user about what was wrong; empty: nothing was
 };
 // Never throws because of what the file contains.
 PreferenceFile load_preference_file(const std::filesystem::path& path);

@@ -380,10 +380,10 @@ void RenderThread::draw(const ViewRequest& view) {
     if (!view.moving) {
         displayed.finished = settings.scale == 1 && view.samples == 1;
         if (!displayed.finished) {
-            const uint32_t samples =
-                settings.scale < 1 ? 1 : view.samples;  // first one ray for each pixel, then all rays
-            grid_.begin(
-                samples);  // a block has no more rays than the renderer has room for: one per pixel of the image
+            // First one ray for each pixel, then all rays. A block has no more rays than the renderer has room for,
+            // which is one ray per pixel of the image.
+            const uint32_t samples = settings.scale < 1 ? 1 : view.samples;
+            grid_.begin(samples);
             refinement_ = Refinement{0, samples, begin + kRefineDelay, displayed};
         }
     }

@@ -68,7 +68,7 @@ struct RenderThreadState {
     DisplayedImage displayed;
     std::string loading;  // the file whose clips are being read, or "shaders"; empty: nothing
     size_t files_read = 0, files = 0;
-    std::string problem;      // why the newest stage or image could not be drawn; empty: no problem
+    std::string problem;      // why the newest stage, image or task failed; empty: no problem
     uint64_t unsound_id = 0;  // the id that show() got with the last document that is not sound
 };
 
