@@ -185,10 +185,10 @@ FreeNames::FreeNames(const stage::StageFile& file) {
     for (uint32_t node = 0; node < node_count(file); ++node) taken_.insert(name_of(file, node));
 }
 
-std::string FreeNames::take(const std::string& wanted) {
-    std::string name = wanted;
-    size_t& number = next_.try_emplace(wanted, 2).first->second;
-    while (!taken_.insert(name).second) name = fmt::format("{} {}", wanted, number++);
+std::string FreeNames::take(const std::string& preferred) {
+    std::string name = preferred;
+    size_t& number = next_.try_emplace(preferred, 2).first->second;
+    while (!taken_.insert(name).second) name = fmt::format("{} {}", preferred, number++);
     return name;
 }
 

@@ -86,12 +86,12 @@ uint32_t append_node(stage::StageFile& file, ordered_json node);
 class FreeNames {
   public:
     explicit FreeNames(const stage::StageFile& file);
-    // `wanted`, with a number appended where that name is taken.
-    std::string take(const std::string& wanted);
+    // `preferred`, with a number appended where that name is taken.
+    std::string take(const std::string& preferred);
 
   private:
     std::unordered_set<std::string> taken_;
-    std::unordered_map<std::string, size_t> next_;  // by wanted name: the number to try next
+    std::unordered_map<std::string, size_t> next_;  // by preferred name: the number to try next
 };
 
 // A node's own transform in the form that the document has: a matrix, or translation, rotation and scale. Metres, in

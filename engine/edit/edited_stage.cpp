@@ -50,9 +50,9 @@ std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const s
 
 std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path) {
     stage::expect_sound_document(document.file);
-    const std::set<std::filesystem::path> worn = used_layers(document.file);
+    const std::set<std::filesystem::path> used = used_layers(document.file);
     for (const auto& layer : document.paint) {
-        if (!worn.contains(layer.first) || is_saved(document, layer)) continue;
+        if (!used.contains(layer.first) || is_saved(document, layer)) continue;
         voctree::write_paint(layer.first, *layer.second);
         document.saved_paint[layer.first] = layer.second;
     }
@@ -66,11 +66,11 @@ std::optional<std::filesystem::path> save_document(Document& document, const std
     return kept;
 }
 
-std::filesystem::path free_path(const std::filesystem::path& wanted) {
-    std::filesystem::path path = wanted;
+std::filesystem::path free_path(const std::filesystem::path& preferred) {
+    std::filesystem::path path = preferred;
     for (int number = 2; std::filesystem::exists(path); number++)
-        path =
-            wanted.parent_path() / fmt::format("{}-{}{}", wanted.stem().string(), number, wanted.extension().string());
+        path = preferred.parent_path() /
+               fmt::format("{}-{}{}", preferred.stem().string(), number, preferred.extension().string());
     return path;
 }
 

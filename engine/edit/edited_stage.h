@@ -46,7 +46,7 @@ std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const s
 // were written by then stay written.
 std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path);
 // The first of "stage.gltf", "stage-2.gltf", … that does not exist.
-std::filesystem::path free_path(const std::filesystem::path& wanted);
+std::filesystem::path free_path(const std::filesystem::path& preferred);
 // The message about a save: "saved stage.gltf", and what became of another program's version.
 std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs);
 

@@ -216,9 +216,9 @@ std::string rename_node(stage::StageFile& file, uint32_t node, const std::string
 std::string add_performer(stage::StageFile& file, const std::string& name, const PerformerEdit& edit,
                           const Placement& placement) {
     if (!edit.clip) throw InputError(file.path.string(), "performer", "has no clip", "give it a .nvv");
-    const std::string wanted = name.empty() ? edit.clip->stem().string() : name;
+    const std::string preferred = name.empty() ? edit.clip->stem().string() : name;
     return all_or_nothing(file, [&] {
-        const uint32_t node = append_node(file, {{"name", FreeNames(file).take(wanted)}});
+        const uint32_t node = append_node(file, {{"name", FreeNames(file).take(preferred)}});
         declare_extension(file, stage::kPerformerExtension);
         std::vector<std::string> changes;
         edit_performer(file, make_extension(file, node_of(file, node), stage::kPerformerExtension), edit, changes);

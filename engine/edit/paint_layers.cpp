@@ -45,18 +45,18 @@ std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
 }
 
 std::set<std::filesystem::path> used_layers(const stage::StageFile& file) {
-    std::set<std::filesystem::path> worn;
+    std::set<std::filesystem::path> used;
     for (uint32_t node = 0; node < node_count(file); node++)
         for (const ListedLayer& layer : paint_layers_of(file, node).value_or(std::vector<ListedLayer>{}))
-            worn.insert(layer.path);
-    return worn;
+            used.insert(layer.path);
+    return used;
 }
 
 bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesystem::path& path) {
     for (uint32_t other = 0; other < node_count(file); other++) {
         if (other == node) continue;
-        const auto worn = paint_layers_of(file, other).value_or(std::vector<ListedLayer>{});
-        if (std::any_of(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == path; }))
+        const auto used = paint_layers_of(file, other).value_or(std::vector<ListedLayer>{});
+        if (std::any_of(used.begin(), used.end(), [&](const ListedLayer& one) { return one.path == path; }))
             return true;
     }
     return false;
@@ -64,21 +64,21 @@ bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesyste
 
 std::string unshare_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& new_path,
                           std::shared_ptr<const voctree::EditLayer> layer) {
-    const std::vector<ListedLayer> worn = paint_layers_of(document.file, node).value();
-    const stage::PaintLayer& entry = worn.at(at).entry;
-    PaintEdit change{title_of(worn[at]), entry.visible, entry.opacity, entry.blend};
+    const std::vector<ListedLayer> used = paint_layers_of(document.file, node).value();
+    const stage::PaintLayer& entry = used.at(at).entry;
+    PaintEdit change{title_of(used[at]), entry.visible, entry.opacity, entry.blend};
     add_paint_layer(document.file, node, new_path, change);
-    move_paint_layer(document.file, node, worn.size(), at);
+    move_paint_layer(document.file, node, used.size(), at);
     remove_paint_layer(document.file, node, at + 1);
     document.paint[new_path] = std::move(layer);
     return fmt::format("{}: \"{}\" is its own now, others keep theirs", node_title(document.file, node),
-                       title_of(worn[at]));
+                       title_of(used[at]));
 }
 
 std::string set_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
                       std::shared_ptr<const voctree::EditLayer> layer, const std::string& what) {
-    const auto worn = paint_layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
-    if (std::none_of(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == path; })) {
+    const auto used = paint_layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
+    if (std::none_of(used.begin(), used.end(), [&](const ListedLayer& one) { return one.path == path; })) {
         PaintEdit entry;
         entry.name = name;
         add_paint_layer(document.file, node, path, entry);

@@ -17,7 +17,7 @@ std::string also_changed(const edit::Document& document, const std::filesystem::
     for (const auto& [file, layer] : document.saved_paint)
         if (const auto now = document.paint.find(file); now != document.paint.end() && now->second != layer)
             text +=
-                fmt::format("; {} wears the same {}", document.file.path.filename().string(), file.filename().string());
+                fmt::format("; {} uses the same {}", document.file.path.filename().string(), file.filename().string());
     return text;
 }
 

@@ -91,8 +91,8 @@ std::optional<glm::dvec3> plane_drag(const stage::Camera& camera, glm::dvec3 thr
 
 glm::dvec3 perpendicular_to(glm::dvec3 v) {
     const glm::dvec3 a = glm::abs(v);
-    const glm::dvec3 least(a.x <= a.y && a.x <= a.z, a.y < a.x && a.y <= a.z, a.z < a.x && a.z < a.y);
-    return glm::normalize(glm::cross(v, least));
+    const glm::dvec3 smallest_axis(a.x <= a.y && a.x <= a.z, a.y < a.x && a.y <= a.z, a.z < a.x && a.z < a.y);
+    return glm::normalize(glm::cross(v, smallest_axis));
 }
 
 glm::dvec3 facing_normal(const stage::Camera& camera) {

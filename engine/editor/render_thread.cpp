@@ -328,15 +328,15 @@ void RenderThread::fit(VkExtent2D size) {
         renderer_->resize(capacity_.width, capacity_.height);
     }
     if (image_ && image_->shape.width == capacity_.width && image_->shape.height == capacity_.height) return;
-    auto made = std::make_shared<gpu::DeviceImage>(
+    auto created = std::make_shared<gpu::DeviceImage>(
         device_, "displayed image",
         gpu::ImageShape{
             capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
             VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
     gpu::run_once(device_, "displayed image", [&](gpu::Commands& commands) {
-        gpu::move_layout(commands, *made, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        gpu::move_layout(commands, *created, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     });
-    image_ = std::move(made);
+    image_ = std::move(created);
 }
 
 render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const {

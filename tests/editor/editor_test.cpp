@@ -134,7 +134,7 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
         return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{field, {{0, 0, 1, {red, 0, 0}, 1}}});
     };
     editor::Editor editor;
-    const size_t worn = edit::paint_layers_of(document.file, anna)->size();
+    const size_t used = edit::paint_layers_of(document.file, anna)->size();
     voctree::write_paint(at("disk.nvpaint"), *layer(0.125f));
     edit::add_paint_layer(document.file, anna, at("disk.nvpaint"), {});
     editor.open(document, false);
@@ -151,7 +151,7 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
     ASSERT_TRUE(editor.drag(paint("disk.nvpaint", whole)));
     editor.end_drag();
     EXPECT_EQ(editor.document().paint.at(at("disk.nvpaint")), whole);
-    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 1) << "it is worn already";
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), used + 1) << "it is used already";
 
     edit::Document saved = editor.document();
     edit::save_document(saved, saved.file.path);
@@ -165,10 +165,10 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
     EXPECT_EQ(editor.document().paint.at(at("disk.nvpaint")), whole);
 
     ASSERT_TRUE(editor.edit(paint("fresh.nvpaint", half)));
-    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 2);
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), used + 2);
     EXPECT_EQ(edit::title_of(edit::paint_layers_of(editor.file(), anna)->back()), "new");
     editor.undo();
-    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 1) << "the layer is gone with the stroke";
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), used + 1) << "the layer is gone with the stroke";
 }
 
 }  // namespace
