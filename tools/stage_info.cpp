@@ -171,7 +171,7 @@ ordered_json json_of(const stage::Stage& stage, const stage::EvaluatedStage& eva
                                {"duration", path->duration_s}};
     json["hidden"] = json["locked"] = ordered_json::array();
     for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i) {
-        if (!edit::is_shown(stage.file, i)) json["hidden"].push_back(i);
+        if (!edit::is_visible(stage.file, i)) json["hidden"].push_back(i);
         if (edit::is_locked(stage.file, i)) json["locked"].push_back(i);
     }
     json["meshes"] = stage.scene.meshes.size();
@@ -188,7 +188,7 @@ std::string names_of(const stage::Stage& stage, bool (*says)(const stage::StageF
 }
 
 bool is_hidden(const stage::StageFile& file, uint32_t node) {
-    return !edit::is_shown(file, node);
+    return !edit::is_visible(file, node);
 }
 
 std::string place_text(const glm::dvec3& v) {

@@ -129,7 +129,7 @@ EditCost measure(double bytes, uint32_t steps) {
     }
     editor.end_drag();
     for (uint32_t step = 1; step < steps; ++step) editor.edit(moved_to(node, -0.01 * step));
-    cost.history_bytes = editor.history().held_bytes(editor.document());
+    cost.history_bytes = editor.history().extra_bytes(editor.document());
     return cost;
 }
 

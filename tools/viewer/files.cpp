@@ -136,7 +136,7 @@ void Files::save_to(const std::filesystem::path& path, std::function<void()> the
     const stage::StageFile& file = context_.editor.file();
     const bool left = file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(file.path);
     saver_.save(path, [this, path, left, then](const edit::Document& saved, uint64_t opened) {
-        if (left && opened == context_.editor.opened()) events_.left_layers(edit::worn_layers(saved.file));
+        if (left && opened == context_.editor.open_count()) events_.left_layers(edit::used_layers(saved.file));
         remember_file(preferences_, std::filesystem::absolute(path));
         if (then) then();
     });

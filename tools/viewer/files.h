@@ -1,7 +1,7 @@
 // Files of the viewer: what is open, what is saved, what is recovered, what was opened lately.
 //
 // The job queue does all reading and writing. What closes a document (opening another, quitting) asks first where there
-// are unsaved edits; a copy of those goes to the recovery folder every kAutosaveEvery_s.
+// are unsaved edits; a copy of those goes to the recovery folder every kAutosaveInterval_s.
 #pragma once
 
 #include <filesystem>

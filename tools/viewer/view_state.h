@@ -17,7 +17,7 @@ constexpr const char* kLayerNames[] = {"colour", "alpha", "depth", "leaf level",
 struct ImageSettings {
     render::Show show = render::Show::kColour;
     float cost_max = 256;         // steps of a ray that are displayed brightest
-    bool own_background = false;  // `background` in place of the stage's
+    bool overrides_background = false;  // `background` in place of the stage's
     glm::vec3 background{0.2f};   // sRGB
     float max_scale = 1;          // rays per pixel along each side while something moves
     int samples = 2;              // rays per pixel along each side when nothing moves

@@ -42,8 +42,8 @@ bool same_image(const editor::ViewRequest& a, const editor::ViewRequest& b) {
     return a.camera.world_from_camera == b.camera.world_from_camera && a.camera.fx == b.camera.fx &&
            a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
            a.camera.width == b.camera.width && a.camera.height == b.camera.height && a.time_s == b.time_s &&
-           a.resolve == b.resolve && a.own_background == b.own_background && a.moving == b.moving &&
-           a.most_scale == b.most_scale && a.samples == b.samples;
+           a.resolve == b.resolve && a.overrides_background == b.overrides_background && a.moving == b.moving &&
+           a.max_scale == b.max_scale && a.samples == b.samples;
 }
 
 std::filesystem::path preferences_file() {
@@ -228,7 +228,7 @@ void Viewer::frame() {
     const VkRect2D at{{static_cast<int32_t>(area.left), static_cast<int32_t>(area.top)},
                       {static_cast<uint32_t>(area.width), static_cast<uint32_t>(area.height)}};
     if (!screen_.end({input_.drawn.displayed.image, input_.drawn.displayed.size, at})) context_.redraw();
-    render_thread_.taken(input_.drawn.displayed.number);
+    render_thread_.presented(input_.drawn.displayed.number);
 }
 
 // Why nothing could be opened stays until something is.
@@ -252,7 +252,7 @@ void Viewer::take_stage() {
     const bool first = !input_.stage || input_.stage->file.path != read->file.path;
     input_.stage = read;
     view_.clock.set_stage(read->duration_s, read->fps);
-    input_.evaluated = stage::stage_at(*read, view_.clock.shown_s());
+    input_.evaluated = stage::stage_at(*read, view_.clock.displayed_s());
     if (first) view_.eye = first_eye(*read, stage::stage_at(*read, 0), aspect_of(input_.image_area));
 }
 
@@ -334,12 +334,12 @@ void Viewer::move_eye() {
         if (flown_s > kEyeMove_s) flight_.reset();
         context_.moves();
     }
-    if (input_.stage) input_.evaluated = stage::stage_at(*input_.stage, view_.clock.shown_s());
+    if (input_.stage) input_.evaluated = stage::stage_at(*input_.stage, view_.clock.displayed_s());
     const bool moved = path_eye_ && view_.eye != *path_eye_;
     if (!input_.stage || !input_.stage->settings.camera_path || moved) view_.along_path = false;
     path_eye_.reset();
     if (!view_.along_path) return;
-    path_eye_ = eye_at(*input_.stage->settings.camera_path, view_.clock.shown_s(), context_);
+    path_eye_ = eye_at(*input_.stage->settings.camera_path, view_.clock.displayed_s(), context_);
     view_.eye = *path_eye_;
 }
 
@@ -395,13 +395,13 @@ void Viewer::request_view() {
     if (!input_.stage || camera.width < 2 || camera.height < 2) return;
     editor::ViewRequest view;
     view.camera = camera;
-    view.time_s = clock.shown_s();
+    view.time_s = clock.displayed_s();
     view.resolve.show = view_.image.show;
     view.resolve.cost_max = view_.image.cost_max;
-    view.own_background = view_.image.own_background;
+    view.overrides_background = view_.image.overrides_background;
     view.resolve.background = glm::vec4(media::linear_from_srgb(view_.image.background), 1);
     view.moving = clock.playing || in_motion() || editor_.dragging();
-    view.most_scale = view_.image.max_scale;
+    view.max_scale = view_.image.max_scale;
     view.samples = static_cast<uint32_t>(view_.image.samples);
     const auto [low, high] = stage::performers_box(*input_.stage, input_.evaluated);
     const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
@@ -410,7 +410,7 @@ void Viewer::request_view() {
     // Where the device does not keep pace, it is not known which times will be displayed next.
     const bool keeps_pace = input_.drawn.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
     if (clock.playing && keeps_pace)
-        for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.shown_after_s(i));
+        for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.displayed_after_s(i));
     if (view_request_ && same_image(*view_request_, view)) return;
     view.id = view_request_ ? view_request_->id + 1 : 1;
     view_request_ = view;

@@ -97,7 +97,7 @@ void Files::recover_panel() {
                                        entry.stage.filename().string(), fmt::localtime(when))
                                .c_str());
     ImGui::TextDisabled("%s", entry.stage.parent_path().c_str());
-    if (edit::has_anothers_file(entry))
+    if (edit::has_foreign_file(entry))
         ImGui::TextUnformatted("Its file has changed since: saving keeps that beside it, under another name.");
     ImGui::Spacing();
     if (button(context_, "Recover")) {

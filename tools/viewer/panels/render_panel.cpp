@@ -37,8 +37,8 @@ void look_fields(Context& context) {
     double scale = 100.0 * static_cast<double>(context.view.image.max_scale);
     if (fields.slider("While moving", scale, 20, 100, "at most %.0f %%"))
         context.view.image.max_scale = static_cast<float>(scale / 100);
-    fields.toggle("Own background", context.view.image.own_background);
-    if (context.view.image.own_background) {
+    fields.toggle("Own background", context.view.image.overrides_background);
+    if (context.view.image.overrides_background) {
         glm::dvec3 colour = media::linear_from_srgb(context.view.image.background);
         if (fields.colour("Background", colour)) context.view.image.background = media::srgb_from_linear(colour);
     }
@@ -83,7 +83,7 @@ ExportSettings settings_of(const Context& context, const ExportChoice& choice) {
     settings.samples = static_cast<uint32_t>(choice.samples + 1);
     settings.fps = choice.fps > 0 ? choice.fps : context.frame.stage->fps;
     settings.with_background = !choice.transparent;
-    settings.first_s = context.view.clock.shown_s();
+    settings.first_s = context.view.clock.displayed_s();
     if (choice.kind != 2) {
         settings.first_s = choice.range == 0 ? 0 : context.view.clock.in_s();
         const double last_s = choice.range == 0 ? context.view.clock.duration_s() : context.view.clock.out_s();

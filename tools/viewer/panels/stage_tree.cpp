@@ -96,7 +96,7 @@ void take_node_keys(Context& context, StageTree& tree) {
         if (press.control) continue;
         if (press.key == GLFW_KEY_H)
             context.editor.edit(
-                [&](edit::Document& d) { return edit::show_node(d.file, *node, !edit::is_shown(d.file, *node)); });
+                [&](edit::Document& d) { return edit::show_node(d.file, *node, !edit::is_visible(d.file, *node)); });
         if (press.key == GLFW_KEY_F2) begin_renaming(tree, *node);
         if (press.key == GLFW_KEY_DELETE) {
             delete_node(context, tree, *node);

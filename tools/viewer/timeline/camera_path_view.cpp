@@ -29,7 +29,7 @@ void draw_line(const Context& context, glm::dvec3 a, glm::dvec3 b, unsigned colo
 // From the camera's place to the corners of what it sees, as large in the image wherever it stands.
 void draw_sight(const Context& context, const stage::Camera& seen, unsigned colour, float width) {
     const glm::dvec3 from(seen.world_from_camera[3]);
-    if (editor::depth_of(context.frame.camera, from) < editor::kNearest_m) return;
+    if (editor::depth_of(context.frame.camera, from) < editor::kMinDepth_m) return;
     const double high = editor::metres_of_pixels(context.frame.camera, from, context.ui(kSightPixels)) / 2;
     const double aspect =
         context.frame.camera.height > 0 ? 1.0 * context.frame.camera.width / context.frame.camera.height : 1;
@@ -56,7 +56,7 @@ Eye eye_at(const stage::CameraPath& path, double time_s, const Context& context)
 
 void add_key_here(Context& context) {
     if (!context.editor.is_open()) return;
-    const stage::CameraPathKey key = key_of(context.view.eye, context.view.clock.shown_s());
+    const stage::CameraPathKey key = key_of(context.view.eye, context.view.clock.displayed_s());
     if (context.editor.edit([key, frame_s = 1 / context.view.clock.fps()](edit::Document& d) {
             return edit::add_path_key(d.file, key, frame_s);
         }))
@@ -67,7 +67,7 @@ void remove_key_near(Context& context) {
     if (!context.editor.is_open()) return;
     const std::optional<stage::CameraPath> path = edit::camera_path_of(context.editor.file());
     if (!path) return context.editor.notify("there is no camera path");
-    const size_t key = nearest_key(*path, context.view.clock.shown_s());
+    const size_t key = nearest_key(*path, context.view.clock.displayed_s());
     context.editor.edit([key](edit::Document& d) { return edit::remove_path_key(d.file, key); });
 }
 
@@ -78,7 +78,7 @@ void draw_camera_path(const Context& context, const stage::CameraPath& path, con
     for (size_t i = 0; i + 1 < line.size(); i++) draw_line(context, line[i], line[i + 1], kWay, 2);
     for (const stage::CameraPathKey& key : path.keys)
         draw_sight(context, stage::camera_at(path, key.time_s, 2, 2), kKeyColour, 1);
-    draw_sight(context, stage::camera_at(path, context.view.clock.shown_s(), 2, 2), ui::kAccent, 2);
+    draw_sight(context, stage::camera_at(path, context.view.clock.displayed_s(), 2, 2), ui::kAccent, 2);
     list.PopClipRect();
 }
 

@@ -151,7 +151,7 @@ void repeat_items(Context& context, const edit::PerformerTrack& track) {
 }
 
 void here_items(Context& context, const edit::PerformerTrack& track) {
-    const double now_s = context.view.clock.shown_s();
+    const double now_s = context.view.clock.displayed_s();
     const edit::ClipRate rate = track.rate;
     const auto now = [&](edit::TimeEdit edit) { edit_now(context, track.node, std::move(edit)); };
     if (menu_item(context, track, "start_here", "Begin here"))
@@ -161,7 +161,7 @@ void here_items(Context& context, const edit::PerformerTrack& track) {
     if (menu_item(context, track, "trim_end", "Cut off what is after"))
         now([=](const stage::TimeMap& map) { return edit::trimmed_end(map, rate, now_s); });
     if (menu_item(context, track, "hold", "Hold this image for a second"))
-        now([=](const stage::TimeMap& map) { return edit::held_at(map, rate, now_s, 1); });
+        now([=](const stage::TimeMap& map) { return edit::paused_at(map, rate, now_s, 1); });
     if (menu_item(context, track, "freeze", "Freeze this image"))
         now([=](const stage::TimeMap& map) { return edit::frozen_at(map, rate, now_s); });
 }

@@ -39,10 +39,10 @@ void speed_field(Context& context) {
 void time_text(const editor::StageClock& clock) {
     const float begin = ImGui::GetCursorPosX();
     const auto [time, of] = std::pair(
-        fmt::format("{} · {}", text_of_time(clock.time_s()), clock.image()),
-        fmt::format("of {} · {} at {:.6g} fps", text_of_time(clock.duration_s()), clock.images(), clock.fps()));
+        fmt::format("{} · {}", text_of_time(clock.time_s()), clock.frame()),
+        fmt::format("of {} · {} at {:.6g} fps", text_of_time(clock.duration_s()), clock.frames(), clock.fps()));
     const float widest =
-        ImGui::CalcTextSize(fmt::format("{} · {}", text_of_time(clock.duration_s()), clock.images()).c_str()).x;
+        ImGui::CalcTextSize(fmt::format("{} · {}", text_of_time(clock.duration_s()), clock.frames()).c_str()).x;
     ImGui::TextUnformatted(time.c_str());
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("time · image, %s", of.c_str());
     const float next = begin + widest + ImGui::GetStyle().ItemSpacing.x;

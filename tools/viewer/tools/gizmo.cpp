@@ -92,7 +92,7 @@ std::optional<GizmoFrame> gizmo_frame(const Gizmo& gizmo) {
     GizmoFrame frame{glm::dvec3(gizmo.world_from_node[3]),
                      {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}};
     const double depth = editor::depth_of(gizmo.camera, frame.middle);
-    if (!(depth >= editor::kNearest_m)) return std::nullopt;
+    if (!(depth >= editor::kMinDepth_m)) return std::nullopt;
     frame.size_m = std::min(editor::metres_of_pixels(gizmo.camera, frame.middle, gizmo.size_px), kMostDepths * depth);
     frame.to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - frame.middle);
     if (gizmo.axes == GizmoAxes::kWorld && gizmo.mode != GizmoMode::kScale) return frame;

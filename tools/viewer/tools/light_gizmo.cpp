@@ -106,7 +106,7 @@ double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap)
 glm::dvec3 aim(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
     const stage::Camera& camera = gizmo.camera;
     const AimedLight& light = gizmo.light;
-    if (editor::depth_of(camera, light.aim) < editor::kNearest_m) return light.aim;
+    if (editor::depth_of(camera, light.aim) < editor::kMinDepth_m) return light.aim;
     const std::optional<glm::dvec3> before = editor::plane_drag(camera, light.aim, editor::facing_normal(camera), from),
                                     after = editor::plane_drag(camera, light.aim, editor::facing_normal(camera), to);
     if (!before || !after) return light.aim;
@@ -166,7 +166,7 @@ LightHandle light_handle_at(const LightGizmo& gizmo, glm::dvec2 pointer) {
 
 AimedLight dragged(const LightGizmo& gizmo, LightHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap) {
     AimedLight light = gizmo.light;
-    if (!is_sound(light) || !editor::is_somewhere(from) || !editor::is_somewhere(to)) return light;
+    if (!is_sound(light) || !editor::is_valid_pointer(from) || !editor::is_valid_pointer(to)) return light;
     switch (handle) {
         case LightHandle::kNone:
             break;

@@ -25,10 +25,10 @@ void select_at(Context& context, glm::vec2 at) {
     const FrameInput& frame = context.frame;
     if (!frame.stage) return;
     const glm::dvec2 pixel(at.x - frame.image_area.left, at.y - frame.image_area.top);
-    context.render_thread.post([&context, pixel, camera = frame.camera, time_s = context.view.clock.shown_s(),
+    context.render_thread.post([&context, pixel, camera = frame.camera, time_s = context.view.clock.displayed_s(),
                                 id = context.editor.id(), drawn = frame.stage](editor::OnDevice& on_device) {
         if (&on_device.stage != drawn.get()) return;  // its nodes may have other numbers
-        const editor::Seen seen = editor::seen_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
+        const editor::PickedPoint seen = editor::pick_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
         context.jobs.post([&context, seen, id] {
             if (context.editor.id() == id) context.editor.select(seen.node);
             context.redraw();

@@ -55,7 +55,7 @@ void PaintTool::draw_brush(const Context& context, const PaintedPerformer& perfo
     const glm::dmat3 axes(performer.world_from_performer);
     const double scale = (glm::length(axes[0]) + glm::length(axes[1]) + glm::length(axes[2])) / 3;
     const auto radius = static_cast<float>(choice.radius_m * scale * context.frame.camera.fy /
-                                           std::max(hover_.depth_m, editor::kNearest_m));
+                                           std::max(hover_.depth_m, editor::kMinDepth_m));
     const ImGuiIO& io = ImGui::GetIO();
     const bool erases =
         choice.tool == PaintChoice::Tool::kErase || (choice.tool == PaintChoice::Tool::kColour && io.KeyCtrl);
@@ -100,7 +100,7 @@ void PaintTool::load_image(Context& context) {
     context.jobs.start("Reading an image", [this, &context, path = choice.image]() -> JobQueue::Then {
         const auto image = std::make_shared<const media::Image>(media::read_png(path));
         const auto preview =
-            std::make_shared<const media::Image>(editor::reduced(*image, factor_for(*image, kPreviewCells)));
+            std::make_shared<const media::Image>(editor::downscaled(*image, factor_for(*image, kPreviewCells)));
         return [this, &context, path, image, preview] {
             stamp_path_ = path;
             stamp_ = image;
@@ -167,7 +167,7 @@ void PaintTool::project_stamp(Context& context, const PaintedPerformer& performe
             if (!*session) {
                 subject.field = field;
                 editor::PaintArea where;
-                where.image = editor::reduced(*image, factor);
+                where.image = editor::downscaled(*image, factor);
                 where.image_camera = part_of(camera, area, where.image.width, where.image.height);
                 where.every_frame = every_frame;
                 session->emplace(subject, before, operation, std::move(where));

@@ -351,14 +351,14 @@ void PaintTool::look_under(Context& context, const PaintedPerformer& performer) 
 // Until put().
 void PaintTool::begin_task(const Context& context) {
     task_runs_ = true;
-    task_began_on_ = {context.editor.opened(), context.editor.node_count()};
+    task_began_on_ = {context.editor.open_count(), context.editor.node_count()};
 }
 
 void PaintTool::put(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
                     const std::shared_ptr<const voctree::EditLayer>& before,
                     const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) {
     task_runs_ = false;
-    if (task_began_on_ != std::pair(context.editor.opened(), context.editor.node_count())) {
+    if (task_began_on_ != std::pair(context.editor.open_count(), context.editor.node_count())) {
         context.editor.notify("the stage is another now: nothing was painted", true);
         return;
     }
@@ -385,8 +385,8 @@ std::string PaintTool::write_layer(edit::Document& document, uint32_t node, cons
         return std::find_if(worn.begin(), worn.end(), [&](const edit::ListedLayer& one) { return one.path == of; });
     };
     if (path == own_.first && at(path) == worn.end() && at(own_.second) != worn.end())
-        edit::own_paint(document, node, static_cast<size_t>(at(own_.second) - worn.begin()), path, layer);
-    return edit::put_paint(document, node, path, "paint", layer, what);
+        edit::unshare_paint(document, node, static_cast<size_t>(at(own_.second) - worn.begin()), path, layer);
+    return edit::set_paint(document, node, path, "paint", layer, what);
 }
 
 // The device is not needed: a job does it.
@@ -417,7 +417,7 @@ void PaintTool::add_layer(Context& context) {
     const auto empty = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
     const std::string name = fmt::format("paint {}", performer->layers.size() + 1);
     if (context.editor.edit([&](edit::Document& document) {
-            return edit::put_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
+            return edit::set_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
         }))
         choice.layer = path;
 }
