@@ -1,6 +1,6 @@
 // The paper's rendering: every number of a leaf evaluated at every sample, no slice. Reference for speed and correctness;
-// where kInto is not
-// kIntoRay, of the tiles where an instance may be seen that has no slice.
+// where kRayOutput is not
+// kOutputRay, of the tiles where an instance may be seen that has no slice.
 // Reads topology, weights and rows; writes as store_instance.glsl says. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes a sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -15,7 +15,7 @@ layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
 layout(constant_id = 5) const bool kRestart = false;
-layout(constant_id = 6) const uint kInto = kIntoRay;
+layout(constant_id = 6) const uint kRayOutput = kOutputRay;
 const bool kFromRoot = kRestart, kCoalesce = true, kExpensive = true;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;

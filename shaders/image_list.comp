@@ -5,7 +5,7 @@
 #include "shared/image_list.h"
 
 layout(local_size_x = kSliceGroup) in;
-layout(binding = kListSeen) uniform utextureBuffer seen;
+layout(binding = kListCovered) uniform utextureBuffer covered;
 layout(binding = kListCameras) uniform textureBuffer cameras;
 layout(binding = kListImages, r32ui) writeonly uniform uimageBuffer image_list;
 layout(binding = kListCount, std430) buffer Count { LiveCount count; };
@@ -30,7 +30,7 @@ void main() {
     bool any = false;
     for (uint row = y.x; row <= y.y; row++)
         for (uint column = x.x; column <= x.y; column++)
-            any = any || texelFetch(seen, int((view * push.tiles_down + row) * push.tiles_across + column)).x != 0u;
+            any = any || texelFetch(covered, int((view * push.tiles_down + row) * push.tiles_across + column)).x != 0u;
     if (!any) return;
     const uint listed = atomicAdd(count.slots, 1u);
     imageStore(image_list, int(listed), uvec4(tile));

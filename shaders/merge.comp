@@ -11,7 +11,7 @@
 layout(local_size_x = kTilePixels) in;
 layout(binding = kMergePages, std430) buffer Pages { uvec4 pages[]; };
 layout(binding = kMergeHeads, std430) buffer Heads { uint heads[]; };
-layout(binding = kMergeSeen) uniform utextureBuffer seen;
+layout(binding = kMergeCovered) uniform utextureBuffer covered;
 layout(binding = kMergeRadiance, rgba32f) uniform imageBuffer radiance;
 layout(binding = kMergeDepth, r32f) uniform imageBuffer depth;
 layout(push_constant) uniform Push { MergePush push; };
@@ -60,7 +60,7 @@ void add_list(uint list, float begin, inout Stretch stretch) {
 
 void main() {
     const uint tile = push.first_tile + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    if (tile >= push.end_tile || texelFetch(seen, int(tile)).x == 0u) return;
+    if (tile >= push.end_tile || texelFetch(covered, int(tile)).x == 0u) return;
     const uint ray = tile * kTilePixels + gl_LocalInvocationID.x;
     const uint first = heads[kFirstHead + ray];
     if (first == 0u) return;

@@ -10,7 +10,7 @@ layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(binding = kShadeEntries) uniform utextureBuffer entries;
 layout(binding = kShadeLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kShadePlaces) uniform utextureBuffer leaf_positions;
+layout(binding = kShadePositions) uniform utextureBuffer leaf_positions;
 layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount counts[]; };
 layout(binding = kShadeOut, rg32ui) writeonly uniform uimageBuffer shaded;
 layout(push_constant) uniform Push { ShadePush push; };

@@ -1,5 +1,5 @@
 // A ray's result as one of several instances' (trace_rays.glsl): a layer over or under what earlier ones left, or its segments,
-// for merge.comp; or what its walk was like; or alone. kInto says which. An instance of opacity o lets 1 − o (1 − T) of the light through where a solid one lets T.
+// for merge.comp; or what its walk was like; or alone. kRayOutput says which. An instance of opacity o lets 1 − o (1 − T) of the light through where a solid one lets T.
 // The includer binds imageBuffers `radiance` and `depth`, storage buffers `pages` and `heads`, utextureBuffer `sharing`, and what
 // shadow.glsl asks for.
 #ifndef NEUVV_STORE_INSTANCE_GLSL
@@ -15,9 +15,9 @@ const float kSelfShadowLift = 0.08;       // metres
 
 // All of the ray's range lies behind something solid. What is left out is less than early termination leaves out.
 bool is_hidden(Ray ray) {
-    if (kInto == kIntoRay) return false;
+    if (kRayOutput == kOutputRay) return false;
     const bool solid = imageLoad(radiance, int(ray.index)).a > 1.0 - push.box_min.w;
-    return solid && ((kInto != kIntoLayerByDepth && kInto != kIntoInspect) || imageLoad(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
+    return solid && ((kRayOutput != kOutputLayerByDepth && kRayOutput != kOutputInspect) || imageLoad(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
 }
 
 uint first_page = 0u, page = 0u, in_page = 0u;
@@ -25,7 +25,7 @@ bool no_room = false;
 
 // Whether the ray is one of a group's: where no other member is seen, a layer is the same for less.
 bool is_shared(Ray ray) {
-    return kInto == kIntoSegments && texelFetch(sharing, int(ray.index / kTilePixels)).x > 1u;
+    return kRayOutput == kOutputSegments && texelFetch(sharing, int(ray.index / kTilePixels)).x > 1u;
 }
 
 // `next`: the page that follows, or kLastPage | its segments.
@@ -51,7 +51,7 @@ bool page_has_room(Ray ray) {
 
 // `before`, `after`: transmittance of the solid instance.
 void store_segment(Ray ray, MarchSegment part, float before, float after, vec3 colour) {
-    if (kInto == kIntoInspect) inspect_segment(ray, part, before, after);
+    if (kRayOutput == kOutputInspect) inspect_segment(ray, part, before, after);
     if (!is_shared(ray) || before == after || !page_has_room(ray)) return;
     const float opacity = push.box_size.w;
     const vec2 through = 1.0 - opacity * (1.0 - vec2(before, after));
@@ -80,12 +80,12 @@ vec3 light_on(Ray ray, float world_metres) {
 }
 
 void store_ray(Ray ray, vec4 light, float metres, uint steps) {
-    if (kInto == kIntoRay) {
+    if (kRayOutput == kOutputRay) {
         imageStore(radiance, int(ray.index), light);
         imageStore(depth, int(ray.index), vec4(metres));
         return;
     }
-    if (kInto == kIntoInspect) {
+    if (kRayOutput == kOutputInspect) {
         store_inspected(ray, light.a, steps);
         return;
     }
@@ -99,7 +99,7 @@ void store_ray(Ray ray, vec4 light, float metres, uint steps) {
     }
     if (light.a > 0.0) light.rgb *= light_on(ray, world_metres);
     light *= push.box_size.w;
-    if (kInto == kIntoLayerByDepth)
+    if (kRayOutput == kOutputLayerByDepth)
         store_by_depth(int(ray.index), light, world_metres);
     else
         store_under(int(ray.index), light, world_metres);

@@ -11,7 +11,7 @@
 layout(local_size_x = kSliceGroup) in;
 layout(binding = kRangeNodes) uniform utextureBuffer nodes;
 layout(binding = kRangeInner) uniform utextureBuffer inner_cells;
-layout(binding = kRangePlaces) uniform utextureBuffer node_places;
+layout(binding = kRangePositions) uniform utextureBuffer node_positions;
 layout(binding = kRangeViews) uniform textureBuffer range_views;
 layout(binding = kRangeCameras) uniform textureBuffer cameras;
 layout(binding = kRangeTiles, std430) buffer Tiles { uint tile_ranges[]; };
@@ -86,7 +86,7 @@ void main() {
     const uvec2 live = texelFetch(nodes, int(push.node_base + node)).xy;
     const uvec2 leaves = node < push.whole_from ? live & ~texelFetch(inner_cells, int(node)).xy : live;
     if (leaves == uvec2(0u)) return;
-    const uvec2 place = texelFetch(node_places, int(node)).xy;
+    const uvec2 place = texelFetch(node_positions, int(node)).xy;
     const vec3 corner = 4.0 * vec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu);
     const vec3 cell = push.box_size.xyz / float(4u << (2u * (place.y >> 16u)));
     const Box cells = cells_box(leaves);

@@ -15,7 +15,7 @@ layout(constant_id = 3) const bool kShaded = true;
 layout(constant_id = 4) const bool kRestart = false;
 layout(constant_id = 5) const bool kFromRoot = false;
 layout(constant_id = 6) const bool kCoalesce = true;
-layout(constant_id = 7) const uint kInto = kIntoLayer;
+layout(constant_id = 7) const uint kRayOutput = kOutputLayer;
 layout(constant_id = 8) const bool kColourless = false;
 const bool kExpensive = false;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;

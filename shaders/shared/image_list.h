@@ -5,7 +5,7 @@
 
 NEUVV_SHARED
 
-CONSTEXPR uint kListSeen = 0u;     // per tile of rays: whether any instance of the frame may be seen there
+CONSTEXPR uint kListCovered = 0u;  // per tile of rays: whether any instance of the frame may be seen there
 CONSTEXPR uint kListCameras = 1u;  // as kTraceCameras: where rays stand is as the first `views` of them say
 CONSTEXPR uint kListImages = 2u;   // those tiles, then kNoTile
 CONSTEXPR uint kListCount = 3u;    // a LiveCount of them

@@ -1,7 +1,7 @@
 // Inspecting rays: what a walk was like in place of the light that it gathered, and the pass that makes images
 // of it.
 //
-// An instance that is traced into kIntoInspect (shared/trace.h) leaves in the rays' buffers
+// An instance that is traced into kOutputInspect (shared/trace.h) leaves in the rays' buffers
 //   radiance: the octree's level (a leaf's edge is the box's / 2^level) of the leaf in which the alpha of one instance,
 //   the
 //             nearest to do so, first passes kInspectAlpha, 0 where none does; steps of all instances' walks: nodes

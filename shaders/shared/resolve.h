@@ -17,7 +17,7 @@ CONSTEXPR uint kResolveCameras = 4u;  // as kTraceCameras
 CONSTEXPR uint kResolveSetColour = 5u;
 CONSTEXPR uint kResolveSetFront = 6u;
 CONSTEXPR uint kResolveSetDepth = 7u;
-CONSTEXPR uint kUpscaleReach = 2u;  // rays that its filter takes on each side of a place
+CONSTEXPR uint kUpscaleRadius = 2u;  // rays that its filter takes on each side of a place
 
 CONSTEXPR uint kShowColour = 0u;
 CONSTEXPR uint kShowAlpha = 1u;

@@ -21,7 +21,7 @@ CONSTEXPR uint kFirstHead = 1u;
 // merge.comp
 CONSTEXPR uint kMergePages = 0u;
 CONSTEXPR uint kMergeHeads = 1u;
-CONSTEXPR uint kMergeSeen = 2u;  // as kRangeSeen
+CONSTEXPR uint kMergeCovered = 2u;  // as kRangeCovered
 CONSTEXPR uint kMergeRadiance = 3u;
 CONSTEXPR uint kMergeDepth = 4u;
 

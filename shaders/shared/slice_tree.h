@@ -57,8 +57,8 @@ struct SliceEntriesPush {
 // shade.comp
 CONSTEXPR uint kShadeEntries = 0u;
 CONSTEXPR uint kShadeLeaves = 1u;
-CONSTEXPR uint kShadePlaces = 2u;  // per leaf: as Field::leaf_positions
-CONSTEXPR uint kShadeCount = 3u;   // as kNodesCount
+CONSTEXPR uint kShadePositions = 2u;  // per leaf: as Field::leaf_positions
+CONSTEXPR uint kShadeCount = 3u;      // as kNodesCount
 CONSTEXPR uint kShadeOut = 4u;
 
 struct ShadePush {
@@ -73,13 +73,13 @@ struct ShadePush {
 // tile_range.comp and tile_list.comp. Tiles of several views stand behind each other.
 CONSTEXPR uint kRangeNodes = 0u;  // of a slice tree or of the whole tree: their first two words
 CONSTEXPR uint kRangeInner = 1u;
-CONSTEXPR uint kRangePlaces = 2u;   // per node: as Field::node_places
-CONSTEXPR uint kRangeViews = 3u;    // a RangeView each
+CONSTEXPR uint kRangePositions = 2u;  // per node: as Field::node_positions
+CONSTEXPR uint kRangeViews = 3u;      // a RangeView each
 CONSTEXPR uint kRangeTiles = 4u;    // per tile: bits of the least distance, and the complement of those of the largest
 CONSTEXPR uint kRangeList = 5u;     // tiles of rays where the instance may be seen, then kNoTile
 CONSTEXPR uint kRangeCount = 6u;    // a LiveCount of them
 CONSTEXPR uint kRangeSharing = 9u;  // per tile of rays: how many instances of a group may be seen there
-CONSTEXPR uint kRangeSeen = 7u;     // per tile of rays: whether any instance of the frame may be seen there
+CONSTEXPR uint kRangeCovered = 7u;  // per tile of rays: whether any instance of the frame may be seen there
 CONSTEXPR uint kRangeCameras = 8u;  // as kTraceCameras: where rays stand is as the first `views` of them say
 
 CONSTEXPR uint kListRow = 32768u;  // workgroups a row of the dispatch over the list

@@ -41,11 +41,11 @@ CONSTEXPR uint kLit = 1u;
 CONSTEXPR uint kShadowed = 2u;
 
 // What becomes of a ray's result (store_instance.glsl)
-CONSTEXPR uint kIntoRay = 0u;           // it alone
-CONSTEXPR uint kIntoLayer = 1u;         // under what stands there
-CONSTEXPR uint kIntoLayerByDepth = 2u;  // over or under it, by depth (errata 11)
-CONSTEXPR uint kIntoSegments = 3u;
-CONSTEXPR uint kIntoInspect = 4u;  // no light, but what the walk was like (shared/inspect.h)
+CONSTEXPR uint kOutputRay = 0u;           // it alone
+CONSTEXPR uint kOutputLayer = 1u;         // under what stands there
+CONSTEXPR uint kOutputLayerByDepth = 2u;  // over or under it, by depth (errata 11)
+CONSTEXPR uint kOutputSegments = 3u;
+CONSTEXPR uint kOutputInspect = 4u;  // no light, but what the walk was like (shared/inspect.h)
 
 // Where the rays of an axis stand in the image: as dense as the slopes say before, inside and beyond an inset
 // (grid.glsl).

@@ -34,7 +34,7 @@ class Drawn {
           uint32_t pairs = kPairs)
         : field(render::upload_field(device, tree, render::WeightPrecision::kFloat)),
           live(device, field, field.leaf_count),
-          trees(device, field, render::most_entries(field), 2),
+          trees(device, field, render::max_entries(field), 2),
           shaded(render::shaded_entries(device, trees.capacity)),
           tiles(render::tiles_of_image(0, width, height)),
           target(device, 1, static_cast<uint32_t>(tiles.size()), 1),
@@ -60,7 +60,7 @@ class Drawn {
         return draw(camera, samples, [&](gpu::Commands& commands, const ShaderCamera& seen) {
             *target.ranges.views.as<RangeView>() = render::range_view(seen);
             render::record_clear(commands, rays, static_cast<uint32_t>(tiles.size()));
-            render::record_unseen(commands, target.ranges);
+            render::record_clear_coverage(commands, target.ranges);
             render::record_tile_ranges(commands, ranger_, kSlice, 0, field.node_levels - 1,
                                        {camera.width, camera.height, samples});
             render::record_trace_tree(commands, tracer_, kSlice, {.stop = stop});

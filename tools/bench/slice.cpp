@@ -38,7 +38,7 @@ double entry_bytes(const render::Field& field, double live) {
 
 SliceTimes measure(const gpu::Device& device, const render::Field& field, const SliceOptions& options) {
     const render::LiveLeaves live(device, field, field.leaf_count);
-    const render::SliceTrees trees(device, field, render::most_entries(field), 1);
+    const render::SliceTrees trees(device, field, render::max_entries(field), 1);
     const render::TreeSlicer slicer(device, field, live, trees);
     const render::Slice slots(device, field, field.leaf_count);
     const render::Slicer slot_slicer(device, field, slots);

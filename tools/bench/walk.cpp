@@ -56,7 +56,7 @@ class WalkBench {
           field_(render::upload_field(device, tree, render::WeightPrecision::kHalf)),
           layout_{size.width, size.height},
           live_(device, field_, field_.leaf_count),
-          trees_(device, field_, render::most_entries(field_), 1),
+          trees_(device, field_, render::max_entries(field_), 1),
           shaded_(render::shaded_entries(device, trees_.capacity)),
           target_(device, 2, layout_.ray_tiles(), layout_.image_tiles()),
           slicer_(device, field_, live_, trees_),
@@ -66,8 +66,8 @@ class WalkBench {
         std::copy(tiles.begin(), tiles.end(), target_.rays.tiles.as<Tile>());
         for (const Step& step : steps())
             tracers_.push_back(std::make_unique<render::TreeTracer>(device, field_, trees_, shaded_, target_,
-                                                                    render::Shading::kPerLeaf, render::Into::kLayer,
-                                                                    nullptr, step.walk));
+                                                                    render::Shading::kPerLeaf,
+                                                                    render::RayOutput::kLayer, nullptr, step.walk));
     }
 
     // GPU milliseconds of the trace of each step, for one view.
@@ -95,7 +95,7 @@ class WalkBench {
         const auto finest = static_cast<uint32_t>(field_.level_begin.size()) - 2;
         commands_.begin();
         render::record_clear(commands_, target_.rays, layout_.ray_tiles());
-        render::record_unseen(commands_, target_.ranges);
+        render::record_clear_coverage(commands_, target_.ranges);
         if (ranged) render::record_tile_ranges(commands_, ranger_, 0, 1, finest, layout_);
         render::record_trace_tree(commands_, tracer, 0, {.first_camera = 1});
         commands_.submit();

@@ -23,7 +23,7 @@ bool Mirror::show(const gpu::DeviceImage* image) {
     if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
     if (!commands_.is_done()) return true;  // the monitor is slower than the headset: leave this image out
     commands_.wait();
-    if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height)
+    if (swapchain_.is_outdated() || framebuffer.width != extent.width || framebuffer.height != extent.height)
         swapchain_.resize(framebuffer);
     gpu::CommandSemaphores semaphores;
     const std::optional<gpu::PresentTarget> target = swapchain_.acquire(semaphores);
