@@ -197,8 +197,9 @@ void print_box(const std::optional<Box>& given, const Finding<Box>& hull) {
 }
 
 void print_memory(const training::Rig& rig) {
-    print_field("memory", fmt::format("{} for these images in training, next to the model; half of what is free is {}",
-                                      size_text(training::image_need(rig).bytes), size_text(training::image_budget())));
+    print_field("memory",
+                fmt::format("{} for these images in training, next to the model; half of what is free is {}",
+                            size_text(training::image_memory(rig).bytes), size_text(training::image_budget())));
 }
 
 void draw(const std::filesystem::path& folder, const training::Rig& rig, const std::vector<training::RigCamera>& train,

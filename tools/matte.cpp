@@ -16,12 +16,12 @@ namespace neuvv::tools {
 namespace {
 
 struct MatteOptions {
-    training::MakeMattes what;
+    training::MatteJob what;
     bool overwrite = false;
 };
 
 void run_matte(MatteOptions options) {
-    training::MakeMattes& what = options.what;
+    training::MatteJob& what = options.what;
     if (what.output.empty()) what.output = what.dataset / "mattes";
     if (!options.overwrite && training::count_existing_mattes(what) > 0)
         throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
@@ -29,7 +29,7 @@ void run_matte(MatteOptions options) {
     prepare_output_folder("--output", what.output);
     catch_stop_signals();
     std::unique_ptr<Progress> progress;
-    const training::MattesMade made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
+    const training::MatteSummary made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
         if (!progress) progress = std::make_unique<Progress>("matte", total);
         progress->update(done);
         return !stop_requested();
@@ -46,7 +46,7 @@ void run_matte(MatteOptions options) {
 
 void add_matte(CLI::App& app, CommonOptions&) {
     auto options = std::make_shared<MatteOptions>();
-    training::MakeMattes& what = options->what;
+    training::MatteJob& what = options->what;
     CLI::App* verb = app.add_subcommand("matte", "Find the performer in images that have no alpha");
     verb->add_option("dataset", what.dataset, "The data set's folder (see training/README.md)")->required();
     add_format_option(*verb, what.format);

@@ -55,7 +55,7 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
     settings.steps = options.psi_steps;
     double printed = -1e9;
     voctree::VOctree tree =
-        training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbove, settings,
+        training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbovePixel, settings,
                            [&](const training::PsiProgress& now) {
                                if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
                                    print_psi_progress(now, !stderr_is_terminal());
@@ -86,7 +86,7 @@ training::LoadOptions load_options(const TrainOptions& options) {
 training::Dataset load_images(const TrainOptions& options, const training::LoadOptions& load) {
     const uint64_t budget = load.memory_bytes;
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
-    const training::ImageNeed need = training::image_need(rig);
+    const training::ImageMemory need = training::image_memory(rig);
     fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}, budget {}{}\n", options.dataset.string(),
                need.cameras, need.frames, need.images, need.width, need.height, size_text(need.bytes),
                size_text(budget), need.bytes > budget ? ": streamed from disk" : "");
