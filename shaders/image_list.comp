@@ -1,5 +1,7 @@
-// Lists the tiles of the images that any ray with an instance before it adds to, so that only those are resolved.
-// Reads some words a tile; writes one for each that sees. One thread a tile of all images; trivial work.
+// Image list: lists the tiles of the images that use rays of a tile that an instance may cover, so that only these are
+// resolved.
+// Reads a word for each tile of rays that a tile of an image uses; writes one word per listed tile. One thread per tile
+// of all images; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/image_list.h"
@@ -12,11 +14,11 @@ layout(binding = kListCount, std430) buffer Count { LiveCount count; };
 layout(push_constant) uniform Push { ImageListPush push; };
 #include "grid.glsl"
 
-// The first and the last tile of rays along an axis that pixels of the image's tile `at` take from.
+// The first and the last tile of rays along an axis that pixels of the image's tile `at` use.
 uvec2 ray_tiles(uint view, uint axis, uint at, uint tiles) {
     const GridAxis grid = camera_axis(view, axis);
     const float pixel = float(push.samples * kTile * at), end = pixel + float(push.samples * kTile);
-    const ivec2 rays = ivec2(floor(ray_of_pixel(grid, pixel)) - push.reach, ceil(ray_of_pixel(grid, end)) - 1.0 + push.reach);
+    const ivec2 rays = ivec2(floor(ray_of_pixel(grid, pixel)) - push.radius, ceil(ray_of_pixel(grid, end)) - 1.0 + push.radius);
     return uvec2(clamp(rays / int(kTile), ivec2(0), ivec2(tiles - 1u)));
 }
 

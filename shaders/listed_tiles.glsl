@@ -1,10 +1,10 @@
-// Only the tiles where an instance may be seen have a workgroup (tile_range.comp), and its rays end where their tile's range
-// does, or at the set before them. Where kRayOutput is kOutputRay, as every_tile.glsl. The includer binds utextureBuffers `tile_list`
-// and `tile_ranges` and textureBuffer `set_depth`.
+// For ray.glsl, where only the tiles that an instance may cover have a workgroup (tile_range.comp), and rays end at the
+// end of their tile's range or at the set. Where kRayOutput is kOutputRay, the functions are those of every_tile.glsl.
+// The includer binds utextureBuffers `tile_list` and `tile_ranges` and textureBuffer `set_depth`.
 #ifndef NEUVV_LISTED_TILES_GLSL
 #define NEUVV_LISTED_TILES_GLSL
 
-// kNoTile beyond the list: such a tile has no rays.
+// Beyond the list's end this is kNoTile, and such a tile has no rays.
 uint tile_group() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     return kRayOutput != kOutputRay ? texelFetch(tile_list, int(group)).x : group;
@@ -19,7 +19,7 @@ vec2 tile_range(uint tile) {
 
 uint first_camera() { return kRayOutput != kOutputRay ? push.first_camera : 0u; }
 
-// Metres along a camera's axis at which the set ends what is seen at a place of a view's image.
+// The distance of the set, metres along the camera's axis, at a position of a view's image.
 float set_end(uint view, vec2 at) {
     if (kRayOutput == kOutputRay || push.set_width == 0u) return 1e30;
     const uvec2 texel = uvec2(at);

@@ -1,5 +1,7 @@
-// Lists the tiles where an instance may be seen (tile_range.comp), so that only those are traced, and remembers them.
-// Reads a word a tile; writes two for each that sees. One thread a tile of all views; trivial work.
+// Tile list: lists the tiles that an instance may cover (tile_range.comp), so that only these are traced, and marks
+// them as covered.
+// Reads one word per tile; writes two words, or three where instances are counted, per covered tile. One thread per
+// tile of all views; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"

@@ -170,7 +170,7 @@ stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, 
                    ? orbit_camera(occupied_box(scene.clip->tree), options.orbit_deg.value_or(0), size)
                    : path_camera(options, size);
     const StagedPerformer& staged = *scene.staged;
-    if (!stage::is_placeable(staged.stands().world_from_performer))
+    if (!stage::is_valid_transform(staged.stands().world_from_performer))
         throw InputError(
             options.scene, fmt::format("/nodes/{}", staged.who().node),
             fmt::format("\"{}\" is flat, or out of this world, at {} s", staged.who().name, staged.evaluated.time_s),

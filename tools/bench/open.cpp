@@ -107,7 +107,8 @@ void report(const OpenOptions& options, const gpu::Device& device, uint64_t byte
         fmt::print("the first image takes {:.1f} % of the time of the whole, and has {:.1f} dB against it\n",
                    100 * share, psnr);
     else
-        fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n", voctree::kCoarseFrom);
+        fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n",
+                   voctree::kMinLeavesForCoarse);
 }
 
 void write_synthetic(const OpenOptions& options) {
