@@ -7,7 +7,7 @@
 #include "gpu/device.h"
 #include "tools/commands.h"
 #include "tools/options.h"
-#include "tools/progress.h"
+#include "tools/report.h"
 #include "training/capture.h"
 
 namespace neuvv::tools {
@@ -44,14 +44,14 @@ void run_capture(Options& options, const CommonOptions& common) {
     prepare_output_folder("--output", options.folder);
     catch_stop_signals();
     const gpu::Device device(common.device);
-    std::unique_ptr<Progress> progress;
+    Progress progress("capture");
     const training::CaptureResult result =
         training::capture(device, options.model, options.folder, settings, [&](uint64_t done, uint64_t total) {
-            if (!progress) progress = std::make_unique<Progress>("capture", total);
-            progress->update(done, "pictures");
+            progress.set_total(total);
+            progress.update(done, "pictures");
             return done == total || !stop_requested();
         });
-    progress.reset();
+    progress.finish();
     if (!result.complete)
         throw RuntimeFailure(
             fmt::format("stopped; {} has images but no transforms: run capture again", options.folder));

@@ -1,4 +1,6 @@
 // neuvv xr: a headset to watch and edit in.
+#include <fmt/format.h>
+
 #include "tools/commands.h"
 #include "tools/headset/headset.h"
 #include "tools/options.h"
