@@ -13,10 +13,10 @@
 #include "tools/commands.h"
 #include "tools/eval_page.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "training/contact_sheet.h"
 #include "training/evaluate.h"
+#include "training/formats.h"
 #include "training/lpips.h"
 #include "voctree/clip.h"
 
@@ -46,6 +46,13 @@ double mean_lpips(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(std::max<size_t>(values.size(), 1));
 }
 
+// Numbers of a camera's or a frame's images, behind what says which camera or frame it is.
+nlohmann::ordered_json group_json(nlohmann::ordered_json json, const training::Evaluation::Group& group) {
+    json.update(json_of(group.quality));
+    json["images"] = group.images;
+    return json;
+}
+
 // `lpips` by view, or empty.
 nlohmann::ordered_json json_of(const EvalOptions& options, const training::Dataset& dataset,
                                const training::Evaluation& evaluation, const std::vector<double>& lpips) {
@@ -57,18 +64,10 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const training::Datas
     json["samples"] = options.samples;
     json["cameras"] = json["frames"] = json["images"] = nlohmann::ordered_json::array();
     const std::vector<std::string> labels = training::camera_labels(dataset);
-    for (size_t i = 0; i < evaluation.cameras.size(); ++i) {
-        nlohmann::ordered_json camera = {{"camera", i}, {"name", labels[i]}};
-        camera.update(json_of(evaluation.cameras[i].quality));
-        camera["images"] = evaluation.cameras[i].images;
-        json["cameras"].push_back(camera);
-    }
-    for (size_t i = 0; i < evaluation.frames.size(); ++i) {
-        nlohmann::ordered_json frame = {{"frame", i}, {"time", dataset.times[i]}};
-        frame.update(json_of(evaluation.frames[i].quality));
-        frame["images"] = evaluation.frames[i].images;
-        json["frames"].push_back(frame);
-    }
+    for (size_t i = 0; i < evaluation.cameras.size(); ++i)
+        json["cameras"].push_back(group_json({{"camera", i}, {"name", labels[i]}}, evaluation.cameras[i]));
+    for (size_t i = 0; i < evaluation.frames.size(); ++i)
+        json["frames"].push_back(group_json({{"frame", i}, {"time", dataset.times[i]}}, evaluation.frames[i]));
     for (size_t i = 0; i < evaluation.views.size(); ++i) {
         const training::View& view = dataset.views[i];
         nlohmann::ordered_json image = {{"name", view.name},
@@ -138,10 +137,6 @@ void prepare_outputs(const EvalOptions& options) {
     if (!options.json.empty() && options.json != "-") prepare_output_file("--json", options.json);
     if (!options.html.empty()) prepare_output_file("--html", options.html);
     if (!options.images.empty()) prepare_output_folder("--images", options.images);
-}
-
-void write_text_file(const std::string& path, const std::string& text) {
-    write_file_atomically(path, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {

@@ -175,4 +175,8 @@ void prepare_output_file(const std::string& option, const std::filesystem::path&
     prepare_output_folder(option, link_target(file).parent_path());
 }
 
+void write_text_file(const std::filesystem::path& file, const std::string& text) {
+    write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
+}
+
 }  // namespace neuvv::tools

@@ -50,5 +50,7 @@ ImageOutput parse_output(const std::string& text);
 // working one) where it is missing, and expects that it can be written into. `option` is for the error.
 void prepare_output_folder(const std::string& option, const std::filesystem::path& folder);
 void prepare_output_file(const std::string& option, const std::filesystem::path& file);
+// Writes a whole file, atomically. Throws RuntimeFailure.
+void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace neuvv::tools
