@@ -14,6 +14,7 @@
 #include "tools/report.h"
 #include "tools/rig_drawing.h"
 #include "training/contact_sheet.h"
+#include "training/formats.h"
 #include "training/hull.h"
 #include "training/images.h"
 
