@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "render/stage_renderer.h"
 #include "tools/light_shares.h"
-#include "tools/progress.h"
-#include "tools/render_job.h"
+#include "tools/render.h"
+#include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 
@@ -62,10 +62,9 @@ void expect_stage_options(const RenderOptions& options) {
 }
 
 void override_settings(const RenderOptions& options, stage::Stage& stage) {
-    if (options.blend)
-        stage.settings.blend = *options.blend == "paper" ? stage::StageBlend::kPaper : stage::StageBlend::kExact;
-    if (options.shadows) stage.settings.shadows = *options.shadows == "on";
-    if (options.falloff) stage.settings.falloff = *options.falloff == "on";
+    stage.settings.blend = options.blend.value_or(stage.settings.blend);
+    stage.settings.shadows = options.shadows.value_or(stage.settings.shadows);
+    stage.settings.falloff = options.falloff.value_or(stage.settings.falloff);
 }
 
 // One turn around the stage, for stages that nobody has put a camera on.
@@ -220,7 +219,7 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     ImageSink sink(plan.output, plan.size, plan.fps, stage_facts(options, plan), options.resume);
     const gpu::Device device(common.device);
     render::FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
-    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    capacity.slice_budget = bytes_of_mebibytes(options.slice_budget_mb);
     Progress reading("read", plan.stage.clips.size());
     const auto read = [&](size_t done, size_t) { reading.update(done); };
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);

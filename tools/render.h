@@ -1,10 +1,12 @@
-// What `neuvv render` is asked for, and what rendering a clip and rendering a stage share.
+// What a user may set of `neuvv render`, and what rendering a clip (render_clip.cpp) and a stage (render_stage.cpp)
+// share.
 #pragma once
 
 #include <functional>
 #include <optional>
 
 #include "render/frame.h"
+#include "stage/stage_settings.h"
 #include "tools/commands.h"
 #include "tools/image_sink.h"
 
@@ -24,8 +26,8 @@ struct RenderOptions {
     bool capture = false;  // the first image, by RenderDoc
     // Of a stage: seconds, "A:B"; and what stands in for its own settings.
     std::string time;
-    std::optional<std::string> blend;
-    std::optional<std::string> shadows, falloff;  // on, off
+    std::optional<stage::StageBlend> blend;
+    std::optional<bool> shadows, falloff;
 };
 
 struct RenderTotals {
