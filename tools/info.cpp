@@ -9,7 +9,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
-#include "tools/stage_info.h"
+#include "tools/stage_verbs.h"
 #include "voctree/clip.h"
 #include "voctree/nvv.h"
 

@@ -1,4 +1,4 @@
-#include "tools/stage_info.h"
+#include "tools/stage_verbs.h"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ struct ClipMemory {
 std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInfoOptions& options,
                                        const CommonOptions& common) {
     const gpu::Device device(common.device);
-    const auto budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    const uint64_t budget = bytes_of_mebibytes(options.slice_budget_mb);
     std::vector<ClipMemory> all;
     for (const stage::StageClip& clip : stage.clips) {
         const uint64_t before = device.buffer_bytes();
