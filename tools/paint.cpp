@@ -10,8 +10,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "tools/commands.h"
-#include "tools/painted_scene.h"
-#include "tools/progress.h"
+#include "tools/paint.h"
 #include "tools/report.h"
 #include "voctree/nvpaint.h"
 

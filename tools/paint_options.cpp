@@ -1,9 +1,8 @@
-#include "tools/paint_options.h"
+#include "tools/paint.h"
 
 #include "base/error.h"
 #include "stage/stage_settings.h"
 #include "tools/commands.h"
-#include "tools/options.h"
 
 namespace neuvv::tools {
 
@@ -40,12 +39,11 @@ void add_frame_options(CLI::App& verb, PaintOptions& options) {
 }
 
 CLI::Option* add_follow_option(CLI::App& verb, PaintOptions& options) {
-    return verb
-        .add_option("--follow", options.follow,
-                    "not: at --frames, whatever leaves show then; run: as long as a leaf stays opaque around --at (or "
-                    "--frames); all: whenever it is opaque")
-        ->check(CLI::IsMember({"not", "run", "all"}))
-        ->capture_default_str();
+    static constexpr const char* kNames[] = {"not", "run", "all"};  // by Follow
+    return add_choice(
+        verb, "--follow", options.follow, kNames,
+        "not: at --frames, whatever leaves show then; run: as long as a leaf stays opaque around --at (or "
+        "--frames); all: whenever it is opaque (default: not)");
 }
 
 void add_camera_options(CLI::App& verb, PaintOptions& options) {
@@ -119,9 +117,7 @@ void expect_change(const PaintOptions& options) {
 
 edit::EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_frames) {
     edit::EditFrames frames;
-    frames.follow = options.follow == "all"   ? edit::Follow::kAll
-                    : options.follow == "run" ? edit::Follow::kRun
-                                              : edit::Follow::kNot;
+    frames.follow = options.follow.value_or(edit::Follow::kNot);
     const FrameRange range = parse_frame_range(options.frames, clip_frames);
     const bool evaluated = options.frames.empty() && frames.follow != edit::Follow::kNot;
     frames.first = evaluated ? at : static_cast<float>(range.first);

@@ -1,4 +1,4 @@
-#include "tools/painted_scene.h"
+#include "tools/paint.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,6 @@
 #include "edit/operations.h"
 #include "editor/open_file.h"
 #include "render/trace.h"
-#include "tools/render_job.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 #include "voctree/clip.h"
