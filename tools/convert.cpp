@@ -12,7 +12,6 @@
 #include "base/platform.h"
 #include "render/frame.h"
 #include "tools/commands.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/compact.h"
@@ -45,8 +44,7 @@ class Views {
   public:
     Views(const gpu::Device& device, const voctree::VOctree& tree, const ConvertOptions& options)
         : device_(device), size_(parse_size(options.size)) {
-        const std::vector<ViewStep> path =
-            orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size_);
+        const std::vector<ViewStep> path = orbit_path(tree, size_);
         for (size_t i = 0; i < options.views; i++)  // the middles of equal parts
             views_.push_back(path[(2 * i + 1) * path.size() / (size_t{2} * options.views)]);
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <map>
 
 #include "base/text.h"
 #include "training/contact_sheet.h"
@@ -231,26 +232,16 @@ std::string controls(const training::Dataset& dataset, const training::Evaluatio
 }  // namespace
 
 std::string html_text(const std::string& text) {
+    static const std::map<char, const char*> kEntities = {
+        {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
     std::string safe;
-    for (const char c : text) switch (c) {
-            case '<':
-                safe += "&lt;";
-                break;
-            case '>':
-                safe += "&gt;";
-                break;
-            case '&':
-                safe += "&amp;";
-                break;
-            case '"':
-                safe += "&quot;";
-                break;
-            case '\'':
-                safe += "&#39;";
-                break;
-            default:
-                safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-        }
+    for (const char c : text) {
+        const auto entity = kEntities.find(c);
+        if (entity != kEntities.end())
+            safe += entity->second;
+        else
+            safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
     return safe;
 }
 

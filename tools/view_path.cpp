@@ -100,17 +100,21 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
     std::vector<ViewStep> path(count);
     for (size_t i = 0; i < count; ++i) {
         const Axes axes = orbit_axes(static_cast<double>(i) / static_cast<double>(count));
-        stage::Camera& camera = path[i].camera;
-        camera.width = size.width;
-        camera.height = size.height;
-        camera.fx = camera.fy = 0.5 * shorter / tan_short;
-        camera.cx = 0.5 * size.width;
-        camera.cy = 0.5 * size.height;
-        camera.world_from_camera = glm::dmat4(glm::dvec4(axes.right, 0), glm::dvec4(axes.up, 0),
-                                              glm::dvec4(axes.back, 0), glm::dvec4(centre + distance * axes.back, 1));
-        path[i].frame = playing_frame(playback, static_cast<double>(i));
+        const glm::dmat4 world_from_camera(glm::dvec4(axes.right, 0), glm::dvec4(axes.up, 0), glm::dvec4(axes.back, 0),
+                                           glm::dvec4(centre + distance * axes.back, 1));
+        path[i] = {centred_camera(size, 0.5 * shorter / tan_short, world_from_camera),
+                   playing_frame(playback, static_cast<double>(i))};
     }
     return path;
+}
+
+std::vector<ViewStep> orbit_path(const voctree::VOctree& tree, media::ImageSize size) {
+    return orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+}
+
+stage::Camera centred_camera(media::ImageSize size, double focal_length_px, const glm::dmat4& world_from_camera) {
+    return {world_from_camera, focal_length_px, focal_length_px, 0.5 * size.width,
+            0.5 * size.height, size.width,      size.height};
 }
 
 std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& playback, uint32_t clip_frames,

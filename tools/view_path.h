@@ -30,6 +30,11 @@ std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree);
 // taken four seconds. The whole box is in every image. Throws InputError for too many images.
 std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,
                                  media::ImageSize size);
+// The same around a clip's leaves, while all of the clip plays at its own rate.
+std::vector<ViewStep> orbit_path(const voctree::VOctree& tree, media::ImageSize size);
+
+// A camera whose principal point is the middle of its image.
+stage::Camera centred_camera(media::ImageSize size, double focal_length_px, const glm::dmat4& world_from_camera);
 
 // Along a camera path, image i at i / output_fps seconds: a cycle once around, an open path from its first key to its
 // last, the performance at the path's clip times, else as the clip plays, over and over. One key without a clip time is

@@ -13,7 +13,6 @@
 #include "editor/editor.h"
 #include "stage/stage.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
 #include "tools/options.h"
 #include "tools/report.h"
 

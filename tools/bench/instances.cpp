@@ -4,14 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "render/frame.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
@@ -54,28 +50,16 @@ std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std:
 stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, media::ImageSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
-    stage::Camera camera;
-    camera.width = size.width;
-    camera.height = size.height;
-    camera.cx = 0.5 * size.width;
-    camera.cy = 0.5 * size.height;
-    camera.fx = camera.fy = 1.2 * std::min(size.width, size.height);
-    camera.world_from_camera = glm::translate(glm::dmat4(1), middle + glm::dvec3(0, 0, 2.6 * radius_m));
-    return camera;
+    return tools::centred_camera(size, 1.2 * std::min(size.width, size.height),
+                                 glm::translate(glm::dmat4(1), middle + glm::dvec3(0, 0, 2.6 * radius_m)));
 }
 
-// Frames of so many instances each, one after the other.
+// Draws frames of so many instances each, one after the other.
 Shown show(const gpu::Device& device, const render::Field& field, const InstancesOptions& options,
            const stage::Camera& camera, const std::vector<std::vector<render::Instance>>& frames) {
     const uint64_t before = device.buffer_bytes();
-    render::FrameCapacity capacity{camera.width, camera.height};
-    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    render::FrameRenderer renderer(device, field, capacity);
-    render::FrameSettings settings;
-    settings.width = camera.width;
-    settings.height = camera.height;
-    settings.mode = render::TraceMode::kPlay;
-    settings.resolve.background = {1, 1, 1, 1};
+    render::FrameRenderer renderer(device, field, capacity_of(options));
+    render::FrameSettings settings = play_settings({camera.width, camera.height});
     Shown shown;
     for (const std::vector<render::Instance>& instances : frames) {
         settings.instances = instances;
@@ -85,7 +69,7 @@ Shown show(const gpu::Device& device, const render::Field& field, const Instance
             shown.ms.push_back(milliseconds(renderer.pass_times()));
             add_image(shown.passes, renderer.pass_times());
         }
-        for (const glm::vec4 ray : renderer.radiance()) shown.covered += ray.a > 1.0f / 255;
+        shown.covered += covered_rays(renderer.radiance());
         if (const render::SliceCache* slices = renderer.performer()->slices())
             for (const render::Instance& instance : instances)
                 shown.slices += slices->find({instance.frame, instance.paint}).has_value();
@@ -143,17 +127,14 @@ void print(const Result& result, const gpu::Device& device, const InstancesOptio
                (static_cast<double>(result.all.buffer_bytes) - static_cast<double>(result.one.buffer_bytes)) / 1048576);
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const InstancesOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const InstancesOptions& options) {
     const auto shown = [&](const Shown& one, uint32_t frames) {
         return nlohmann::ordered_json{{"ms", mean(one.ms)},
                                       {"covered_rays", one.covered / frames},
                                       {"with_a_slice", one.slices},
                                       {"bytes", one.buffer_bytes + result.field_bytes}};
     };
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"count", options.count},
+    return {{"count", options.count},
             {"slice_budget_mb", options.slice_budget_mb},
             {"one", shown(result.one, options.count)},
             {"all", shown(result.all, 1)},
@@ -169,33 +150,28 @@ void run(const InstancesOptions& options, const tools::CommonOptions& common) {
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
     if (!options.image.empty()) media::write_png(options.image, result.all.image);
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(result, device, options)));
-    else
-        print(result, device, options);
+    report(options, device, json_of(result, options), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_instances(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<InstancesOptions>();
-    CLI::App* verb = add_verb(
-        app,
+    auto [verb, options] = add_verb(
+        app, common,
         {"instances",
          "Copies of a performer, each at its own place and time",
          "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
          "covered rays and device memory of both.\n",
          {"build/performer.nvv", "build/performer.nvv --count 32 --slice-budget 0"}},
-        *options);
-    verb->add_option("--count", options->count, "Copies, each turned and at its own time")
+        run);
+    verb->add_option("--count", options.count, "Copies, each turned and at its own time")
         ->check(CLI::Range(2u, render::kMaxInstances))
         ->capture_default_str();
-    tools::add_slice_budget_option(*verb, options->slice_budget_mb);
-    add_size_option(*verb, *options);
-    add_repeats_option(*verb, *options, "Images of each that the means are over");
-    add_image_option(*verb, *options);
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    tools::add_slice_budget_option(*verb, options.slice_budget_mb);
+    add_size_option(*verb, options);
+    add_repeats_option(*verb, options, "Images of each that the means are over");
+    add_image_option(*verb, options);
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

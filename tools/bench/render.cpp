@@ -3,19 +3,15 @@
 
 #include <chrono>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <variant>
 
 #include "base/platform.h"
-#include "render/frame.h"
 #include "render/reference_paths.h"
 #include "tools/bench/cpu_marcher.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/rival.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
@@ -138,20 +134,16 @@ struct Drawn {
 
 // Its slice is made anew.
 Drawn draw(Renderers& renderers, const Way& way, const tools::ViewStep& view) {
-    render::ResolveSettings resolve;
-    resolve.background = {1, 1, 1, 1};
     const auto frame = static_cast<float>(view.frame);
     if (const auto* path = std::get_if<render::ReferencePath>(&way.path)) {
-        const render::ReferenceSettings settings{.path = *path, .frame = frame, .resolve = resolve};
+        render::ReferenceSettings settings{.path = *path, .frame = frame};
+        settings.resolve.background = {1, 1, 1, 1};
         media::Image image = renderers.references.render(view.camera, settings);
         return {std::move(image), renderers.references.pass_times()};
     }
-    render::FrameSettings settings;
+    render::FrameSettings settings = play_settings({view.camera.width, view.camera.height});
     settings.instances[0].frame = frame;
-    settings.width = view.camera.width;
-    settings.height = view.camera.height;
     settings.mode = std::get<render::TraceMode>(way.path);
-    settings.resolve = resolve;
     renderers.frames.forget_slices();
     media::Image image = renderers.frames.render(view.camera, settings);
     return {std::move(image), renderers.frames.pass_times()};
@@ -173,16 +165,10 @@ media::Image measure(Renderers& renderers, Way& way, const tools::ViewStep& view
     return std::move(drawn.image);
 }
 
-double covered_share(const std::vector<glm::vec4>& rays) {
-    const auto seen = std::count_if(rays.begin(), rays.end(), [](glm::vec4 ray) { return ray.a > 1.0f / 255; });
-    return static_cast<double>(seen) / static_cast<double>(rays.size());
-}
-
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const RenderOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const media::ImageSize size = tools::parse_size(options.size);
-    std::vector<tools::ViewStep> path =
-        tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    const std::vector<tools::ViewStep> path = tools::orbit_path(tree, size);
     Result result;
     result.rays = uint64_t{size.width} * size.height;
     result.ways = {{"the paper's: from the root, all numbers", "paper", render::ReferencePath::kPaper, {}, {}},
@@ -211,7 +197,8 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
             progress.update(i * result.ways.size() + w + 1);
         }
         expect_not_stopped();
-        result.covered += covered_share(renderer.radiance()) / options.views;
+        const std::vector<glm::vec4> rays = renderer.radiance();
+        result.covered += static_cast<double>(covered_rays(rays)) / static_cast<double>(rays.size()) / options.views;
         measure_host(device, field, renderer, view.camera, options.repeats, result.host);
     }
     result.copy_gb_s = 1e-9 * copied_bytes_per_second(device, field);
@@ -274,7 +261,7 @@ void print(const Result& result, const gpu::Device& device, const RenderOptions&
     if (!options.rival.empty()) fmt::print("{}\n", rival_text(result.rival, ranges_and_trace_ms(result)));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const RenderOptions& options) {
+nlohmann::ordered_json json_of(const Result& result, const RenderOptions& options) {
     auto ways = nlohmann::ordered_json::object();
     const double paper = result.ways[0].seconds(1);
     for (const Way& way : result.ways)
@@ -283,28 +270,25 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
                          {"p99_ms", way.p99(1)},
                          {"mrays_per_second", static_cast<double>(result.rays) / way.seconds(1) / 1e6},
                          {"times_paper", paper / way.seconds(1)}};
-    auto passes = nlohmann::ordered_json::object();
-    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
     const double playing = result.ways.back().seconds(1 / kViewsPerSlice);
     const RayWork work = work_of(result);
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"views", options.views},
-            {"covered", result.covered},
-            {"ways", ways},
-            {"playing", {{"ms", 1000 * playing}, {"times_paper", paper / playing}}},
-            {"shaded_passes_ms", passes},
-            {"host_rays_ms", median(result.host.ms)},
-            {"device_rays_ms", median(result.trace_ms)},
-            {"host_difference", result.host.worst_difference},
-            {"nodes_a_ray", work.nodes},
-            {"entries_a_ray", work.entries},
-            {"bytes_a_ray", work.bytes},
-            {"trace_gb_s", work.gb_s},
-            {"copy_gb_s", result.copy_gb_s},
-            {"mean_difference_of_255", 255 * result.mean_difference},
-            {"psnr_db", result.psnr}};
+    nlohmann::ordered_json json = {{"views", options.views},
+                                   {"covered", result.covered},
+                                   {"ways", ways},
+                                   {"playing", {{"ms", 1000 * playing}, {"times_paper", paper / playing}}},
+                                   {"shaded_passes_ms", passes_json(result.passes)},
+                                   {"host_rays_ms", median(result.host.ms)},
+                                   {"device_rays_ms", median(result.trace_ms)},
+                                   {"host_difference", result.host.worst_difference},
+                                   {"nodes_a_ray", work.nodes},
+                                   {"entries_a_ray", work.entries},
+                                   {"bytes_a_ray", work.bytes},
+                                   {"trace_gb_s", work.gb_s},
+                                   {"copy_gb_s", result.copy_gb_s},
+                                   {"mean_difference_of_255", 255 * result.mean_difference},
+                                   {"psnr_db", result.psnr}};
+    if (!options.rival.empty()) json["rival"] = rival_json(result.rival, ranges_and_trace_ms(result));
+    return json;
 }
 
 void run(const RenderOptions& options, const tools::CommonOptions& common) {
@@ -313,33 +297,28 @@ void run(const RenderOptions& options, const tools::CommonOptions& common) {
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
-    if (!options.json) return print(result, device, options, tree);
-    nlohmann::ordered_json json = json_of(result, device, options);
-    if (!options.rival.empty()) json["rival"] = rival_json(result.rival, ranges_and_trace_ms(result));
-    fmt::print("{}", tools::json_text(json));
+    report(options, device, json_of(result, options), [&] { print(result, device, options, tree); });
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<RenderOptions>();
-    CLI::App* verb =
-        add_verb(app,
+    auto [verb, options] =
+        add_verb(app, common,
                  {"render",
                   "Images of a scene, the paper's way and ours",
                   "Renders the same views by each path of the renderer and by plain C++, and prints the GPU "
                   "time of an image,\nits slice included, its ratio to the paper's path and what the "
                   "images differ by. ",
                   {"build/performer.nvv --views 2", "build/performer.nvv --views 2 --rival raster"}},
-                 *options);
-    add_size_option(*verb, *options);
-    add_views_option(*verb, *options);
-    add_repeats_option(*verb, *options, "Images of each view that the medians are over");
-    verb->add_option("--rival", options->rival,
+                 run);
+    add_size_option(*verb, options);
+    add_views_option(*verb, options);
+    add_repeats_option(*verb, options, "Images of each view that the medians are over");
+    verb->add_option("--rival", options.rival,
                      "Also by another way: `raster` projects leaves, sorts and composites them")
         ->check(CLI::IsMember({"raster"}));
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

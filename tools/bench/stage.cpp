@@ -1,20 +1,13 @@
 // neuvv-bench stage: what lights, shadows, blending and copies cost on a stage of two performers and a floor.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "edit/operations.h"
 #include "render/stage_renderer.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
-#include "voctree/nvv.h"
 
 namespace neuvv::bench {
 
@@ -34,26 +27,13 @@ struct Way {
     std::vector<double> ms;
 };
 
-// A floor, a spotlight, and performers beside each other whose clips begin at different frames; or one in the other.
+// Performers beside each other, or one in the other.
 stage::Stage make_bench_stage(const StageOptions& options, uint32_t performers) {
-    const std::filesystem::path clip = std::filesystem::absolute(options.scene);
-    stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
-    const voctree::NvvHead head = voctree::summarise_nvv(clip).head;
-    const double width = options.together ? 0.25 * head.box_size.x : 1.1 * head.box_size.x;
-    const double first = -0.5 * width * (performers - 1);
-    for (uint32_t i = 0; i < performers; i++) {
-        edit::Placement place;
-        place.at = glm::dvec3(first + width * i, -head.box_min.y, 0);
-        edit::PerformerEdit edit;
-        edit.clip = clip;
-        edit.time = stage::parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (head.frames / 2))),
-                                          "bench", "");
-        edit::add_performer(file, fmt::format("performer {}", i), edit, place);
-    }
-    return stage::make_stage(std::move(file));
+    return stage_of_copies(options.scene, performers, options.together ? 0.25 : 1.1);
 }
 
-stage::Camera camera_of_bench(const stage::Stage& stage, media::ImageSize size, double distance_m) {
+stage::Camera bench_camera(const stage::Stage& stage, const StageOptions& options, double distance_m) {
+    const media::ImageSize size = tools::parse_size(options.size);
     stage::Camera camera = stage::camera_of(stage, "camera", stage::stage_at(stage, 0), size.width, size.height);
     camera.world_from_camera[3] = glm::dvec4(0, 1.6, distance_m, 1);
     return camera;
@@ -81,11 +61,8 @@ struct Result {
 // Ways take turns, so that what else the machine does hits all alike.
 std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& options, media::Image& image) {
     stage::Stage stage = make_bench_stage(options, 2);
-    const media::ImageSize size = tools::parse_size(options.size);
-    render::FrameCapacity capacity{size.width, size.height};
-    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
-    const stage::Camera camera = camera_of_bench(stage, size, 4);
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
+    const stage::Camera camera = bench_camera(stage, options, 4);
     std::vector<Way> ways = {{"plain", false, false},
                              {"shadows", true, false},
                              {"falloff", false, true},
@@ -109,13 +86,10 @@ std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& opt
 uint64_t bytes_with(const gpu::Device& device, const StageOptions& options, uint32_t copies) {
     const uint64_t before = device.buffer_bytes();
     stage::Stage stage = make_bench_stage(options, copies);
-    const media::ImageSize size = tools::parse_size(options.size);
-    render::FrameCapacity capacity{size.width, size.height};
-    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
     Way way;
     media::Image image;
-    draw(renderer, stage, camera_of_bench(stage, size, 4.0 + copies), way, image);
+    draw(renderer, stage, bench_camera(stage, options, 4.0 + copies), way, image);
     return device.buffer_bytes() - before;
 }
 
@@ -135,8 +109,8 @@ void print(const Result& result, const gpu::Device& device, const StageOptions& 
                static_cast<double>(result.all_bytes) / static_cast<double>(result.one_bytes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const StageOptions& options) {
-    nlohmann::ordered_json json = {{"device", device.summary().name}, {"scene", options.scene}, {"size", options.size}};
+nlohmann::ordered_json json_of(const Result& result, const StageOptions& options) {
+    nlohmann::ordered_json json;
     for (size_t i = 0; i < result.ways.size(); i++)
         json["ways"].push_back(
             {{"name", result.ways[i].name}, {"ms", median(result.ways[i].ms)}, {"growth", growth(result, i)}});
@@ -157,34 +131,29 @@ void run(const StageOptions& options, const tools::CommonOptions& common) {
     result.all_bytes = bytes_with(device, options, options.copies);
     expect_not_stopped();
     if (!options.image.empty()) media::write_png(options.image, result.image);
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(result, device, options)));
-    else
-        print(result, device, options);
+    report(options, device, json_of(result, options), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_stage(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<StageOptions>();
-    CLI::App* verb = add_verb(
-        app,
+    auto [verb, options] = add_verb(
+        app, common,
         {"stage",
          "Lights, shadows, blending and copies on a stage",
          "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
          "there already, and prints the time of an image; then device memory of copies.\n",
          {"build/performer.nvv", "build/performer.nvv --together --repeats 5"}},
-        *options);
-    add_size_option(*verb, *options);
-    verb->add_flag("--together", options->together, "The performers stand in each other");
-    verb->add_option("--copies", options->copies, "Performers of the stage whose memory is held against one's")
+        run);
+    add_size_option(*verb, options);
+    verb->add_flag("--together", options.together, "The performers stand in each other");
+    verb->add_option("--copies", options.copies, "Performers of the stage whose memory is held against one's")
         ->check(CLI::Range(1u, render::kMaxInstances))
         ->capture_default_str();
-    tools::add_slice_budget_option(*verb, options->slice_budget_mb);
-    add_repeats_option(*verb, *options, "Images of each way that the medians are over");
-    add_image_option(*verb, *options);
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    tools::add_slice_budget_option(*verb, options.slice_budget_mb);
+    add_repeats_option(*verb, options, "Images of each way that the medians are over");
+    add_image_option(*verb, options);
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -4,14 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "render/frame.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
@@ -40,18 +36,11 @@ std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& 
                                        double turn) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double away_m = box.second.y - box.first.y;
-    std::vector<stage::Camera> eyes(2);
-    for (int eye = 0; eye < 2; eye++) {
-        glm::dmat4 place = glm::rotate(glm::translate(glm::dmat4(1), middle), turn, glm::dvec3(0, 1, 0));
-        place = glm::translate(place, glm::dvec3((eye - 0.5) * kEyeDistance_m, 0, away_m));
-        stage::Camera& camera = eyes[static_cast<size_t>(eye)];
-        camera.world_from_camera = place;
-        camera.width = size.width;
-        camera.height = size.height;
-        camera.cx = 0.5 * size.width;
-        camera.cy = 0.5 * size.height;
-        camera.fx = camera.fy = 0.5 * size.width;
-    }
+    const glm::dmat4 turned = glm::rotate(glm::translate(glm::dmat4(1), middle), turn, glm::dvec3(0, 1, 0));
+    std::vector<stage::Camera> eyes;
+    for (const double side : {-0.5, 0.5})
+        eyes.push_back(tools::centred_camera(size, 0.5 * size.width,
+                                             glm::translate(turned, glm::dvec3(side * kEyeDistance_m, 0, away_m))));
     return eyes;
 }
 
@@ -99,13 +88,9 @@ std::vector<Way> ways_to_draw() {
 
 void measure(render::FrameRenderer& renderer, Way& way, const std::vector<stage::Camera>& eyes, uint32_t repeats,
              std::vector<media::Image>& truth, Result& result) {
-    render::FrameSettings settings;
-    settings.width = eyes[0].width;
-    settings.height = eyes[0].height;
-    settings.mode = render::TraceMode::kPlay;
+    render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
     settings.scale = way.scale;
     settings.foveae = way.foveae;
-    settings.resolve.background = {1, 1, 1, 1};
     Drawn drawn = draw(renderer, eyes, settings, way.one_by_one);  // slices, compiles
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
         drawn = draw(renderer, eyes, settings, way.one_by_one);
@@ -116,8 +101,7 @@ void measure(render::FrameRenderer& renderer, Way& way, const std::vector<stage:
     if (truth.empty()) {
         truth = drawn.images;
         const std::vector<glm::vec4> rays = renderer.radiance();
-        const auto seen = std::count_if(rays.begin(), rays.end(), [](glm::vec4 ray) { return ray.a > 1.0f / 255; });
-        result.covered = static_cast<double>(seen) / static_cast<double>(rays.size());
+        result.covered = static_cast<double>(covered_rays(rays)) / static_cast<double>(rays.size());
     }
     way.psnr =
         std::min(training::compare(truth[0], drawn.images[0]).psnr, training::compare(truth[1], drawn.images[1]).psnr);
@@ -127,10 +111,7 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
                          bool ahead) {
     constexpr double kClipFps = 25, kDisplayHz = 90;
     constexpr uint32_t kDisplayFrames = 72;
-    render::FrameSettings settings;
-    settings.width = eyes[0].width;
-    settings.height = eyes[0].height;
-    settings.mode = render::TraceMode::kPlay;
+    render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
     renderer.forget_slices();
     std::vector<double> ms;
     for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
@@ -185,7 +166,7 @@ void print(const Result& result, const gpu::Device& device, const BenchOptions& 
     fmt::print("passes of the first: {} ms\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchOptions& options) {
+nlohmann::ordered_json json_of(const Result& result) {
     auto ways = nlohmann::ordered_json::object();
     for (const Way& way : result.ways)
         ways[way.key] = {{"ms", median(way.ms)},
@@ -193,18 +174,13 @@ nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, 
                          {"rays", way.rays},
                          {"mrays_per_second", mrays_per_second(way)},
                          {"psnr_db", way.psnr}};
-    auto passes = nlohmann::ordered_json::object();
-    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"covered", result.covered},
+    return {{"covered", result.covered},
             {"copy_tb_s", result.copy_tb_s},
             {"ways", ways},
             {"playing",
              {{"needed_p99_ms", quantile(result.playing.needed_ms, 0.99)},
               {"ahead_p99_ms", quantile(result.playing.ahead_ms, 0.99)}}},
-            {"passes_ms", passes}};
+            {"passes_ms", passes_json(result.passes)}};
 }
 
 void run(const BenchOptions& options, const tools::CommonOptions& common) {
@@ -213,31 +189,26 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(result, device, options)));
-    else
-        print(result, device, options);
+    report(options, device, json_of(result), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_stereo(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<BenchOptions>();
-    options->size = "2064x2208";
-    options->repeats = 20;
-    CLI::App* verb =
-        add_verb(app,
+    auto [verb, options] =
+        add_verb(app, common,
                  {"stereo",
                   "Both eyes of a headset",
                   "Draws the performer for two eyes that stand one height away and see 90 degrees, and prints "
                   "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far images of "
                   "fewer rays are from those of all.\n",
                   {"build/performer.nvv", "build/performer.nvv --size 1032x1104 --repeats 5"}},
-                 *options);
-    add_size_option(*verb, *options, "WIDTHxHEIGHT of an eye");
-    add_repeats_option(*verb, *options, "Frames that the medians are over");
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+                 run);
+    options.size = "2064x2208";
+    options.repeats = 20;
+    add_size_option(*verb, options, "WIDTHxHEIGHT of an eye");
+    add_repeats_option(*verb, options, "Frames that the medians are over");
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -8,8 +8,6 @@
 #include "base/platform.h"
 #include "render/performer.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
@@ -132,15 +130,10 @@ void print(const std::vector<Step>& all, uint64_t rays, const gpu::Device& devic
     }
 }
 
-nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, const gpu::Device& device,
-                               const BenchOptions& options) {
+nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays) {
     auto walk = nlohmann::ordered_json::object();
     for (const Step& step : all) walk[step.key] = median(step.ms);
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"rays", rays},
-            {"trace_ms", walk}};
+    return {{"rays", rays}, {"trace_ms", walk}};
 }
 
 void run(const BenchOptions& options, const tools::CommonOptions& common) {
@@ -148,8 +141,7 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
     const media::ImageSize size = tools::parse_size(options.size);
-    const std::vector<tools::ViewStep> path =
-        tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    const std::vector<tools::ViewStep> path = tools::orbit_path(tree, size);
     WalkBench bench(device, tree, size);
     std::vector<Step> all = steps();
     tools::Progress progress("bench", options.views);
@@ -158,28 +150,23 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
         progress.update(i + 1);
     }
     expect_not_stopped();
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(all, bench.rays(), device, options)));
-    else
-        print(all, bench.rays(), device, options);
+    report(options, device, json_of(all, bench.rays()), [&] { print(all, bench.rays(), device, options); });
 }
 
 }  // namespace
 
 void add_walk(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<BenchOptions>();
-    CLI::App* verb = add_verb(
-        app,
+    auto [verb, options] = add_verb(
+        app, common,
         {"walk",
          "What each part of the walk through the tree is worth",
          "Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU time.\n",
          {"build/performer.nvv"}},
-        *options);
-    add_size_option(*verb, *options);
-    add_views_option(*verb, *options);
-    add_repeats_option(*verb, *options, "Traces of each view that the medians are over");
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+        run);
+    add_size_option(*verb, options);
+    add_views_option(*verb, options);
+    add_repeats_option(*verb, options, "Traces of each view that the medians are over");
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

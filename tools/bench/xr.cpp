@@ -2,19 +2,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "edit/operations.h"
 #include "editor/open_file.h"
 #include "render/stage_renderer.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
-#include "voctree/nvv.h"
 #include "xr/eye_camera.h"
 #include "xr/eye_pass.h"
 
@@ -28,19 +23,10 @@ struct XrOptions : BenchOptions {
     double hz = 90, scale = 1;
 };
 
-// A floor, a spotlight and a performer, or a stage as it is.
+// A performer on a new stage, or a stage as it is.
 stage::Stage stage_of(const XrOptions& options) {
-    if (editor::has_stage_ending(options.scene)) return stage::load_stage(options.scene);
-    const std::filesystem::path clip = std::filesystem::absolute(options.scene);
-    stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
-    const voctree::NvvHead head = voctree::summarise_nvv(clip).head;
-    edit::Placement place;
-    place.at = glm::dvec3(0, -head.box_min.y, 0);
-    edit::PerformerEdit performer;
-    performer.clip = clip;
-    performer.time = stage::parse_time_map("loop", "bench", "");
-    edit::add_performer(file, "performer", performer, place);
-    return stage::make_stage(std::move(file));
+    return editor::has_stage_ending(options.scene) ? stage::load_stage(options.scene)
+                                                   : stage_of_copies(options.scene, 1, 0);
 }
 
 // A person two metres before the performers who sways a little; 104 by 96 degrees an eye, as headsets have them.
@@ -150,17 +136,12 @@ void print(const Result& result, const gpu::Device& device, const XrOptions& opt
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const XrOptions& options) {
-    auto passes = nlohmann::ordered_json::object();
-    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"ms", median(result.both_ms)},
+nlohmann::ordered_json json_of(const Result& result) {
+    return {{"ms", median(result.both_ms)},
             {"p99_ms", quantile(result.both_ms, 0.99)},
             {"eye_pass_ms", median(result.eye_pass_ms)},
             {"second_eye", second_eye(result)},
-            {"passes_ms", passes}};
+            {"passes_ms", passes_json(result.passes)}};
 }
 
 void run(const XrOptions& options, const tools::CommonOptions& common) {
@@ -169,36 +150,31 @@ void run(const XrOptions& options, const tools::CommonOptions& common) {
     const gpu::Device device(common.device);
     const Result result = measure(device, stage, options);
     expect_not_stopped();
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(result, device, options)));
-    else
-        print(result, device, options);
+    report(options, device, json_of(result), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_xr(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<XrOptions>();
-    CLI::App* verb = add_verb(app,
-                              {"xr",
-                               "A frame in a headset, of a stage",
-                               "Plays the stage before a head that sways, with slices made ahead, and prints the "
-                               "device's time of each frame.\nNo headset and no OpenXR runtime are needed.\n",
-                               {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
-                               "A stage, or a .nvv that is put on one"},
-                              *options);
-    add_size_option(*verb, *options, "WIDTHxHEIGHT of an eye");
-    verb->add_option("--frames", options->frames, "Frames that are drawn")
+    auto [verb, options] = add_verb(app, common,
+                                    {"xr",
+                                     "A frame in a headset, of a stage",
+                                     "Plays the stage before a head that sways, with slices made ahead, and prints the "
+                                     "device's time of each frame.\nNo headset and no OpenXR runtime are needed.\n",
+                                     {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
+                                     "A stage, or a .nvv that is put on one"},
+                                    run);
+    add_size_option(*verb, options, "WIDTHxHEIGHT of an eye");
+    verb->add_option("--frames", options.frames, "Frames that are drawn")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
-    verb->add_option("--hz", options->hz, "Of the display")
+    verb->add_option("--hz", options.hz, "Of the display")
         ->check(tools::number_between(1, 1000))
         ->capture_default_str();
-    verb->add_option("--scale", options->scale, "Rays a pixel along each side")
+    verb->add_option("--scale", options.scale, "Rays a pixel along each side")
         ->check(tools::number_between(0.2, 1))
         ->capture_default_str();
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench
