@@ -17,7 +17,7 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr char kRecordWord[] = "render";  // out_%04d.png has out_render.json beside it
+constexpr char kRecordName[] = "render";  // the record of out_%04d.png is out_render.json
 
 bool is_file(const std::filesystem::path& path) {
     std::error_code ignored;
@@ -113,7 +113,7 @@ ImageSink::ImageSink(ImageOutput output, media::ImageSize size, double fps, Rend
     }
     if (output_.kind == Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
     if (output_.kind != Kind::kNumberedImages) return;
-    record_path_ = output_.file(kRecordWord).replace_extension(".json");
+    record_path_ = output_.file(kRecordName).replace_extension(".json");
     if (resume) finished_ = finished_images(record_path_, facts_);
     write_record(record_path_, facts_, finished_);
 }

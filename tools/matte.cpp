@@ -1,4 +1,4 @@
-// neuvv matte: which part of each image is the performer, for captures that do not say so.
+// neuvv matte: finds the part of each image that shows the performer, for captures without mattes.
 #include <fmt/format.h>
 
 #include <memory>

@@ -1,4 +1,4 @@
-// neuvv render: a clip or a stage as a free-viewpoint video or as images.
+// neuvv render: renders a clip or a stage to a free-viewpoint video or to images.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ void print_passes() {
         fmt::print("{:<22} {} [{}]{}\n", pass.name, pass.shows, pass.unit, pass.needs_set ? ", of stages" : "");
 }
 
-// Before the verb's other arguments are looked at: `--pass list` needs none.
+// `--pass list` prints and ends the program while options are parsed, so it needs none of the verb's other arguments.
 CLI::Option* add_pass_option(CLI::App& verb, RenderOptions& options) {
     return verb.add_option_function<std::string>(
         "--pass",
@@ -67,7 +67,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
         ->required();
     verb.add_option(
             "-o,--output", options.output,
-            "out.mp4, or out_%04d.png, or out.png for a single image, of one instant (--frames F) the orbit's first; "
+            "out.mp4, or out_%04d.png, or out.png for a single image, at one time (--frames F) the orbit's first; "
             ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         ->required();
     CLI::Option* orbit =
@@ -81,11 +81,10 @@ void add_options(CLI::App& verb, RenderOptions& options) {
             "or the "
             "name of one of its cameras (default: its first camera, also where it has a path)")
         ->excludes(orbit);
-    verb.add_option(
-        "--frames", options.frames,
-        "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that instant. Keys of --camera "
-        "with a time ignore it");
-    verb.add_option("--time", options.time, "Of a stage: FROM:TO in seconds, or one instant (default: all of it)");
+    verb.add_option("--frames", options.frames,
+                    "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that time. Keys of --camera "
+                    "with a time ignore it");
+    verb.add_option("--time", options.time, "Of a stage: FROM:TO in seconds, or one time (default: all of it)");
     verb.add_option("--fps", options.fps,
                     "Images a second (default: that of --camera, else the clip's or the stage's); the clip keeps its "
                     "speed, and frames "
@@ -182,11 +181,11 @@ void expect_fitting_output(const ImageOutput& output, const RenderOptions& optio
     if (options.scale < 1) throw InputError("--scale", "", "what is scaled up is not linear", fix);
 }
 
-double checked_fps(const RenderOptions& options, double path_fps, double otherwise) {
+double checked_fps(const RenderOptions& options, double path_fps, double fallback) {
     if (options.fps && !(*options.fps >= kMinFps && *options.fps <= kMaxFps))
         throw InputError("--fps", fmt::format("{}", *options.fps), "is not a rate of images",
                          fmt::format("choose {} to {} a second", kMinFps, kMaxFps));
-    return options.fps.value_or(path_fps > 0 ? std::clamp(path_fps, kMinFps, kMaxFps) : otherwise);
+    return options.fps.value_or(path_fps > 0 ? std::clamp(path_fps, kMinFps, kMaxFps) : fallback);
 }
 
 RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images) {
@@ -209,12 +208,12 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
     const render::FramePass& pass = *render::find_frame_pass(options.pass);
     const render::PassValues values = pass.read(renderer);
     const auto range = render::range_of(values);
-    std::FILE* const to = options.json ? stderr : stdout;
+    std::FILE* const stream = options.json ? stderr : stdout;
     if (range)
-        fmt::print(to, "image {}: {} from {:.6g} (dark) to {:.6g} (bright), in {}\n", i, pass.name, range->first,
+        fmt::print(stream, "image {}: {} from {:.6g} (dark) to {:.6g} (bright), in {}\n", i, pass.name, range->first,
                    range->second, pass.unit);
     else
-        fmt::print(to, "image {}: {} holds nothing\n", i, pass.name);
+        fmt::print(stream, "image {}: {} holds nothing\n", i, pass.name);
     return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
 }
 

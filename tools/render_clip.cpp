@@ -1,4 +1,4 @@
-// neuvv render of one clip.
+// neuvv render of a clip.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -95,7 +95,7 @@ PaintStack read_paint_stack(const std::vector<std::string>& names, const voctree
     return stack;
 }
 
-// Sets the rate of `playback`, which the path may have.
+// What each image shows. Sets the rate of the output in `playback`, which a camera path may have.
 std::vector<ViewStep> view_path(const RenderOptions& options, const voctree::VOctree& tree, Playback& playback,
                                 media::ImageSize size) {
     playback.output_fps = checked_fps(options, 0, playback.clip_fps);
@@ -105,7 +105,7 @@ std::vector<ViewStep> view_path(const RenderOptions& options, const voctree::VOc
     return path_steps(path, playback, tree.frames, size, kClipSize);
 }
 
-// What is rendered, all of it known before the device is touched.
+// What is rendered. All of it is known, and wrong options are refused, before the device is opened.
 struct RenderPlan {
     ImageOutput output;
     render::ResolveSettings resolve;
@@ -123,14 +123,14 @@ RenderPlan plan_render(const RenderOptions& options) {
     plan.resolve = resolve_settings(options, plan.output);
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
-    const media::ImageSize wanted = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
+    const media::ImageSize given_size = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
     plan.tree = voctree::read_clip(options.scene);
     plan.paint = read_paint_stack(options.paint, voctree::painted_field(plan.tree));
     const double clip_fps = plan.tree.fps;
     plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, clip_fps};
-    plan.path = view_path(options, plan.tree, plan.playback, wanted);
-    const bool evaluated = plan.playback.range.first == plan.playback.range.last;
-    if (evaluated && plan.output.kind == ImageOutput::Kind::kImage && options.camera.empty())
+    plan.path = view_path(options, plan.tree, plan.playback, given_size);
+    const bool one_time = plan.playback.range.first == plan.playback.range.last;
+    if (one_time && plan.output.kind == ImageOutput::Kind::kImage && options.camera.empty())
         plan.path.resize(1);  // a still: the orbit's first view
     expect_fitting_output(plan.output, plan.path.size());
     const auto [near, far] = depth_range(plan.path, occupied_box(plan.tree));
@@ -141,7 +141,7 @@ RenderPlan plan_render(const RenderOptions& options) {
     return plan;
 }
 
-// What the renderer has just drawn.
+// Adds the last image of a renderer to the sink.
 template <typename Renderer>
 FrameTimes add_image(const Renderer& renderer, const media::Image& image, const RenderPlan& plan, uint32_t i,
                      ImageSink& sink) {

@@ -1,4 +1,4 @@
-// neuvv stage: makes stages and changes them; each verb is an operation of engine/edit.
+// neuvv stage: makes stages and changes them. Each verb calls operations of engine/edit.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -14,7 +14,8 @@ namespace neuvv::tools {
 
 namespace {
 
-// A time map whose parts lie in the clip. Clips may be missing: then nobody knows.
+// Throws InputError where parts of the time map do not lie in the clip. A clip may be missing; then they are not
+// checked.
 void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path& clip) {
     std::error_code error;
     if (!std::filesystem::exists(clip, error)) return;
@@ -24,7 +25,8 @@ void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path
                                "--time", text);
 }
 
-// A layer that the performer's clip can wear: what does not fit would only show when it is rendered.
+// Throws InputError where the layer is not one of the performer's clip, which would otherwise be noticed only when the
+// stage is rendered. A clip may be missing; then the layer is not checked.
 void expect_fitting_paint(const stage::StageFile& file, uint32_t node, const std::string& performer,
                           const std::filesystem::path& layer) {
     const std::filesystem::path clip = edit::clip_of(file, node);

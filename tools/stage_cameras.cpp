@@ -13,7 +13,7 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr double kUsualAngle_deg = 45, kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
+constexpr double kDefaultAngle_deg = 45, kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
 
 struct CameraOptions : StageTarget {
     std::optional<std::string> node;
@@ -29,7 +29,7 @@ std::string change_camera(stage::StageFile& file, const CameraOptions& options) 
                          "see `neuvv stage camera --help`");
     std::string change;
     if (options.add)
-        change = edit::add_camera(file, options.name, glm::radians(options.angle_deg.value_or(kUsualAngle_deg)),
+        change = edit::add_camera(file, options.name, glm::radians(options.angle_deg.value_or(kDefaultAngle_deg)),
                                   glm::dmat4(1));
     const uint32_t node =
         options.add ? static_cast<uint32_t>(edit::node_count(file) - 1) : edit::find_node(file, *options.node);
@@ -49,7 +49,7 @@ struct PathOptions : StageTarget {
     bool remove = false;
 };
 
-// The key that a camera of the stage makes at a time.
+// A key at a time, with the transform and angle of view that the camera of the stage has then.
 stage::CameraPathKey key_of(const stage::Stage& stage, const std::string& name, double time_s) {
     const stage::Camera camera = stage::camera_of(stage, name, stage::stage_at(stage, time_s), 2, 2);
     stage::CameraPathKey key;
@@ -93,13 +93,11 @@ void add_path_verb(CLI::App& stage) {
     CLI::App* what = verb->add_option_group("One of these");
     what->add_option("--from", options.from, "The path of a file: instant-ngp's, nerfstudio's, a transforms.json");
     CLI::Option* key = what->add_option("--key", options.key_s, "A key at this second of the stage")->check(seconds);
-    what->add_option("--remove-key", options.remove_key, "The key of this number, from 0, goes");
-    CLI::Option* move =
-        what->add_option("--move-key", options.move_key, "The key of this number goes elsewhere in time");
-    what->add_flag("--remove", options.remove, "No path any more");
+    what->add_option("--remove-key", options.remove_key, "Remove the key of this number, from 0");
+    CLI::Option* move = what->add_option("--move-key", options.move_key, "Move the key of this number in time");
+    what->add_flag("--remove", options.remove, "Remove the path");
     what->require_option(0, 1);
-    verb->add_option("--camera", options.camera,
-                     "With --key: where this camera of the stage is then; default: the first")
+    verb->add_option("--camera", options.camera, "With --key: as this camera of the stage is then; default: the first")
         ->needs(key);
     CLI::Option* to =
         verb->add_option("--to", options.to_s, "With --move-key: to this second")->check(seconds)->needs(move);
