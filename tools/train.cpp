@@ -1,4 +1,4 @@
-// neuvv train: a data set in, a volumetric video out.
+// neuvv train: trains a volumetric video from a data set.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -134,7 +134,8 @@ std::string progress_text(const training::PsiProgress& now) {
                        now.psnr, now.step);
 }
 
-// Ctrl-C ends the network's part; the run that follows then saves and ends, too.
+// The first tree, read off a network that is trained for it. Ctrl-C ends the training of the network; the run that
+// follows then saves and ends, too.
 voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& device,
                                 const training::Dataset& dataset) {
     training::PsiSettings settings = training::default_psi_settings(device);
@@ -152,7 +153,7 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
     return tree;
 }
 
-// Fails before any work is done where the result could not be written.
+// Throws InputError, before any work is done, where the result could not be written.
 void prepare_output(const std::filesystem::path& output) {
     if (output.extension() != ".nvv" || std::filesystem::is_directory(output))
         throw InputError("--output", output.string(), "is no name of an .nvv file", "write for instance scene.nvv");
@@ -165,7 +166,7 @@ training::LoadOptions load_options(const TrainOptions& options) {
             .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
 
-// Says what the images will take before it reads them.
+// Prints what memory the images will take before it reads them.
 training::Dataset load_images(const TrainOptions& options, const training::LoadOptions& load) {
     const uint64_t budget = load.memory_bytes;
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
@@ -210,16 +211,16 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
         fmt::print("interrupted; the same command with --resume goes on from here\n");
 }
 
-std::string weight_option(const training::NamedLossWeight& one) {
-    return std::string("--lambda-") + one.name;
+std::string weight_option(const training::NamedLossWeight& weight) {
+    return std::string("--lambda-") + weight.name;
 }
 
-// What a resumed run keeps, whatever is given now.
-void say_what_is_ignored(const CLI::App& verb) {
+// Names the given options that a resumed run ignores, because it keeps its own values.
+void warn_of_ignored_options(const CLI::App& verb) {
     std::string given;
     std::vector<std::string> names{"--resolution", "--bases",      "--hh-degree", "--init",
                                    "--max-leaves", "--max-memory", "--uniform",   "--seed"};
-    for (const training::NamedLossWeight& one : training::kLossWeights) names.push_back(weight_option(one));
+    for (const training::NamedLossWeight& weight : training::kLossWeights) names.push_back(weight_option(weight));
     for (const std::string& name : names)
         if (verb.count(name) > 0) given += fmt::format("{}{}", given.empty() ? "" : ", ", name);
     if (!given.empty()) fmt::print(stderr, "--resume: the run keeps its own {}, whatever is given now\n", given);
@@ -257,17 +258,17 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_option("--psi-steps", options->psi_steps, "The same in steps")
         ->check(CLI::Range(1u, 1000000000u))
         ->excludes(psi_minutes);
-    CLI::Option* most_leaves = verb->add_option("--max-leaves", options->settings.max_leaves,
-                                                "The tree never has more (default: what the device trains)")
-                                   ->check(CLI::Range(64u, voctree::kMaxLeaves));
-    CLI::Option* most_memory = verb->add_option("--max-memory", options->max_megabytes,
-                                                "MB that the finished .nvv takes at most (default: any)")
-                                   ->check(number_between(0.1, 1e6));
+    CLI::Option* max_leaves = verb->add_option("--max-leaves", options->settings.max_leaves,
+                                               "The tree never has more (default: what the device trains)")
+                                  ->check(CLI::Range(64u, voctree::kMaxLeaves));
+    CLI::Option* max_memory = verb->add_option("--max-memory", options->max_megabytes,
+                                               "MB that the finished .nvv takes at most (default: any)")
+                                  ->check(number_between(0.1, 1e6));
     verb->add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
-        ->excludes(most_leaves)
-        ->excludes(most_memory);
-    for (const training::NamedLossWeight& one : training::kLossWeights)
-        verb->add_option(weight_option(one), options->settings.weights.*one.weight, one.meaning)
+        ->excludes(max_leaves)
+        ->excludes(max_memory);
+    for (const training::NamedLossWeight& named : training::kLossWeights)
+        verb->add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
             ->check(number_between(0.0, 100.0))
             ->capture_default_str();
     verb->add_option("--picture-memory", options->image_gigabytes,
@@ -298,7 +299,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8");
     verb->callback([options, verb, &common] {
-        if (options->settings.resume) say_what_is_ignored(*verb);
+        if (options->settings.resume) warn_of_ignored_options(*verb);
         run_train(*options, common);
     });
 }
