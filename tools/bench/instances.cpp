@@ -1,4 +1,4 @@
-// neuvv-bench instances: copies of one performer against one of them, in memory and in time for what is covered.
+// neuvv-bench instances: compares copies of a performer with a single one, in memory and in time per covered ray.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,16 +20,16 @@ struct InstancesOptions : BenchOptions {
     uint32_t count = 16;
 };
 
-struct Shown {
-    media::Image image;  // the last
+struct Drawn {
+    media::Image image;  // the last one
     std::vector<PassSum> passes;
-    std::vector<double> ms;     // with slices resident
-    uint64_t buffer_bytes = 0;  // of renderer and performer on the device
-    uint64_t covered = 0;       // rays of all frames
-    uint32_t slices = 0;        // of instances that have one
+    std::vector<double> ms;     // of each image, with its slices in the cache
+    uint64_t buffer_bytes = 0;  // of renderer and performer, on the device
+    uint64_t covered = 0;       // rays in all frames
+    uint32_t slices = 0;        // instances that have a slice
 };
 
-// Copies side by side in a square that faces the camera, each turned and at its own time.
+// Copies side by side in a square that faces the camera, each with its own rotation and time.
 std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std::pair<glm::dvec3, glm::dvec3>& box,
                                         uint32_t count) {
     const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(count)));
@@ -38,15 +38,15 @@ std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std:
     std::vector<render::Instance> copies;
     for (uint32_t i = 0; i < count; i++) {
         const glm::dvec2 cell = glm::dvec2(i % side, i / side) - 0.5 * (side - 1.0);
-        glm::dmat4 place = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + middle);
-        place = glm::rotate(place, 2.4 * i, glm::dvec3(0, 1, 0));
+        glm::dmat4 transform = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + middle);
+        transform = glm::rotate(transform, 2.4 * i, glm::dvec3(0, 1, 0));
         const double time = (tree.frames - 1.0) * i / std::max(count - 1, 1u);
-        copies.push_back({static_cast<float>(time), glm::mat4(glm::translate(place, -middle))});
+        copies.push_back({static_cast<float>(time), glm::mat4(glm::translate(transform, -middle))});
     }
     return copies;
 }
 
-// Sees a square of `count` copies from +Z.
+// A camera that sees a square of `count` copies from +Z.
 stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, media::ImageSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
@@ -55,31 +55,31 @@ stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t c
 }
 
 // Draws frames of so many instances each, one after the other.
-Shown show(const gpu::Device& device, const render::Field& field, const InstancesOptions& options,
+Drawn draw(const gpu::Device& device, const render::Field& field, const InstancesOptions& options,
            const stage::Camera& camera, const std::vector<std::vector<render::Instance>>& frames) {
     const uint64_t before = device.buffer_bytes();
     render::FrameRenderer renderer(device, field, capacity_of(options));
     render::FrameSettings settings = play_settings({camera.width, camera.height});
-    Shown shown;
+    Drawn drawn;
     for (const std::vector<render::Instance>& instances : frames) {
         settings.instances = instances;
-        renderer.render(camera, settings);  // slices, compiles
+        renderer.render(camera, settings);  // builds slices, compiles pipelines
         for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
-            shown.image = renderer.render(camera, settings);
-            shown.ms.push_back(milliseconds(renderer.pass_times()));
-            add_image(shown.passes, renderer.pass_times());
+            drawn.image = renderer.render(camera, settings);
+            drawn.ms.push_back(milliseconds(renderer.pass_times()));
+            add_image(drawn.passes, renderer.pass_times());
         }
-        shown.covered += covered_rays(renderer.radiance());
+        drawn.covered += covered_rays(renderer.radiance());
         if (const render::SliceCache* slices = renderer.performer()->slices())
             for (const render::Instance& instance : instances)
-                shown.slices += slices->find({instance.frame, instance.paint}).has_value();
+                drawn.slices += slices->find({instance.frame, instance.paint}).has_value();
     }
-    shown.buffer_bytes = device.buffer_bytes() - before;
-    return shown;
+    drawn.buffer_bytes = device.buffer_bytes() - before;
+    return drawn;
 }
 
 struct Result {
-    Shown one, all;  // one: each alone
+    Drawn one, all;  // `one`: each copy alone
     uint32_t count = 1;
     uint64_t field_bytes = 0;
     double growth_of_rays() const {
@@ -104,9 +104,9 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     result.count = options.count;
     std::vector<std::vector<render::Instance>> alone;
     for (const render::Instance& copy : copies) alone.push_back({copy});
-    result.one = show(device, field, options, camera, alone);
+    result.one = draw(device, field, options, camera, alone);
     progress.update(1);
-    result.all = show(device, field, options, camera, {copies});
+    result.all = draw(device, field, options, camera, {copies});
     progress.update(2);
     return result;
 }
@@ -115,10 +115,10 @@ void print(const Result& result, const gpu::Device& device, const InstancesOptio
     fmt::print("{}: {}, {}, slices of at most {:.0f} MiB\n", device.summary().name, options.scene, options.size,
                options.slice_budget_mb);
     fmt::print("{:<18} {:>10} {:>14} {:>16} {:>14}\n", "instances", "ms (mean)", "covered rays", "with a slice", "MiB");
-    const auto line = [&](const std::string& count, const Shown& shown, uint32_t frames) {
-        fmt::print("{:<18} {:>10.1f} {:>14} {:>16} {:>14.1f}\n", count, mean(shown.ms), shown.covered / frames,
-                   shown.slices, static_cast<double>(shown.buffer_bytes + result.field_bytes) / 1048576);
-        fmt::print("    {} ms\n", passes_text(shown.passes));
+    const auto line = [&](const std::string& count, const Drawn& drawn, uint32_t frames) {
+        fmt::print("{:<18} {:>10.1f} {:>14} {:>16} {:>14.1f}\n", count, mean(drawn.ms), drawn.covered / frames,
+                   drawn.slices, static_cast<double>(drawn.buffer_bytes + result.field_bytes) / 1048576);
+        fmt::print("    {} ms\n", passes_text(drawn.passes));
     };
     line("1 (each of them)", result.one, options.count);
     line(fmt::format("{}", options.count), result.all, 1);
@@ -128,16 +128,16 @@ void print(const Result& result, const gpu::Device& device, const InstancesOptio
 }
 
 nlohmann::ordered_json json_of(const Result& result, const InstancesOptions& options) {
-    const auto shown = [&](const Shown& one, uint32_t frames) {
-        return nlohmann::ordered_json{{"ms", mean(one.ms)},
-                                      {"covered_rays", one.covered / frames},
-                                      {"with_a_slice", one.slices},
-                                      {"bytes", one.buffer_bytes + result.field_bytes}};
+    const auto drawn_json = [&](const Drawn& drawn, uint32_t frames) {
+        return nlohmann::ordered_json{{"ms", mean(drawn.ms)},
+                                      {"covered_rays", drawn.covered / frames},
+                                      {"with_a_slice", drawn.slices},
+                                      {"bytes", drawn.buffer_bytes + result.field_bytes}};
     };
     return {{"count", options.count},
             {"slice_budget_mb", options.slice_budget_mb},
-            {"one", shown(result.one, options.count)},
-            {"all", shown(result.all, 1)},
+            {"one", drawn_json(result.one, options.count)},
+            {"all", drawn_json(result.all, 1)},
             {"time_by_rays", result.growth_of_time() / result.growth_of_rays()},
             {"memory_ratio", result.memory_ratio()}};
 }
@@ -159,7 +159,7 @@ void add_instances(CLI::App& app, const tools::CommonOptions& common) {
     auto [verb, options] = add_verb(
         app, common,
         {"instances",
-         "Copies of a performer, each at its own place and time",
+         "Copies of a performer, each with its own position and time",
          "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
          "covered rays and device memory of both.\n",
          {"build/performer.nvv", "build/performer.nvv --count 32 --slice-budget 0"}},

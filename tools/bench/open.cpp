@@ -1,4 +1,4 @@
-// neuvv-bench open: how long until a scene's first image, of the coarse tree, and until that of the whole.
+// neuvv-bench open: the time from a scene's path to the image of its coarse tree, and to that of the whole tree.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,10 +27,10 @@ struct OpenOptions : BenchOptions {
     double synthetic_megabytes = 0;
 };
 
-// Seconds of what stands between a path and an image.
+// What happens between a path and an image, in seconds.
 struct Opening {
     uint32_t leaves = 0;
-    double read = 0, check = 0, upload = 0, prepare = 0, render = 0;  // `check` is a part of `read`
+    double read = 0, check = 0, upload = 0, prepare = 0, render = 0;  // `check` is a part of `read`, measured once more
     media::Image image;
     double total() const { return read + upload + prepare + render; }
 };
@@ -40,7 +40,7 @@ double seconds_since(std::chrono::steady_clock::time_point& mark) {
     return std::chrono::duration<double>(mark - before).count();
 }
 
-// `view`: that of both images, found with the first tree; finding it takes no part in the times.
+// `view`: of both images, set with the first tree; the time that this takes is not counted.
 Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>& read,
              std::optional<tools::ViewStep>& view, media::ImageSize size) {
     Opening result;
@@ -106,11 +106,11 @@ void print(const Result& result, const gpu::Device& device, const OpenOptions& o
         fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n", voctree::kCoarseFrom);
 }
 
-constexpr double kBytesPerLeaf = 282;  // as they pack
-constexpr double kThickness = 8;       // of the ball's shell, in leaves: many of them are empty
+constexpr double kBytesPerLeaf = 282;  // in the compressed file
+constexpr double kThickness = 8;       // of the ball's shell, in leaves
 constexpr uint32_t kFrames = kMaxBases;
 
-// The same bits for the same leaf and weight (splitmix64's mixing).
+// Random bits, the same for the same leaf and weight (the mixing function of splitmix64).
 uint64_t noise(uint64_t leaf, uint64_t weight) {
     uint64_t x = leaf * 256 + weight + 0x9e3779b97f4a7c15u;
     x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
@@ -118,15 +118,15 @@ uint64_t noise(uint64_t leaf, uint64_t weight) {
     return x ^ x >> 31;
 }
 
-// Any finite half: sign, exponent and digits at random.
+// A finite half with random sign, exponent and digits.
 float any_half(uint64_t bits) {
     const uint64_t exponent = (bits >> 16) % 31;
     return voctree::float_from_half(static_cast<uint16_t>((bits & 0x83ff) | exponent << 10));
 }
 
-// Cells between two spheres, of 2^depth a side.
+// The cells between two spheres, in a cube of 2^depth cells a side; `radius` in cells.
 std::vector<voctree::LeafPosition> shell(uint32_t depth, double radius) {
-    std::vector<voctree::LeafPosition> places;
+    std::vector<voctree::LeafPosition> positions;
     const double middle = std::ldexp(0.5, static_cast<int>(depth));
     const uint32_t side = 1u << depth;
     for (uint32_t z = 0; z < side; z++)
@@ -135,13 +135,13 @@ std::vector<voctree::LeafPosition> shell(uint32_t depth, double radius) {
             const double outer = (radius + kThickness / 2) * (radius + kThickness / 2) - across;
             if (outer < 0) continue;
             const double inner = (radius - kThickness / 2) * (radius - kThickness / 2) - across;
-            const auto reach = static_cast<uint32_t>(middle - 0.5 - std::sqrt(outer)) + 1;
-            for (uint32_t x = reach; x < side - reach; x++) {
+            const auto first_x = static_cast<uint32_t>(middle - 0.5 - std::sqrt(outer)) + 1;
+            for (uint32_t x = first_x; x < side - first_x; x++) {
                 const double dx = x + 0.5 - middle;
-                if (dx * dx >= inner) places.push_back({x, y, z, depth});
+                if (dx * dx >= inner) positions.push_back({x, y, z, depth});
             }
         }
-    return places;
+    return positions;
 }
 
 // A striped ball of 64 frames whose numbers differ from leaf to leaf so that they hardly pack: its .nvv has about
@@ -159,19 +159,19 @@ voctree::VOctree synthetic_scene(double megabytes) {
     tree.sigma_basis.assign(size_t{kFrames} * kFrames, 0.0f);
     for (size_t t = 0; t < kFrames; t++) tree.sigma_basis[t * kFrames + t] = 1;
     tree.gamma_basis = tree.sigma_basis;
-    std::vector<voctree::LeafPosition> places = shell(depth, radius);
+    std::vector<voctree::LeafPosition> positions = shell(depth, radius);
     const auto before = [&](const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
         return voctree::first_cell(a, depth) < voctree::first_cell(b, depth);
     };
-    std::sort(places.begin(), places.end(), before);
-    voctree::build_topology(tree, places);
-    parallel_for(places.size(), 4096, [&](size_t begin, size_t end) {
+    std::sort(positions.begin(), positions.end(), before);
+    voctree::build_topology(tree, positions);
+    parallel_for(positions.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
             for (uint32_t w = 0; w < 2 * kFrames; w++) leaf[w] = any_half(noise(i, w));
             for (uint32_t w = 2 * kFrames; w < tree.weights_per_leaf(); w++)
                 leaf[w] = static_cast<float>(static_cast<int64_t>(noise(i, w))) * 0x1p-64f;
-            const uint32_t band = places[i].y * 16 >> depth, side = places[i].x * 16 >> depth;
+            const uint32_t band = positions[i].y * 16 >> depth, side = positions[i].x * 16 >> depth;
             for (uint32_t channel = 0; channel < 3; channel++)
                 leaf[2 * kFrames + channel * hh_count(1)] += ((band + side * channel) & 1) ? 8.0f : -8.0f;
         }

@@ -1,4 +1,4 @@
-// neuvv-bench slice: how long a frame's slice takes, pass by pass, and the share of the device's bandwidth it reaches.
+// neuvv-bench slice: the time of each pass of a frame's slice, and the share of the device's bandwidth that it reaches.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -23,8 +23,8 @@ struct SliceTimes {
     std::vector<double> live, entry_count, copy_gb_s;
 };
 
-// Bytes that the passes move at the least. Density: w^σ of every leaf, its head. Entries: slot, cells, head and node of
-// every live leaf, its w^γ and w^HH; its SH and leaf.
+// The least bytes that the passes can move. The density pass reads w^σ of every leaf and writes its head. The entry
+// pass reads slot, cells, head and node of every live leaf, its w^γ and w^HH, and writes its SH and its leaf.
 double density_bytes(const render::Field& field) {
     return field.leaf_count * (8.0 * field.busy_planes + 8);
 }
@@ -53,7 +53,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
         commands.submit();
         commands.wait();
         const double copied = copy_milliseconds(device, field.weights, target);
-        if (i == 0) continue;  // warms caches
+        if (i == 0) continue;  // the first one fills caches
         const std::vector<gpu::PassTime> passes = commands.pass_times();
         times.density.push_back(passes[0].milliseconds);
         times.nodes.push_back(passes[1].milliseconds);

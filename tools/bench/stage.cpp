@@ -1,4 +1,4 @@
-// neuvv-bench stage: what lights, shadows, blending and copies cost on a stage of two performers and a floor.
+// neuvv-bench stage: the cost of lights, shadows, blending and copies on a stage of two performers and a floor.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -19,15 +19,15 @@ struct StageOptions : BenchOptions {
     bool together = false;
 };
 
-// What one image of it takes, in one way of drawing it.
-struct Way {
+// Settings of the stage, and the time of each of its images.
+struct Variant {
     std::string name;
     bool shadows = true, falloff = true;
     stage::StageBlend blend = stage::StageBlend::kExact;
     std::vector<double> ms;
 };
 
-// Performers beside each other, or one in the other.
+// Performers beside each other, or overlapping.
 stage::Stage make_bench_stage(const StageOptions& options, uint32_t performers) {
     return stage_of_copies(options.scene, performers, options.together ? 0.25 : 1.1);
 }
@@ -39,13 +39,13 @@ stage::Camera bench_camera(const stage::Stage& stage, const StageOptions& option
     return camera;
 }
 
-// Milliseconds of one image by the host's clock (Commands::milliseconds); slices are there already where the budget
-// holds them.
-double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::Camera& camera, Way& way,
+// Draws an image; returns its milliseconds by the host's clock (Commands::milliseconds). Its slices are in the cache
+// already where they fit the budget.
+double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::Camera& camera, Variant& variant,
             media::Image& image) {
-    stage.settings.shadows = way.shadows;
-    stage.settings.falloff = way.falloff;
-    stage.settings.blend = way.blend;
+    stage.settings.shadows = variant.shadows;
+    stage.settings.falloff = variant.falloff;
+    stage.settings.blend = variant.blend;
     const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
     renderer.show(evaluated);
     image = renderer.frames().render(camera, renderer.settings_at(evaluated));
@@ -53,56 +53,56 @@ double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::C
 }
 
 struct Result {
-    std::vector<Way> ways;
-    uint64_t one_bytes = 0, all_bytes = 0;  // of a stage with one performer, and with all copies
+    std::vector<Variant> variants;
+    uint64_t one_bytes = 0, all_bytes = 0;  // buffers of a stage with one performer, and with all copies
     media::Image image;
 };
 
-// Ways take turns, so that what else the machine does hits all alike.
-std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& options, media::Image& image) {
+// The variants take turns, so that whatever else the machine does slows all of them alike.
+std::vector<Variant> measure_variants(const gpu::Device& device, const StageOptions& options, media::Image& image) {
     stage::Stage stage = make_bench_stage(options, 2);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
     const stage::Camera camera = bench_camera(stage, options, 4);
-    std::vector<Way> ways = {{"plain", false, false},
-                             {"shadows", true, false},
-                             {"falloff", false, true},
-                             {"shadows and falloff"},
-                             {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
+    std::vector<Variant> variants = {{"plain", false, false},
+                                     {"shadows", true, false},
+                                     {"falloff", false, true},
+                                     {"shadows and falloff"},
+                                     {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
     tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
-        for (Way& way : ways) {
-            media::Image shown;
-            const double ms = draw(renderer, stage, camera, way, shown);
-            if (way.shadows && way.falloff && way.blend == stage::StageBlend::kExact) image = shown;
-            if (i == 0) continue;  // slices, pipelines, caches
-            way.ms.push_back(ms);
+        for (Variant& variant : variants) {
+            media::Image drawn;
+            const double ms = draw(renderer, stage, camera, variant, drawn);
+            if (variant.shadows && variant.falloff && variant.blend == stage::StageBlend::kExact) image = drawn;
+            if (i == 0) continue;  // the first round builds slices and pipelines
+            variant.ms.push_back(ms);
         }
         progress.update(i);
     }
-    return ways;
+    return variants;
 }
 
-// Buffers of a stage with so many copies, at as many times, after an image of it.
+// Bytes of the buffers of a stage with so many copies, each at its own time, after an image of it.
 uint64_t bytes_with(const gpu::Device& device, const StageOptions& options, uint32_t copies) {
     const uint64_t before = device.buffer_bytes();
     stage::Stage stage = make_bench_stage(options, copies);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
-    Way way;
+    Variant variant;
     media::Image image;
-    draw(renderer, stage, bench_camera(stage, options, 4.0 + copies), way, image);
+    draw(renderer, stage, bench_camera(stage, options, 4.0 + copies), variant, image);
     return device.buffer_bytes() - before;
 }
 
-double growth(const Result& result, size_t way) {
-    return median(result.ways[way].ms) / median(result.ways[0].ms) - 1;
+double growth(const Result& result, size_t variant) {
+    return median(result.variants[variant].ms) / median(result.variants[0].ms) - 1;
 }
 
 void print(const Result& result, const gpu::Device& device, const StageOptions& options) {
     fmt::print("{}: {}, {}, two performers {}, a floor, a spotlight\n", device.summary().name, options.scene,
                options.size, options.together ? "in each other" : "beside each other");
-    for (size_t i = 0; i < result.ways.size(); i++) {
-        const Way& way = result.ways[i];
-        fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n", way.name, median(way.ms), 100 * growth(result, i));
+    for (size_t i = 0; i < result.variants.size(); i++) {
+        const Variant& variant = result.variants[i];
+        fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n", variant.name, median(variant.ms), 100 * growth(result, i));
     }
     fmt::print("{} copies: {:.1f} MiB of buffers, {:.4f} times those of one\n", options.copies,
                static_cast<double>(result.all_bytes) / 1048576,
@@ -111,9 +111,9 @@ void print(const Result& result, const gpu::Device& device, const StageOptions& 
 
 nlohmann::ordered_json json_of(const Result& result, const StageOptions& options) {
     nlohmann::ordered_json json;
-    for (size_t i = 0; i < result.ways.size(); i++)
+    for (size_t i = 0; i < result.variants.size(); i++)
         json["ways"].push_back(
-            {{"name", result.ways[i].name}, {"ms", median(result.ways[i].ms)}, {"growth", growth(result, i)}});
+            {{"name", result.variants[i].name}, {"ms", median(result.variants[i].ms)}, {"growth", growth(result, i)}});
     json["copies"] = options.copies;
     json["one_bytes"] = result.one_bytes;
     json["all_bytes"] = result.all_bytes;
@@ -125,7 +125,7 @@ void run(const StageOptions& options, const tools::CommonOptions& common) {
     if (!options.image.empty()) tools::prepare_output_file("--picture", options.image);
     const gpu::Device device(common.device);
     Result result;
-    result.ways = measure_ways(device, options, result.image);
+    result.variants = measure_variants(device, options, result.image);
     expect_not_stopped();
     result.one_bytes = bytes_with(device, options, 1);
     result.all_bytes = bytes_with(device, options, options.copies);
@@ -151,7 +151,7 @@ void add_stage(CLI::App& app, const tools::CommonOptions& common) {
         ->check(CLI::Range(1u, render::kMaxInstances))
         ->capture_default_str();
     tools::add_slice_budget_option(*verb, options.slice_budget_mb);
-    add_repeats_option(*verb, options, "Images of each way that the medians are over");
+    add_repeats_option(*verb, options, "Images of each variant that the medians are over");
     add_image_option(*verb, options);
     add_json_flag(*verb, options);
 }

@@ -1,4 +1,4 @@
-// neuvv-bench stereo: both eyes of a headset, with and without what saves rays.
+// neuvv-bench stereo: the time of both eyes of a headset, at full resolution and with settings that save rays.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,21 +17,21 @@ namespace neuvv::bench {
 
 namespace {
 
-// A way to draw both eyes.
-struct Way {
+// How both eyes are drawn, and how long that took.
+struct Variant {
     std::string name;
     const char* key;  // in JSON
     double scale = 1;
     std::vector<render::Fovea> foveae;
-    bool one_by_one = false;  // an eye a frame
+    bool one_by_one = false;  // each eye in a frame of its own
     std::vector<double> ms;
     double rays = 0;
-    double psnr = 0;  // of the images, against those of the first way
+    double psnr = 0;  // the lower one of both images, against the first variant
 };
 
 constexpr double kEyeDistance_m = 0.063;
 
-// Seen by a person who stands one height away, upright, with 90° from side to side.
+// The eyes of an upright person one height of the performer away, with a horizontal angle of view of 90°.
 std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, media::ImageSize size,
                                        double turn) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
@@ -64,20 +64,21 @@ Drawn draw(render::FrameRenderer& renderer, const std::vector<stage::Camera>& ey
     return drawn;
 }
 
-// A clip at 25 images a second on a display of 90 Hz, every slice new.
+// A clip of 25 frames a second that plays on a display of 90 Hz; every slice is new.
 struct Playing {
-    std::vector<double> needed_ms, ahead_ms;  // of each display frame: slices built when needed, or ahead
+    std::vector<double> needed_ms,
+        ahead_ms;  // per frame of the display; slices built when needed, or ahead
 };
 
 struct Result {
-    std::vector<Way> ways;
+    std::vector<Variant> variants;
     Playing playing;
-    std::vector<PassSum> passes;  // of the first
+    std::vector<PassSum> passes;  // of the first variant
     double covered = 0;           // share of pixels
-    double copy_tb_s = 0;         // bytes read and written
+    double copy_tb_s = 0;         // bytes that a copy reads and writes, in TB/s
 };
 
-std::vector<Way> ways_to_draw() {
+std::vector<Variant> all_variants() {
     const render::Fovea inset{{0.3, 0.3}, {0.7, 0.7}, 0.4};
     return {{"both eyes in one dispatch", "stereo", 1, {}, false, {}},
             {"one eye after the other", "one_by_one", 1, {}, true, {}},
@@ -86,24 +87,24 @@ std::vector<Way> ways_to_draw() {
             {"0.5 rays a pixel's side, upscaled", "half", 0.5, {}, false, {}}};
 }
 
-void measure(render::FrameRenderer& renderer, Way& way, const std::vector<stage::Camera>& eyes, uint32_t repeats,
-             std::vector<media::Image>& truth, Result& result) {
+void measure(render::FrameRenderer& renderer, Variant& variant, const std::vector<stage::Camera>& eyes,
+             uint32_t repeats, std::vector<media::Image>& truth, Result& result) {
     render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
-    settings.scale = way.scale;
-    settings.foveae = way.foveae;
-    Drawn drawn = draw(renderer, eyes, settings, way.one_by_one);  // slices, compiles
+    settings.scale = variant.scale;
+    settings.foveae = variant.foveae;
+    Drawn drawn = draw(renderer, eyes, settings, variant.one_by_one);  // builds slices, compiles pipelines
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
-        drawn = draw(renderer, eyes, settings, way.one_by_one);
-        way.ms.push_back(drawn.ms);
+        drawn = draw(renderer, eyes, settings, variant.one_by_one);
+        variant.ms.push_back(drawn.ms);
         if (truth.empty()) add_image(result.passes, renderer.pass_times());
     }
-    way.rays = 2 * static_cast<double>(renderer.radiance().size());
+    variant.rays = 2 * static_cast<double>(renderer.radiance().size());
     if (truth.empty()) {
         truth = drawn.images;
         const std::vector<glm::vec4> rays = renderer.radiance();
         result.covered = static_cast<double>(covered_rays(rays)) / static_cast<double>(rays.size());
     }
-    way.psnr =
+    variant.psnr =
         std::min(training::compare(truth[0], drawn.images[0]).psnr, training::compare(truth[1], drawn.images[1]).psnr);
 }
 
@@ -115,12 +116,12 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
     renderer.forget_slices();
     std::vector<double> ms;
     for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
-        const auto shown = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
-        settings.instances[0].frame = static_cast<float>(shown % clip_frames);
-        if (ahead) settings.next_slices = {{static_cast<float>((shown + 1) % clip_frames)}};
+        const auto frame = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
+        settings.instances[0].frame = static_cast<float>(frame % clip_frames);
+        if (ahead) settings.next_slices = {{static_cast<float>((frame + 1) % clip_frames)}};
         renderer.render_views(eyes, settings);
         if (i >= kDisplayHz / kClipFps)
-            ms.push_back(milliseconds(renderer.pass_times()));  // the first slice is needed at once
+            ms.push_back(milliseconds(renderer.pass_times()));  // the first slice cannot be built ahead
     }
     return ms;
 }
@@ -131,33 +132,33 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     const std::vector<stage::Camera> eyes = eyes_before(tools::occupied_box(tree), size, 0.4);
     render::FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
     Result result;
-    result.ways = ways_to_draw();
+    result.variants = all_variants();
     std::vector<media::Image> truth;
-    tools::Progress progress("bench", result.ways.size() + 2);
-    for (size_t i = 0; i < result.ways.size() && !stop_requested(); i++) {
-        measure(renderer, result.ways[i], eyes, options.repeats, truth, result);
+    tools::Progress progress("bench", result.variants.size() + 2);
+    for (size_t i = 0; i < result.variants.size() && !stop_requested(); i++) {
+        measure(renderer, result.variants[i], eyes, options.repeats, truth, result);
         progress.update(i + 1);
     }
     result.playing.needed_ms = play(renderer, eyes, tree.frames, false);
-    progress.update(result.ways.size() + 1);
+    progress.update(result.variants.size() + 1);
     result.playing.ahead_ms = play(renderer, eyes, tree.frames, true);
-    progress.update(result.ways.size() + 2);
+    progress.update(result.variants.size() + 2);
     result.copy_tb_s = 1e-12 * copied_bytes_per_second(device, field);
     return result;
 }
 
-double mrays_per_second(const Way& way) {
-    return way.rays / median(way.ms) / 1000;
+double mrays_per_second(const Variant& variant) {
+    return variant.rays / median(variant.ms) / 1000;
 }
 
 void print(const Result& result, const gpu::Device& device, const BenchOptions& options) {
     fmt::print("{}: {}, 2 x {}, {:.0f} % of the pixels covered, slices resident; a copy moves {:.3f} TB/s\n",
                device.summary().name, options.scene, options.size, 100 * result.covered, result.copy_tb_s);
     fmt::print("{:<50} {:>9} {:>9} {:>8} {:>16} {:>8}\n", "", "ms (p50)", "p99", "Mrays/s", "Mrays/s per TB/s", "PSNR");
-    for (const Way& way : result.ways)
-        fmt::print("{:<50} {:>9.1f} {:>9.1f} {:>8.1f} {:>16.0f} {:>8}\n", way.name, median(way.ms),
-                   quantile(way.ms, 0.99), mrays_per_second(way), mrays_per_second(way) / result.copy_tb_s,
-                   way.psnr > 90 ? "same" : fmt::format("{:.1f}", way.psnr));
+    for (const Variant& variant : result.variants)
+        fmt::print("{:<50} {:>9.1f} {:>9.1f} {:>8.1f} {:>16.0f} {:>8}\n", variant.name, median(variant.ms),
+                   quantile(variant.ms, 0.99), mrays_per_second(variant), mrays_per_second(variant) / result.copy_tb_s,
+                   variant.psnr > 90 ? "same" : fmt::format("{:.1f}", variant.psnr));
     const auto playing = [](const char* name, const std::vector<double>& ms) {
         fmt::print("{:<50} {:>9.1f} {:>9.1f}\n", name, median(ms), quantile(ms, 0.99));
     };
@@ -167,16 +168,16 @@ void print(const Result& result, const gpu::Device& device, const BenchOptions& 
 }
 
 nlohmann::ordered_json json_of(const Result& result) {
-    auto ways = nlohmann::ordered_json::object();
-    for (const Way& way : result.ways)
-        ways[way.key] = {{"ms", median(way.ms)},
-                         {"p99_ms", quantile(way.ms, 0.99)},
-                         {"rays", way.rays},
-                         {"mrays_per_second", mrays_per_second(way)},
-                         {"psnr_db", way.psnr}};
+    auto variants = nlohmann::ordered_json::object();
+    for (const Variant& variant : result.variants)
+        variants[variant.key] = {{"ms", median(variant.ms)},
+                                 {"p99_ms", quantile(variant.ms, 0.99)},
+                                 {"rays", variant.rays},
+                                 {"mrays_per_second", mrays_per_second(variant)},
+                                 {"psnr_db", variant.psnr}};
     return {{"covered", result.covered},
             {"copy_tb_s", result.copy_tb_s},
-            {"ways", ways},
+            {"ways", variants},
             {"playing",
              {{"needed_p99_ms", quantile(result.playing.needed_ms, 0.99)},
               {"ahead_p99_ms", quantile(result.playing.ahead_ms, 0.99)}}},

@@ -1,4 +1,4 @@
-// neuvv-bench train: a training step pass by pass, and against the paper's way within the same run.
+// neuvv-bench train: the time of each pass of a training step, compared with direct gradients in the same run.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct TrainOptions : BenchOptions {
     uint32_t tiles = 512;
 };
 
-// Milliseconds of a pass in a step: a pass that only some steps have counts by its share of them; 0 where none has it.
+// Milliseconds of a pass per step, where a pass that only some steps have counts in proportion; 0 where no step has it.
 double step_ms(const std::vector<PassSum>& passes, const std::string& name) {
     size_t steps = 0, with_pass = 0;
     double ms = 0;
@@ -38,8 +38,7 @@ double step_ms(const std::vector<PassSum>& passes, const std::string& name) {
     return steps > 0 ? ms * static_cast<double>(with_pass) / static_cast<double>(steps) : 0;
 }
 
-// One batch after the other through both steps, which then hold the same weights and rays.
-struct BenchTrainResult {
+struct Result {
     std::vector<PassSum> slice, direct;
     uint32_t busy_planes = 0;
     uint64_t weight_bytes = 0;
@@ -50,21 +49,22 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree& tree,
-                               const training::Dataset& dataset, const TrainOptions& options) {
+// Runs the same batches through both kinds of step, with the same weights.
+Result measure(const gpu::Device& device, const voctree::VOctree& tree, const training::Dataset& dataset,
+               const TrainOptions& options) {
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
     training::TrainingStep step(device, tree, cameras, options.tiles);
     std::optional<training::DirectStep> direct;
     if (step.field().weights.bytes <= device.limits().maxStorageBufferRange)
         direct.emplace(device, tree, cameras, options.tiles, training::best_atomic_add(device));
     training::BatchSampler sampler(dataset, options.tiles, 1, training::batches_in_a_row(tree));
-    BenchTrainResult result;  // moments are overwritten by the copies: rates are 0
+    Result result;
     result.busy_planes = step.field().busy_planes;
     result.weight_bytes = step.field().weights.bytes;
     tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
         const training::Batch batch = sampler.next();
-        training::StepSettings settings;  // rates are 0: weights stay as they are
+        training::StepSettings settings;  // learning rates are 0, so weights stay as they are
         settings.frame = static_cast<float>(training::frame_of_time(batch.time, tree.frames));
         settings.tiles = static_cast<uint32_t>(batch.tiles.size());
         settings.stop = training::kTrainingStop;
@@ -74,22 +74,24 @@ BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree
         training::load_batch(dataset, batch, step.rays(), step.batch());
         const double start = seconds_now();
         step.submit(settings);
-        const training::StepResult found = step.wait();
+        const training::StepResult step_result = step.wait();
         const double took = seconds_now() - start;
-        if (found.overflow > 0)
-            throw RuntimeFailure(fmt::format(
-                "{} live leaves found no slot on this device: the scene is too large to train on it", found.overflow));
+        if (step_result.overflow > 0)
+            throw RuntimeFailure(
+                fmt::format("{} live leaves found no slot on this device: the scene is too large to train on it",
+                            step_result.overflow));
         if (direct) {
             training::load_batch(dataset, batch, direct->rays(), direct->batch());
             direct->run(settings);
         }
+        // The copy overwrites the moments, which do not matter, as the learning rates are 0.
         const double copied = copy_milliseconds(device, step.field().weights, step.moments().first);
         if (i == 0) continue;  // the first step also warms caches
         add_image(result.slice, step.pass_times());
         if (direct) add_image(result.direct, direct->pass_times());
-        result.slots.push_back(found.slots);
-        result.touched.push_back(found.touched);
-        result.rays.push_back(static_cast<double>(found.pixels));
+        result.slots.push_back(step_result.slots);
+        result.touched.push_back(step_result.touched);
+        result.rays.push_back(static_cast<double>(step_result.pixels));
         result.step_seconds.push_back(took);
         result.copy_ms.push_back(copied);
         progress.update(i);
@@ -97,8 +99,9 @@ BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree
     return result;
 }
 
-// Bytes that the slice's adjoint moves: weights and both moments of each plane with a gradient, read and written, and
-// the weights once more for the slice that it keeps; the slot's gradient, read and cleared; its σ and SH, written.
+// Bytes that the slice's adjoint moves: it reads and writes weights and both moments of each plane with a gradient,
+// reads the weights once more for the slice that it updates, reads and clears the slot's gradient, and writes its σ and
+// SH.
 double optimiser_bytes(uint32_t busy_planes, uint32_t hh_degree, double touched) {
     const double planes = 2.0 * busy_planes + hh_count(hh_degree);
     return touched * (112 * planes + 8.0 * gradient_stride(hh_degree) + 8 + 16.0 * sh_count(hh_degree));
@@ -108,8 +111,8 @@ void print_passes(const std::vector<PassSum>& passes) {
     for (const PassSum& pass : passes) fmt::print("  {:<16} {:>9.2f} ms\n", pass.name, step_ms(passes, pass.name));
 }
 
-// Slice-space against direct gradients.
-void print_ratio(const BenchTrainResult& result, uint32_t numbers) {
+// Compares slice-space with direct gradients.
+void print_ratio(const Result& result, uint32_t numbers) {
     if (result.direct.empty()) {
         fmt::print("direct gradients: this device binds no buffer as large as the weights of so many leaves\n");
         return;
@@ -134,7 +137,7 @@ void run(const TrainOptions& options, const tools::CommonOptions& common) {
     const training::Dataset dataset =
         training::load_dataset(options.dataset, training::Split::kTrain, {.format = options.format});
     const gpu::Device device(common.device);
-    const BenchTrainResult result = measure_train(device, tree, dataset, options);
+    const Result result = measure(device, tree, dataset, options);
     if (result.slots.empty()) return;
     const double rays = median(result.rays);
     fmt::print("{}: {:.0f} rays a step, {:.0f} live leaves of {}, {:.0f} touched\n", device.summary().name, rays,

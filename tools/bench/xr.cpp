@@ -1,4 +1,4 @@
-// neuvv-bench xr: what a frame of a headset costs on the device, and the second eye beside the first.
+// neuvv-bench xr: the time of a headset's frame on the device, and the share of the second eye in it.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -29,7 +29,8 @@ stage::Stage stage_of(const XrOptions& options) {
                                                    : stage_of_copies(options.scene, 1, 0);
 }
 
-// A person two metres before the performers who sways a little; 104 by 96 degrees an eye, as headsets have them.
+// The eyes of a person who stands two metres before the performers and sways a little. An eye sees 104 by 96 degrees,
+// as in common headsets.
 xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
     const auto [low, high] = stage::performers_box(stage, stage::stage_at(stage, 0));
     const glm::dvec3 middle = 0.5 * (low + high);
@@ -39,8 +40,8 @@ xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
         eyes.eye[eye].pose.position = head + glm::dvec3((eye - 0.5) * 0.064, 0, 0);
         eyes.eye[eye].pose.rotation = glm::angleAxis(0.08 * std::sin(0.7 * time_s), glm::dvec3(0, 1, 0));
         const auto rad = [](double degrees) { return static_cast<float>(glm::radians(degrees)); };
-        const double out = 54, in = 50;
-        eyes.eye[eye].fov = {rad(eye == 0 ? -out : -in), rad(eye == 0 ? in : out), rad(46), rad(-50)};
+        const double outer = 54, inner = 50;
+        eyes.eye[eye].fov = {rad(eye == 0 ? -outer : -inner), rad(eye == 0 ? inner : outer), rad(46), rad(-50)};
     }
     return eyes;
 }
@@ -59,11 +60,12 @@ struct EyeTargets {
 };
 
 struct Result {
-    std::vector<double> both_ms, left_ms, eye_pass_ms;  // of each frame
-    std::vector<PassSum> passes;                        // of both
+    // Of each frame; left_share is the time of the left eye alone divided by that of both.
+    std::vector<double> both_ms, left_share, eye_pass_ms;
+    std::vector<PassSum> passes;  // of both eyes
 };
 
-// Software devices leave compute passes out of the timestamps of frames that draw: there the host's clock counts.
+// The timestamps of software devices leave compute passes out in frames that draw; there the host's clock is used.
 double frame_milliseconds(const gpu::Device& device, const render::FrameRenderer& frames) {
     if (device.summary().kind == "cpu") return frames.milliseconds();
     return milliseconds(frames.pass_times());
@@ -78,11 +80,11 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
     xr::EyePass pass(device, targets.colour.shape.format, targets.depth.shape.format);
     Result result;
     tools::Progress progress("frames", options.frames);
-    constexpr uint32_t kWarm = 8;  // until pipelines and slices are there
-    for (uint32_t i = 0; i < options.frames + kWarm && !stop_requested(); i++) {
+    constexpr uint32_t kWarmUp = 8;  // frames until pipelines and slices are built
+    for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); i++) {
         const double time_s = i / options.hz;
-        const double shown_s = std::floor(time_s * stage.fps) / stage.fps;
-        const stage::EvaluatedStage evaluated = stage::stage_at(stage, shown_s);
+        const double frame_s = std::floor(time_s * stage.fps) / stage.fps;
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, frame_s);
         renderer.show(evaluated);
         render::FrameSettings settings = renderer.settings_at(evaluated);
         settings.width = size.width;
@@ -90,7 +92,7 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         settings.mode = render::TraceMode::kPlay;
         settings.scale = options.scale;
         for (const render::Instance& next :
-             renderer.settings_at(stage::stage_at(stage, shown_s + 1 / stage.fps)).instances)
+             renderer.settings_at(stage::stage_at(stage, frame_s + 1 / stage.fps)).instances)
             settings.next_slices.push_back({{next.frame, next.paint}, next.field});
         const xr::EyeViews eyes = eyes_at(stage, time_s);
         std::array<stage::Camera, xr::kEyes> cameras;
@@ -101,24 +103,25 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         const std::vector<gpu::PassTime> passes = renderer.frames().pass_times();
         pass.draw(renderer, images, cameras, {}, 0, targets.target);
         const double eye_pass = milliseconds(pass.pass_times());
-        // The same slices: what a second eye adds is the eye alone. What both built ahead is not built again.
+        // Both again and the left eye alone, with slices that are there now, so that the difference is the second eye
+        // alone.
         renderer.frames().draw(cameras, settings);
         const double again = frame_milliseconds(device, renderer.frames());
         renderer.frames().draw({cameras.data(), 1}, settings);
         const double left = frame_milliseconds(device, renderer.frames());
-        if (i < kWarm) continue;
+        if (i < kWarmUp) continue;
         result.both_ms.push_back(both + eye_pass);
         result.eye_pass_ms.push_back(eye_pass);
-        result.left_ms.push_back(left / again);
+        result.left_share.push_back(left / again);
         add_image(result.passes, passes);
-        progress.update(i - kWarm + 1);
+        progress.update(i - kWarmUp + 1);
     }
     return result;
 }
 
-// What the second eye adds, in shares of what the first costs.
+// The time of the second eye divided by that of the first; 0 where no frame was measured.
 double second_eye(const Result& result) {
-    const double first = median(result.left_ms);
+    const double first = median(result.left_share);
     return first > 0 ? (1 - first) / first : 0;
 }
 
