@@ -1,4 +1,4 @@
-// neuvv devices: every Vulkan device of this machine and what each lacks.
+// neuvv devices: lists the Vulkan devices of this machine, and what each lacks.
 #include <fmt/format.h>
 
 #include <memory>

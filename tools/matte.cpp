@@ -1,4 +1,4 @@
-// neuvv matte: which part of each image is the performer, for captures that do not say so.
+// neuvv matte: finds the part of each image that shows the performer, for captures without mattes.
 #include <fmt/format.h>
 
 #include <memory>
@@ -7,7 +7,6 @@
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "training/make_mattes.h"
 
@@ -28,13 +27,13 @@ void run_matte(MatteOptions options) {
                          "--overwrite replaces them");
     prepare_output_folder("--output", what.output);
     catch_stop_signals();
-    std::unique_ptr<Progress> progress;
+    Progress progress("matte");
     const training::MatteSummary made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
-        if (!progress) progress = std::make_unique<Progress>("matte", total);
-        progress->update(done);
+        progress.set_total(total);
+        progress.update(done);
         return !stop_requested();
     });
-    progress.reset();
+    progress.finish();
     if (!made.missing_split.empty())
         fmt::print(stderr, "one split alone has mattes now, the other cannot be read: {}\n", made.missing_split);
     fmt::print("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",

@@ -9,15 +9,15 @@ namespace neuvv {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Volume of the matrix's axes, each made one long, below which they do not span space.
-constexpr double kLeastVolume = 1e-12;
+// The volume spanned by the normalised axes of a matrix below which the matrix counts as singular.
+constexpr double kMinVolume = 1e-12;
 
 bool is_finite(glm::dvec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// World to box, kept apart: vectors of the world become the box's by `turn`, then by dividing by `lengths`. So a box of
-// a millimetre is no nearer to being singular than one of a metre.
+// The inverse of a linear map in two factors: `turn` inverts the normalised axes, then `lengths` divides. So a box of a
+// millimetre is no nearer to being singular than one of a metre.
 struct Inverse {
     glm::dmat3 turn{1};
     glm::dvec3 lengths{1};
@@ -31,7 +31,7 @@ std::optional<Inverse> inverse_of(const glm::dmat3& linear) {
         axes[i] /= inverse.lengths[i];
     }
     const double volume = std::abs(glm::determinant(axes));
-    if (!is_finite(inverse.lengths) || !(volume >= kLeastVolume)) return {};  // NaN where a length is 0
+    if (!is_finite(inverse.lengths) || !(volume >= kMinVolume)) return {};  // NaN where a length is 0
     inverse.turn = glm::inverse(axes);
     return inverse;
 }
@@ -57,7 +57,7 @@ std::optional<double> box_hit(const Ray& ray, const glm::dmat4& world_from_box, 
     const std::optional<glm::dvec3> along = unit_direction(ray);
     const std::optional<Inverse> box_from_world = inverse_of(glm::dmat3(world_from_box));
     if (!along || !box_from_world) return {};
-    // The direction keeps the length that the matrix gives it: parameters along the ray remain the world's metres.
+    // The direction is not normalised in the space of the box, so parameters along the ray remain metres of the world.
     const glm::dvec3 origin = (*box_from_world)(ray.origin - glm::dvec3(world_from_box[3])),
                      direction = (*box_from_world)(*along);
     if (!is_finite(origin) || !is_finite(direction)) return {};

@@ -3,8 +3,7 @@
 namespace neuvv {
 
 namespace {
-// Errors are one line that a person can read: text from hostile files may hold control characters, which must not reach
-// a terminal, and be of any length.
+// The text on one line. Text from hostile files may contain control characters, which must not reach a terminal.
 std::string one_line(std::string text) {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';

@@ -1,4 +1,5 @@
-// Which processes live, told by the locks that they hold. With platform.h, what a port to another system replaces.
+// Locks on files, by which a process can tell whether another one still runs. These are system calls, as those of
+// platform.h: a port to another system replaces both.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +10,11 @@ namespace neuvv {
 
 int64_t process_id();
 
-// A lock on a file, which ends with this object or with its process, however that ends.
+// A lock on a file. It ends with this object or with its process, however the process ends.
 class FileLock {
   public:
     FileLock() = default;
-    // Makes the file if need be, and waits until nobody else holds it. Throws RuntimeFailure.
+    // Creates the file where it is missing, and waits until nobody else has the lock. Throws RuntimeFailure.
     explicit FileLock(const std::filesystem::path& file);
     FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
     FileLock& operator=(FileLock&& other) noexcept {
@@ -26,7 +27,7 @@ class FileLock {
     int descriptor_ = -1;
 };
 
-// Whether anyone, this process included, holds a lock on the file; false where it is not there.
+// Whether any process, including this one, has a lock on the file; false where the file does not exist.
 bool is_file_locked(const std::filesystem::path& file);
 
 }  // namespace neuvv

@@ -1,5 +1,5 @@
-// A queue of jobs on a thread of its own, so that its owner's thread never waits for a file. Jobs run one after the
-// other; what a job returns runs on the owner's thread.
+// A queue of jobs on a thread of its own, so that the owner's thread never waits for a file. Jobs run one after the
+// other; the function that a job returns runs on the owner's thread.
 #pragma once
 
 #include <condition_variable>
@@ -25,7 +25,7 @@ class JobQueue {
     JobQueue(const JobQueue&) = delete;
     JobQueue& operator=(const JobQueue&) = delete;
 
-    // Waits for all jobs that were started; nothing that is posted runs after that.
+    // Waits for all jobs that were started. What they post is not run any more, unless run_posted is called.
     void stop();
 
     // `title` is shown to the user while the job waits or runs; an empty title shows nothing.

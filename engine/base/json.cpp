@@ -15,7 +15,7 @@ using json = nlohmann::json;
 
 constexpr uint64_t kMaxJsonBytes = uint64_t{256} << 20;
 
-// Walks a file that does not parse and remembers how far it came.
+// Parses a file that is no valid JSON, to find the place of the error.
 struct PlaceFinder : nlohmann::json_sax<json> {
     struct Level {
         bool array;
@@ -59,7 +59,7 @@ struct PlaceFinder : nlohmann::json_sax<json> {
     std::string place() const {
         std::string text;
         for (const Level& level : levels) {
-            if (text.size() > kMaxQuoted) break;  // a file of brackets alone
+            if (text.size() > kMaxQuoted) break;  // for a file of many brackets
             if (level.array)
                 text += fmt::format("[{}]", level.index);
             else if (!level.key.empty())
@@ -98,15 +98,16 @@ void BasicJsonNode<Json>::fail_type(const char* expected) const {
 
 template <typename Json>
 BasicJsonNode<Json> BasicJsonNode<Json>::operator[](size_t i) const {
-    std::string at = places == JsonPlaces::kDotted ? fmt::format("{}[{}]", place, i) : fmt::format("{}/{}", place, i);
-    return {value[i], file, std::move(at), places, damage};
+    std::string at =
+        style == JsonPlaceStyle::kDotted ? fmt::format("{}[{}]", place, i) : fmt::format("{}/{}", place, i);
+    return {value[i], file, std::move(at), style, damage};
 }
 
 template <typename Json>
 BasicJsonNode<Json> BasicJsonNode<Json>::operator[](const char* key) const {
-    std::string at = places == JsonPlaces::kPointer ? place + "/" + key : place.empty() ? key : place + "." + key;
-    if (!has(key)) BasicJsonNode{value, file, std::move(at), places, damage}.fail("is missing");
-    return {value[key], file, std::move(at), places, damage};
+    std::string at = style == JsonPlaceStyle::kPointer ? place + "/" + key : place.empty() ? key : place + "." + key;
+    if (!has(key)) BasicJsonNode{value, file, std::move(at), style, damage}.fail("is missing");
+    return {value[key], file, std::move(at), style, damage};
 }
 
 JsonFile read_json(const std::filesystem::path& file, const std::string& expected) {
@@ -125,18 +126,18 @@ double json_number(const BasicJsonNode<Json>& node) {
 }
 
 template <typename Json>
-double json_number(const BasicJsonNode<Json>& node, double least, double most, const char* meaning) {
+double json_number(const BasicJsonNode<Json>& node, double min, double max, const char* meaning) {
     const double value = json_number(node);
-    if (!(value >= least && value <= most))
-        node.fail(fmt::format("is {}, not {}", value, meaning), fmt::format("give {} to {}", least, most));
+    if (!(value >= min && value <= max))
+        node.fail(fmt::format("is {}, not {}", value, meaning), fmt::format("give {} to {}", min, max));
     return value;
 }
 
 template <typename Json>
-uint64_t json_count(const BasicJsonNode<Json>& node, uint64_t most) {
+uint64_t json_count(const BasicJsonNode<Json>& node, uint64_t max) {
     if (!node.value.is_number_unsigned()) node.fail_type("a whole number");
     const auto value = node.value.template get<uint64_t>();
-    if (value > most) node.fail(fmt::format("is {}, more than {}", value, most));
+    if (value > max) node.fail(fmt::format("is {}, more than {}", value, max));
     return value;
 }
 
@@ -178,7 +179,7 @@ NEUVV_READ_JSON(nlohmann::ordered_json)
 #undef NEUVV_READ_JSON
 
 JsonMembers::JsonMembers(const nlohmann::ordered_json& object, const std::string& file_name, std::string json_place)
-    : OrderedJsonNode{object, file_name, std::move(json_place), JsonPlaces::kPointer} {
+    : OrderedJsonNode{object, file_name, std::move(json_place), JsonPlaceStyle::kPointer} {
     if (!value.is_object()) fail("is not an object");
 }
 
@@ -206,9 +207,9 @@ void JsonMembers::text(const char* name, std::string& text) const {
     text = found->get<std::string>();
 }
 
-size_t JsonMembers::choice_of(const char* name, std::span<const char* const> names, size_t otherwise) const {
+size_t JsonMembers::choice_of(const char* name, std::span<const char* const> names, size_t fallback) const {
     const nlohmann::ordered_json* found = find(name);
-    if (!found) return otherwise;
+    if (!found) return fallback;
     std::string all;
     for (size_t i = 0; i < names.size(); ++i) {
         if (found->is_string() && found->get_ref<const std::string&>() == names[i]) return i;

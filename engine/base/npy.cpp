@@ -12,13 +12,13 @@ namespace neuvv {
 
 namespace {
 
-constexpr uint64_t kMaxBytes = uint64_t{1} << 28;  // of a file of its own
+constexpr uint64_t kMaxBytes = uint64_t{1} << 28;  // of a file
 constexpr uint64_t kMaxCount = uint64_t{1} << 33;
-constexpr size_t kMaxHeader = 4096;  // ours take a hundred bytes
+constexpr size_t kMaxHeader = 4096;  // usual ones take a hundred bytes
 constexpr uint8_t kMagic[6] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
 constexpr const char* kFix = "save it with numpy from an array of plain numbers";
 
-// What the header, a Python dictionary, says of a key; empty: nothing.
+// The value of a key in the header, which is a Python dictionary; empty: the key is missing.
 std::string entry(const std::string& header, const char* key, const char* value_pattern) {
     std::smatch match;
     const std::regex pattern(fmt::format("['\"]{}['\"]\\s*:\\s*{}", key, value_pattern));
@@ -35,7 +35,7 @@ std::vector<uint64_t> parse_shape(const std::string& text, const std::string& fi
     return shape;
 }
 
-// Bytes of one number of a plain little-endian type, or 0.
+// The bytes of one number of a plain little-endian type, 0 for other types.
 size_t width_of(const std::string& type) {
     std::smatch match;
     if (std::regex_match(type, match, std::regex("<U([1-9][0-9]{0,3})"))) return 4 * std::stoul(match[1].str());

@@ -8,15 +8,16 @@
 
 namespace neuvv {
 
-// What a .npy says of its array, whose numbers are the rest of its bytes, row by row.
+// The header of a .npy. The numbers of its array are the rest of its bytes, row by row.
 struct NpyHeader {
     std::string type;             // NumPy's: "<f2", "<i4", "|u1", "<U4" (UTF-32), ...
     std::vector<uint64_t> shape;  // outermost first; empty: one number
-    uint64_t count = 1;           // of numbers: the product of the shape
-    size_t begin = 0;             // the first number's byte
+    uint64_t count = 1;           // how many numbers: the product of the shape
+    size_t begin = 0;             // the offset of the first number, bytes
 };
-// Versions 1 to 3 of the format, little-endian numbers or text in C order. Throws InputError naming file and place for
-// anything else, pickled objects included, and where there are more or fewer bytes than the shape says.
+// Parses the header of a .npy of version 1 to 3 whose array has little-endian numbers or text in C order. Throws
+// InputError with `file` and `place` for anything else, pickled objects included, and where the file has more or fewer
+// bytes than the shape requires.
 NpyHeader parse_npy_header(const std::vector<uint8_t>& bytes, const std::string& file, const std::string& place);
 
 struct NpyArray {
@@ -24,9 +25,9 @@ struct NpyArray {
     std::vector<double> values;   // row by row
 };
 
-// Floating-point numbers: f4 or f8. Throws InputError as above.
+// Reads an array of floating-point numbers, f4 or f8. Throws InputError as above.
 NpyArray read_npy(const std::filesystem::path& file);
-// Its bytes out of another file; `place` says where, for errors.
+// The same for the bytes of a .npy inside another file; `place` says where, for errors.
 NpyArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& file, const std::string& place);
 
 }  // namespace neuvv

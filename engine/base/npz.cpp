@@ -10,7 +10,8 @@ namespace neuvv {
 
 namespace {
 
-// Arrays of weights and of octrees pack to a third or a tenth; this also bounds what a small file may ask for.
+// Weights and octrees pack to a third or a tenth of their size. The limit also bounds the memory that a small file can
+// take.
 constexpr uint64_t kAllowedBytes = uint64_t{64} << 20, kAllowedRatio = 128;
 constexpr int64_t kMaxArrays = 4096;
 constexpr const char *kFix = "write it with numpy.savez", *kCopyAgain = "copy the file again";

@@ -12,15 +12,15 @@ struct zip;  // libzip's
 
 namespace neuvv {
 
-// One open .npz, an array in memory at a time. All throw InputError naming file and array.
+// An open .npz, whose arrays are read into memory one by one. All functions throw InputError with file and array.
 class NpzReader {
   public:
-    // Refuses what is no zip file, and what unpacks to more than 64 MiB and 128 times the file's size in all.
+    // Throws for a file that is no zip file, and for one that unpacks to more than 64 MiB plus 128 times its size.
     explicit NpzReader(const std::filesystem::path& file);
 
     std::vector<std::string> names() const;  // without ".npy"
     bool has(const std::string& name) const { return entries_.contains(name); }
-    // The array as a .npy (npy.h), its checksum verified. Arrays that are missing throw, too.
+    // The array as a .npy (npy.h), with its checksum verified. Throws where the array is missing.
     std::vector<uint8_t> bytes(const std::string& name) const;
 
   private:
@@ -37,7 +37,7 @@ struct FloatArray {
     std::vector<float> values;    // as many as the shape says, the last index fastest
 };
 
-// Every array of an .npz of f4 and f8 by its name. Throws InputError as above.
+// Reads all arrays of an .npz of f4 and f8, by name. Throws InputError as above.
 std::map<std::string, FloatArray> read_npz(const std::filesystem::path& file);
 
 }  // namespace neuvv

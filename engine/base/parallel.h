@@ -1,4 +1,4 @@
-// Work shared out over the machine's cores.
+// Work divided among the processor's cores.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace neuvv {
 
-// Calls run(begin, end) for pieces of at most `grain` of [0, count) on all cores, and waits. The first exception of a
-// piece is thrown again here, after the other pieces under way have ended.
+// Calls run(begin, end) for parts of [0, count) of at most `grain` elements, on all cores, and waits. The first
+// exception of a part is thrown again here, once the other running parts have ended.
 void parallel_for(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& run);
 
 }  // namespace neuvv

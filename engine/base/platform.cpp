@@ -40,7 +40,7 @@ struct FileDescriptor {
     throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path.string(), what, std::strerror(errno)));
 }
 
-// Hands out pieces of one mapping, and takes none back.
+// Allocates from one mapping, front to back, and reuses nothing.
 class SpooledMemory : public std::pmr::memory_resource {
   public:
     SpooledMemory(const std::filesystem::path& folder, uint64_t bytes) : bytes_(std::max<uint64_t>(bytes, 1)) {
@@ -48,7 +48,7 @@ class SpooledMemory : public std::pmr::memory_resource {
         const FileDescriptor file(mkstemp(name.data()));
         if (file.fd < 0) fail_write(name, "create");
         unlink(name.c_str());
-        // Reserves the room: a page without a place on disk would kill the process when it is first written to.
+        // Reserves the space: a page without space on the disk would kill the process when it is first written to.
         errno = posix_fallocate(file.fd, 0, static_cast<off_t>(bytes_));
         if (errno != 0) fail_write(folder, fmt::format("keep {} MB", (bytes_ + 999'999) / 1'000'000).c_str());
         void* mapped = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file.fd, 0);
@@ -73,33 +73,34 @@ class SpooledMemory : public std::pmr::memory_resource {
     std::mutex mutex_;
 };
 
-// The number in a file of /proc or /sys, in units of `unit`; `most` where there is none.
-uint64_t number_after(const char* path, const std::string& label, uint64_t unit, uint64_t most) {
+// The number after a label in a file of /proc or /sys, times `unit`; `fallback` where there is none.
+uint64_t number_after(const char* path, const std::string& label, uint64_t unit, uint64_t fallback) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
         if (!line.starts_with(label)) continue;
         char* end = nullptr;
         const char* digits = line.c_str() + label.size();
         const uint64_t value = std::strtoull(digits, &end, 10);
-        return end == digits ? most : value * unit;
+        return end == digits ? fallback : value * unit;
     }
-    return most;
+    return fallback;
 }
 
 volatile std::sig_atomic_t g_stop = 0;
-timespec g_asked_to_stop{};  // the handler's own
+timespec g_stop_requested_at{};  // used by the handler alone
 
 void on_stop_signal(int signal) {
-    constexpr double kTogether_s = 0.5;  // one request: `timeout` signals a program, then its group
+    // Signals this close are one request: `timeout` signals a program, then its group.
+    constexpr double kTogether_s = 0.5;
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);
-    const double since_s = static_cast<double>(now.tv_sec - g_asked_to_stop.tv_sec) +
-                           1e-9 * static_cast<double>(now.tv_nsec - g_asked_to_stop.tv_nsec);
-    if (g_stop && since_s > kTogether_s) {  // asked twice: stop at once
+    const double since_s = static_cast<double>(now.tv_sec - g_stop_requested_at.tv_sec) +
+                           1e-9 * static_cast<double>(now.tv_nsec - g_stop_requested_at.tv_nsec);
+    if (g_stop && since_s > kTogether_s) {  // a second request: stop at once
         std::signal(signal, SIG_DFL);
         std::raise(signal);
     }
-    if (!g_stop) g_asked_to_stop = now;
+    if (!g_stop) g_stop_requested_at = now;
     g_stop = 1;
 }
 
@@ -182,7 +183,7 @@ uint64_t peak_memory_bytes() {
 uint64_t available_memory_bytes() {
     const uint64_t system = number_after("/proc/meminfo", "MemAvailable:", 1024, UINT64_MAX);
     const uint64_t group = number_after("/sys/fs/cgroup/memory.max", "", 1, UINT64_MAX);
-    // The group's cached files count as used, but give way.
+    // Cached files count as used by the group, but are dropped when memory is needed.
     const uint64_t cached = number_after("/sys/fs/cgroup/memory.stat", "inactive_file ", 1, 0);
     const uint64_t current = number_after("/sys/fs/cgroup/memory.current", "", 1, 0);
     const uint64_t used = current - std::min(current, cached);
@@ -210,16 +211,16 @@ void* function_of_loaded_library(const char* library, const char* function) {
     void* handle = dlopen(library, RTLD_NOW | RTLD_NOLOAD);
     if (!handle) return nullptr;
     void* address = dlsym(handle, function);
-    dlclose(handle);  // whoever loaded it keeps it
+    dlclose(handle);  // the library stays loaded by its first user
     return address;
 }
 
-ProgramEnd run_program(std::vector<std::string> words) {
+ProgramOutput run_program(std::vector<std::string> arguments) {
     std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
+    for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw RuntimeFailure(fmt::format("{}: {}", words[0], std::strerror(errno)));
+    if (pipe2(ends, O_CLOEXEC) != 0) throw RuntimeFailure(fmt::format("{}: {}", arguments[0], std::strerror(errno)));
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
@@ -228,25 +229,25 @@ ProgramEnd run_program(std::vector<std::string> words) {
     const int failed = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
-    ProgramEnd end;
+    ProgramOutput output;
     char piece[4096];
     for (ssize_t got = 0; !failed && (got = read(ends[0], piece, sizeof piece)) != 0;)
         if (got > 0)
-            end.said.append(piece, static_cast<size_t>(got));
+            output.text.append(piece, static_cast<size_t>(got));
         else if (errno != EINTR)
             break;
     close(ends[0]);
-    if (failed) throw RuntimeFailure(fmt::format("{} cannot be started: {}", words[0], std::strerror(failed)));
+    if (failed) throw RuntimeFailure(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(failed)));
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
-    end.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return end;
+    output.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return output;
 }
 
 namespace {
 
-// The folder "neuvv" in that of an environment variable, else in one of the home folder.
+// The folder "neuvv" in the folder that an environment variable names, else in a folder of the home folder.
 std::filesystem::path xdg_folder(const char* variable, const char* in_home) {
     const char* xdg = std::getenv(variable);
     const char* home = std::getenv("HOME");

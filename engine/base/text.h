@@ -1,4 +1,4 @@
-// Text in and out: lists as users write them, and bytes as text.
+// Lists as users write them, and bytes as text.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 namespace neuvv {
 
-// The parts between `at`, less the spaces around each: at least one, which may be empty.
-std::vector<std::string> split(const std::string& text, char at);
+// The parts of the text between separators, without spaces around them. There is at least one part; parts may be empty.
+std::vector<std::string> split(const std::string& text, char separator);
 
-// Bytes as data URIs hold them, padded with '='.
+// The bytes in base64 as in data URIs, padded with '='.
 std::string base64(std::span<const uint8_t> bytes);
 
 }  // namespace neuvv

@@ -10,10 +10,11 @@ namespace neuvv::edit {
 
 namespace {
 
-// Alphas that a ray has gathered at a touch's ends, and without which there is no touch.
-constexpr float kTouchFront = 0.02f, kTouched = 0.5f, kTouchBack = 0.9f;
-// A leaf's colours over a clip count as one as long as no channel differs by more: of its square root, which is about
-// how colours look.
+// The alphas that a ray has gathered at the front and the back of a touch; a ray that never gathers the middle one
+// makes no touch.
+constexpr float kTouchFront = 0.02f, kTouchMiddle = 0.5f, kTouchBack = 0.9f;
+// The colours of a leaf over a clip count as the same while no channel differs by more. The measure is the square root
+// of a channel, which is about how bright it looks.
 constexpr float kSameColour = 0.06f;
 
 float distance_to_segment(glm::vec3 at, glm::vec3 a, glm::vec3 b) {
@@ -23,7 +24,7 @@ float distance_to_segment(glm::vec3 at, glm::vec3 a, glm::vec3 b) {
     return glm::distance(at, a + part * along);
 }
 
-// How near a place is to the stroke; infinite beyond the reach.
+// The distance from a point to the stroke, metres; larger than the radius where the stroke does not cover it.
 float distance_to_stroke(glm::vec3 at, std::span<const Touch> touches, float radius) {
     float nearest = std::numeric_limits<float>::infinity();
     for (size_t i = 0; i < touches.size(); i++) {
@@ -55,23 +56,25 @@ std::vector<Touch> touches_under(render::Picker& picker, const stage::Camera& ca
     std::vector<PickRay> rays;
     for (size_t i = 0; i < pixels.size(); i++) {
         const glm::dvec2 from = pixels[i == 0 ? 0 : i - 1];
-        // A ray a pixel; farther than an image reaches there is nothing to pick.
+        // One ray per pixel. The number of rays is limited, because lines that are much longer than the image have
+        // nothing to pick.
         const double length = std::min(std::ceil(glm::distance(from, pixels[i])), 4.0 * (camera.width + camera.height));
         const auto steps = static_cast<size_t>(std::max(length, 1.0));
         for (size_t step = 1; step <= steps; step++)
             rays.push_back(render::pick_ray(
                 camera, glm::mix(from, pixels[i], static_cast<double>(step) / static_cast<double>(steps))));
     }
-    const std::vector<render::Picked> fronts = picker.pick(rays, kTouchFront), middles = picker.pick(rays, kTouched);
+    const std::vector<render::Picked> fronts = picker.pick(rays, kTouchFront),
+                                      middles = picker.pick(rays, kTouchMiddle);
     const std::vector<render::Picked> far = picker.pick(rays, kTouchBack), farther = picker.pick(rays);
     std::vector<Touch> touches;
     for (size_t i = 0; i < rays.size(); i++) {
         if (!middles[i].hit()) continue;
-        const auto place = [&](const render::Picked& picked) {
+        const auto point_at = [&](const render::Picked& picked) {
             return glm::vec3(rays[i].origin) + picked.distance_m * glm::vec3(rays[i].direction);
         };
         const render::Picked& back = farther[i].hit() ? farther[i] : far[i].hit() ? far[i] : middles[i];
-        touches.push_back({place(fronts[i]), place(back)});
+        touches.push_back({point_at(fronts[i]), point_at(back)});
     }
     return touches;
 }
@@ -84,11 +87,11 @@ std::vector<voctree::LeafEdit> stroke(const Canvas& canvas, std::span<const floa
         low = glm::min(low, glm::min(touch.front, touch.back));
         high = glm::max(high, glm::max(touch.front, touch.back));
     }
-    const Region around = box_region(low - brush.radius_m, high + brush.radius_m);
+    const Region bounds = box_region(low - brush.radius_m, high + brush.radius_m);
     std::vector<float> covered(sigma.size());
     parallel_for(sigma.size(), 1024, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++)
-            if (sigma[leaf] > 0 && around(canvas.middles[leaf]))
+            if (sigma[leaf] > 0 && bounds(canvas.middles[leaf]))
                 covered[leaf] = coverage(brush, distance_to_stroke(canvas.middles[leaf], touches, brush.radius_m));
     });
     std::vector<voctree::LeafEdit> edits;
@@ -118,9 +121,9 @@ glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift) {
     const glm::vec3 axis(1 / std::sqrt(3.0f));
     const glm::vec3 turned = colour * c + glm::cross(axis, colour) * s + axis * glm::dot(axis, colour) * (1 - c);
     const float grey = luminance(colour);
-    // Turning changed the luminance; take its chroma alone, about the old one.
+    // Turning changed the luminance: only the chroma of the result is kept, about the old luminance.
     const glm::vec3 chroma = shift.saturation * (turned - luminance(turned));
-    float room = 1;  // so much of it stays within 0 to 1
+    float room = 1;  // the largest share of the chroma with which all channels stay within 0 to 1
     for (int i = 0; i < 3; i++) {
         if (grey + chroma[i] > 1) room = std::min(room, (1 - grey) / chroma[i]);
         if (grey + chroma[i] < 0) room = std::min(room, grey / -chroma[i]);
@@ -130,15 +133,15 @@ glm::vec3 shifted(glm::vec3 colour, const ColourShift& shift) {
 
 namespace {
 
-// Some successive frames at which a leaf has about the same shifted colour.
+// Successive frames at which a leaf has about the same shifted colour.
 struct Shade {
     float first = 0, last = 0;
-    glm::vec3 least{0}, most{0};  // square roots
-    glm::vec3 sum{0};             // of colours, by density
+    glm::vec3 low{0}, high{0};  // the range of the colours' square roots
+    glm::vec3 sum{0};           // of the colours, weighted by density
     float weight = 0;
 };
 
-// `rows` of `frames`.
+// The shades of a leaf over the frames; `rows` belongs to `frames`.
 std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::span<const float> frames,
                              std::span<const RowsAtTime> rows, const ColourShift& shift) {
     std::vector<Shade> shades;
@@ -150,9 +153,9 @@ std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::s
         const glm::vec3 colour = shifted(mean_colour(tree, rows[i], leaf), shift), root = glm::sqrt(colour);
         if (before) {
             Shade& shade = shades.back();
-            const glm::vec3 least = glm::min(shade.least, root), most = glm::max(shade.most, root);
-            if (glm::all(glm::lessThanEqual(most - least, glm::vec3(kSameColour)))) {
-                shade = {shade.first, frames[i], least, most, shade.sum + sigma * colour, shade.weight + sigma};
+            const glm::vec3 low = glm::min(shade.low, root), high = glm::max(shade.high, root);
+            if (glm::all(glm::lessThanEqual(high - low, glm::vec3(kSameColour)))) {
+                shade = {shade.first, frames[i], low, high, shade.sum + sigma * colour, shade.weight + sigma};
                 continue;
             }
         }
@@ -178,7 +181,7 @@ std::vector<voctree::LeafEdit> shift_colours(const Canvas& canvas, std::span<con
     });
     std::vector<voctree::LeafEdit> edits;
     for (const std::vector<voctree::LeafEdit>& some : of_leaf) edits.insert(edits.end(), some.begin(), some.end());
-    return through_between(std::move(edits), first, last);
+    return extend_between_frames(std::move(edits), first, last);
 }
 
 }  // namespace neuvv::edit

@@ -1,4 +1,4 @@
-// The stage's camera path: as JSON, so that members of ours from later versions stay.
+// The stage's camera path. It is edited as JSON, so that members from later versions of this program are kept.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ double time_of(const ordered_json& key) {
     return key["time"].get<double>();
 }
 
-// The stage's cameraPath, null where there is none.
+// The stage's cameraPath; null where it has none.
 ordered_json* find_path(stage::StageFile& file) {
     ordered_json* stage = find_extension(scene_of(file), stage::kStageExtension);
     return stage && stage->contains("cameraPath") ? &(*stage)["cameraPath"] : nullptr;
@@ -33,10 +33,10 @@ void remove_path(stage::StageFile& file) {
     ordered_json& stage = *find_extension(scene, stage::kStageExtension);
     stage.erase("cameraPath");
     if (stage.empty()) remove_extension(scene, stage::kStageExtension);
-    forget_unused(file, stage::kStageExtension);
+    undeclare_unused(file, stage::kStageExtension);
 }
 
-// keys[key] of the path; throws where there is none.
+// The stage's path. Throws InputError where it has no such key.
 ordered_json& path_with_key(stage::StageFile& file, size_t key) {
     ordered_json* path = find_path(file);
     const size_t count = path ? (*path)["keys"].size() : 0;
@@ -46,7 +46,7 @@ ordered_json& path_with_key(stage::StageFile& file, size_t key) {
     return *path;
 }
 
-// The key nearest to a time, within half a frame; keys.size() where there is none.
+// The index of the key that is nearest to a time, within half a frame; keys.size() where there is none.
 size_t key_at(const ordered_json& keys, double time_s, double frame_s) {
     size_t nearest = keys.size();
     double distance = 0.5 * frame_s;
@@ -64,8 +64,8 @@ void insert_key(ordered_json& keys, ordered_json key) {
     keys.insert(after, std::move(key));
 }
 
-// The end of an open path that ended with its last key, at `last_s`, still does. A cycle that has no time left to come
-// back takes as long for that as from key to key.
+// Updates the duration of a path. An open path that ended with its last key, at `last_s`, still does. A cyclic path
+// without time to return to its first key gets the mean time from key to key for that.
 void set_duration(ordered_json& path, double last_s) {
     const ordered_json& keys = path["keys"];
     const double first = time_of(keys.front()), last = time_of(keys.back()), duration = path.value("duration", last_s);
@@ -77,13 +77,13 @@ void set_duration(ordered_json& path, double last_s) {
     }
 }
 
-std::string words_of(const ordered_json& path) {
+std::string summary_of(const ordered_json& path) {
     const size_t count = path["keys"].size();
     return fmt::format("camera path of {} {}, {:.6g} s", count, count == 1 ? "key" : "keys",
                        path.value("duration", time_of(path["keys"].back())));
 }
 
-// A stage's path says no more of a lens than its angle.
+// Throws InputError for keys whose lens has more than a vertical angle, which the path of a stage cannot express.
 void expect_simple(const stage::StageFile& file, const stage::CameraPath& path) {
     for (size_t i = 0; i < path.keys.size(); ++i) {
         const stage::CameraPathKey& key = path.keys[i];
@@ -114,7 +114,7 @@ std::string set_camera_path(stage::StageFile& file, const std::optional<stage::C
                 kept.update(key);
                 key = std::move(kept);
             }
-        return words_of(json);
+        return summary_of(json);
     });
 }
 
@@ -131,7 +131,7 @@ std::string add_path_key(stage::StageFile& file, const stage::CameraPathKey& key
         else
             insert_key(keys, stage::json_of(key));
         set_duration(path, last_s);
-        return fmt::format("key at {:.6g} s {}; {}", key.time_s, replaces ? "replaced" : "added", words_of(path));
+        return fmt::format("key at {:.6g} s {}; {}", key.time_s, replaces ? "replaced" : "added", summary_of(path));
     });
 }
 
@@ -145,7 +145,7 @@ std::string remove_path_key(stage::StageFile& file, size_t key) {
         return fmt::format("key at {:.6g} s removed; no camera path", time_s);
     }
     set_duration(path, last_s);
-    return fmt::format("key at {:.6g} s removed; {}", time_s, words_of(path));
+    return fmt::format("key at {:.6g} s removed; {}", time_s, summary_of(path));
 }
 
 std::string move_path_key(stage::StageFile& file, size_t key, double to_s, double frame_s) {
@@ -159,7 +159,7 @@ std::string move_path_key(stage::StageFile& file, size_t key, double to_s, doubl
     moved["time"] = to_s;
     insert_key(keys, std::move(moved));
     set_duration(path, last_s);
-    return fmt::format("key moved from {:.6g} s to {:.6g} s; {}", from_s, to_s, words_of(path));
+    return fmt::format("key moved from {:.6g} s to {:.6g} s; {}", from_s, to_s, summary_of(path));
 }
 
 }  // namespace neuvv::edit

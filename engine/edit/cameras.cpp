@@ -10,9 +10,9 @@ namespace neuvv::edit {
 
 namespace {
 
-constexpr double kNear_m = 0.05;  // glTF wants one; no image of ours has one
+constexpr double kNear_m = 0.05;  // glTF requires a near plane; this program has none
 
-// The index of the camera that a node holds; throws where it holds none, or one that is not perspective.
+// The index of the camera on a node. Throws InputError where the node has none, or one that is not perspective.
 size_t perspective_camera_of(const stage::StageFile& file, uint32_t node) {
     const ordered_json& json = node_of(file, node);
     const std::string place = fmt::format("/nodes/{}", node);
@@ -38,12 +38,12 @@ std::string add_camera(stage::StageFile& file, const std::string& name, double v
         cameras.push_back({{"name", json["name"]},
                            {"type", "perspective"},
                            {"perspective", {{"yfov", vertical_angle_rad}, {"znear", kNear_m}}}});
-        LocalTransform place;
-        place.translation = glm::dvec3(world_from_camera[3]);
-        place.rotation = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
-        set_local_transform(json, place);
+        LocalTransform transform;
+        transform.translation = glm::dvec3(world_from_camera[3]);
+        transform.rotation = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
+        set_local_transform(json, transform);
         return fmt::format("added camera {}, {:.6g}° high, at {}", title_of(file, node),
-                           glm::degrees(vertical_angle_rad), text_of(place.translation));
+                           glm::degrees(vertical_angle_rad), text_of(transform.translation));
     });
 }
 

@@ -12,16 +12,16 @@ namespace neuvv::edit {
 
 namespace {
 
-bool holds_extension(const ordered_json& json, const char* name) {
+bool uses_extension(const ordered_json& json, const char* name) {
     if (json.is_object() && json.contains("extensions") && json["extensions"].is_object() &&
         json["extensions"].contains(name))
         return true;
     return json.is_structured() &&
-           std::any_of(json.begin(), json.end(), [&](const ordered_json& part) { return holds_extension(part, name); });
+           std::any_of(json.begin(), json.end(), [&](const ordered_json& part) { return uses_extension(part, name); });
 }
 
-glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec3& otherwise) {
-    if (!node.contains(name)) return otherwise;
+glm::dvec3 vector_in(const ordered_json& node, const char* name, const glm::dvec3& fallback) {
+    if (!node.contains(name)) return fallback;
     return {node[name][0].get<double>(), node[name][1].get<double>(), node[name][2].get<double>()};
 }
 
@@ -39,7 +39,7 @@ std::optional<uint64_t> index_of(const ordered_json& value) {
 }
 
 const ordered_json* find_member(const ordered_json& owner, const char* name) {
-    const auto found = owner.find(name);  // the end of what is no object
+    const auto found = owner.find(name);  // the end where the owner is no object
     return found == owner.end() ? nullptr : &*found;
 }
 
@@ -85,7 +85,7 @@ ordered_json* find_extension(stage::StageJson& document, const char* name) {
 ordered_json& make_extension(const stage::StageFile& file, ordered_json& owner, const char* name) {
     if (!owner.contains("extensions")) owner["extensions"] = ordered_json::object();
     if (!owner["extensions"].is_object())
-        throw InputError(file.path.string(), "extensions", "is not an object", "mend the file");
+        throw InputError(file.path.string(), "extensions", "is not an object", "correct the file");
     if (ordered_json* found = find_extension(owner, name)) return *found;
     return owner["extensions"][name] = ordered_json::object();
 }
@@ -94,7 +94,7 @@ ordered_json& make_extension(stage::StageFile& file, const char* name) {
     if (ordered_json* found = find_extension(file.json, name)) return *found;
     if (!file.json.contains("extensions")) file.json.set("extensions", ordered_json::object());
     if (!file.json["extensions"].is_object())
-        throw InputError(file.path.string(), "extensions", "is not an object", "mend the file");
+        throw InputError(file.path.string(), "extensions", "is not an object", "correct the file");
     return file.json.edit("extensions")[name] = ordered_json::object();
 }
 
@@ -116,10 +116,10 @@ void remove_extension(stage::StageJson& document, const char* name) {
     if (document["extensions"].empty()) document.erase("extensions");
 }
 
-void forget_unused(stage::StageFile& file, const char* name) {
+void undeclare_unused(stage::StageFile& file, const char* name) {
     if (find_extension(file.json, name)) return;
     for (const auto& [member, value] : file.json.members())
-        if (holds_extension(*value, name)) return;
+        if (uses_extension(*value, name)) return;
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
         if (!file.json.contains(list) || !file.json[list].is_array()) continue;
         ordered_json& names = file.json.edit(list);
@@ -138,19 +138,19 @@ const ordered_json& performer_of(const stage::StageFile& file, uint32_t node) {
 }
 
 ordered_json& performer_of(stage::StageFile& file, uint32_t node) {
-    performer_of(std::as_const(file), node);  // which throws
+    performer_of(std::as_const(file), node);  // throws where there is none
     return *find_extension(node_of(file, node), stage::kPerformerExtension);
 }
 
 ordered_json& list_in(ordered_json& json, const char* name) {
     if (!json.contains(name)) json[name] = ordered_json::array();
-    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "mend the file");
+    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "correct the file");
     return json[name];
 }
 
 ordered_json& list_in(stage::StageJson& json, const char* name) {
     if (!json.contains(name)) json.set(name, ordered_json::array());
-    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "mend the file");
+    if (!json[name].is_array()) throw InputError("stage", name, "is not a list", "correct the file");
     return json.edit(name);
 }
 
@@ -185,65 +185,65 @@ FreeNames::FreeNames(const stage::StageFile& file) {
     for (uint32_t node = 0; node < node_count(file); ++node) taken_.insert(name_of(file, node));
 }
 
-std::string FreeNames::take(const std::string& wanted) {
-    std::string name = wanted;
-    size_t& number = next_.try_emplace(wanted, 2).first->second;
-    while (!taken_.insert(name).second) name = fmt::format("{} {}", wanted, number++);
+std::string FreeNames::take(const std::string& preferred) {
+    std::string name = preferred;
+    size_t& number = next_.try_emplace(preferred, 2).first->second;
+    while (!taken_.insert(name).second) name = fmt::format("{} {}", preferred, number++);
     return name;
 }
 
 LocalTransform local_transform_of(const ordered_json& node) {
-    LocalTransform place;
-    place.has_matrix = node.contains("matrix");
-    for (int i = 0; i < 16 && place.has_matrix; ++i)
-        place.matrix[i / 4][i % 4] = node["matrix"][static_cast<size_t>(i)].get<double>();
-    place.translation = vector_in(node, "translation", place.translation);
-    place.scale = vector_in(node, "scale", place.scale);
+    LocalTransform transform;
+    transform.has_matrix = node.contains("matrix");
+    for (int i = 0; i < 16 && transform.has_matrix; ++i)
+        transform.matrix[i / 4][i % 4] = node["matrix"][static_cast<size_t>(i)].get<double>();
+    transform.translation = vector_in(node, "translation", transform.translation);
+    transform.scale = vector_in(node, "scale", transform.scale);
     if (node.contains("rotation")) {
         const ordered_json& q = node["rotation"];
-        place.rotation =
+        transform.rotation =
             glm::normalize(glm::dquat(q[3].get<double>(), q[0].get<double>(), q[1].get<double>(), q[2].get<double>()));
     }
-    return place;
+    return transform;
 }
 
-void set_local_transform(ordered_json& node, const LocalTransform& place) {
+void set_local_transform(ordered_json& node, const LocalTransform& transform) {
     const LocalTransform before = local_transform_of(node);
-    if (place.has_matrix) {
+    if (transform.has_matrix) {
         for (const char* name : {"translation", "rotation", "scale"}) node.erase(name);
-        if (before.has_matrix && before.matrix == place.matrix) return;
+        if (before.has_matrix && before.matrix == transform.matrix) return;
         node["matrix"] = ordered_json::array();
-        for (int i = 0; i < 16; ++i) node["matrix"].push_back(place.matrix[i / 4][i % 4]);
+        for (int i = 0; i < 16; ++i) node["matrix"].push_back(transform.matrix[i / 4][i % 4]);
         return;
     }
     node.erase("matrix");
-    const glm::dquat& q = place.rotation;
-    if (place.translation != before.translation) node["translation"] = json_of(place.translation);
+    const glm::dquat& q = transform.rotation;
+    if (transform.translation != before.translation) node["translation"] = json_of(transform.translation);
     if (q != before.rotation) node["rotation"] = {q.x, q.y, q.z, q.w};
-    if (place.scale != before.scale) node["scale"] = json_of(place.scale);
+    if (transform.scale != before.scale) node["scale"] = json_of(transform.scale);
 }
 
-glm::dquat looking(const glm::dvec3& direction) {
+glm::dquat rotation_towards(const glm::dvec3& direction) {
     const glm::dvec3 back = -glm::normalize(direction);
     const glm::dvec3 up = std::abs(back.y) < 0.999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1);
     const glm::dvec3 right = glm::normalize(glm::cross(up, back));
     return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
 }
 
-LocalTransform turned_about(LocalTransform place, const glm::dvec3& middle, double angle_rad) {
+LocalTransform turned_about(LocalTransform transform, const glm::dvec3& middle, double angle_rad) {
     const glm::dquat turn = glm::angleAxis(angle_rad, glm::dvec3(0, 1, 0));
-    if (place.has_matrix) {
+    if (transform.has_matrix) {
         glm::dmat4 about = glm::translate(glm::dmat4(1), middle) * glm::mat4_cast(turn);
-        place.matrix = glm::translate(about, -middle) * place.matrix;
+        transform.matrix = glm::translate(about, -middle) * transform.matrix;
     } else {
-        place.translation = middle + turn * (place.translation - middle);
-        place.rotation = turn * place.rotation;
+        transform.translation = middle + turn * (transform.translation - middle);
+        transform.rotation = turn * transform.rotation;
     }
-    return place;
+    return transform;
 }
 
-glm::dvec3 place_of(const LocalTransform& place) {
-    return place.has_matrix ? glm::dvec3(place.matrix[3]) : place.translation;
+glm::dvec3 position_of(const LocalTransform& transform) {
+    return transform.has_matrix ? glm::dvec3(transform.matrix[3]) : transform.translation;
 }
 
 ordered_json json_of(const glm::dvec3& v) {

@@ -17,7 +17,7 @@ namespace neuvv::edit {
 
 namespace {
 
-// What cannot be copied without moving the original, too.
+// Throws InputError where copies cannot be placed without moving the original, too.
 void expect_copyable(const stage::StageFile& file, const std::vector<uint32_t>& family) {
     const std::string place = fmt::format("/nodes/{}", family[0]);
     if (is_animated(file, family[0]))
@@ -32,7 +32,7 @@ void expect_copyable(const stage::StageFile& file, const std::vector<uint32_t>& 
                              "duplicate it where it was made");
 }
 
-// The list that holds the node: its parent's children, or the scene's roots; null where it is in neither.
+// The list that contains the node: its parent's children, or the scene's roots; null where it is in neither.
 ordered_json* siblings_of(stage::StageFile& file, uint32_t node) {
     const auto holds = [&](ordered_json& owner, const char* name) {
         if (!owner.contains(name) || !owner[name].is_array()) return false;
@@ -46,13 +46,13 @@ ordered_json* siblings_of(stage::StageFile& file, uint32_t node) {
     return holds(scene, "nodes") ? &scene["nodes"] : nullptr;
 }
 
-LocalTransform copy_place(const LocalTransform& first, const CopySettings& settings, uint32_t copy) {
+LocalTransform copy_transform(const LocalTransform& first, const CopySettings& settings, uint32_t copy) {
     if (settings.pattern == CopyPattern::kRow) {
-        LocalTransform place = first;
+        LocalTransform transform = first;
         const glm::dvec3 step(settings.distance_m * copy, 0, 0);
-        place.translation += step;
-        place.matrix[3] += glm::dvec4(step, 0);
-        return place;
+        transform.translation += step;
+        transform.matrix[3] += glm::dvec4(step, 0);
+        return transform;
     }
     glm::dvec3 front = first.has_matrix ? glm::dvec3(first.matrix[2]) : first.rotation * glm::dvec3(0, 0, 1);
     front.y = 0;
@@ -60,10 +60,10 @@ LocalTransform copy_place(const LocalTransform& first, const CopySettings& setti
     const double angle_rad = settings.pattern == CopyPattern::kRing
                                  ? 2 * std::numbers::pi * copy / (settings.count + 1.0)
                                  : glm::radians(settings.arc_deg) * copy / settings.count;
-    return turned_about(first, place_of(first) - settings.distance_m * front, angle_rad);
+    return turned_about(first, position_of(first) - settings.distance_m * front, angle_rad);
 }
 
-// The performer's time, made ready for its clip.
+// The performer's time map, resolved for its clip.
 stage::Timeline timeline_of(const stage::StageFile& file, uint32_t node) {
     const std::filesystem::path clip = clip_of(file, node);
     const ordered_json& performer = performer_of(file, node);
@@ -78,14 +78,14 @@ stage::Timeline timeline_of(const stage::StageFile& file, uint32_t node) {
     return stage::timeline_of(map, head.frames, static_cast<double>(head.fps), name, place);
 }
 
-// A performer's copy: later, and spinning faster.
+// Makes a performer's copy later and faster spinning.
 void stagger(ordered_json& performer, const CopySettings& settings, const stage::Timeline& timeline, uint32_t copy) {
     const stage::ClipTime by = stagger_offset(timeline, {settings.stagger.value * copy, settings.stagger.frames});
     if (by.value != 0) list_in(performer, "time").push_back({{"operator", "offset"}, {"by", stage::text_of(by)}});
     if (settings.spin_step != 0) performer["spin"] = performer.value("spin", 0.0) + settings.spin_step * copy;
 }
 
-// Copies of the channels that move what is below the copied node.
+// Copies the animation channels that move nodes below the copied node.
 void copy_channels(stage::StageFile& file, const std::map<uint32_t, uint32_t>& copies) {
     if (!file.json.contains("animations")) return;
     for (ordered_json& animation : file.json.edit("animations")) {
@@ -125,13 +125,13 @@ std::string duplicate(stage::StageFile& file, uint32_t node, const CopySettings&
     const LocalTransform first = local_transform_of(node_of(file, node));
     const std::vector<uint32_t> family = family_of(file, node);
     expect_copyable(file, family);
-    siblings_of(file, node);  // a document without a scene gets it before there are copies to list
+    siblings_of(file, node);  // adds a scene where there is none, before there are copies that it would list
     FreeNames names(file);
     std::vector<uint32_t> copies;
     const stage::Timeline timeline = settings.stagger.value != 0 ? timeline_of(file, node) : stage::Timeline{};
     for (uint32_t copy = 1; copy <= settings.count; ++copy) {
         const uint32_t index = copies.emplace_back(copy_family(file, family, names));
-        set_local_transform(node_of(file, index), copy_place(first, settings, copy));
+        set_local_transform(node_of(file, index), copy_transform(first, settings, copy));
         if (ordered_json* performer = find_extension(node_of(file, index), stage::kPerformerExtension))
             stagger(*performer, settings, timeline, copy);
     }

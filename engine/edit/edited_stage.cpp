@@ -18,14 +18,14 @@ bool is_saved(const Document& document, const PaintLayers::value_type& layer) {
     return saved != document.saved_paint.end() && saved->second == layer.second;
 }
 
-// What the disk has in the place of this file, where that is another program's.
+// The bytes of the file at `path` where another program has written it since the document was read; else nullopt.
 std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const std::filesystem::path& path) {
     const stage::StageFile& file = document.file;
     std::error_code ignored;
     const bool same_file = file.saved->on_disk && stage::absolute_path(path) == stage::absolute_path(file.path);
     if (!same_file || !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
     std::vector<uint8_t> bytes = read_file(path);
-    if (bytes == file.saved->bytes && !document.disk_is_anothers) return std::nullopt;
+    if (bytes == file.saved->bytes && !document.disk_is_foreign) return std::nullopt;
     return bytes;
 }
 
@@ -50,9 +50,9 @@ std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const s
 
 std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path) {
     stage::expect_sound_document(document.file);
-    const std::set<std::filesystem::path> worn = worn_layers(document.file);
+    const std::set<std::filesystem::path> used = used_layers(document.file);
     for (const auto& layer : document.paint) {
-        if (!worn.contains(layer.first) || is_saved(document, layer)) continue;
+        if (!used.contains(layer.first) || is_saved(document, layer)) continue;
         voctree::write_paint(layer.first, *layer.second);
         document.saved_paint[layer.first] = layer.second;
     }
@@ -62,15 +62,15 @@ std::optional<std::filesystem::path> save_document(Document& document, const std
         write_file_atomically(*kept, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });
     }
     stage::save_stage_file(document.file, path);
-    document.disk_is_anothers = false;
+    document.disk_is_foreign = false;
     return kept;
 }
 
-std::filesystem::path free_path(const std::filesystem::path& wanted) {
-    std::filesystem::path path = wanted;
+std::filesystem::path free_path(const std::filesystem::path& preferred) {
+    std::filesystem::path path = preferred;
     for (int number = 2; std::filesystem::exists(path); number++)
-        path =
-            wanted.parent_path() / fmt::format("{}-{}{}", wanted.stem().string(), number, wanted.extension().string());
+        path = preferred.parent_path() /
+               fmt::format("{}-{}{}", preferred.stem().string(), number, preferred.extension().string());
     return path;
 }
 

@@ -1,5 +1,5 @@
-// A stage as it is edited: its file, and layers of paint that are not on the disk yet. History undoes both, one save
-// writes both.
+// A stage as it is edited: its file, and the layers of paint that were edited. History undoes both, and one save writes
+// both.
 #pragma once
 
 #include <filesystem>
@@ -13,38 +13,41 @@
 
 namespace neuvv::edit {
 
-// By paint_path. Layers do not change: who paints puts another one in.
+// Layers by paint_path. A layer is never changed in place: painting replaces it.
 using PaintLayers = std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>>;
 
 struct Document {
     stage::StageFile file;
-    // Layers as edited; one that is missing here is as on the disk. Put one in by open_paint before its first edit, so
-    // that undo knows how it was; one that has no file yet, at any time.
+    // The layers as edited; a layer that is missing here is as on the disk. open_paint adds a layer before its first
+    // edit, so that undo knows how it was. A layer that has no file yet may be added at any time.
     PaintLayers paint;
-    PaintLayers saved_paint;  // those of them that the disk holds, as it holds them
-    // The file on the disk is not what this was made from, but another program's (a recovered document's).
-    bool disk_is_anothers = false;
+    PaintLayers saved_paint;  // the layers of `paint` that have a file, as the disk has them
+    // Whether the file on the disk is not the one that this document was made from, but another program's. This is so
+    // for a recovered document.
+    bool disk_is_foreign = false;
 };
 
-// Whether both say and paint the same, wherever they lie and whatever the disk has.
+// Whether both documents have the same JSON and the same layers, whatever their paths and saved states are.
 bool same_document(const Document& a, const Document& b);
 
-// The .nvpaint that a layer's uri names, absolute. Throws InputError as file_of_uri.
+// The absolute path of the .nvpaint that a layer's URI names. Throws InputError as file_of_uri.
 std::filesystem::path paint_path(const stage::StageFile& file, const std::string& uri);
 
-// The layer as edited, else as read from the disk, which then is in both lists. Throws InputError as read_paint.
+// The layer as edited. A layer that has not been edited is read from the disk and added to `paint` and `saved_paint`.
+// Throws InputError as read_paint.
 std::shared_ptr<const voctree::EditLayer> open_paint(Document& document, const std::filesystem::path& path,
                                                      const voctree::PaintedField& field);
 
-// Writes the layers that the stage's performers wear and the disk does not hold so, then the stage to `path`, which is
-// the file's then (save_stage_file): each file atomically. Layers stay where they are; stages that share one share its
-// edits. Where another program has written the stage's file since it was read, that version is kept beside it under a
-// name that is free, "stage-theirs.gltf", which is returned. Throws InputError for a document that could not be loaded
-// again (expect_sound_document), RuntimeFailure where the disk fails; what was written by then stays written.
+// Writes the layers that performers of the stage use and that differ from the disk, then the stage to `path`, which
+// becomes the path of the file (save_stage_file). Each file is written atomically. Layers keep their paths, so stages
+// that share a layer share its edits. Where another program has written the stage's file since it was read, that
+// version is kept beside it under a free name like "stage-theirs.gltf", which is returned. Throws InputError for a
+// document that could not be loaded again (expect_sound_document), and RuntimeFailure where the disk fails; files that
+// were written by then stay written.
 std::optional<std::filesystem::path> save_document(Document& document, const std::filesystem::path& path);
-// The first of "stage.gltf", "stage-2.gltf", … that is not there.
-std::filesystem::path free_path(const std::filesystem::path& wanted);
-// "saved stage.gltf", and what became of another program's version.
+// The first of "stage.gltf", "stage-2.gltf", … that does not exist.
+std::filesystem::path free_path(const std::filesystem::path& preferred);
+// The message about a save: "saved stage.gltf", and what became of another program's version.
 std::string saved_text(const std::filesystem::path& path, const std::optional<std::filesystem::path>& theirs);
 
 }  // namespace neuvv::edit

@@ -4,7 +4,7 @@
 
 namespace neuvv::edit {
 
-uint64_t History::held_bytes(const Document& document) const {
+uint64_t History::extra_bytes(const Document& document) const {
     std::set<const void*> counted;
     const auto count = [&](const stage::StageJson& json, const PaintLayers& paint) {
         uint64_t bytes = 0;
@@ -15,18 +15,18 @@ uint64_t History::held_bytes(const Document& document) const {
         return bytes;
     };
     count(document.file.json, document.paint);
-    uint64_t held = 0;
+    uint64_t extra = 0;
     for (const std::deque<Step>* steps : {&undo_, &redo_})
-        for (const Step& step : *steps) held += count(step.json, step.paint);
-    return held;
+        for (const Step& step : *steps) extra += count(step.json, step.paint);
+    return extra;
 }
 
-void History::did(Document before, const Document& after, std::string what) {
+void History::add_step(Document before, const Document& after, std::string what) {
     redo_.clear();
     undo_.push_back(
         {before.file.path, std::move(before.file.json), std::move(before.paint), revision_, std::move(what)});
     revision_ = ++last_revision_;
-    while (undo_.size() > 1 && (undo_.size() > step_limit_ || held_bytes(after) > byte_limit_)) undo_.pop_front();
+    while (undo_.size() > 1 && (undo_.size() > step_limit_ || extra_bytes(after) > byte_limit_)) undo_.pop_front();
 }
 
 std::optional<std::string> History::step(Document& document, uint64_t& revision, std::deque<Step>& from,
@@ -36,7 +36,7 @@ std::optional<std::string> History::step(Document& document, uint64_t& revision,
     stage::StageFile target = stage::moved_to({from.back().path, from.back().json, {}}, file.path);
     Step step = std::move(from.back());
     from.pop_back();
-    // Layers that were opened since are as they were opened, for their first edit is another step.
+    // Layers that were opened since the step are kept as they were opened, because their first edit is a later step.
     step.paint.insert(document.paint.begin(), document.paint.end());
     step.path = file.path;
     step.json = std::exchange(file.json, std::move(target.json));

@@ -1,5 +1,5 @@
-// Undo and redo: the document as it was before and after each edit, of the stage or of paint. Steps share the layers
-// and the members of the JSON that they did not change, so a stroke costs one layer, and moving a node the list of
+// Undo and redo: the document as it was before and after each edit of the stage or of paint. Steps share the layers and
+// the members of the JSON that they did not change: a stroke costs one layer, and moving a node costs the list of
 // nodes.
 #pragma once
 
@@ -13,38 +13,39 @@ namespace neuvv::edit {
 
 class History {
   public:
-    // Keeps so many steps, and so many bytes of JSON and layers that the document itself does not hold; the oldest
-    // steps are forgotten, the last one never.
+    // Keeps at most so many steps, and so many bytes of JSON and layers that the document itself does not use
+    // (extra_bytes). The oldest steps are dropped, but never the last one.
     explicit History(size_t steps = 100, uint64_t bytes = uint64_t{512} << 20)
         : step_limit_(steps), byte_limit_(bytes) {}
 
-    // After an edit: the document as it was before it, as it is, and what the edit said. What was undone cannot be
-    // redone then.
-    void did(Document before, const Document& after, std::string what);
+    // Adds a step after an edit: the document before and after it, and what the edit did. Steps that were undone can no
+    // longer be redone.
+    void add_step(Document before, const Document& after, std::string what);
 
-    // Puts JSON and paint back by a step, or forward again; what the step was, nothing where there is none. The
-    // document keeps its path and what was saved; where it was saved into another folder since, URIs follow (moved_to,
-    // which may throw: then nothing has changed).
+    // Takes JSON and paint one step back or forward. Returns what the step did, nullopt where there is no step. The
+    // document keeps its path and its saved state. Where it was saved into another folder since the step, the URIs are
+    // adapted (moved_to, which may throw InputError: then nothing has changed).
     std::optional<std::string> undo(Document& document);
     std::optional<std::string> redo(Document& document);
-    // What they would take back or do again, for menus; null where there is nothing.
+    // What undo or redo would do, for menus; null where there is no step.
     const std::string* next_undo() const { return undo_.empty() ? nullptr : &undo_.back().what; }
     const std::string* next_redo() const { return redo_.empty() ? nullptr : &redo_.back().what; }
 
-    // What the steps hold beyond the document, each value that several of them share once.
-    uint64_t held_bytes(const Document& document) const;
+    // The bytes that the steps use beyond the document. A value that several steps share counts once.
+    uint64_t extra_bytes(const Document& document) const;
 
-    // Numbers the states that the document has been in: the same number, the same state.
+    // The number of the document's state: the same number means the same state.
     uint64_t revision() const { return revision_; }
-    // The disk has the document as it is, or has it in no state of this history (a recovered one).
+    // To be called when the disk has the document as it is now, or when the disk has none of the states of this history
+    // (for a recovered document).
     void mark_saved() { saved_ = revision_; }
     void mark_unsaved() { saved_ = 0; }
     bool is_modified() const { return revision_ != saved_; }
 
   private:
-    // A state before the step where it can be undone, after it where it can be redone.
+    // The state before the step in `undo_`, after the step in `redo_`.
     struct Step {
-        std::filesystem::path path;  // from which the URIs go
+        std::filesystem::path path;  // of the document: URIs are relative to its folder
         stage::StageJson json;
         PaintLayers paint;
         uint64_t revision = 0;

@@ -8,16 +8,16 @@ namespace neuvv::edit {
 
 namespace {
 
-constexpr double kHardest = 1e-3;
+constexpr double kMinSoftness = 1e-3;
 
 }  // namespace
 
 std::optional<LightValues> light_on(const stage::StageFile& file, uint32_t node) {
     if (node >= node_count(file)) return std::nullopt;
-    const ordered_json* held = find_extension(node_of(file, node), kLightsExtension);
+    const ordered_json* reference = find_extension(node_of(file, node), kLightsExtension);
     const ordered_json* lights = find_extension(file.json, kLightsExtension);
-    if (!held || !lights) return std::nullopt;
-    const ordered_json& light = lights->at("lights").at(held->at("light").get<size_t>());
+    if (!reference || !lights) return std::nullopt;
+    const ordered_json& light = lights->at("lights").at(reference->at("light").get<size_t>());
     LightValues values;
     const std::string kind = light.value("type", "");
     for (size_t i = 0; i < std::size(kLightKindNames); i++)
@@ -39,11 +39,11 @@ double usual_intensity(stage::GltfLightKind kind) {
 
 double softness_of(double inner_cone_deg, double outer_cone_deg) {
     const double softness = outer_cone_deg > 0 ? 1 - inner_cone_deg / outer_cone_deg : 0;
-    return softness <= kHardest * 1.001 ? 0 : std::min(softness, 1.0);
+    return softness <= kMinSoftness * 1.001 ? 0 : std::min(softness, 1.0);
 }
 
 double inner_cone_for(double softness, double outer_cone_deg) {
-    return outer_cone_deg * (1 - std::clamp(softness, kHardest, 1.0));
+    return outer_cone_deg * (1 - std::clamp(softness, kMinSoftness, 1.0));
 }
 
 }  // namespace neuvv::edit

@@ -1,4 +1,4 @@
-// Lights as a document has them, in the numbers that people type.
+// The lights of a document in the units that people type.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,20 +13,23 @@ struct LightValues {
     stage::GltfLightKind kind = stage::GltfLightKind::kPoint;
     glm::dvec3 color{1};                             // linear RGB
     double intensity = 1;                            // candela; lux where directional
-    double range_m = 0;                              // 0: without end
+    double range_m = 0;                              // 0: endless
     double inner_cone_deg = 0, outer_cone_deg = 45;  // half angles of a spot
 };
 constexpr const char* kLightKindNames[] = {"directional", "point", "spot"};  // by GltfLightKind
 
-// The light on a node, nothing where it has none. What is expected of the document: read.h.
+// The light on a node; nullopt where it has none. read.h says what is expected of the document.
 std::optional<LightValues> light_on(const stage::StageFile& file, uint32_t node);
 
-// Of a new light: lux of a sun, candela of others, about as bright as that from where one hangs lamps.
+// The intensity of a new light: lux for a directional light, candela for others. A lamp at a usual distance then lights
+// a subject about as brightly as a directional light.
 double usual_intensity(stage::GltfLightKind kind);
 
-// How much of a spot's cone fades: 0, a sharp edge, to 1, where only its middle has all the light.
+// The share of a spot's cone in which its light fades: 0 is a sharp edge, 1 means that only the middle has the full
+// light.
 double softness_of(double inner_cone_deg, double outer_cone_deg);
-// The inner half angle for it; below the outer one, as files want it, also where it is 0.
+// The inner half angle, in degrees, for this softness. It is less than the outer one, as glTF requires, even where the
+// softness is 0.
 double inner_cone_for(double softness, double outer_cone_deg);
 
 }  // namespace neuvv::edit

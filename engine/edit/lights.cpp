@@ -10,20 +10,21 @@ namespace {
 
 constexpr double kDefaultCandela = 100;
 
-// lights[...] of a node; throws where it has none.
+// The light on a node. Throws InputError where the node has none.
 ordered_json& light_of(stage::StageFile& file, uint32_t node) {
-    ordered_json* held = find_extension(node_of(file, node), kLightsExtension);
+    ordered_json* reference = find_extension(node_of(file, node), kLightsExtension);
     ordered_json* lights = find_extension(file.json, kLightsExtension);
-    if (!held || !lights)
+    if (!reference || !lights)
         throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
                          fmt::format("{} is no light", title_of(file, node)));
-    return (*lights)["lights"].at((*held)["light"].get<size_t>());
+    return (*lights)["lights"].at((*reference)["light"].get<size_t>());
 }
 
 size_t users_of(const stage::StageFile& file, size_t light) {
     size_t count = 0;
     for (const ordered_json& node : file.json["nodes"])
-        if (const ordered_json* held = find_extension(node, kLightsExtension)) count += (*held)["light"] == light;
+        if (const ordered_json* reference = find_extension(node, kLightsExtension))
+            count += (*reference)["light"] == light;
     return count;
 }
 
@@ -43,7 +44,7 @@ void edit_light(ordered_json& light, const LightEdit& edit) {
     if (edit.outer_cone_deg) spot["outerConeAngle"] = glm::radians(*edit.outer_cone_deg);
 }
 
-// What was changed, in words.
+// What was changed, as a phrase.
 std::string changes_of(const LightEdit& edit, const ordered_json& light) {
     std::string text;
     const auto also = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
@@ -70,22 +71,22 @@ std::string add_light(stage::StageFile& file, const std::string& name, const Lig
         const size_t index = lights.size();
         lights.push_back({{"type", "spot"}, {"intensity", kDefaultCandela}});
         edit_light(lights[index], edit);
-        const std::string kind = lights[index]["type"].get<std::string>(), words = changes_of(edit, lights[index]);
+        const std::string kind = lights[index]["type"].get<std::string>(), changes = changes_of(edit, lights[index]);
         make_extension(file, node_of(file, node), kLightsExtension)["light"] = index;
-        return fmt::format("added {} light {}, {}", kind, place_node(file, node, placement), words);
+        return fmt::format("added {} light {}, {}", kind, place_node(file, node, placement), changes);
     });
 }
 
 std::string set_light(stage::StageFile& file, uint32_t node, const LightEdit& edit) {
     ordered_json changed = light_of(file, node);
     edit_light(changed, edit);
-    ordered_json& held = *find_extension(node_of(file, node), kLightsExtension);
+    ordered_json& reference = *find_extension(node_of(file, node), kLightsExtension);
     ordered_json& lights = (*find_extension(file.json, kLightsExtension))["lights"];
-    if (users_of(file, held["light"].get<size_t>()) > 1) {
-        held["light"] = lights.size();
+    if (users_of(file, reference["light"].get<size_t>()) > 1) {
+        reference["light"] = lights.size();
         lights.push_back(ordered_json());
     }
-    lights[held["light"].get<size_t>()] = changed;
+    lights[reference["light"].get<size_t>()] = changed;
     return fmt::format("{}: {}", title_of(file, node), changes_of(edit, changed));
 }
 

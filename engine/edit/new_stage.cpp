@@ -11,14 +11,14 @@ namespace neuvv::edit {
 namespace {
 
 constexpr float kFloorHalfSide = 5;  // metres
-const glm::dvec3 kCameraPlace(0, 1.6, 4), kLightPlace(1.5, 4, 2.5), kMiddle(0, 1, 0);
+const glm::dvec3 kCameraPosition(0, 1.6, 4), kLightPosition(1.5, 4, 2.5), kMiddle(0, 1, 0);
 constexpr double kCandela = 60;
 
 ordered_json rotation_json(const glm::dquat& q) {
     return {q.x, q.y, q.z, q.w};
 }
 
-// Positions, normals and indices of a square, and the buffer that holds them.
+// Adds a square floor: positions, normals and indices, and the buffer that contains them.
 void add_floor(ordered_json& json) {
     constexpr float h = kFloorHalfSide;
     const std::array<float, 24> vertices = {-h, 0, h, h, 0, h, h, 0, -h, -h, 0, -h, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};
@@ -61,11 +61,11 @@ stage::StageFile new_stage(const std::filesystem::path& path) {
     json["nodes"] = {{{"name", "floor"}, {"mesh", 0}},
                      {{"name", "camera"},
                       {"camera", 0},
-                      {"translation", json_of(kCameraPlace)},
-                      {"rotation", rotation_json(looking(kMiddle - kCameraPlace))}},
+                      {"translation", json_of(kCameraPosition)},
+                      {"rotation", rotation_json(rotation_towards(kMiddle - kCameraPosition))}},
                      {{"name", "key"},
-                      {"translation", json_of(kLightPlace)},
-                      {"rotation", rotation_json(looking(kMiddle - kLightPlace))},
+                      {"translation", json_of(kLightPosition)},
+                      {"rotation", rotation_json(rotation_towards(kMiddle - kLightPosition))},
                       {"extensions", {{kLightsExtension, {{"light", 0}}}}}}};
     json["cameras"] = {{{"name", "camera"},
                         {"type", "perspective"},

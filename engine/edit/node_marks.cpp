@@ -1,4 +1,4 @@
-// What is said about a node as a whole: whether it is shown, whether it is locked.
+// Whether a node is visible, and whether it is locked.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -10,7 +10,7 @@ namespace neuvv::edit {
 
 namespace {
 
-// extras.neuvv of a node, null where it is not there or something else.
+// extras.neuvv of a node; null where it is missing or no object.
 const ordered_json* our_extras(const ordered_json& node) {
     const ordered_json* extras = find_member(node, "extras");
     const ordered_json* ours = extras ? find_member(*extras, "neuvv") : nullptr;
@@ -36,21 +36,21 @@ void add_lock(const stage::StageFile& file, uint32_t index, ordered_json& node) 
 
 }  // namespace
 
-std::string show_node(stage::StageFile& file, uint32_t node, bool shown) {
+std::string show_node(stage::StageFile& file, uint32_t node, bool visible) {
     node_of(file, node);
-    if (shown) {
+    if (visible) {
         remove_extension(node_of(file, node), stage::kVisibilityExtension);
         if (ordered_json* performer = find_extension(node_of(file, node), stage::kPerformerExtension))
             performer->erase("visible");
-        forget_unused(file, stage::kVisibilityExtension);
+        undeclare_unused(file, stage::kVisibilityExtension);
     } else {
         declare_extension(file, stage::kVisibilityExtension);
         make_extension(file, node_of(file, node), stage::kVisibilityExtension)["visible"] = false;
     }
-    return fmt::format("{}: {}", title_of(file, node), shown ? "shown" : "hidden, and what hangs on it");
+    return fmt::format("{}: {}", title_of(file, node), visible ? "shown" : "hidden, and what hangs on it");
 }
 
-bool is_shown(const stage::StageFile& file, uint32_t node) {
+bool is_visible(const stage::StageFile& file, uint32_t node) {
     const ordered_json& json = node_of(file, node);
     for (const char* extension : {stage::kVisibilityExtension, stage::kPerformerExtension})
         if (const ordered_json* found = find_extension(json, extension))

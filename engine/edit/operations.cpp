@@ -17,51 +17,52 @@ std::string with_commas(const std::vector<std::string>& parts) {
     return text;
 }
 
-// Nothing where it is sheared or flat.
-std::optional<LocalTransform> in_parts(const glm::dmat4& matrix) {
+// Translation, rotation and scale of the matrix; nullopt where it is sheared or flat.
+std::optional<LocalTransform> decomposed(const glm::dmat4& matrix) {
     constexpr double kSheared = 1e-6;
-    LocalTransform place;
-    place.translation = glm::dvec3(matrix[3]);
+    LocalTransform transform;
+    transform.translation = glm::dvec3(matrix[3]);
     glm::dmat3 turn(matrix);
     for (int axis = 0; axis < 3; axis++) {
-        place.scale[axis] = glm::length(turn[axis]);
-        if (!(place.scale[axis] > 0)) return std::nullopt;
-        turn[axis] /= place.scale[axis];
+        transform.scale[axis] = glm::length(turn[axis]);
+        if (!(transform.scale[axis] > 0)) return std::nullopt;
+        turn[axis] /= transform.scale[axis];
     }
     for (int axis = 0; axis < 3; axis++)
         if (std::abs(glm::dot(turn[axis], turn[(axis + 1) % 3])) > kSheared) return std::nullopt;
     if (glm::determinant(turn) < 0) {
-        place.scale.x = -place.scale.x;
+        transform.scale.x = -transform.scale.x;
         turn[0] = -turn[0];
     }
-    place.rotation = glm::normalize(glm::quat_cast(turn));
-    return place;
+    transform.rotation = glm::normalize(glm::quat_cast(turn));
+    return transform;
 }
 
-// What hardly changed is as it was: numbers that somebody typed stay.
+// Values that hardly changed are kept as they were, so that numbers that somebody typed stay.
 LocalTransform dragged_to(const LocalTransform& before, const glm::dmat4& matrix) {
     constexpr double kSame = 1e-9;
-    const std::optional<LocalTransform> parts = before.has_matrix ? std::nullopt : in_parts(matrix);
+    const std::optional<LocalTransform> parts = before.has_matrix ? std::nullopt : decomposed(matrix);
     if (!parts) {
-        LocalTransform place = before;
-        place.has_matrix = true;
-        place.matrix = matrix;
-        return place;
+        LocalTransform transform = before;
+        transform.has_matrix = true;
+        transform.matrix = matrix;
+        return transform;
     }
-    LocalTransform place = *parts;
-    if (glm::distance(place.translation, before.translation) < kSame) place.translation = before.translation;
-    if (glm::distance(place.scale, before.scale) < kSame) place.scale = before.scale;
-    if (1 - std::abs(glm::dot(place.rotation, before.rotation)) < kSame * kSame) place.rotation = before.rotation;
-    return place;
+    LocalTransform transform = *parts;
+    if (glm::distance(transform.translation, before.translation) < kSame) transform.translation = before.translation;
+    if (glm::distance(transform.scale, before.scale) < kSame) transform.scale = before.scale;
+    if (1 - std::abs(glm::dot(transform.rotation, before.rotation)) < kSame * kSame)
+        transform.rotation = before.rotation;
+    return transform;
 }
 
-LocalTransform placed(LocalTransform place, const Placement& placement) {
-    if (placement.to) place = dragged_to(place, *placement.to);
+LocalTransform placed(LocalTransform transform, const Placement& placement) {
+    if (placement.to) transform = dragged_to(transform, *placement.to);
     if (placement.matrix) {
-        place.has_matrix = true;
-        place.matrix = *placement.matrix;
+        transform.has_matrix = true;
+        transform.matrix = *placement.matrix;
     }
-    glm::dvec3 at = place_of(place);
+    glm::dvec3 at = position_of(transform);
     if (placement.at) at = *placement.at;
     if (placement.move) at += *placement.move;
     glm::dquat turn(1, 0, 0, 0);
@@ -69,26 +70,26 @@ LocalTransform placed(LocalTransform place, const Placement& placement) {
     for (int axis = 0; axis < 3 && placement.turn_deg; ++axis)
         turn = glm::angleAxis(glm::radians((*placement.turn_deg)[axis]), axes[axis]) * turn;
     const glm::dvec3 scale = placement.scale.value_or(glm::dvec3(1));
-    if (place.has_matrix) {
-        if (placement.turn_deg) place.matrix = glm::mat4_cast(turn) * place.matrix;
-        for (int axis = 0; axis < 3; ++axis) place.matrix[axis] *= scale[axis];
-        place.matrix[3] = glm::dvec4(at, 1);
+    if (transform.has_matrix) {
+        if (placement.turn_deg) transform.matrix = glm::mat4_cast(turn) * transform.matrix;
+        for (int axis = 0; axis < 3; ++axis) transform.matrix[axis] *= scale[axis];
+        transform.matrix[3] = glm::dvec4(at, 1);
     } else {
-        place.translation = at;
-        if (placement.turn_deg) place.rotation = turn * place.rotation;
-        place.scale *= scale;
+        transform.translation = at;
+        if (placement.turn_deg) transform.rotation = turn * transform.rotation;
+        transform.scale *= scale;
     }
-    return place;
+    return transform;
 }
 
-// What was done, in words; where it stands, unless it was turned or scaled by hand where it is.
+// What changed, as a list of phrases. The position is left out where the node was only turned or scaled by a drag.
 std::vector<std::string> changes_of(const Placement& placement, const LocalTransform& before,
-                                    const LocalTransform& place) {
+                                    const LocalTransform& transform) {
     std::vector<std::string> changes;
-    if (placement.to && !place.has_matrix) {
-        if (place.rotation != before.rotation) changes.emplace_back("turned");
-        if (place.scale != before.scale) changes.push_back("scaled to " + text_of(place.scale));
-        if (!changes.empty() && place.translation == before.translation) return changes;
+    if (placement.to && !transform.has_matrix) {
+        if (transform.rotation != before.rotation) changes.emplace_back("turned");
+        if (transform.scale != before.scale) changes.push_back("scaled to " + text_of(transform.scale));
+        if (!changes.empty() && transform.translation == before.translation) return changes;
     }
     if (placement.matrix) changes.push_back("a matrix of its own");
     if (placement.turn_deg) changes.push_back(fmt::format("turned by {}°", text_of(*placement.turn_deg)));
@@ -98,13 +99,13 @@ std::vector<std::string> changes_of(const Placement& placement, const LocalTrans
         changes.push_back(fmt::format("scaled by {}", even ? fmt::format("{:.6g}", factors.x) : text_of(factors)));
     }
     if (placement.aim) changes.push_back("looks at " + text_of(*placement.aim));
-    changes.push_back("at " + text_of(place_of(place)));
+    changes.push_back("at " + text_of(position_of(transform)));
     return changes;
 }
 
 void edit_performer(stage::StageFile& file, ordered_json& performer, const PerformerEdit& edit,
                     std::vector<std::string>& changes) {
-    const auto put = [&](const char* name, const auto& value, const std::string& text) {
+    const auto set = [&](const char* name, const auto& value, const std::string& text) {
         if (!value) return;
         performer[name] = *value;
         changes.push_back(text);
@@ -120,11 +121,11 @@ void edit_performer(stage::StageFile& file, ordered_json& performer, const Perfo
             performer["time"] = stage::json_of(*edit.time);
         changes.push_back("time " + (edit.time->empty() ? "as the clip's" : stage::text_of(*edit.time)));
     }
-    put("spin", edit.spin_deg_per_s, fmt::format("spins {}° a second", edit.spin_deg_per_s.value_or(0)));
-    put("opacity", edit.opacity, fmt::format("opacity {}", edit.opacity.value_or(0)));
-    put("visible", edit.visible, edit.visible.value_or(false) ? "is seen" : "is not seen");
-    put("castsShadow", edit.casts_shadow, edit.casts_shadow.value_or(false) ? "casts shadows" : "casts no shadows");
-    put("receivesShadow", edit.receives_shadow,
+    set("spin", edit.spin_deg_per_s, fmt::format("spins {}° a second", edit.spin_deg_per_s.value_or(0)));
+    set("opacity", edit.opacity, fmt::format("opacity {}", edit.opacity.value_or(0)));
+    set("visible", edit.visible, edit.visible.value_or(false) ? "is seen" : "is not seen");
+    set("castsShadow", edit.casts_shadow, edit.casts_shadow.value_or(false) ? "casts shadows" : "casts no shadows");
+    set("receivesShadow", edit.receives_shadow,
         edit.receives_shadow.value_or(false) ? "shadows fall on it" : "no shadows fall on it");
 }
 
@@ -151,25 +152,25 @@ std::string edit_stage(stage::StageFile& file, const StageEdit& edit) {
     declare_extension(file, stage::kStageExtension);
     ordered_json& stage = make_extension(file, scene_of(file), stage::kStageExtension);
     std::vector<std::string> changes;
-    const auto put = [&](const char* name, const ordered_json& value, const std::string& text) {
+    const auto set = [&](const char* name, const ordered_json& value, const std::string& text) {
         stage[name] = value;
         changes.push_back(text);
     };
-    const auto put_color = [&](const char* name, const char* text, const std::optional<glm::dvec3>& color) {
-        if (color) put(name, json_of(*color), fmt::format("{} {}", text, text_of(*color)));
+    const auto set_color = [&](const char* name, const char* text, const std::optional<glm::dvec3>& color) {
+        if (color) set(name, json_of(*color), fmt::format("{} {}", text, text_of(*color)));
     };
-    if (edit.duration_s) put("duration", *edit.duration_s, fmt::format("lasts {:.6g} s", *edit.duration_s));
-    if (edit.fps) put("fps", *edit.fps, fmt::format("{:.6g} images a second", *edit.fps));
-    put_color("background", "background", edit.background);
-    put_color("ambient", "ambient light", edit.ambient);
+    if (edit.duration_s) set("duration", *edit.duration_s, fmt::format("lasts {:.6g} s", *edit.duration_s));
+    if (edit.fps) set("fps", *edit.fps, fmt::format("{:.6g} images a second", *edit.fps));
+    set_color("background", "background", edit.background);
+    set_color("ambient", "ambient light", edit.ambient);
     edit_environment(file, stage, edit, changes);
     if (edit.blend) {
         const char* const name = stage::kStageBlendNames[static_cast<size_t>(*edit.blend)];
-        put("blend", name, fmt::format("performers blend: {}", name));
+        set("blend", name, fmt::format("performers blend: {}", name));
     }
-    if (edit.shadows) put("shadows", *edit.shadows, *edit.shadows ? "lights cast shadows" : "no shadows");
+    if (edit.shadows) set("shadows", *edit.shadows, *edit.shadows ? "lights cast shadows" : "no shadows");
     if (edit.falloff)
-        put("falloff", *edit.falloff, *edit.falloff ? "lights shine on performers" : "no lights shine on performers");
+        set("falloff", *edit.falloff, *edit.falloff ? "lights shine on performers" : "no lights shine on performers");
     return "stage: " + (changes.empty() ? "as it was" : with_commas(changes));
 }
 
@@ -178,26 +179,26 @@ std::string edit_stage(stage::StageFile& file, const StageEdit& edit) {
 std::string place_node(stage::StageFile& file, uint32_t node, const Placement& placement) {
     ordered_json& json = node_of(file, node);
     const LocalTransform before = local_transform_of(json);
-    LocalTransform place = placed(before, placement);
-    if (place.has_matrix && !json.contains("matrix") && is_animated(file, node))
+    LocalTransform transform = placed(before, placement);
+    if (transform.has_matrix && !json.contains("matrix") && is_animated(file, node))
         throw InputError(file.path.string(), fmt::format("/nodes/{}", node),
                          fmt::format("{} is animated, and cannot have a matrix", title_of(file, node)),
                          "move, turn or scale it");
     if (placement.aim) {
-        const glm::dvec3 way = *placement.aim - place_of(place);
-        if (!(glm::length(way) > 1e-9))
+        const glm::dvec3 direction = *placement.aim - position_of(transform);
+        if (!(glm::length(direction) > 1e-9))
             throw InputError(file.path.string(), fmt::format("/nodes/{}", node), "it stands where it shall look");
-        if (place.has_matrix) {
-            // Its axes keep their lengths; shear is what an aim takes away.
-            const glm::dmat4 turn = glm::mat4_cast(looking(way));
+        if (transform.has_matrix) {
+            // The axes keep their lengths; shear is lost.
+            const glm::dmat4 turn = glm::mat4_cast(rotation_towards(direction));
             for (int axis = 0; axis < 3; axis++)
-                place.matrix[axis] = glm::length(glm::dvec3(place.matrix[axis])) * turn[axis];
+                transform.matrix[axis] = glm::length(glm::dvec3(transform.matrix[axis])) * turn[axis];
         } else {
-            place.rotation = looking(way);
+            transform.rotation = rotation_towards(direction);
         }
     }
-    set_local_transform(json, place);
-    return fmt::format("{}: {}{}", title_of(file, node), with_commas(changes_of(placement, before, place)),
+    set_local_transform(json, transform);
+    return fmt::format("{}: {}{}", title_of(file, node), with_commas(changes_of(placement, before, transform)),
                        is_animated(file, node) ? ", but an animation moves it" : "");
 }
 
@@ -205,7 +206,7 @@ std::string rename_node(stage::StageFile& file, uint32_t node, const std::string
     const std::string before = title_of(file, node);
     ordered_json& json = node_of(file, node);
     if (name.empty()) throw InputError(file.path.string(), before, "cannot be named \"\"", "choose a name");
-    if (json.contains("name")) json["name"] = "";  // its own is free
+    if (json.contains("name")) json["name"] = "";  // so that its own name is free
     const std::string free = FreeNames(file).take(name);
     json["name"] = free;
     return fmt::format("{}: named \"{}\"{}", before, free,
@@ -215,9 +216,9 @@ std::string rename_node(stage::StageFile& file, uint32_t node, const std::string
 std::string add_performer(stage::StageFile& file, const std::string& name, const PerformerEdit& edit,
                           const Placement& placement) {
     if (!edit.clip) throw InputError(file.path.string(), "performer", "has no clip", "give it a .nvv");
-    const std::string wanted = name.empty() ? edit.clip->stem().string() : name;
+    const std::string preferred = name.empty() ? edit.clip->stem().string() : name;
     return all_or_nothing(file, [&] {
-        const uint32_t node = append_node(file, {{"name", FreeNames(file).take(wanted)}});
+        const uint32_t node = append_node(file, {{"name", FreeNames(file).take(preferred)}});
         declare_extension(file, stage::kPerformerExtension);
         std::vector<std::string> changes;
         edit_performer(file, make_extension(file, node_of(file, node), stage::kPerformerExtension), edit, changes);

@@ -1,9 +1,9 @@
-// What can be done to a stage: the same for mouse, controller and script.
+// The operations on a stage, the same for mouse, controller and script.
 //
-// Each operation changes the JSON of a StageFile, nothing else, and says in a short line what changed. It expects a
-// sound document (expect_sound_document) and throws InputError, having changed nothing, where it cannot be done. What
-// numbers it is given is checked by whoever saves, with expect_sound_document again. Members that it does not know
-// stay.
+// Each operation changes the JSON of a StageFile and nothing else, and returns a short line about what changed. It
+// expects a sound document (expect_sound_document). Where it cannot be done, it throws InputError and changes nothing.
+// Whether the given numbers are valid is checked when the document is saved, by expect_sound_document again. Members of
+// the JSON that an operation does not know are kept.
 #pragma once
 
 #include <filesystem>
@@ -17,97 +17,102 @@ namespace neuvv::edit {
 
 constexpr uint32_t kMaxCopies = 511;
 
-// A floor, a camera "camera", a spotlight "key" and a little ambient light; not on the disk yet.
+// A new stage that is not on the disk yet: a floor, a camera "camera", a spotlight "key" and a little ambient light.
 stage::StageFile new_stage(const std::filesystem::path& path);
 
-// In the space of the node's parent, metres and degrees; in this order.
+// How place_node changes the transform of a node: in the space of the node's parent, metres and degrees. The members
+// apply in this order.
 struct Placement {
-    std::optional<glm::dmat4> matrix;  // instead of what there was
-    // The same for a hand that drags: a node that has its place in parts keeps them, as long as it is not sheared.
+    std::optional<glm::dmat4> matrix;  // replaces the transform
+    // The same for a drag: a node that has translation, rotation and scale keeps that form, unless the matrix is
+    // sheared.
     std::optional<glm::dmat4> to;
     std::optional<glm::dvec3> at, move;
-    std::optional<glm::dvec3> turn_deg;  // about the parent's X, then Y, then Z, where the node stands
-    std::optional<glm::dvec3> scale;     // by these factors along its own axes
-    std::optional<glm::dvec3> aim;       // a point that its −Z shall look at
+    std::optional<glm::dvec3> turn_deg;  // about the parent's X, then Y, then Z, at the node's position
+    std::optional<glm::dvec3> scale;     // factors along its own axes
+    std::optional<glm::dvec3> aim;       // the point that its −Z points to
 };
 std::string place_node(stage::StageFile& file, uint32_t node, const Placement& placement);
-// With a number behind it where another node bears the name.
+// Renames a node; a number is appended where another node has the name.
 std::string rename_node(stage::StageFile& file, uint32_t node, const std::string& name);
 
 struct PerformerEdit {
-    std::optional<std::filesystem::path> clip;  // a .nvv
+    std::optional<std::filesystem::path> clip;  // path of a .nvv
     std::optional<stage::TimeMap> time;
     std::optional<double> spin_deg_per_s, opacity;
     std::optional<bool> visible, casts_shadow, receives_shadow;
 };
-// A node of its own at the end of the scene. Without a name: the file's.
+// Adds a performer on a node of its own at the end of the scene. An empty name stands for the clip's file name.
 std::string add_performer(stage::StageFile& file, const std::string& name, const PerformerEdit& edit,
                           const Placement& placement);
 std::string set_performer(stage::StageFile& file, uint32_t node, const PerformerEdit& edit);
 
-// Shown or hidden together with all that hangs on it, by KHR_node_visibility: meshes, lights and performers; cameras
-// stay. A performer that is shown is also seen by its own `visible`.
-std::string show_node(stage::StageFile& file, uint32_t node, bool shown);
-// For programs in which one could move a node by mistake (extras.neuvv.locked); operations do not mind it.
+// Shows or hides a node and all nodes below it by KHR_node_visibility: meshes, lights and performers, but not cameras.
+// Showing a performer also removes its own `visible`, so that it is seen.
+std::string show_node(stage::StageFile& file, uint32_t node, bool visible);
+// Locks a node for programs in which users could move it by mistake (extras.neuvv.locked). Operations ignore the lock.
 std::string lock_node(stage::StageFile& file, uint32_t node, bool locked);
 
 struct StageEdit {
     std::optional<double> duration_s, fps;
     std::optional<glm::dvec3> background, ambient;
-    std::optional<std::filesystem::path> environment;  // empty: none any more
+    std::optional<std::filesystem::path> environment;  // an image; empty: no environment
     std::optional<double> environment_intensity, environment_rotation_deg;
     std::optional<stage::StageBlend> blend;
     std::optional<bool> shadows, falloff;
 };
 std::string set_stage(stage::StageFile& file, const StageEdit& edit);
 
-// Copies of a node and what hangs on it. The node itself stays where it is: the first of a row along +X, of a circle on
-// which everyone looks outward (the middle lies behind the node, whose front is +Z), or of an arc of such a circle,
-// whose last copy stands arc_deg further on, counter-clockwise seen from above. Copies share meshes, lights, clips.
+// Copies of a node and all nodes below it. The node itself stays where it is, as the first of the pattern: of a row
+// along +X; of a ring on which all face outwards (the node's front is +Z, so the centre lies behind it); or of an arc
+// of such a ring whose last copy stands arc_deg further on, counter-clockwise as seen from above. Copies share meshes,
+// lights and clips.
 enum class CopyPattern { kRow, kRing, kFan };
 struct CopySettings {
-    uint32_t count = 1;  // of copies, 1..kMaxCopies
+    uint32_t count = 1;  // of copies, 1 to kMaxCopies
     CopyPattern pattern = CopyPattern::kRow;
-    double distance_m = 1;    // between neighbours of a row; radius of ring and fan
+    double distance_m = 1;    // between neighbours of a row, or the radius of a ring or fan
     double arc_deg = 90;      // of a fan
-    stage::ClipTime stagger;  // each copy is so much behind the one before; what never ends runs from the start on
-    double spin_step = 0;     // each spins so much faster, degrees per second
+    stage::ClipTime stagger;  // later than the copy before; endless maps still run from the start
+    double spin_step = 0;     // each copy spins faster by this, degrees per second
 };
 std::string duplicate_node(stage::StageFile& file, uint32_t node, const CopySettings& settings);
 
-// The node, what hangs on it, and the meshes, skins, cameras, lights and animations that nothing else uses. All indices
-// that glTF and this project know are renumbered; where other extensions may hold some, the line says so.
+// Removes a node, all nodes below it, and the meshes, skins, cameras, lights and animations that nothing else uses. All
+// indices that glTF and this project define are renumbered. Where other extensions may contain indices, the returned
+// line says so.
 std::string remove_node(stage::StageFile& file, uint32_t node);
 
 struct LightEdit {
     std::optional<std::string> kind;                       // "spot", "point", "directional"
     std::optional<glm::dvec3> color;                       // linear RGB
-    std::optional<double> intensity;                       // candela, lux
+    std::optional<double> intensity;                       // candela; lux where directional
     std::optional<double> range_m;                         // 0: endless
     std::optional<double> inner_cone_deg, outer_cone_deg;  // half angles
 };
 std::string add_light(stage::StageFile& file, const std::string& name, const LightEdit& edit,
                       const Placement& placement);
-// A light that other nodes share becomes the node's own first.
+// Where other nodes share the light, the node gets a light of its own first.
 std::string set_light(stage::StageFile& file, uint32_t node, const LightEdit& edit);
 std::string remove_light(stage::StageFile& file, uint32_t node);
 
-// A perspective camera on a node of its own at the end of the scene; without a name: "camera". The angle is the whole
-// vertical one of view; the matrix a rotation and a place, OpenGL axes.
+// Adds a perspective camera on a node of its own at the end of the scene; an empty name stands for "camera". The angle
+// is the whole vertical angle of view; the matrix is a rotation and a translation, with OpenGL axes.
 std::string add_camera(stage::StageFile& file, const std::string& name, double vertical_angle_rad,
                        const glm::dmat4& world_from_camera);
-// A camera that other nodes share becomes the node's own first.
+// Where other nodes share the camera, the node gets a camera of its own first.
 std::string set_camera(stage::StageFile& file, uint32_t node, double vertical_angle_rad);
 
-// The stage's camera path, whose time is the stage's; none: it has none any more. Throws for keys whose lens has more
-// than a vertical angle; times of the clip are not kept, for each performer has its own.
+// Sets the stage's camera path, whose times are stage times; nullopt removes it. Throws InputError for keys whose lens
+// has more than a vertical angle. Clip times of keys are not kept, because each performer has its own.
 std::string set_camera_path(stage::StageFile& file, const std::optional<stage::CameraPath>& path);
-// Makes the path if need be. The key that stands within half of frame_s is replaced. A path's end goes along with its
-// last key; a cycle whose last key comes to stand at its end gets the time that it takes from key to key.
+// Adds a key, and the path where there is none. A key within half of frame_s of the new one is replaced. The end of a
+// path that ended with its last key moves with that key. Where the last key of a cyclic path comes to lie at its end or
+// later, the path gets the mean time between keys to return to its first key.
 std::string add_path_key(stage::StageFile& file, const stage::CameraPathKey& key, double frame_s);
-// Keys count from 0. Without its last key the path is gone.
+// Keys count from 0. Removing the last key removes the path.
 std::string remove_path_key(stage::StageFile& file, size_t key);
-// It may pass others; one that stands within half of frame_s of where it goes is replaced.
+// The key may move past others. A key within half of frame_s of its new time is replaced.
 std::string move_path_key(stage::StageFile& file, size_t key, double to_s, double frame_s);
 
 struct PaintEdit {
@@ -116,7 +121,7 @@ struct PaintEdit {
     std::optional<double> opacity;
     std::optional<stage::PaintBlend> blend;
 };
-// Layers of a performer's node count from 0, the lowest.
+// The layers of a performer's node count from 0, the lowest.
 std::string add_paint_layer(stage::StageFile& file, uint32_t node, const std::filesystem::path& paint,
                             const PaintEdit& edit);
 std::string set_paint_layer(stage::StageFile& file, uint32_t node, size_t layer, const PaintEdit& edit);

@@ -1,4 +1,4 @@
-// The list of a performer's paint layers; what a layer paints is in its own file.
+// The list of a performer's paint layers; the paint itself is in the files of the layers.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -26,8 +26,8 @@ void edit_layer(ordered_json& layer, const PaintEdit& edit) {
     if (edit.blend) layer["blend"] = stage::kPaintBlendNames[static_cast<size_t>(*edit.blend)];
 }
 
-// "0 \"red\" (red.nvpaint): tint, opacity 0.5".
-std::string words_of(size_t index, const ordered_json& layer) {
+// A layer in a message: "0 \"red\" (red.nvpaint): tint, opacity 0.5".
+std::string summary_of(size_t index, const ordered_json& layer) {
     const std::string name = layer.value("name", "");
     return fmt::format("{} {}({}): {}, opacity {:.6g}{}", index, name.empty() ? "" : fmt::format("\"{}\" ", name),
                        layer["uri"].get<std::string>(), layer.value("blend", "normal"), layer.value("opacity", 1.0),
@@ -42,13 +42,13 @@ std::string add_paint_layer(stage::StageFile& file, uint32_t node, const std::fi
     ordered_json layer = {{"uri", stage::uri_of_file(file, paint)}};
     edit_layer(layer, edit);
     layers.push_back(layer);
-    return fmt::format("{}: paint layer {}", title_of(file, node), words_of(layers.size() - 1, layer));
+    return fmt::format("{}: paint layer {}", title_of(file, node), summary_of(layers.size() - 1, layer));
 }
 
 std::string set_paint_layer(stage::StageFile& file, uint32_t node, size_t layer, const PaintEdit& edit) {
     ordered_json& json = layer_of(file, node, layer);
     edit_layer(json, edit);
-    return fmt::format("{}: paint layer {}", title_of(file, node), words_of(layer, json));
+    return fmt::format("{}: paint layer {}", title_of(file, node), summary_of(layer, json));
 }
 
 std::string move_paint_layer(stage::StageFile& file, uint32_t node, size_t from, size_t to) {

@@ -29,7 +29,7 @@ std::string title_of(const ListedLayer& layer) {
 }
 
 std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
-    const std::set<std::filesystem::path> taken = worn_layers(document.file);
+    const std::set<std::filesystem::path> taken = used_layers(document.file);
     std::string stem = node_title(document.file, node);
     for (char& letter : stem)
         if (!std::isalnum(static_cast<unsigned char>(letter)) && static_cast<unsigned char>(letter) < 0x80)
@@ -44,41 +44,41 @@ std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
     }
 }
 
-std::set<std::filesystem::path> worn_layers(const stage::StageFile& file) {
-    std::set<std::filesystem::path> worn;
+std::set<std::filesystem::path> used_layers(const stage::StageFile& file) {
+    std::set<std::filesystem::path> used;
     for (uint32_t node = 0; node < node_count(file); node++)
         for (const ListedLayer& layer : paint_layers_of(file, node).value_or(std::vector<ListedLayer>{}))
-            worn.insert(layer.path);
-    return worn;
+            used.insert(layer.path);
+    return used;
 }
 
 bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesystem::path& path) {
     for (uint32_t other = 0; other < node_count(file); other++) {
         if (other == node) continue;
-        const auto worn = paint_layers_of(file, other).value_or(std::vector<ListedLayer>{});
-        if (std::any_of(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == path; }))
+        const auto used = paint_layers_of(file, other).value_or(std::vector<ListedLayer>{});
+        if (std::any_of(used.begin(), used.end(), [&](const ListedLayer& one) { return one.path == path; }))
             return true;
     }
     return false;
 }
 
-std::string own_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& own,
-                      std::shared_ptr<const voctree::EditLayer> layer) {
-    const std::vector<ListedLayer> worn = paint_layers_of(document.file, node).value();
-    const stage::PaintLayer& entry = worn.at(at).entry;
-    PaintEdit change{title_of(worn[at]), entry.visible, entry.opacity, entry.blend};
-    add_paint_layer(document.file, node, own, change);
-    move_paint_layer(document.file, node, worn.size(), at);
+std::string unshare_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& new_path,
+                          std::shared_ptr<const voctree::EditLayer> layer) {
+    const std::vector<ListedLayer> used = paint_layers_of(document.file, node).value();
+    const stage::PaintLayer& entry = used.at(at).entry;
+    PaintEdit change{title_of(used[at]), entry.visible, entry.opacity, entry.blend};
+    add_paint_layer(document.file, node, new_path, change);
+    move_paint_layer(document.file, node, used.size(), at);
     remove_paint_layer(document.file, node, at + 1);
-    document.paint[own] = std::move(layer);
+    document.paint[new_path] = std::move(layer);
     return fmt::format("{}: \"{}\" is its own now, others keep theirs", node_title(document.file, node),
-                       title_of(worn[at]));
+                       title_of(used[at]));
 }
 
-std::string put_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
+std::string set_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
                       std::shared_ptr<const voctree::EditLayer> layer, const std::string& what) {
-    const auto worn = paint_layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
-    if (std::none_of(worn.begin(), worn.end(), [&](const ListedLayer& one) { return one.path == path; })) {
+    const auto used = paint_layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
+    if (std::none_of(used.begin(), used.end(), [&](const ListedLayer& one) { return one.path == path; })) {
         PaintEdit entry;
         entry.name = name;
         add_paint_layer(document.file, node, path, entry);

@@ -1,4 +1,4 @@
-// The layers of paint that performers wear, as their document lists them, and how a painted one gets into it.
+// The layers of paint that performers use, as the document lists them, and how a painted layer gets into the document.
 #pragma once
 
 #include <filesystem>
@@ -13,29 +13,32 @@
 namespace neuvv::edit {
 
 struct ListedLayer {
-    std::filesystem::path path;  // paint_path
+    std::filesystem::path path;  // absolute, by paint_path
     stage::PaintLayer entry;
 };
 
-// The lowest first. Nothing where the node is no performer. What is expected of the document: read.h.
+// The layers of a performer's node, the lowest first; nullopt where the node is no performer. read.h says what is
+// expected of the document.
 std::optional<std::vector<ListedLayer>> paint_layers_of(const stage::StageFile& file, uint32_t node);
 
-// What people call it: its name, else its file's.
+// The name that people see: the layer's name, else the name of its file.
 std::string title_of(const ListedLayer& layer);
 
-// A .nvpaint beside the stage that neither the disk nor the document has.
+// A path for a new .nvpaint beside the stage that neither the disk nor the document has.
 std::filesystem::path free_paint_path(const Document& document, uint32_t node);
 
-// Of all performers.
-std::set<std::filesystem::path> worn_layers(const stage::StageFile& file);
-// Whether another performer wears it, too.
+// The paths of the layers of all performers.
+std::set<std::filesystem::path> used_layers(const stage::StageFile& file);
+// Whether another performer uses the layer, too.
 bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesystem::path& path);
-// The performer wears `own`, which has no file yet, in the place of its `at`-th layer, as it was. An operation.
-std::string own_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& own,
-                      std::shared_ptr<const voctree::EditLayer> layer);
+// An operation: replaces the performer's layer at index `at`, which others share, by a layer of its own at `new_path`,
+// with the same name, visibility, opacity and blend mode. The new layer has no file yet.
+std::string unshare_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& new_path,
+                          std::shared_ptr<const voctree::EditLayer> layer);
 
-// The layer becomes this; one that the performer does not wear yet becomes its uppermost, called `name`. An operation.
-std::string put_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
+// An operation: sets the layer at this path. Where the performer does not use it yet, it becomes the performer's
+// uppermost layer, with the name `name`. `what` is the returned line about the edit.
+std::string set_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
                       std::shared_ptr<const voctree::EditLayer> layer, const std::string& what);
 
 }  // namespace neuvv::edit

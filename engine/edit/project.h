@@ -1,12 +1,12 @@
-// An image projected onto a performer from a camera: where it is seen, leaves take its colours. Edits come without
-// frames: at_frames says when they hold.
+// Projects an image onto a performer from a camera: leaves that the camera sees take the image's colours. The returned
+// edits have no frames: at_frames gives them the frames at which they apply.
 //
-// The image's pixels are picked first: that says how far each sees. As many rays a pixel are cast as make them lie no
-// farther apart than leaves are wide (of the narrowest leaves, at the nearest surface; at most
-// kMaxProjectionRays a side, 64 million in all). Then each leaf that is there looks up the rays that pass through it:
-// those that come as far take part, and the mean of the image at them is the leaf's colour, their mean alpha that of
-// the edit. So no leaf between two rays is left out, and leaves in front of the picked one, through which the image
-// is seen, are painted as well.
+// First every pixel is picked, which says at which distance each ray ends. Rays are cast at least as densely as leaves
+// are wide, judged by the narrowest leaf at the nearest surface, with at most kMaxProjectionRays per pixel side and 64
+// million rays in all. Then each leaf with σ > 0 looks up the rays that pass through it. The rays that reach as far as
+// the leaf count: its colour is the mean of the image at these rays, and the alpha of its edit is their mean alpha. So
+// no leaf between two rays is left out, and leaves in front of the picked one, through which the image is seen, are
+// painted as well.
 #pragma once
 
 #include "edit/select.h"
@@ -17,8 +17,9 @@ namespace neuvv::edit {
 
 constexpr uint32_t kMaxProjectionRays = 8;
 
-// The camera in the performer's space (in_performer: any affine transform will do), of the image's size; the picker
-// shows the time that is painted on, `sigma` is densities() at it. Transparent pixels paint nothing.
+// `camera` is in the performer's space (in_performer: any affine transform is possible) and has the image's size. The
+// picker shows the frame that is painted on, and `sigma` is densities() at that frame. Transparent pixels paint
+// nothing.
 std::vector<voctree::LeafEdit> project(render::Picker& picker, const Canvas& canvas, std::span<const float> sigma,
                                        const media::Image& image, const stage::Camera& camera);
 

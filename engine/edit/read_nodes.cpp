@@ -1,4 +1,4 @@
-// Nodes: finding and naming them, what hangs on them, where they stand.
+// Nodes: finding and naming them, their children, their transforms.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -12,7 +12,7 @@ namespace neuvv::edit {
 
 namespace {
 
-// The list owner[name] of indices, empty where it is missing.
+// The list owner[name] of indices; empty where it is missing.
 std::vector<uint32_t> indices_in(const ordered_json& owner, const char* name) {
     std::vector<uint32_t> indices;
     if (const ordered_json* list = find_member(owner, name))
@@ -30,7 +30,7 @@ NodeTransform parts_of(const glm::dmat4& matrix) {
     rotation[0] = axes[0] / parts.scale.x;
     rotation[1] = glm::normalize(axes[1] - glm::dot(axes[1], rotation[0]) * rotation[0]);
     rotation[2] = glm::cross(rotation[0], rotation[1]);
-    // That of a flat matrix is not finite.
+    // A flat matrix gives no finite rotation.
     if (std::isfinite(glm::determinant(rotation))) parts.rotation = glm::normalize(glm::quat_cast(rotation));
     return parts;
 }
@@ -129,9 +129,9 @@ bool same_nodes(const stage::StageFile& a, const stage::StageFile& b, size_t cou
 }
 
 NodeTransform transform_of(const stage::StageFile& file, uint32_t node) {
-    const LocalTransform place = local_transform_of(node_of(file, node));
-    if (place.has_matrix) return parts_of(place.matrix);
-    return {place.translation, place.rotation, place.scale};
+    const LocalTransform transform = local_transform_of(node_of(file, node));
+    if (transform.has_matrix) return parts_of(transform.matrix);
+    return {transform.translation, transform.rotation, transform.scale};
 }
 
 bool is_animated(const stage::StageFile& file, uint32_t node) {

@@ -1,4 +1,4 @@
-// What is on a node, and what is said of the stage as a whole.
+// Cameras and performers on nodes, and the settings of the stage as a whole.
 #include <fmt/format.h>
 
 #include "edit/document.h"
@@ -9,7 +9,7 @@ namespace neuvv::edit {
 
 namespace {
 
-// NEUVV_stage of the default scene, null where it has none.
+// The extension NEUVV_stage of the default scene; null where it has none.
 const ordered_json* stage_extension(const stage::StageFile& file) {
     const ordered_json* scene = find_scene(file);
     return scene ? find_extension(*scene, stage::kStageExtension) : nullptr;

@@ -26,7 +26,7 @@ constexpr const char* kLockName = "lock";
 constexpr uint64_t kMaxEntryBytes = 3 * stage::kMaxStageJsonBytes;
 constexpr uint64_t kVersion = 1;
 
-// Paths are bytes, JSON is UTF-8. decoded_uri reads it.
+// A path as ASCII text, as paths are bytes but JSON is UTF-8. decoded_uri reads it.
 std::string escaped(const std::filesystem::path& path) {
     std::string text;
     for (const char c : path.string())
@@ -41,7 +41,7 @@ std::string hex(uint64_t number) {
     return fmt::format("{:016x}", number);
 }
 
-// Never fails: a name that is no UTF-8 is no reason to lose the rest.
+// The JSON as text. Never fails: a name that is no UTF-8 must not lose the rest.
 std::string text_of(const ordered_json& json, int indent) {
     return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
@@ -50,11 +50,11 @@ uint64_t hash_of(const std::vector<uint8_t>& bytes) {
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-// Nothing of an entry is trusted.
+// Every value of an entry is checked when it is read.
 constexpr JsonDamage kDamaged{"is missing or damaged", "discard what cannot be recovered"};
 
 OrderedJsonNode entry_node(const ordered_json& json, const std::string& file) {
-    return {json, file, "", JsonPlaces::kDotted, &kDamaged};
+    return {json, file, "", JsonPlaceStyle::kDotted, &kDamaged};
 }
 
 uint64_t hex_of(const OrderedJsonNode& node) {
@@ -124,7 +124,8 @@ void restore_layer(Document& document, const ordered_json& json, const RecoveryE
 
 }  // namespace
 
-// No entry that is there is taken: a process of the same number may have left it.
+// Makes a new folder for the entry. Existing folders are not reused: an earlier process with the same id may have left
+// one.
 void RecoveryWriter::make_entry() {
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
@@ -179,7 +180,7 @@ void RecoveryWriter::store(const Document& document) {
     };
     const bool same_disk = file_.saved == document.file.saved;
     if (same_disk && file_.path == document.file.path && same_layers() && file_.json == document.file.json) return;
-    const uint64_t hash = document.disk_is_anothers ? 0 : same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
+    const uint64_t hash = document.disk_is_foreign ? 0 : same_disk ? disk_hash_ : hash_of(document.file.saved->bytes);
     ordered_json json = {{"version", kVersion},
                          {"stage", escaped(stage::absolute_path(document.file.path))},
                          {"when", static_cast<uint64_t>(now_s())},
@@ -217,7 +218,7 @@ std::vector<RecoveryEntry> list_recovery(const std::filesystem::path& folder) {
         try {
             entries.push_back(entry_of(at->path()));
         } catch (const InputError&) {
-            // One that is damaged must not hide the others.
+            // A damaged entry must not hide the others.
         }
     }
     std::sort(entries.begin(), entries.end(), [](const RecoveryEntry& a, const RecoveryEntry& b) {
@@ -233,7 +234,7 @@ std::vector<RecoveryEntry> find_recovery(const std::filesystem::path& folder, co
     return entries;
 }
 
-bool has_anothers_file(const RecoveryEntry& entry) {
+bool has_foreign_file(const RecoveryEntry& entry) {
     std::error_code error;
     return entry.changed && entry.on_disk && std::filesystem::exists(entry.stage, error);
 }
@@ -247,10 +248,10 @@ Document restore(const RecoveryEntry& entry) {
     std::error_code error;
     const bool on_disk = json_flag(node["on_disk"]);
     Document document;
-    // The text of a .gltf is all of it; a .glb has its buffers beside.
+    // A .gltf is all in its text; the buffers of a .glb are beside its JSON in the file.
     if (on_disk && (stage.extension() != ".gltf" || std::filesystem::exists(stage, error))) {
         document.file = stage::read_stage_file(stage);
-        document.disk_is_anothers = has_anothers_file(entry);
+        document.disk_is_foreign = has_foreign_file(entry);
     } else {
         document.file = stage::make_stage_file(stage, text_of(stored, 2) + "\n");
     }

@@ -1,6 +1,6 @@
-// Unsaved edits that survive a crash: what a document has beyond the disk, in a folder of entries, one a document and
-// process. An entry is a folder: entry.json (whose stage, when, the document's JSON), the layers of paint that are not
-// saved, and a lock that its process holds while it lives.
+// Unsaved edits that survive a crash: what a document has beyond the disk. They are kept in a folder of entries, one
+// entry for each document and process. An entry is a folder with entry.json (the stage's path, the time, the document's
+// JSON), the layers of paint that are not saved, and a lock that its process holds until it ends.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,19 @@
 
 namespace neuvv::edit {
 
-// The folder for entries of this user (state_folder()/recovery); empty where there is none.
+// The folder for the entries of this user (state_folder()/recovery); empty where there is none.
 std::filesystem::path recovery_folder();
 
-// Keeps the entry of one document. Its calls come from one thread at a time, any one, with copies of the document.
+// Writes the entry of one document. Calls may come from any thread, but only one at a time.
 class RecoveryWriter {
   public:
-    // Entries go to this folder, which is made with the first.
+    // Entries are written to this folder, which is created with the first one.
     explicit RecoveryWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    // The entry says what the document is now; atomically. Layers and documents that are as they were stored last are
-    // not written again. Throws RuntimeFailure where the disk fails; the entry is as it was then.
+    // Writes the document as it is now to its entry, atomically. Layers and documents that have not changed since the
+    // last call are not written again. Throws RuntimeFailure where the disk fails; the entry then stays as it was.
     void store(const Document& document);
-    // There is nothing to recover: the document is saved, or given up. Without it the entry outlives this object.
+    // Removes the entry, because the document was saved or closed. Without this call the entry outlives this object.
     void discard();
 
   private:
@@ -40,36 +40,37 @@ class RecoveryWriter {
     StoredLayers store_layers(const Document& document);
     void remove_layers_but(const StoredLayers& kept);
 
-    std::filesystem::path folder_, entry_;  // entry_ is empty while there is none
+    std::filesystem::path folder_, entry_;  // entry_ is empty while there is no entry
     FileLock lock_;
     uint64_t next_layer_ = 0;
-    // As stored last.
+    // What the entry contains.
     stage::StageFile file_;
-    uint64_t disk_hash_ = 0;  // of file_.saved
+    uint64_t disk_hash_ = 0;  // of the bytes of file_.saved
     StoredLayers layers_;
 };
 
 struct RecoveryEntry {
-    std::filesystem::path folder;  // the entry's own
-    std::filesystem::path stage;   // absolute; where a new one would have been, if it was never saved
-    int64_t when_s = 0;            // since 1970, UTC
+    std::filesystem::path folder;  // of the entry
+    std::filesystem::path stage;   // absolute; for a stage that was never saved, the path that it was to get
+    int64_t when_s = 0;            // seconds since 1970, UTC
     int64_t process = 0;
-    bool alive = false;    // the process that wrote it holds it still
+    bool alive = false;    // the process that wrote it still runs
     bool on_disk = false;  // the stage had been saved before
-    bool changed = false;  // the stage's file is another now than that which was edited, or gone
+    bool changed = false;  // whether the stage's file is not the one that was edited: changed, removed or new
 };
 
-// Whether the disk has another program's version of a stage that had been saved: which saving keeps beside it.
-bool has_anothers_file(const RecoveryEntry& entry);
+// Whether the disk has another program's version of a stage that had been saved. Saving keeps that version beside the
+// stage.
+bool has_foreign_file(const RecoveryEntry& entry);
 
-// All entries, the latest first; what is damaged is left out. No folder, no entries.
+// All entries of a folder, the latest first. Damaged entries are left out. A folder that does not exist has no entries.
 std::vector<RecoveryEntry> list_recovery(const std::filesystem::path& folder);
-// The same of one stage.
+// The entries of one stage.
 std::vector<RecoveryEntry> find_recovery(const std::filesystem::path& folder, const std::filesystem::path& stage);
 
-// The document as it was stored, beside what the disk holds now (a History of it begins with mark_unsaved). Throws
-// InputError for damaged entries, for documents that could not be saved, and where a .glb is gone whose buffers the
-// document needs.
+// The document as it was stored, with the disk's present version as its saved state; a History of it should begin with
+// mark_unsaved. Throws InputError for damaged entries, for documents that could not be saved, and where a .glb is
+// missing whose buffers the document needs.
 Document restore(const RecoveryEntry& entry);
 
 // Removes the entry.

@@ -11,9 +11,9 @@ namespace neuvv::edit {
 
 namespace {
 
-constexpr size_t kGrain = 4096;  // leaves that a core takes at once
+constexpr size_t kGrain = 4096;  // leaves that a thread processes at once
 
-// A frame of the clip as two rows and how far it is between them (errata 9).
+// A time of the clip as two frames and the fraction between them (errata 9).
 struct Between {
     uint32_t first, second;
     float part;
@@ -49,9 +49,9 @@ std::vector<uint32_t> marked(const std::vector<uint8_t>& marks) {
     return leaves;
 }
 
-using Span = std::pair<float, float>;  // of frames, both ends within
+using Span = std::pair<float, float>;  // of frames; both ends belong to it
 
-// Runs of frames in which a leaf is opaque: all, or those that touch first to last.
+// The runs of frames in which a leaf is opaque: all of them, or those that overlap first to last.
 std::vector<Span> opaque_runs(const std::vector<float>& sigma, float threshold, const EditFrames& frames) {
     const auto count = static_cast<uint32_t>(sigma.size());
     std::vector<Span> runs;
@@ -69,7 +69,7 @@ std::vector<Span> opaque_runs(const std::vector<float>& sigma, float threshold, 
     return runs;
 }
 
-// In order, and none over another.
+// Sorts spans and joins those that overlap.
 std::vector<Span> joined(std::vector<Span> spans) {
     std::sort(spans.begin(), spans.end());
     std::vector<Span> result;
@@ -86,14 +86,14 @@ std::vector<Span> joined(std::vector<Span> spans) {
 
 Canvas::Canvas(const voctree::VOctree& field)
     : tree(field), rows(voctree::basis_entries(field.sigma_basis, field.bases)) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    middles.reserve(places.size());
-    edges_m.reserve(places.size());
-    for (const voctree::LeafPosition& place : places) {
-        const float side = std::ldexp(1.0f, -static_cast<int>(place.depth));
-        const glm::vec3 middle = (glm::vec3(place.x, place.y, place.z) + 0.5f) * side;
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    middles.reserve(positions.size());
+    edges_m.reserve(positions.size());
+    for (const voctree::LeafPosition& position : positions) {
+        const float side = std::ldexp(1.0f, -static_cast<int>(position.depth));
+        const glm::vec3 middle = (glm::vec3(position.x, position.y, position.z) + 0.5f) * side;
         middles.push_back(tree.box_min + middle * tree.box_size);
-        edges_m.push_back(voctree::leaf_edge_m(tree, place.depth));
+        edges_m.push_back(voctree::leaf_edge_m(tree, position.depth));
     }
 }
 
@@ -123,7 +123,7 @@ glm::vec3 mean_colour(const voctree::VOctree& tree, const RowsAtTime& rows, uint
     constexpr float kPi = 3.14159265f, kY00 = 0.28209479f;
     const float* weights = tree.leaf(leaf);
     const float c = std::cos(kPi * sigmoid(dot(rows.gamma, weights + tree.bases)));
-    // R_n0(γ) of degrees n = 0 to 3 (errata 1, 2), and where H_n00 stands.
+    // R_n0(γ) for the degrees n = 0 to 3 (errata 1, 2), and the indices of H_n00.
     const float radial[] = {1, 2 * c, 4 * c * c - 1, 8 * c * c * c - 4 * c};
     constexpr uint32_t kFunction[] = {0, 1, 5, 14};
     glm::vec3 colour;
@@ -166,7 +166,7 @@ std::vector<uint32_t> all_leaves_in(const Canvas& canvas, const Region& region) 
 }
 
 std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, float first, float last) {
-    // Between two frames a density is largest at one of them, or at an end of what is asked for.
+    // Between two frames a density is interpolated, so it is largest at a whole frame or at `first` or `last`.
     std::vector<std::vector<float>> rows;
     const voctree::VOctree& tree = canvas.tree;
     for (const float frame : {first, last})
@@ -203,16 +203,16 @@ std::vector<voctree::LeafEdit> at_frames(const Canvas& canvas, std::span<const v
     return result;
 }
 
-std::vector<voctree::LeafEdit> through_between(std::vector<voctree::LeafEdit> edits, float first, float last) {
+std::vector<voctree::LeafEdit> extend_between_frames(std::vector<voctree::LeafEdit> edits, float first, float last) {
     std::sort(edits.begin(), edits.end(), [](const voctree::LeafEdit& a, const voctree::LeafEdit& b) {
         return std::pair(a.leaf, a.first) < std::pair(b.leaf, b.first);
     });
     constexpr float kEver = std::numeric_limits<float>::infinity();
-    const std::vector<voctree::LeafEdit> made = edits;
-    for (size_t i = 0; i < made.size(); i++) {
-        const voctree::LeafEdit& edit = made[i];
-        const float before = i > 0 && made[i - 1].leaf == edit.leaf ? made[i - 1].last : -kEver;
-        const float after = i + 1 < made.size() && made[i + 1].leaf == edit.leaf ? made[i + 1].first : kEver;
+    const std::vector<voctree::LeafEdit> given = edits;
+    for (size_t i = 0; i < given.size(); i++) {
+        const voctree::LeafEdit& edit = given[i];
+        const float before = i > 0 && given[i - 1].leaf == edit.leaf ? given[i - 1].last : -kEver;
+        const float after = i + 1 < given.size() && given[i + 1].leaf == edit.leaf ? given[i + 1].first : kEver;
         const float previous = std::ceil(edit.first) - 1, next = std::floor(edit.last) + 1;
         const float begin = before < previous ? std::nextafter(previous, edit.first) : 0.5f * (before + edit.first);
         const float end = std::nextafter(after > next ? next : 0.5f * (edit.last + after), edit.last);

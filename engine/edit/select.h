@@ -1,4 +1,5 @@
-// What is edited, and which leaves of it: places, densities at a time, regions, and the frames an edit holds at.
+// Selecting leaves to edit: positions of leaves, their densities at a time, regions, and the frames at which an edit
+// applies.
 #pragma once
 
 #include <functional>
@@ -9,29 +10,29 @@
 
 namespace neuvv::edit {
 
-// A field on the host, with what every tool asks of its leaves. The tree must outlive it.
+// A field on the host, with what all tools need to know of its leaves. The tree must outlive it.
 struct Canvas {
     explicit Canvas(const voctree::VOctree& tree);
     const voctree::VOctree& tree;
-    std::vector<glm::vec3> middles;         // per leaf, performer's space, metres
-    std::vector<float> edges_m;             // per leaf: the mean of its three edges
-    std::vector<voctree::BasisEntry> rows;  // of A
+    std::vector<glm::vec3> middles;         // of each leaf, in the performer's space, metres
+    std::vector<float> edges_m;             // of each leaf: the mean of its three edges
+    std::vector<voctree::BasisEntry> rows;  // the rows of A
 };
 
-// σ of every leaf at a frame (fractions interpolate), 1/m, as painted.
+// σ of every leaf at a frame, in 1/m, with paint; between two frames it is interpolated.
 std::vector<float> densities(const Canvas& canvas, float frame, std::span<const render::PaintUse> paint = {});
 
-// A_t and B_t at a frame (fractions interpolate), for leaf after leaf.
+// A_t and B_t at a frame, interpolated between two frames, for any number of leaves.
 struct RowsAtTime {
     RowsAtTime(const voctree::VOctree& tree, float frame);
     std::vector<float> sigma, gamma;
 };
 
-// σ of a leaf without paint, 1/m, held at 0; and its mean colour, linear: sigmoid(k_00 Y_00).
+// σ of a leaf without paint, in 1/m, at least 0; and its mean colour, linear: sigmoid(k_00 Y_00).
 float density(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf);
 glm::vec3 mean_colour(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf);
 
-// Whether a place belongs to it: performer's space, metres.
+// Whether a point belongs to the region: performer's space, metres.
 using Region = std::function<bool(glm::vec3)>;
 Region box_region(glm::vec3 low, glm::vec3 high);
 Region sphere_region(glm::vec3 middle, float radius_m);
@@ -39,31 +40,31 @@ Region either(Region a, Region b);
 Region both(Region a, Region b);
 Region without(Region a, Region b);
 
-// The leaves whose middles lie in the region and that live at any time from first to last, without paint. With paint
-// or before it is there, whether they live or not: all_leaves_in.
+// leaves_in: the leaves whose middles lie in the region and that live, without paint, at any time from frame `first` to
+// frame `last`. all_leaves_in: all leaves whose middles lie in the region, whether they live or not.
 std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, float first, float last);
 std::vector<uint32_t> all_leaves_in(const Canvas& canvas, const Region& region);
 
-// When edits hold. A leaf stays where it is while the surface moves through it.
+// When edits apply, given that a leaf stays where it is while the surface moves through it.
 enum class Follow {
     kNot,  // from first to last, whatever the leaf shows then
-    kRun,  // as long as the leaf is opaque without a break, around first to last: until another surface may come
+    kRun,  // while the leaf is opaque without a break around first to last, so that another surface is not painted
     kAll,  // whenever the leaf is opaque
 };
 struct EditFrames {
     float first = 0, last = 0;
     Follow follow = Follow::kNot;
-    float opaque = 0.1f;  // a leaf is opaque where its alpha along an edge is more
+    float opaque = 0.1f;  // a leaf is opaque where its alpha along an edge is larger than this
 };
 
-// Each edit at its frames. Runs reach into the fractions before and after them, where the leaf comes and goes; kRun and
-// kAll hold from first to last in any case.
+// Gives the edits their frames; an edit may become several. With kRun and kAll the range extends into the fractions of
+// a frame before and after, in which the leaf appears and vanishes, and covers `first` to `last` in any case.
 std::vector<voctree::LeafEdit> at_frames(const Canvas& canvas, std::span<const voctree::LeafEdit> edits,
                                          const EditFrames& frames);
 
-// Edits that were made at whole frames, or from one to another, reach into the fractions before and after them, where
-// the field fades between two frames: to the next frame, or half way where the leaf has an edit there, too; never out
-// of first to last. In order of leaf and frame.
-std::vector<voctree::LeafEdit> through_between(std::vector<voctree::LeafEdit> edits, float first, float last);
+// Extends edits of whole frames, or from one frame to another, into the fractions before and after, in which the field
+// fades between two frames: up to the next frame, or half way where the leaf has an edit there, too, but never beyond
+// `first` and `last`. The result is in order of leaf and frame.
+std::vector<voctree::LeafEdit> extend_between_frames(std::vector<voctree::LeafEdit> edits, float first, float last);
 
 }  // namespace neuvv::edit

@@ -15,18 +15,18 @@ namespace {
 constexpr const char* kPlace = "time map";
 constexpr double kMinSpeed = 1e-3, kMaxSpeed = 1e3;
 
-// A map as a bar. Times are frames at the clip's rate: begin and end of the part in the time of `inner`, start in the
-// stage's.
+// A map as a bar. Times are frames at the clip's rate: `begin` and `end` of the shown part in the time of `inner`,
+// `start` in the time of the stage.
 struct Bar {
     stage::TimeMap inner;
-    double length = 0;  // of inner; INFINITY where endless
-    double frame = 1;   // a clip frame's length in it
+    double length = 0;  // of `inner`; INFINITY where endless
+    double frame = 1;   // the length of a clip's frame in it
     double begin = 0, end = 0;
     bool reverse = false;
     double speed = 1, start = 0;
     bool hold = false;
 
-    double shown() const { return (end - begin) / speed; }
+    double duration() const { return (end - begin) / speed; }
 };
 
 double in_frames(const stage::ClipTime& time, const ClipRate& clip) {
@@ -37,13 +37,13 @@ stage::Timeline ready(const stage::TimeMap& map, const ClipRate& clip) {
     return stage::timeline_of(map, clip.frames, clip.fps, kPlace, "");
 }
 
-// Offsets that are one: both later or both earlier, or later and then earlier by no more. Earlier and then later is
-// none: it cuts what was before.
+// Whether two offsets can be merged: both later or both earlier, or later and then earlier by no more. Earlier and then
+// later cannot be merged, as the first cuts off what lies before the start.
 bool merge(double first, double second) {
     return second == 0 || first == 0 || (first > 0) == (second > 0) || (first > 0 && first + second >= 0);
 }
 
-double take_start(stage::TimeMap& inner, const ClipRate& clip) {
+double take_start_offset(stage::TimeMap& inner, const ClipRate& clip) {
     double start = 0;
     while (!inner.empty() && inner.back().verb == stage::TimeVerb::kOffset) {
         const double by = in_frames(inner.back().a, clip);
@@ -54,8 +54,8 @@ double take_start(stage::TimeMap& inner, const ClipRate& clip) {
     return start;
 }
 
-// Takes the operator that is the last of `bar.inner` into the bar, where it is one that a bar can say: the part that is
-// shown, in the time after the operator, becomes one in the time before it.
+// Moves the last operator of `bar.inner` into the bar, where a bar can express it: the shown part, in the time after
+// the operator, becomes the part in the time before it. Returns whether it did.
 bool take_last(Bar& bar, const stage::Timeline::Step& step) {
     const double tolerance = 20 * stage::kFrameTolerance;
     if (step.verb == stage::TimeVerb::kSpeed) {
@@ -83,7 +83,7 @@ double length_of(const stage::Timeline& timeline) {
     return timeline.steps.empty() ? timeline.frames : timeline.steps.back().length_after;
 }
 
-// Seconds that someone gave.
+// Throws InputError where the given seconds are out of range.
 double checked(double seconds) {
     if (!(std::abs(seconds) <= stage::kMaxClipTime))
         throw InputError(kPlace, "", fmt::format("{} is no time within {} s", seconds, stage::kMaxClipTime));
@@ -95,8 +95,8 @@ Bar read_bar(const stage::TimeMap& map, const ClipRate& clip) {
     bar.inner = map;
     bar.hold =
         std::erase_if(bar.inner, [](const stage::TimeOperator& op) { return op.verb == stage::TimeVerb::kHold; }) > 0;
-    ready(bar.inner, clip);  // a sound one
-    bar.start = take_start(bar.inner, clip);
+    ready(bar.inner, clip);  // throws where the map is not sound
+    bar.start = take_start_offset(bar.inner, clip);
     const stage::Timeline timeline = ready(bar.inner, clip);
     bar.end = length_of(timeline);
     while (!bar.inner.empty() && take_last(bar, timeline.steps[bar.inner.size() - 1])) bar.inner.pop_back();
@@ -109,7 +109,7 @@ Bar read_bar(const stage::TimeMap& map, const ClipRate& clip) {
     return bar;
 }
 
-// Whole frames as such; else seconds, to a billionth.
+// Whole frames as such; other times as seconds, rounded to a billionth.
 stage::ClipTime time_of(double frames, const ClipRate& clip) {
     constexpr double kSteps = 1e9;
     if (!(std::abs(frames / clip.fps) <= stage::kMaxClipTime))
@@ -159,38 +159,38 @@ stage::TimeMap write_bar(const Bar& bar, const ClipRate& clip) {
     return map;
 }
 
-// From seconds of the bar to frames of inner.
+// Seconds of the bar as frames of `inner`.
 double inner_span(const Bar& bar, double seconds, const ClipRate& clip) {
     return seconds * clip.fps * bar.speed;
 }
 
-// Cuts `by` frames of inner off the bar's start, or gives it so much more.
+// Cuts `by` frames of `inner` off the bar's start; a negative number extends the bar.
 void cut_start(Bar& bar, double by) {
-    const double most = std::max(0.0, bar.end - bar.begin - bar.frame);
+    const double max = std::max(0.0, bar.end - bar.begin - bar.frame);
     if (bar.reverse) {
-        by = std::clamp(by, std::min(0.0, bar.end - bar.length), most);
+        by = std::clamp(by, std::min(0.0, bar.end - bar.length), max);
         bar.end -= by;
     } else {
-        by = std::clamp(by, -bar.begin, most);
+        by = std::clamp(by, -bar.begin, max);
         bar.begin += by;
     }
     bar.start += by / bar.speed;
 }
 
 void cut_end(Bar& bar, double by) {
-    const double most = std::max(0.0, bar.end - bar.begin - bar.frame);
+    const double max = std::max(0.0, bar.end - bar.begin - bar.frame);
     if (bar.reverse)
-        bar.begin += std::clamp(by, -bar.begin, most);
+        bar.begin += std::clamp(by, -bar.begin, max);
     else
-        bar.end -= std::clamp(by, std::min(0.0, bar.end - bar.length), most);
+        bar.end -= std::clamp(by, std::min(0.0, bar.end - bar.length), max);
 }
 
-// loop:a:b is clip:a:b,loop; what stands before the loop is a round of it.
+// loop:a:b is the same as clip:a:b,loop, and what comes before the loop is one round of it.
 stage::TimeMap with_rounds_reversed(stage::TimeMap map, const ClipRate& clip) {
     const auto repeats = [](const stage::TimeOperator& op) {
         return op.verb == stage::TimeVerb::kLoop || op.verb == stage::TimeVerb::kPingPong;
     };
-    auto loop = std::find_if(map.rbegin(), map.rend(), repeats).base() - 1;  // nothing else is endless
+    auto loop = std::find_if(map.rbegin(), map.rend(), repeats).base() - 1;  // only these make a map endless
     if (std::exchange(loop->has_part, false)) {
         const stage::TimeOperator part =
             with_times(stage::TimeVerb::kClip, std::exchange(loop->a, {}), std::exchange(loop->b, {}));
@@ -209,7 +209,7 @@ stage::TimeMap with_rounds_reversed(stage::TimeMap map, const ClipRate& clip) {
 
 TimeBar bar_of(const stage::TimeMap& map, const ClipRate& clip) {
     const Bar bar = read_bar(map, clip);
-    return {bar.start / clip.fps, (bar.start + bar.shown()) / clip.fps};
+    return {bar.start / clip.fps, (bar.start + bar.duration()) / clip.fps};
 }
 
 stage::TimeMap moved(const stage::TimeMap& map, const ClipRate& clip, double by_s) {
@@ -227,7 +227,7 @@ stage::TimeMap trimmed_start(const stage::TimeMap& map, const ClipRate& clip, do
 stage::TimeMap trimmed_end(const stage::TimeMap& map, const ClipRate& clip, double at_s) {
     Bar bar = read_bar(map, clip);
     if (std::isfinite(bar.end)) {
-        cut_end(bar, inner_span(bar, (bar.start + bar.shown()) / clip.fps - checked(at_s), clip));
+        cut_end(bar, inner_span(bar, (bar.start + bar.duration()) / clip.fps - checked(at_s), clip));
     } else {
         const double end = bar.begin + inner_span(bar, checked(at_s) - bar.start / clip.fps, clip);
         bar.end = std::max(end, bar.begin + bar.frame);
@@ -255,7 +255,7 @@ stage::ClipTime stagger_offset(const stage::Timeline& timeline, const stage::Cli
     if (waits) return by;
     const double period = stage::period_s(timeline) * (by.frames ? timeline.fps : 1);
     if (period == 0) return by;
-    constexpr double kSteps = 1e9;  // of a frame or second, to which text is rounded
+    constexpr double kSteps = 1e9;  // per frame or second: the precision of the text
     double ahead = std::fmod(-by.value, period);
     if (ahead < 0) ahead += period;
     ahead = std::round(ahead * kSteps) / kSteps;

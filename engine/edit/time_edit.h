@@ -1,53 +1,56 @@
-// Edits of a time map as one makes them on a time line, where a performer is a bar: it begins somewhere in stage time,
-// shows some part of what there is, forwards or backwards, at some speed.
+// Edits of a time map as one makes them on a time line, where a performer is a bar: it begins at some stage time and
+// shows a part of its material, forwards or backwards, at some speed.
 //
-// A bar is the end of a map: what its other operators make, then as far as needed
+// A bar is the end of a time map. The map's other operators make the material, and these follow as far as they are
+// needed:
 //
-//   clip:a:b (the part shown), reverse, speed:s, offset:x (where the bar begins, before the stage where x < 0)
+//     clip:a:b (the part shown), reverse, speed:s, offset:x (where the bar begins; before the stage where x < 0)
 //
-// Each edit reads the bar from the map's end, whichever way that was written, changes it, and writes it anew: edits of
-// many drags stay these few operators. So a start or an end that was trimmed can be pulled out again. `hold` goes last.
-// All throw InputError as timeline_of, where a number leaves its range, and where the map would have more than
-// kMaxTimeOperators.
+// Each edit reads the bar from the end of the map, in whatever form that was written, changes it, and writes it again.
+// So a map keeps these few operators after many drags, and what was trimmed from a start or an end can be brought back.
+// `hold` is always the last operator. All functions throw InputError as timeline_of does, where a number is out of its
+// range, and where the map would have more than kMaxTimeOperators.
 #pragma once
 
 #include "stage/time_map.h"
 
 namespace neuvv::edit {
 
-// What the map is of.
+// The number of frames and the frame rate of the clip that a map is for.
 struct ClipRate {
     uint32_t frames = 1;
     double fps = 25;
 };
 
-// Seconds of stage time; end_s is INFINITY for what is endless.
+// The time of a bar in seconds of stage time; end_s is INFINITY where the map is endless.
 struct TimeBar {
     double start_s = 0, end_s = 0;
 };
 TimeBar bar_of(const stage::TimeMap& map, const ClipRate& clip);
 
-// The bar begins so much later, or earlier; what of it then lies before the stage comes back when it is moved back.
+// Moves the bar later by by_s seconds, or earlier where that is negative. What then lies before the stage comes back
+// when the bar is moved back.
 stage::TimeMap moved(const stage::TimeMap& map, const ClipRate& clip, double by_s);
 
-// The bar begins, or ends, at this stage time; whatever it shows goes on being shown when it was. At least a frame is
-// left, and no more is shown than there is: a bar that is pulled beyond ends where what it shows ends. Before and after
-// a bar its first and its last frame stand; the last one, as a clip's, as long as a frame. What is endless may be given
-// an end; its start is an offset into it, not a clip.
+// Moves the start, or the end, of the bar to this stage time; what the bar shows stays at its time. At least one frame
+// remains, and the bar ends where its material ends. Before a bar its first frame is displayed, and after it its last
+// one; the last frame of a bar lasts as long as a frame, as that of a clip does. An endless map may be given an end;
+// its start is trimmed by an offset, not by a clip operator.
 stage::TimeMap trimmed_start(const stage::TimeMap& map, const ClipRate& clip, double at_s);
 stage::TimeMap trimmed_end(const stage::TimeMap& map, const ClipRate& clip, double at_s);
 
-// The bar plays backwards where it stands, or forwards again; of what is endless, each of its rounds.
+// Plays the bar backwards at the same time, or forwards again; of an endless map, each round.
 stage::TimeMap reversed(const stage::TimeMap& map, const ClipRate& clip);
 
-// The bar plays so many times as fast, from where it begins.
+// Multiplies the speed of the bar, which begins at the same time.
 stage::TimeMap sped(const stage::TimeMap& map, const ClipRate& clip, double factor);
 
-// Later by `by`, as a copy among others: what never ends has begun before the stage (stagger_offset).
+// Moves the bar later by `by`, as one of several copies: an endless map still runs from the start of the stage on
+// (stagger_offset).
 stage::TimeMap staggered(const stage::TimeMap& map, const ClipRate& clip, const stage::ClipTime& by);
 
-// The offset of what is later by `by`. What never ends has begun before the stage, so that it runs from the start on:
-// it is within a round of its period behind. What waits before it begins has a start to be later than.
+// The offset that makes a map later by `by`. An endless map is shifted backwards, by less than a round of its period,
+// so that it runs from the start of the stage on. A map that waits before it begins is simply later by `by`.
 stage::ClipTime stagger_offset(const stage::Timeline& timeline, const stage::ClipTime& by);
 
 }  // namespace neuvv::edit

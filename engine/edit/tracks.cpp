@@ -13,7 +13,7 @@ namespace neuvv::edit {
 
 namespace {
 
-std::string place_of(uint32_t node) {
+std::string json_pointer_of(uint32_t node) {
     return fmt::format("/nodes/{}/extensions/{}", node, stage::kPerformerExtension);
 }
 
@@ -23,14 +23,14 @@ std::optional<PerformerTrack> track_of(const stage::StageFile& file, uint32_t no
     PerformerTrack track;
     track.node = node;
     track.name = node_title(file, node);
-    track.clip = stage::absolute_path(stage::file_of_uri(file, settings.uri, place_of(node) + "/uri"));
+    track.clip = stage::absolute_path(stage::file_of_uri(file, settings.uri, json_pointer_of(node) + "/uri"));
     const auto clip = std::find_if(clips.begin(), clips.end(),
                                    [&](const stage::StageClip& other) { return other.path == track.clip; });
     if (clip == clips.end()) return std::nullopt;
     track.map = settings.time;
     track.rate = {clip->frames, clip->fps};
     track.timeline =
-        stage::timeline_of(track.map, clip->frames, clip->fps, file.path.string(), place_of(node) + "/time");
+        stage::timeline_of(track.map, clip->frames, clip->fps, file.path.string(), json_pointer_of(node) + "/time");
     track.bar = bar_of(track.map, track.rate);
     return track;
 }
@@ -39,14 +39,15 @@ bool repeats(const stage::TimeOperator& op) {
     return op.verb == stage::TimeVerb::kLoop || op.verb == stage::TimeVerb::kPingPong;
 }
 
-// Where an operator goes that shall not care for when the performer begins: before the last offsets.
+// The index at which an operator is inserted whose effect must not depend on when the performer begins: before the last
+// offsets.
 size_t before_start(const stage::TimeMap& map) {
     size_t at = map.size();
     while (at > 0 && (map[at - 1].verb == stage::TimeVerb::kOffset || map[at - 1].verb == stage::TimeVerb::kHold)) at--;
     return at;
 }
 
-// With an operator that says what is shown from a stage time on.
+// Adds an operator that says what is displayed from a stage time on.
 stage::TimeMap with_stop(stage::TimeMap map, const ClipRate& clip, stage::TimeVerb verb, double stage_s,
                          double seconds) {
     const size_t at = before_start(map);
@@ -66,9 +67,9 @@ stage::TimeMap with_stop(stage::TimeMap map, const ClipRate& clip, stage::TimeVe
 
 std::vector<PerformerTrack> performer_tracks(const stage::StageFile& file, const std::vector<stage::StageClip>& clips) {
     std::vector<PerformerTrack> tracks;
-    const std::vector<bool> shown = nodes_in_scene(file);
-    for (uint32_t node = 0; node < shown.size(); node++) {
-        const auto settings = shown[node] ? performer_on(file, node) : std::nullopt;
+    const std::vector<bool> in_scene = nodes_in_scene(file);
+    for (uint32_t node = 0; node < in_scene.size(); node++) {
+        const auto settings = in_scene[node] ? performer_on(file, node) : std::nullopt;
         if (!settings) continue;
         if (auto track = track_of(file, node, *settings, clips)) tracks.push_back(std::move(*track));
     }
@@ -77,7 +78,7 @@ std::vector<PerformerTrack> performer_tracks(const stage::StageFile& file, const
 
 std::string edit_time(stage::StageFile& file, uint32_t node, const TimeEdit& edit) {
     const auto settings = performer_on(file, node);
-    if (!settings) throw InputError(file.path.string(), place_of(node), "is no performer");
+    if (!settings) throw InputError(file.path.string(), json_pointer_of(node), "is no performer");
     PerformerEdit change;
     change.time = edit(settings->time);
     return set_performer(file, node, change);
@@ -141,7 +142,7 @@ stage::TimeMap repeated(stage::TimeMap map, Repeat repeat) {
     return map;
 }
 
-stage::TimeMap held_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds) {
+stage::TimeMap paused_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds) {
     return with_stop(std::move(map), clip, stage::TimeVerb::kPause, stage_s, seconds);
 }
 

@@ -1,4 +1,4 @@
-// Performers on a time line: what plays when, read from the document itself (read.h), and edits of their time maps.
+// Performers on a time line: what plays when, read from the document (read.h), and edits of time maps by node.
 #pragma once
 
 #include <filesystem>
@@ -12,39 +12,42 @@
 namespace neuvv::edit {
 
 struct PerformerTrack {
-    uint32_t node = 0;  // of the document
+    uint32_t node = 0;  // index in the document
     std::string name;   // its name, or "node 3"
     std::filesystem::path clip;
-    ClipRate rate;  // of the clip
+    ClipRate rate;
     stage::TimeMap map;
     stage::Timeline timeline;
-    TimeBar bar;  // when it plays: before and after, its first and its last image stand
+    TimeBar bar;  // when it plays; before and after, its first and its last frame are displayed
 };
 
-// The performers of the default scene, by node. Those whose clip is not among `clips` (not read yet) are left out. What
-// is expected of the document: read.h.
+// The performers of the default scene, in order of nodes. Performers whose clip is not among `clips`, because it has
+// not been read yet, are left out. read.h says what is expected of the document.
 std::vector<PerformerTrack> performer_tracks(const stage::StageFile& file, const std::vector<stage::StageClip>& clips);
 
-// An edit of one performer's map, as the document has it.
+// Edits the time map of one performer. Throws InputError where the node is no performer.
 using TimeEdit = std::function<stage::TimeMap(const stage::TimeMap&)>;
 std::string edit_time(stage::StageFile& file, uint32_t node, const TimeEdit& edit);
 
-// All performers of the clip that `node` plays, in the order of the document, each later than the one before by so much
-// that `node` itself is later by `by_s`: the first stays where it is, unless it is `node`.
+// Staggers all performers that play the same clip as `node`: in the order of the document, each is moved later than the
+// one before by the same step, such that `node` itself is moved by by_s seconds. The first one stays, unless it is
+// `node`.
 std::string stagger_together(stage::StageFile& file, const std::vector<stage::StageClip>& clips, uint32_t node,
                              double by_s);
 
-// Of all operators together: how many times as fast, whether backwards.
+// The speed of all operators together, as a factor; whether they play backwards.
 double speed_of(const stage::TimeMap& map);
 bool is_reversed(const stage::TimeMap& map);
 
-// Whether a map repeats, by its last operator that does, and the map that repeats in another way, or (kOnce) no more.
+// How a map repeats, by its last operator that does; and the map changed to repeat in another way, or not at all
+// (kOnce).
 enum class Repeat { kOnce, kLoop, kPingPong };
 Repeat repeat_of(const stage::TimeMap& map);
 stage::TimeMap repeated(stage::TimeMap map, Repeat repeat);
 
-// The image that is shown at this stage time stands from then on for so long; always.
-stage::TimeMap held_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds);
+// paused_at: from this stage time on, the map stands still at the displayed frame for so many seconds. frozen_at: the
+// map stands still for ever.
+stage::TimeMap paused_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds);
 stage::TimeMap frozen_at(stage::TimeMap map, const ClipRate& clip, double stage_s);
 
 }  // namespace neuvv::edit

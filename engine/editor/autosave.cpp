@@ -4,37 +4,37 @@
 
 namespace neuvv::editor {
 
-void Autosave::opened(std::optional<edit::RecoveryEntry> from) {
+void Autosave::opened(std::optional<edit::RecoveryEntry> recovered) {
     writer_ =
         edit::recovery_folder().empty() ? nullptr : std::make_shared<edit::RecoveryWriter>(edit::recovery_folder());
     stored_id_ = 0;
-    from_ = std::move(from);
+    recovered_ = std::move(recovered);
 }
 
-// One at a time, of a copy.
+// At most one job stores at a time, and it works on a copy of the document.
 void Autosave::tick(double now_s) {
-    if (now_s - stored_s_ < kAutosaveEvery_s) return;
+    if (now_s - stored_s_ < kAutosaveInterval_s) return;
     if (!writer_ || storing_ || !editor_.is_open() || editor_.id() == stored_id_) return;
     stored_s_ = now_s;
     storing_ = true;
     const bool modified = editor_.modified() || editor_.dragging();
     jobs_.start("",
                 [this, modified, id = editor_.id(), document = std::make_shared<edit::Document>(editor_.document()),
-                 writer = writer_, from = from_]() -> JobQueue::Then {
+                 writer = writer_, recovered = recovered_]() -> JobQueue::Then {
                     std::string problem;
                     try {
                         if (modified)
                             writer->store(*document);
                         else
                             writer->discard();
-                        if (from) edit::discard(*from);
+                        if (recovered) edit::discard(*recovered);
                     } catch (const std::exception& error) {
                         problem = error.what();
                     }
                     return [this, writer, id, problem] {
                         storing_ = false;
                         if (writer != writer_) return;  // another document was opened since
-                        from_.reset();
+                        recovered_.reset();
                         stored_id_ = id;
                         if (!problem.empty())
                             editor_.notify("unsaved edits cannot be kept for recovery: " + problem, true);
@@ -44,9 +44,9 @@ void Autosave::tick(double now_s) {
 
 void Autosave::forget() {
     if (!writer_) return;
-    jobs_.start("", [writer = writer_, from = std::exchange(from_, std::nullopt)]() -> JobQueue::Then {
+    jobs_.start("", [writer = writer_, recovered = std::exchange(recovered_, std::nullopt)]() -> JobQueue::Then {
         writer->discard();
-        if (from) edit::discard(*from);
+        if (recovered) edit::discard(*recovered);
         return {};
     });
 }
@@ -58,7 +58,7 @@ bool Autosave::store_now() {
         writer_->store(editor_.document());
     else
         writer_->discard();
-    if (from_) edit::discard(*from_);
+    if (recovered_) edit::discard(*recovered_);
     return editor_.modified();
 }
 

@@ -1,4 +1,5 @@
-// Stores the unsaved edits of the open document every few seconds for recovery, as one entry, on the job queue.
+// Stores the unsaved edits of the open document for recovery every few seconds. The document has one entry in the
+// recovery folder, which jobs of the job queue write.
 #pragma once
 
 #include <memory>
@@ -10,28 +11,32 @@
 
 namespace neuvv::editor {
 
-constexpr double kAutosaveEvery_s = 2;
+constexpr double kAutosaveInterval_s = 2;
 
 class Autosave {
   public:
-    // Both must outlive it, and `jobs` must have stopped before it goes. Stores nothing where there is no folder for
-    // it.
+    // `editor` and `jobs` must outlive this object, and `jobs` must have been stopped before it is destroyed. Nothing
+    // is stored where there is no recovery folder.
     Autosave(Editor& editor, JobQueue& jobs) : editor_(editor), jobs_(jobs) {}
 
-    // Another document was opened, `from` these edits, which are kept until its own are stored.
-    void opened(std::optional<edit::RecoveryEntry> from = {});
-    // Each frame.
+    // To be called when another document was opened. `recovered` is the entry that it was restored from, if it was;
+    // that entry is kept until the new one has been stored.
+    void opened(std::optional<edit::RecoveryEntry> recovered = {});
+    // To be called once a frame. Starts a job that stores the edits where they changed and kAutosaveInterval_s have
+    // passed.
     void tick(double now_s);
-    // Saved or given up: nothing is kept, once what is being stored has been.
+    // To be called when the document was saved or closed without saving: its entries are removed, after a job that
+    // still stores one.
     void forget();
-    // At the end, once `jobs` has stopped: all that is unsaved. Whether anything is.
+    // To be called at the end of the program, after `jobs` was stopped: stores the unsaved edits at once. Returns
+    // whether there are any.
     bool store_now();
 
   private:
     Editor& editor_;
     JobQueue& jobs_;
-    std::shared_ptr<edit::RecoveryWriter> writer_;  // used by jobs alone, one after the other, until the last has gone
-    std::optional<edit::RecoveryEntry> from_;
+    std::shared_ptr<edit::RecoveryWriter> writer_;  // only jobs use it, one at a time, until store_now()
+    std::optional<edit::RecoveryEntry> recovered_;
     bool storing_ = false;
     uint64_t stored_id_ = 0;
     double stored_s_ = 0;

@@ -1,5 +1,6 @@
-// Into how many blocks an image is cut that is drawn while the window goes on: each as small that nobody waits for it
-// long, but not smaller than helps, as each costs something beside its pixels.
+// Chooses into how many blocks a still image is divided. The render thread draws one block at a time, so that it can
+// turn to a new request after each of them. A block should take about the target time: smaller blocks would waste time,
+// because each costs something beside its pixels.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +11,25 @@ class BlockGrid {
   public:
     explicit BlockGrid(double target_ms) : target_ms_(target_ms) {}
 
-    // Blocks along each side.
+    // Blocks along each side of the image.
     uint32_t side() const { return side_; }
-    static constexpr uint32_t kMostBlocks = 8;  // 64 in all: what each costs beside pixels stays within bounds
+    static constexpr uint32_t kMaxSide = 8;  // 64 in all, which bounds what blocks cost beside their pixels
 
-    // An image begins; kept from the last one: its grid, or a coarser one where its blocks took much less than the
-    // target. At least `least` a side.
-    void begin(uint32_t least);
-    // A block was drawn in this time. True: it took too long, or cutting it finer was in vain, and the image begins
-    // again with another grid; at most a few times an image.
+    // Begins an image. The grid of the last image is kept, or made coarser where its blocks took much less than the
+    // target. The image gets at least `min_side` blocks along each side.
+    void begin(uint32_t min_side);
+    // Notes that a block was drawn in this time. Returns true where the image must begin again with another grid:
+    // because the block took too long, or because a finer grid turned out to be no faster. This happens at most a few
+    // times an image.
     bool drawn(double milliseconds);
 
   private:
     double target_ms_;
     uint32_t side_ = 4;
-    double coarser_ms_ = 0;  // of a block twice as large, from which this grid was cut; 0: it was not
-    double all_ms_ = 0;      // of the blocks drawn with this grid
+    double coarser_ms_ = 0;  // of the block of the coarser grid that this grid divides; 0: none
+    double total_ms_ = 0;    // of the blocks drawn with this grid
     uint32_t blocks_ = 0;
-    bool in_vain_ = false;  // finer ones would hardly take less
+    bool finer_is_useless_ = false;  // smaller blocks would hardly take less time
 };
 
 }  // namespace neuvv::editor

@@ -9,14 +9,14 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr double kOnImage = 1e-6;  // of an image: what is nearer is on it
+constexpr double kOnFrame = 1e-6;  // frames: a time that is nearer to a frame than this is on the frame
 
-// Images that begin before a time.
-int64_t images_before(double time_s, double fps) {
-    return static_cast<int64_t>(std::ceil(time_s * fps - kOnImage));
+// The number of frames that begin before a time.
+int64_t frames_before(double time_s, double fps) {
+    return static_cast<int64_t>(std::ceil(time_s * fps - kOnFrame));
 }
 
-// What is left of `value` after whole lengths, 0 up to, not including, the length.
+// `value` modulo `length`, in [0, length).
 double wrapped(double value, double length) {
     const double rest = std::fmod(value, length);
     const double positive = rest < 0 ? rest + length : rest;
@@ -37,38 +37,38 @@ void StageClock::set_stage(double duration_s, double fps) {
         set_range(in_s_, out_s_);
 }
 
-double StageClock::shown_step_s() const {
+double StageClock::displayed_step_s() const {
     return std::min(1.0, std::abs(speed)) / fps_;
 }
 
-double StageClock::shown_s() const {
-    const double step_s = shown_step_s();
+double StageClock::displayed_s() const {
+    const double step_s = displayed_step_s();
     if (!playing || !(step_s > 0)) return time_s_;
-    return std::max(std::floor(time_s_ / step_s + kOnImage) * step_s, std::min(time_s_, in_s_));
+    return std::max(std::floor(time_s_ / step_s + kOnFrame) * step_s, std::min(time_s_, in_s_));
 }
 
-double StageClock::shown_after_s(int32_t n) const {
+double StageClock::displayed_after_s(int32_t n) const {
     StageClock after = *this;
-    after.time_s_ = shown_s();
-    if (playing && speed != 0) after.tick(n * shown_step_s() / std::abs(speed));
-    return after.shown_s();
+    after.time_s_ = displayed_s();
+    if (playing && speed != 0) after.tick(n * displayed_step_s() / std::abs(speed));
+    return after.displayed_s();
 }
 
-int64_t StageClock::image() const {
-    const auto at = static_cast<int64_t>(std::floor(time_s_ * fps_ + kOnImage));
-    return std::min(at, images() - 1);
+int64_t StageClock::frame() const {
+    const auto at = static_cast<int64_t>(std::floor(time_s_ * fps_ + kOnFrame));
+    return std::min(at, frames() - 1);
 }
 
-int64_t StageClock::images() const {
-    return std::max<int64_t>(1, images_before(duration_s_, fps_));
+int64_t StageClock::frames() const {
+    return std::max<int64_t>(1, frames_before(duration_s_, fps_));
 }
 
 int64_t StageClock::first_in_range() const {
-    return images_before(in_s_, fps_);
+    return frames_before(in_s_, fps_);
 }
 
 int64_t StageClock::last_in_range() const {
-    return std::max(first_in_range(), images_before(out_s_, fps_) - 1);
+    return std::max(first_in_range(), frames_before(out_s_, fps_) - 1);
 }
 
 void StageClock::set_range(double in_s, double out_s) {
@@ -82,23 +82,23 @@ void StageClock::set_range(double in_s, double out_s) {
 }
 
 void StageClock::pause() {
-    time_s_ = shown_s();
+    time_s_ = displayed_s();
     playing = false;
 }
 
 double StageClock::until_next_s() const {
-    const double step_s = shown_step_s();
+    const double step_s = displayed_step_s();
     if (!playing || !(step_s > 0)) return std::numeric_limits<double>::infinity();
-    const double steps = time_s_ / step_s, since = steps - std::floor(steps + kOnImage);
+    const double steps = time_s_ / step_s, since = steps - std::floor(steps + kOnFrame);
     return std::max(0.0, speed > 0 ? 1 - since : since) * step_s / std::abs(speed);
 }
 
 void StageClock::play_or_pause() {
-    time_s_ = shown_s();  // what was seen last stays
+    time_s_ = displayed_s();  // the time that was displayed last
     playing = !playing;
     if (!playing || loops) return;
-    if (speed > 0 && image() == last_in_range()) time_s_ = in_s_;
-    if (speed < 0 && image() == first_in_range()) time_s_ = static_cast<double>(last_in_range()) / fps_;
+    if (speed > 0 && frame() == last_in_range()) time_s_ = in_s_;
+    if (speed < 0 && frame() == first_in_range()) time_s_ = static_cast<double>(last_in_range()) / fps_;
 }
 
 void StageClock::tick(double real_s) {
@@ -117,16 +117,16 @@ void StageClock::tick(double real_s) {
     }
 }
 
-void StageClock::step(int32_t images) {
+void StageClock::step(int32_t by) {
     pause();
     const double at = time_s_ * fps_, nearest = std::round(at);
-    const bool on_image = std::abs(at - nearest) < kOnImage;
-    const auto from = static_cast<int64_t>(on_image ? nearest : images > 0 ? std::floor(at) : std::ceil(at));
-    int64_t to = from + images;
+    const bool on_frame = std::abs(at - nearest) < kOnFrame;
+    const auto from = static_cast<int64_t>(on_frame ? nearest : by > 0 ? std::floor(at) : std::ceil(at));
+    int64_t to = from + by;
     const int64_t first = first_in_range(), last = last_in_range(), count = last - first + 1;
-    const bool in_range = at >= in_s_ * fps_ - kOnImage && at < out_s_ * fps_ - kOnImage;
+    const bool in_range = at >= in_s_ * fps_ - kOnFrame && at < out_s_ * fps_ - kOnFrame;
     if (!in_range)
-        to = std::clamp<int64_t>(to, 0, this->images() - 1);
+        to = std::clamp<int64_t>(to, 0, frames() - 1);
     else if (loops)
         to = first + ((to - first) % count + count) % count;
     else

@@ -8,7 +8,8 @@ namespace neuvv::editor {
 
 namespace {
 
-// Layers that a stage which is left behind wears, too, and that saving the other one changes.
+// Says which layers of paint the stage at the old path uses, too, where the document is saved to another path: saving
+// changes those layers for both stages. Empty: none.
 std::string also_changed(const edit::Document& document, const std::filesystem::path& path) {
     if (!document.file.saved->on_disk || stage::absolute_path(path) == stage::absolute_path(document.file.path))
         return {};
@@ -16,7 +17,7 @@ std::string also_changed(const edit::Document& document, const std::filesystem::
     for (const auto& [file, layer] : document.saved_paint)
         if (const auto now = document.paint.find(file); now != document.paint.end() && now->second != layer)
             text +=
-                fmt::format("; {} wears the same {}", document.file.path.filename().string(), file.filename().string());
+                fmt::format("; {} uses the same {}", document.file.path.filename().string(), file.filename().string());
     return text;
 }
 
@@ -27,7 +28,7 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
     saving_++;
     auto document = std::make_shared<edit::Document>(editor_.document());
     jobs_.start(fmt::format("Saving {}", path.filename().string()),
-                [this, document, path, id = editor_.id(), opened = editor_.opened(),
+                [this, document, path, id = editor_.id(), open_count = editor_.open_count(),
                  also = also_changed(*document, path), done]() -> JobQueue::Then {
                     std::string problem;
                     std::optional<std::filesystem::path> theirs;
@@ -39,10 +40,10 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
                     return [=, this] {
                         saving_--;
                         if (!problem.empty()) return editor_.notify(problem, true);
-                        editor_.saved(*document, opened, id);
+                        editor_.saved(*document, open_count, id);
                         if (!editor_.modified()) autosave.forget();
                         editor_.notify(edit::saved_text(path, theirs) + also);
-                        if (done) done(*document, opened);
+                        if (done) done(*document, open_count);
                     };
                 });
 }

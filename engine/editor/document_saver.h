@@ -1,4 +1,5 @@
-// Saves the open document off its owner's thread, and keeps copies of its unsaved edits for recovery.
+// Saves the open document on the job queue, so that the thread of its editor does not wait, and stores unsaved edits
+// for recovery.
 #pragma once
 
 #include <filesystem>
@@ -12,30 +13,30 @@ namespace neuvv::editor {
 
 class DocumentSaver {
   public:
-    // Both must outlive it, and `jobs` must have stopped before it goes.
+    // `editor` and `jobs` must outlive this object, and `jobs` must have been stopped before it is destroyed.
     DocumentSaver(Editor& editor, JobQueue& jobs) : autosave(editor, jobs), editor_(editor), jobs_(jobs) {}
 
     Autosave autosave;
 
-    // Writes the document as it is now to `path`; a drag ends first. What became of it is told to the user. `done` runs
-    // on the owner's thread where it was written, with the document as the disk has it and the number that
-    // Editor::opened() had.
-    using Done = std::function<void(const edit::Document& saved, uint64_t opened)>;
+    // Ends a drag, then writes the document as it is now to `path`. A notice says what became of it. Where it was
+    // written, `done` runs on the editor's thread with the document as it is on the disk and with the
+    // Editor::open_count() of the time of the call.
+    using Done = std::function<void(const edit::Document& saved, uint64_t open_count)>;
     void save(const std::filesystem::path& path, Done done = {});
     bool saving() const { return saving_ > 0; }
-    // Where the document would be saved without asking anybody: its file; beside its clip, under a name that is free,
-    // where it has none yet.
+    // The path under which the document is saved without asking the user: its own file, or, where it has none yet, a
+    // free name beside its clip.
     std::filesystem::path default_path() const;
 
   private:
     Editor& editor_;
     JobQueue& jobs_;
-    int saving_ = 0;  // jobs
+    int saving_ = 0;  // jobs that save
 };
 
-// Edits of this stage that a program which no longer runs left behind, the latest first.
+// The recovery entries of this stage whose programs no longer run, the latest first.
 std::vector<edit::RecoveryEntry> lost_edits_of(const std::filesystem::path& stage);
-// The same of the stage that was edited last, whichever that is.
+// The same for the stage that was edited last.
 std::vector<edit::RecoveryEntry> lost_edits();
 
 }  // namespace neuvv::editor

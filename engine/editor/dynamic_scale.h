@@ -1,42 +1,43 @@
-// How large an interactive image may be so that it takes about as long as its target.
+// Chooses the resolution of interactive images so that an image takes about its target time.
 //
-// An image at `scale` of the full resolution's sides is taken to cost fixed + full · scale² milliseconds.
+// The model: an image at `scale` times the full width and height takes fixed + full · scale² milliseconds.
 #pragma once
 
 #include <cstdint>
 
 namespace neuvv::editor {
 
-constexpr double kLeastScale = 0.2;
+constexpr double kMinScale = 0.2;
 
 class DynamicScale {
   public:
-    // `scale` is that of the first image, kLeastScale to 1.
+    // `scale` is the scale of the first image, kMinScale to 1.
     explicit DynamicScale(double target_ms, double scale = 0.5);
 
-    // Of the next image, kLeastScale to 1. It goes down at once as far as it must, up by at most kUp an image, and
-    // stays as it is while a change would be smaller than kStill: sizes that come and go flicker.
+    // The scale of the next image, kMinScale to 1. It goes down as far as it must at once, but up by at most a factor
+    // of kMaxGrowth per image. Changes below a share of kMinChange are left out, because an image whose size changes
+    // all the time flickers.
     double scale() const { return scale_; }
-    static constexpr double kUp = 1.15, kStill = 0.06;
+    static constexpr double kMaxGrowth = 1.15, kMinChange = 0.06;
 
-    // An image was drawn at this scale in this time; also a block of a larger one, whose scale is the root of its
-    // share of a full image's work. What is not positive and finite is ignored.
+    // Notes that an image was drawn at this scale in this time. For a block of a larger image, the scale is the square
+    // root of the block's share of the work of a full image. Values that are not positive and finite are ignored.
     void drawn(double scale, double milliseconds);
 
     double target_ms() const { return target_ms_; }
     void set_target(double target_ms) { target_ms_ = target_ms; }
 
-    // What is known of the costs; 0 before the first image.
+    // The estimated costs; 0 before the first image.
     double fixed_ms() const { return fixed_ms_; }
     double full_ms() const { return full_ms_; }
 
   private:
     void fit();
-    double wanted() const;
+    double target_scale() const;
 
     double target_ms_, scale_;
     double fixed_ms_ = 0, full_ms_ = 0;
-    // Sums over the images drawn of 1, x, y, x², xy, x = scale², y = milliseconds; older ones count less.
+    // Sums over the drawn images of 1, x, y, x², xy, with x = scale² and y = milliseconds. Older images weigh less.
     double count_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
 };
 

@@ -14,16 +14,16 @@ void Editor::open(edit::Document document, bool modified) {
     selected_.reset();
     before_drag_.reset();
     open_ = true;
-    opened_++;
+    open_count_++;
     changed();
 }
 
-void Editor::saved(const edit::Document& as, uint64_t opened, uint64_t id) {
-    if (opened != opened_) return;
+void Editor::saved(const edit::Document& as, uint64_t open_count, uint64_t id) {
+    if (open_count != open_count_) return;
     const auto follow = [&](edit::Document& document) {
         document.file = stage::moved_to(std::move(document.file), as.file.path);
         document.file.saved = as.file.saved;
-        document.disk_is_anothers = false;
+        document.disk_is_foreign = false;
         for (const auto& [path, layer] : as.saved_paint) document.saved_paint[path] = layer;
     };
     follow(document_);
@@ -60,7 +60,7 @@ bool Editor::edit(const Operation& operation) {
     std::string what;
     if (!apply(operation, what)) return false;
     if (edit::same_document(before, document_)) return true;
-    history_.did(std::move(before), document_, std::move(what));
+    history_.add_step(std::move(before), document_, std::move(what));
     changed();
     return true;
 }
@@ -81,7 +81,7 @@ bool Editor::drag(const Operation& operation) {
 void Editor::end_drag() {
     if (!before_drag_) return;
     if (edit::same_document(*before_drag_, document_)) return cancel_drag();
-    history_.did(std::move(*before_drag_), document_, std::exchange(dragged_, {}));
+    history_.add_step(std::move(*before_drag_), document_, std::exchange(dragged_, {}));
     before_drag_.reset();
     changed();
 }
@@ -111,13 +111,13 @@ void Editor::redo() {
     step("done again", [this] { return history_.redo(document_); });
 }
 
-// Numbers of nodes may mean others afterwards: then nothing is selected.
-void Editor::step(const char* told, const std::function<std::optional<std::string>()>& take) {
+// Afterwards the index of the selected node may mean another node: then nothing is selected.
+void Editor::step(const char* verb, const std::function<std::optional<std::string>()>& take) {
     const stage::StageFile before = document_.file;
     try {
         const std::optional<std::string> what = take();
         if (!what) return;
-        notify(std::string(told) + ": " + *what);
+        notify(std::string(verb) + ": " + *what);
     } catch (const InputError& error) {
         return notify(error.what(), true);
     }
@@ -127,7 +127,7 @@ void Editor::step(const char* told, const std::function<std::optional<std::strin
     changed();
 }
 
-// A drag goes on from where it began: the layer was there then, too.
+// A drag is applied to the document as it was when the drag began, so the layer is added there, too.
 void Editor::open_layer(const std::filesystem::path& path, const std::shared_ptr<const voctree::EditLayer>& layer) {
     for (edit::Document* document : {&document_, before_drag_ ? &*before_drag_ : nullptr})
         if (document && document->paint.emplace(path, layer).second) document->saved_paint.emplace(path, layer);

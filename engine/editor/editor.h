@@ -1,5 +1,5 @@
-// The document session: the stage that is open, its edits and their history, a drag, the selection, and notices for the
-// user. Faces change the document through it; the render thread shows what it holds.
+// The document session: the open stage, its edits and their history, the drag state, the selection, and notices for the
+// user. The viewer and the headset change the document through an Editor, and the render thread draws its document.
 #pragma once
 
 #include <functional>
@@ -12,17 +12,18 @@
 
 namespace neuvv::editor {
 
-// A line for the user, to be shown for some seconds.
+// A line of text for the user, displayed for some seconds.
 struct Notice {
     std::string text;
     bool error = false;
-    double until_s = 0;  // of the face's clock
+    double until_s = 0;  // on the clock of the program that displays it
 };
 
 class Editor {
   public:
-    // An operation on the document, which says what it did (edit/operations.h). Throws InputError where it cannot be
-    // done. Whether the numbers it was given are sound is found by the render thread: then call take_back().
+    // An operation on the document. It returns a line that says what it did (edit/operations.h), and throws InputError
+    // where it cannot be done. Whether the numbers that it wrote can be drawn is checked later, when the render thread
+    // loads the document; where they cannot, the program calls take_back().
     using Operation = std::function<std::string(edit::Document&)>;
 
     void open(edit::Document document, bool modified);
@@ -30,41 +31,44 @@ class Editor {
     size_t node_count() const;
     const edit::Document& document() const { return document_; }
     const stage::StageFile& file() const { return document_.file; }
-    // It changes with each change of the document.
+    // Changes with each change of the document.
     uint64_t id() const { return id_; }
     bool modified() const { return open_ && history_.is_modified(); }
-    // It changes with each open().
-    uint64_t opened() const { return opened_; }
-    // The disk has the document as it was with this id, as saving left it. What was edited since stays, and follows it
-    // to its folder; a document that was opened since has nothing to do with it.
-    void saved(const edit::Document& as, uint64_t opened, uint64_t id);
+    // How many documents have been opened: it identifies the open one.
+    uint64_t open_count() const { return open_count_; }
+    // To be called when `as` was written to the disk: the document that was open when open_count() and id() had these
+    // values. Later edits stay unsaved, and the document moves to the folder of `as`. Nothing happens where another
+    // document has been opened since.
+    void saved(const edit::Document& as, uint64_t open_count, uint64_t id);
 
-    // While the reason is not empty nothing can be edited, and the user is told the reason instead.
+    // While `reason` is not empty, every edit is refused, and a notice tells the user the reason.
     void freeze(std::string reason) { frozen_ = std::move(reason); }
 
-    // False where it could not be done: a notice says why, and all is as before.
+    // Applies the operation and adds a step to the history. Where it cannot be done, returns false, adds a notice with
+    // the reason, and leaves the document as it was.
     bool edit(const Operation& operation);
-    // An edit that is still going on, a drag for instance: each operation is applied to the document as it was before
-    // the first; end_drag() makes them one step of the history. Nothing else is edited meanwhile.
+    // Previews an edit that is still going on. Each operation is applied to the document as it was before the first
+    // call; end_drag() makes the last result one step of the history. Returns false as edit() does. Other edits end
+    // the drag first.
     bool drag(const Operation& operation);
     void end_drag();
     void cancel_drag();
     bool dragging() const { return before_drag_.has_value(); }
-    // The last step made a document that cannot be drawn: it is undone, and `why` told.
+    // Undoes the last step, or the drag, because the document that it made cannot be drawn; a notice says `why`.
     void take_back(const std::string& why);
     void undo();
     void redo();
     const edit::History& history() const { return history_; }
 
-    // Before the first edit of a layer of paint: as the disk has it (open_paint). No step of the history; of a layer
-    // that is open nothing.
+    // To be called before the first edit of a layer of paint, with the layer as the disk has it (open_paint). This is
+    // no step of the history. Nothing happens where the layer is open already.
     void open_layer(const std::filesystem::path& path, const std::shared_ptr<const voctree::EditLayer>& layer);
 
-    // A node of the document; none where nothing is selected.
+    // The selected node of the document; nullopt: none.
     std::optional<uint32_t> selected() const { return selected_; }
     void select(std::optional<uint32_t> node) { selected_ = node; }
 
-    // The notices since the last call.
+    // Returns the notices since the last call.
     std::vector<Notice> take_notices();
     void notify(std::string text, bool error = false);
 
@@ -72,12 +76,12 @@ class Editor {
     bool refused();
     bool apply(const Operation& operation, std::string& what);
     void changed();
-    void step(const char* told, const std::function<std::optional<std::string>()>& take);
+    void step(const char* verb, const std::function<std::optional<std::string>()>& take);
     bool open_ = false;
     std::string frozen_;
     edit::Document document_;
     edit::History history_;
-    uint64_t id_ = 0, opened_ = 0;
+    uint64_t id_ = 0, open_count_ = 0;
     std::optional<uint32_t> selected_;
     std::optional<edit::Document> before_drag_;
     std::string dragged_;

@@ -9,13 +9,13 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr float kWhole = 0.5f;  // from such a share on, erasing and restoring take a leaf
+constexpr float kMinShare = 0.5f;  // from this share of a leaf on, densities, kErase and kRestore apply to it
 
-// The frames at which the operation holds on each leaf, and the leaves that share them.
+// The ranges of frames at which the operation applies to the leaves, each with the leaves that share it.
 using Spans = std::map<std::pair<float, float>, std::vector<uint32_t>>;
 Spans spans_of(const edit::Canvas& canvas, std::span<const SelectedLeaf> leaves, const edit::EditFrames& frames) {
     std::vector<voctree::LeafEdit> edits;
-    for (const SelectedLeaf& chosen : leaves) edits.push_back({.leaf = chosen.leaf});
+    for (const SelectedLeaf& selected : leaves) edits.push_back({.leaf = selected.leaf});
     Spans spans;
     for (const voctree::LeafEdit& edit : edit::at_frames(canvas, edits, frames))
         spans[{edit.first, edit.last}].push_back(edit.leaf);
@@ -25,7 +25,7 @@ Spans spans_of(const edit::Canvas& canvas, std::span<const SelectedLeaf> leaves,
 std::vector<voctree::LeafEdit> shifted_edits(const edit::Canvas& canvas, std::span<const SelectedLeaf> leaves,
                                              const PaintOperation& operation) {
     std::unordered_map<uint32_t, float> shares;
-    for (const SelectedLeaf& chosen : leaves) shares[chosen.leaf] = chosen.share;
+    for (const SelectedLeaf& selected : leaves) shares[selected.leaf] = selected.share;
     std::vector<voctree::LeafEdit> edits;
     for (const auto& [span, of_span] : spans_of(canvas, leaves, operation.frames))
         for (voctree::LeafEdit edit : edit::shift_colours(canvas, of_span, span.first, span.second, operation.shift)) {
@@ -35,13 +35,13 @@ std::vector<voctree::LeafEdit> shifted_edits(const edit::Canvas& canvas, std::sp
     return edits;
 }
 
-// Only the edits of these leaves are gone through once a span; they may be few of many.
+// Only the edits of the selected leaves, which may be few of many, are searched once for each range of frames.
 voctree::EditLayer restored(const edit::Canvas& canvas, const voctree::EditLayer& before,
                             std::span<const SelectedLeaf> leaves, const edit::EditFrames& frames) {
-    std::vector<uint8_t> chosen(canvas.tree.leaf_count);
-    for (const SelectedLeaf& one : leaves) chosen[one.leaf] = 1;
+    std::vector<uint8_t> is_selected(canvas.tree.leaf_count);
+    for (const SelectedLeaf& one : leaves) is_selected[one.leaf] = 1;
     voctree::EditLayer kept{before.field, {}}, cut{before.field, {}};
-    for (const voctree::LeafEdit& edit : before.edits) (chosen[edit.leaf] ? cut : kept).edits.push_back(edit);
+    for (const voctree::LeafEdit& edit : before.edits) (is_selected[edit.leaf] ? cut : kept).edits.push_back(edit);
     for (const auto& [span, of_span] : spans_of(canvas, leaves, frames))
         voctree::remove_edits(cut, of_span, span.first, span.second);
     voctree::EditLayer after{before.field, {}};
@@ -52,12 +52,12 @@ voctree::EditLayer restored(const edit::Canvas& canvas, const voctree::EditLayer
     return after;
 }
 
-// Of kColour and kErase; without their frames.
+// The edits of kColour and kErase, without frames.
 std::vector<voctree::LeafEdit> coloured_edits(std::span<const SelectedLeaf> leaves, const PaintOperation& operation) {
     const bool erases = operation.kind == PaintOperation::Kind::kErase;
     std::vector<voctree::LeafEdit> edits;
     for (const SelectedLeaf& one : leaves) {
-        const float sigma = one.share < kWhole ? voctree::kKeepSigma : erases ? 0 : operation.sigma;
+        const float sigma = one.share < kMinShare ? voctree::kKeepSigma : erases ? 0 : operation.sigma;
         const float alpha = erases ? 0 : operation.opacity * one.share;
         if (alpha <= 0 && sigma < 0) continue;
         edits.push_back(
@@ -66,7 +66,7 @@ std::vector<voctree::LeafEdit> coloured_edits(std::span<const SelectedLeaf> leav
     return edits;
 }
 
-// A density beside other colours is an edit of its own.
+// A density is an edit of its own, beside the edits that shift colours.
 std::vector<voctree::LeafEdit> density_edits(std::span<const SelectedLeaf> leaves, const PaintOperation& operation) {
     PaintOperation density = operation;
     density.colour = glm::vec3(0);
@@ -81,10 +81,10 @@ std::shared_ptr<const voctree::EditLayer> apply_operation(const edit::Canvas& ca
                                                           std::span<const SelectedLeaf> leaves,
                                                           const PaintOperation& operation) {
     if (operation.kind == PaintOperation::Kind::kRestore) {
-        std::vector<SelectedLeaf> taken(leaves.begin(), leaves.end());
-        std::erase_if(taken, [](const SelectedLeaf& one) { return one.share < kWhole; });
-        if (taken.empty()) return nullptr;
-        return std::make_shared<const voctree::EditLayer>(restored(canvas, before, taken, operation.frames));
+        std::vector<SelectedLeaf> selected(leaves.begin(), leaves.end());
+        std::erase_if(selected, [](const SelectedLeaf& one) { return one.share < kMinShare; });
+        if (selected.empty()) return nullptr;
+        return std::make_shared<const voctree::EditLayer>(restored(canvas, before, selected, operation.frames));
     }
     const bool shifts = operation.kind == PaintOperation::Kind::kShift;
     std::vector<voctree::LeafEdit> edits = edit::at_frames(

@@ -1,4 +1,5 @@
-// What painting does to leaves: an operation takes a layer of paint as it was to the layer as it is then.
+// What painting does to leaves: an operation computes a layer of paint from the layer as it was before and from
+// selected leaves.
 #pragma once
 
 #include <memory>
@@ -9,33 +10,34 @@
 
 namespace neuvv::editor {
 
-// What is painted. The command line, the mouse and the hand all say it in these words.
+// What is painted. The command line, the mouse and the hand all describe it by this struct.
 struct PaintOperation {
     enum class Kind {
-        kColour,   // `colour`, as opaque as `opacity`; and the density `sigma`
-        kErase,    // no density
-        kShift,    // the field's own colours of each frame, shifted; and the density `sigma`
-        kRestore,  // takes the layer's edits out
+        kColour,   // paints `colour` with `opacity`, and sets the density to `sigma`
+        kErase,    // sets the density to 0
+        kShift,    // shifts the field's own colours of each frame, and sets the density to `sigma`
+        kRestore,  // removes the layer's edits
     } kind = Kind::kColour;
     glm::vec3 colour{1, 0, 0};  // linear
-    float opacity = 1;          // of kColour and kShift; 0: the colours stay
+    float opacity = 1;          // for kColour and kShift; 0: the colours stay
     edit::ColourShift shift;
-    float sigma = voctree::kKeepSigma;  // 1/m, of leaves that are selected by half or more
-    edit::EditFrames frames;            // kShift and kRestore follow the surface as the others do
+    float sigma = voctree::kKeepSigma;  // 1/m, for leaves with a share of 1/2 or more; kKeepSigma: the density stays
+    edit::EditFrames frames;            // at which the operation applies, for all kinds
 };
 
 struct SelectedLeaf {
     uint32_t leaf = 0;
-    float share = 1;  // how much of it is painted; a density, kErase and kRestore take leaves of a half or more
+    float share = 1;  // of the leaf that is painted; densities, kErase and kRestore need 1/2 or more
 };
 
-// Each leaf is there at most once. Null where nothing is to be done.
+// Returns the layer after the operation, or null where nothing changes. `leaves` has each leaf at most once.
 std::shared_ptr<const voctree::EditLayer> apply_operation(const edit::Canvas& canvas, const voctree::EditLayer& before,
                                                           std::span<const SelectedLeaf> leaves,
                                                           const PaintOperation& operation);
 
-// The leaves of a region that the operation is for, whole, in order: those that live at some of the frames; where it
-// restores, those that the layer has edits of; where it gives density, which brings leaves to life, all of them.
+// The leaves of a region that the operation applies to, each with share 1, in order: those that live at some of the
+// frames. kRestore applies to the leaves of which the layer has edits; a density that brings leaves to life applies to
+// all leaves.
 std::vector<SelectedLeaf> leaves_for(const edit::Canvas& canvas, const voctree::EditLayer& before,
                                      const edit::Region& region, const PaintOperation& operation);
 

@@ -11,7 +11,7 @@ namespace neuvv::editor {
 
 namespace {
 
-// Both in order of leaves; of a leaf that is in both, the larger share.
+// The union of two lists in order of leaves. A leaf that is in both gets the larger share.
 std::vector<SelectedLeaf> united(const std::vector<SelectedLeaf>& a, const std::vector<SelectedLeaf>& b) {
     std::vector<SelectedLeaf> all;
     all.reserve(a.size() + b.size());
@@ -45,12 +45,12 @@ bool PaintSession::add_region(const edit::Region& region) {
     return selected_.size() > before;
 }
 
-// The line to the first new pixel begins with a touch at the last one again, which lies beside itself in the stroke
-// and so covers nothing new. The brush's alpha is whole, so that an edit's alpha is what is covered.
+// The line to the first new pixel begins again at the last pixel. That touch lies on the stroke already and covers
+// nothing new. The brush's alpha is 1, so the alpha of an edit is the covered share of the leaf.
 void PaintSession::add_touches(PaintSurface& surface, const stage::Camera& camera, std::span<const glm::dvec2> pixels) {
     surface.show(subject_);
-    if (camera.world_from_camera != seen_from_) last_pixel_.reset();
-    seen_from_ = camera.world_from_camera;
+    if (camera.world_from_camera != last_world_from_camera_) last_pixel_.reset();
+    last_world_from_camera_ = camera.world_from_camera;
     std::vector<glm::dvec2> line;
     if (last_pixel_) line.push_back(*last_pixel_);
     line.insert(line.end(), pixels.begin(), pixels.end());
@@ -93,8 +93,8 @@ std::shared_ptr<const voctree::EditLayer> PaintSession::layer() const {
     if (projected_.empty()) return apply_operation(subject_.clip->canvas, *before_, selected_, operation_);
     auto after = std::make_shared<voctree::EditLayer>(*before_);
     const edit::EditFrames& frames = operation_.frames;
-    voctree::add_edits(*after,
-                       area_.every_frame ? edit::through_between(projected_, frames.first, frames.last) : projected_);
+    voctree::add_edits(
+        *after, area_.every_frame ? edit::extend_between_frames(projected_, frames.first, frames.last) : projected_);
     return after;
 }
 
@@ -107,7 +107,7 @@ ReadPerformer read_performer(const std::filesystem::path& clip_path, std::shared
     return read;
 }
 
-media::Image reduced(const media::Image& image, uint32_t factor) {
+media::Image downscaled(const media::Image& image, uint32_t factor) {
     if (factor <= 1) return image;
     media::Image small((image.width + factor - 1) / factor, (image.height + factor - 1) / factor);
     for (uint32_t y = 0; y < small.height; y++)

@@ -1,9 +1,9 @@
-// One layer that is being painted by one operation, whoever paints: the command line, the mouse or a hand.
+// One layer of paint that is being painted by one operation. The command line, the mouse and the hand all paint by it.
 //
 //     open performer ─► operation ─► touches, regions or a projection ─► layer
 //
-// What has been selected so far adds up; layer() is the layer with all of it, the same as if all had come at once. A
-// session goes over what the subject shows: what it paints itself does not change what it meets.
+// Selections add up: layer() is the layer with all selections so far, the same as if all of them had come at once. The
+// session paints on the subject as it was at the start: its own paint does not change which leaves it selects.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +14,12 @@
 
 namespace neuvv::editor {
 
-// Where it is painted: performer's space, metres.
+// Where the operation applies, in the performer's space in metres.
 struct PaintArea {
-    edit::Region within;                      // leaves outside are not painted; null: none is outside
-    float radius_m = 0.05f, hardness = 0.7f;  // of a brush, whose touches select leaves
-    // Of a projection: the image, its camera (of the image's size), and whether it falls onto each whole frame as it is
-    // then instead of onto the subject's frame alone.
+    edit::Region within;                      // only leaves with their middles in this region are painted; null: all
+    float radius_m = 0.05f, hardness = 0.7f;  // of the brush of add_touches
+    // For a projection: the image, and a camera of the image's size. With `every_frame` the image is projected onto
+    // each whole frame of the operation, as the performer is then; without, onto the subject's frame alone.
     media::Image image;
     stage::Camera image_camera;
     bool every_frame = false;
@@ -27,23 +27,24 @@ struct PaintArea {
 
 class PaintSession {
   public:
-    // `before` is the layer that is painted.
+    // `before` is the layer as it is before the session.
     PaintSession(PaintSubject subject, std::shared_ptr<const voctree::EditLayer> before, PaintOperation operation,
                  PaintArea area = {});
 
-    // Selects the leaves of a region that the operation is for, whole. False where it selects nothing new. Bound by
-    // memory: it reads all leaves' middles, 12 bytes each.
+    // Selects all leaves of a region that the operation applies to. Returns whether any of them was not selected
+    // before. The cost is reading the middles of all leaves, 12 bytes each.
     bool add_region(const edit::Region& region);
-    // Selects what the brush covers along a line through these pixels, which goes on from the last call's; from another
-    // camera it begins anew.
+    // Selects the leaves that the brush covers along a line through these pixels of the camera's image. The line goes
+    // on from the last call where the camera is the same.
     void add_touches(PaintSurface& surface, const stage::Camera& camera, std::span<const glm::dvec2> pixels);
-    // Projects the image onto one frame. False when all are done; at least one call is needed. Its colours and opacity
-    // are the image's times the operation's.
+    // Projects the image onto the next frame. Returns false once all frames are done; at least one call is needed. The
+    // operation's opacity multiplies the image's alpha.
     bool add_projection(PaintSurface& surface);
-    // The whole frames that add_projection goes through with `every_frame`: none where first > last.
+    // The first and the last of the frames that add_projection goes through with `every_frame`; none where first >
+    // last.
     std::pair<uint32_t, uint32_t> projected_frames() const;
 
-    // Null as long as nothing is selected.
+    // The layer with everything that was selected; null while nothing is.
     std::shared_ptr<const voctree::EditLayer> layer() const;
 
   private:
@@ -52,24 +53,24 @@ class PaintSession {
     PaintOperation operation_;
     PaintArea area_;
     std::vector<SelectedLeaf> selected_;  // in order of leaves
-    // Of touches.
-    glm::dmat4 seen_from_{0};
+    // State of add_touches.
+    glm::dmat4 last_world_from_camera_{0};
     std::optional<glm::dvec2> last_pixel_;
-    // Of a projection.
+    // State of add_projection.
     uint32_t next_frame_ = 0, last_frame_ = 0;
     std::vector<voctree::LeafEdit> projected_;
 };
 
-// A performer's clip and layers, read from the disk.
+// A performer's clip and layers of paint, as read from the disk.
 struct ReadPerformer {
     std::shared_ptr<const PaintClip> clip;
     std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> layers;
 };
-// Reads the clip, unless it is given, and the layers. Seconds for a large one. Throws InputError.
+// Reads the clip, unless it is given, and the layers at these paths. A large clip takes seconds. Throws InputError.
 ReadPerformer read_performer(const std::filesystem::path& clip_path, std::shared_ptr<const PaintClip> clip,
                              std::span<const std::filesystem::path> layers);
 
-// An image whose pixels are means of so many by so many of the other's; the last ones of fewer.
-media::Image reduced(const media::Image& image, uint32_t factor);
+// The image made smaller: each pixel is the mean of factor × factor pixels, of fewer at the right and lower edges.
+media::Image downscaled(const media::Image& image, uint32_t factor);
 
 }  // namespace neuvv::editor

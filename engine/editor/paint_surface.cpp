@@ -4,11 +4,11 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr float kSurface = 0.5f;  // what a pixel shows, soft or not: where a ray has gathered so much
+constexpr float kSurface = 0.5f;  // the alpha that a ray has gathered at the surface, even where the surface is soft
 
 std::vector<render::PaintUse> uses_of(const PaintSubject& subject) {
     std::vector<render::PaintUse> uses;
-    for (const WornLayer& worn : subject.paint) uses.push_back({worn.layer.get(), worn.blend, worn.opacity});
+    for (const VisibleLayer& layer : subject.paint) uses.push_back({layer.layer.get(), layer.blend, layer.opacity});
     return uses;
 }
 

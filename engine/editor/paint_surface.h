@@ -1,4 +1,5 @@
-// What is painted on, on the render thread: a performer's field on host and device, as it shows at a frame.
+// The surface that is painted on, for tasks of the render thread: a performer's field on host and device, as it is at
+// one frame.
 #pragma once
 
 #include <memory>
@@ -10,7 +11,7 @@
 
 namespace neuvv::editor {
 
-// A field on the host, as painting reads it. A large one takes seconds to make.
+// A clip on the host, with what painting needs to know of its leaves. A large clip takes seconds to prepare.
 struct PaintClip {
     explicit PaintClip(voctree::VOctree read)
         : tree(std::move(read)), field(voctree::painted_field(tree)), canvas(tree) {}
@@ -21,19 +22,20 @@ struct PaintClip {
     edit::Canvas canvas;
 };
 
-struct WornLayer {
+// A layer of paint that the performer has and that is visible.
+struct VisibleLayer {
     std::shared_ptr<const voctree::EditLayer> layer;
     stage::PaintBlend blend = stage::PaintBlend::kNormal;
     float opacity = 1;
-    bool operator==(const WornLayer&) const = default;
+    bool operator==(const VisibleLayer&) const = default;
 };
 
-// What is painted on. What looks at the surface needs `field`; what works on regions alone does not.
+// What is painted on. Touches and projections, which need to see the surface, need `field`; regions do not.
 struct PaintSubject {
     std::shared_ptr<const PaintClip> clip;
-    std::shared_ptr<const render::Field> field;  // the same on the device
+    std::shared_ptr<const render::Field> field;  // the clip on the device
     float frame = 0;
-    std::vector<WornLayer> paint;  // that shows, the lowest first
+    std::vector<VisibleLayer> paint;  // the visible layers, the lowest first
     bool operator==(const PaintSubject&) const = default;
 };
 
@@ -41,17 +43,17 @@ class PaintSurface {
   public:
     explicit PaintSurface(const gpu::Device& device) : device_(device) {}
 
-    // The subject until the next call; nothing is done where it is the same. Throws RuntimeFailure where the device has
-    // no room.
+    // Prepares the surface for this subject, until the next call; does nothing where the subject is the same. Throws
+    // RuntimeFailure where the device has no memory left.
     void show(const PaintSubject& subject);
-    // Frees everything.
+    // Frees everything that show() prepared.
     void clear();
 
-    // Of the subject; there must be one. Cameras are in the performer's space (in_performer).
+    // These need a subject. Cameras are in the performer's space (in_performer).
     const edit::Canvas& canvas() const { return subject_.clip->canvas; }
-    std::span<const float> sigma() const { return sigma_; }  // densities
+    std::span<const float> sigma() const { return sigma_; }  // 1/m, of each leaf (densities())
     render::Picker& picker() { return *picker_; }
-    // The point of the surface that a pixel shows, in the performer's space.
+    // The point of the surface that a pixel shows, in the performer's space; nullopt where the pixel shows none.
     std::optional<glm::dvec3> surface_at(const stage::Camera& camera, glm::dvec2 pixel);
 
   private:

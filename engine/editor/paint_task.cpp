@@ -6,7 +6,7 @@ namespace neuvv::editor {
 
 namespace {
 
-// Whether it has come to an end, well or not.
+// Runs one step of the task. Returns whether the task has ended, by its result or by an error.
 bool run(Parts parts, OnDevice& on, PaintSurface& surface, const std::filesystem::path& path, const PaintClip& clip,
          const PaintTask& task, const JobQueue::Then& failed) {
     JobQueue::Then then;
@@ -35,7 +35,8 @@ std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesyste
     throw InputError(path.string(), "", "is not on the stage any more", "select another performer");
 }
 
-// The editor's thread posts the next step, so that what else is to be drawn comes in between.
+// Each further step is posted by way of the editor's thread, so that other requests to the render thread come in
+// between.
 void post_paint_task(Parts parts, std::shared_ptr<PaintSurface> surface, const std::filesystem::path& path,
                      std::shared_ptr<const PaintClip> clip, PaintTask task, JobQueue::Then failed) {
     parts.render_thread.post([=](OnDevice& on) {

@@ -1,4 +1,4 @@
-// Painting tasks on the render thread.
+// Tasks of the render thread that paint.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,13 @@
 
 namespace neuvv::editor {
 
-// The clip on the device. Throws InputError where it is gone from the stage, or was written anew since it was read.
+// The field of a clip of the stage on the device. Throws InputError where the clip is no longer on the stage, or where
+// its file was written again after `clip` was read.
 std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesystem::path& path, const PaintClip& clip);
 
-// Runs between two frames, again and again until the task returns something; that runs on the editor's thread then.
-// Where the task throws, the user is told and `failed` runs there instead.
+// Posts a task that runs between two frames, again and again until it returns a function; that function then runs on
+// the editor's thread. Where the task throws, a notice tells the user why, and `failed` runs on the editor's thread
+// instead.
 using PaintTask =
     std::function<JobQueue::Then(PaintSurface& surface, const std::shared_ptr<const render::Field>& field)>;
 void post_paint_task(Parts parts, std::shared_ptr<PaintSurface> surface, const std::filesystem::path& path,

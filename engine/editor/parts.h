@@ -1,4 +1,4 @@
-// What work on the open document needs that leaves its owner's thread and comes back.
+// The three parts of an open document that work needs when it leaves the editor's thread and comes back to it.
 #pragma once
 
 #include "base/job_queue.h"
@@ -7,7 +7,8 @@
 
 namespace neuvv::editor {
 
-// References, to be copied into jobs and tasks. `jobs` also brings the results of render tasks back (JobQueue::post).
+// References, which jobs and tasks may copy. The results of render tasks, too, return to the editor's thread by `jobs`
+// (JobQueue::post).
 struct Parts {
     Editor& editor;
     JobQueue& jobs;

@@ -9,9 +9,9 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr float kSeenAlpha = 0.5f;
+constexpr float kPickedAlpha = 0.5f;
 
-// Möller and Trumbore 1997; both sides.
+// Möller and Trumbore 1997; both sides of the triangle count. Infinite where the ray misses it.
 double distance_to_triangle(const Ray& ray, glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
     const glm::dvec3 ab = b - a, ac = c - a, across = glm::cross(ray.direction, ac);
     const double volume = glm::dot(ab, across);
@@ -22,7 +22,7 @@ double distance_to_triangle(const Ray& ray, glm::dvec3 a, glm::dvec3 b, glm::dve
     return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : INFINITY;
 }
 
-// The view of one pixel.
+// The camera of an image of one pixel, which is this pixel of the given camera.
 stage::Camera pixel_of_camera(stage::Camera camera, glm::dvec2 pixel) {
     camera.cx -= std::floor(pixel.x);
     camera.cy -= std::floor(pixel.y);
@@ -40,27 +40,27 @@ struct Nearest {
     }
 };
 
-void see_performers(OnDevice& on_device, const stage::EvaluatedStage& evaluated, const stage::Camera& camera,
-                    glm::dvec2 pixel, Nearest& nearest) {
+void pick_performers(OnDevice& on_device, const stage::EvaluatedStage& evaluated, const stage::Camera& camera,
+                     glm::dvec2 pixel, Nearest& nearest) {
     const Ray ray = ray_through(camera, pixel);
     const stage::Camera one_pixel = pixel_of_camera(camera, pixel);
     render::FrameSettings settings = on_device.renderer.settings_at(evaluated);
     const std::vector<render::Instance> instances = settings.instances;
     settings.width = settings.height = settings.samples = 1;
-    size_t shown = 0;
+    size_t visible = 0;
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (!performer.visible) continue;
-        const render::Instance& instance = instances[shown++];
+        const render::Instance& instance = instances[visible++];
         const stage::StageClip& clip = on_device.stage.clips[performer.clip];
         if (!box_hit(ray, performer.world_from_performer, clip.box_min, clip.box_min + clip.box_size)) continue;
         settings.instances = {instance};
         on_device.renderer.frames().draw({&one_pixel, 1}, settings);
-        if (on_device.renderer.frames().radiance()[0].a < kSeenAlpha * performer.opacity) continue;
+        if (on_device.renderer.frames().radiance()[0].a < kPickedAlpha * performer.opacity) continue;
         nearest.take(on_device.renderer.frames().depth()[0], on_device.stage.performers[performer.performer].node);
     }
 }
 
-void see_set(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, const Ray& ray, Nearest& nearest) {
+void pick_set(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, const Ray& ray, Nearest& nearest) {
     stage::PosedVertices vertices;
     for (uint32_t node = 0; node < stage.scene.nodes.size(); node++) {
         const stage::GltfNode& one = stage.scene.nodes[node];
@@ -78,13 +78,13 @@ void see_set(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, 
 
 }  // namespace
 
-Seen seen_at(OnDevice& on_device, const stage::EvaluatedStage& evaluated, const stage::Camera& camera,
-             glm::dvec2 pixel) {
+PickedPoint pick_at(OnDevice& on_device, const stage::EvaluatedStage& evaluated, const stage::Camera& camera,
+                    glm::dvec2 pixel) {
     const Ray ray = ray_through(camera, pixel);
     Nearest nearest;
     on_device.renderer.show(evaluated);
-    see_performers(on_device, evaluated, camera, pixel, nearest);
-    if (!nearest.node) see_set(on_device.stage, evaluated, ray, nearest);
+    pick_performers(on_device, evaluated, camera, pixel, nearest);
+    if (!nearest.node) pick_set(on_device.stage, evaluated, ray, nearest);
     if (!nearest.node) return {};
     return {nearest.node, ray.origin + nearest.metres * ray.direction};
 }

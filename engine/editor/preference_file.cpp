@@ -14,10 +14,10 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr uint64_t kMaxBytes = uint64_t{1} << 20;
-constexpr int kMaxDepth = 32;  // of brackets: copying and writing JSON goes as deep as it is
+constexpr int kMaxDepth = 32;  // levels of brackets: copying and writing JSON recurse as deep as it is nested
 constexpr size_t kMaxNamed = 5;
 
-// Discarded where it is no JSON, and where it is nested too deeply.
+// The parsed document; discarded where the bytes are no JSON or are nested too deeply.
 ordered_json parse(const std::vector<uint8_t>& bytes) {
     bool deep = false;
     const auto shallow = [&](int depth, ordered_json::parse_event_t, ordered_json&) {
@@ -102,7 +102,7 @@ std::string wrong_members(const std::filesystem::path& path, const std::vector<s
 
 void save_preference_file(const std::filesystem::path& path, const ordered_json& document) {
     std::error_code failed;
-    std::filesystem::create_directories(path.parent_path(), failed);  // writing tells what is wrong
+    std::filesystem::create_directories(path.parent_path(), failed);  // the write below reports a failure
     const std::string text = document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
     write_file_atomically(path, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }

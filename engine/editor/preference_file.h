@@ -1,6 +1,7 @@
-// Files of what a program remembers between runs: JSON objects that users may edit, and that newer programs may have
-// written. Nothing in such a file is an error: a member that cannot be understood has its default, and the user is
-// told. The one header of this module that names JSON: only the two sources that map preferences to it include it.
+// Preference files: JSON objects that a program keeps between runs, that users may edit, and that newer programs may
+// have written. Nothing in such a file is an error: a member that cannot be understood gets its default, and a message
+// tells the user. This is the only header of the module that names JSON; only the two sources that map preferences to
+// JSON include it.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +11,20 @@
 
 namespace neuvv::editor {
 
-// Reads members that may be missing or anything, and remembers which were wrong, by `place` and name.
+// Reads members that may be missing or of any type, and records the wrong ones in `wrong`: by `place`, which says where
+// the object is in the file, and name.
 struct PreferenceReader {
     std::vector<std::string> wrong;
 
-    // The member, if it is there; what is not an object has none.
+    // The member, or null where it is missing or `object` is no object.
     static const nlohmann::ordered_json* find(const nlohmann::ordered_json& object, const char* name);
-    // Empty where it is missing or no object.
+    // The member, or an empty object where it is missing or no object.
     const nlohmann::ordered_json& object(const nlohmann::ordered_json& parent, const char* name);
     void boolean(const nlohmann::ordered_json& object, const std::string& place, const char* name, bool& value);
-    // Short enough, and without zeros, which would end it in the middle.
+    // Reads a text of at most kMaxText bytes without zeros, which would end a C string in the middle. Returns whether
+    // it was sound.
     bool text(const nlohmann::ordered_json& json, const std::string& place, std::string& value);
-    // Within low..high. Whether it was there and sound.
+    // Reads a number from low to high. Returns whether it was there and sound.
     template <typename Number>
     bool number(const nlohmann::ordered_json& object, const std::string& place, const char* name, Number low,
                 Number high, Number& value) {
@@ -39,17 +42,19 @@ struct PreferenceReader {
 };
 
 struct PreferenceFile {
-    nlohmann::ordered_json document = nlohmann::ordered_json::object();  // empty where there is none that can be read
-    std::string message;  // one line for the user about what was wrong; empty: nothing
+    // Empty where the file is missing or cannot be read.
+    nlohmann::ordered_json document = nlohmann::ordered_json::object();
+    std::string message;  // a line for the user about what was wrong; empty: nothing was
 };
-// Never throws for what is there.
+// Never throws because of what the file contains.
 PreferenceFile load_preference_file(const std::filesystem::path& path);
-// "…: not understood, so defaults are used: window.width"; empty where nothing was wrong.
+// The message about wrong members: "PATH: not understood, so defaults are used: window.width". Empty where `wrong` is
+// empty.
 std::string wrong_members(const std::filesystem::path& path, const std::vector<std::string>& wrong);
 
-// Atomically, its folder made where it is missing. Throws RuntimeFailure.
+// Writes the file atomically, and makes its folder where that is missing. Throws RuntimeFailure.
 void save_preference_file(const std::filesystem::path& path, const nlohmann::ordered_json& document);
-// The member as an object to write into, over what stood there.
+// The member, to be written to. Where it is missing or no object, it becomes an empty object.
 nlohmann::ordered_json& object_in(nlohmann::ordered_json& parent, const std::string& name);
 
 }  // namespace neuvv::editor

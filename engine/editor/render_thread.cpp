@@ -12,16 +12,17 @@ namespace neuvv::editor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kSettle = std::chrono::milliseconds(100);  // without a new view: nothing moves any more
-constexpr auto kTakenWithin = std::chrono::milliseconds(30);
-constexpr VkExtent2D kFirstCapacity{1280, 720};
+constexpr auto kRefineDelay = std::chrono::milliseconds(100);  // without a new view; then the view is refined
+constexpr auto kPresentTimeout = std::chrono::milliseconds(30);
+constexpr VkExtent2D kInitialCapacity{1280, 720};
 constexpr uint32_t kCapacityStep = 128;
 
 double milliseconds_since(Clock::time_point from) {
     return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
 }
 
-// Room for blocks that are a few rays larger than a share of the image, and for windows that grow a little.
+// The capacity for this many pixels, with room for blocks that are a few rays larger than their share of the image, and
+// for windows that grow a little.
 uint32_t roomy(uint32_t pixels) {
     return (pixels + 8 + kCapacityStep - 1) / kCapacityStep * kCapacityStep;
 }
@@ -41,7 +42,7 @@ void add_passes(std::vector<gpu::PassTime>& to, const std::vector<gpu::PassTime>
 struct RenderThread::Job {
     std::shared_ptr<const edit::Document> stage;
     uint64_t stage_id = 0;
-    std::optional<Remake> remake;
+    std::optional<Replacement> replacement;
     Task task;
     std::optional<ViewRequest> view;
     bool refine = false;
@@ -111,18 +112,18 @@ void RenderThread::post_idle(Idle idle) {
     changed_.notify_all();
 }
 
-void RenderThread::remake(gpu::ShaderReplacements shaders, std::function<void(const std::string&)> done) {
+void RenderThread::replace_shaders(gpu::ShaderReplacements shaders, std::function<void(const std::string&)> done) {
     {
         const std::lock_guard lock(mutex_);
-        next_remake_ = Remake{std::move(shaders), std::move(done)};
+        next_replacement_ = Replacement{std::move(shaders), std::move(done)};
     }
     changed_.notify_all();
 }
 
-void RenderThread::taken(uint64_t number) {
+void RenderThread::presented(uint64_t number) {
     {
         const std::lock_guard lock(mutex_);
-        taken_ = number;
+        presented_ = number;
     }
     changed_.notify_all();
 }
@@ -133,29 +134,31 @@ RenderThreadState RenderThread::state() const {
     return state_;
 }
 
-// What is to be done next: the newest stage, then tasks, the newest view, what is left of the last one, the rest.
+// Waits for the next job and returns it, in this order: the newest stage, new shaders, tasks, the newest view, the next
+// block of a view that does not change, idle work. Returns false where the thread must end.
 bool RenderThread::wait_for_job(Job& job) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, kTakenWithin, [&] { return stop_ || taken_ >= state_.displayed.number; });
+    changed_.wait_for(lock, kPresentTimeout, [&] { return stop_ || presented_ >= state_.displayed.number; });
     const auto ready = [&] {
-        return stop_ || next_stage_ || next_remake_ || (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
+        return stop_ || next_stage_ || next_replacement_ ||
+               (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
     };
     if (refinement_ && stage_)
-        changed_.wait_until(lock, refinement_->from, ready);
+        changed_.wait_until(lock, refinement_->start, ready);
     else
         changed_.wait(lock, ready);
     if (stop_) return false;
     if (next_stage_) {
         job.stage = std::exchange(next_stage_, nullptr);
         job.stage_id = next_stage_id_;
-    } else if (next_remake_) {
-        job.remake = std::exchange(next_remake_, std::nullopt);
+    } else if (next_replacement_) {
+        job.replacement = std::exchange(next_replacement_, std::nullopt);
     } else if (!tasks_.empty()) {
         job.task = std::move(tasks_.front());
         tasks_.pop_front();
     } else if (next_view_) {
         job.view = std::exchange(next_view_, std::nullopt);
-    } else if (refinement_ && Clock::now() >= refinement_->from) {
+    } else if (refinement_ && Clock::now() >= refinement_->start) {
         job.refine = true;
     } else if (!idle_.empty()) {
         job.idle = idle_.front();
@@ -163,19 +166,19 @@ bool RenderThread::wait_for_job(Job& job) {
     return true;
 }
 
-// What a device has no room for, or a file is not there for, leaves the last image; only a lost device is the end.
+// Where the device has no memory left or a file is missing, the last image stays; only a lost device ends the thread.
 void RenderThread::run() {
     for (Job job; wait_for_job(job); job = {}) {
         try {
             do_job(job);
         } catch (const InputError& error) {
             refinement_.reset();
-            tell_problem(error.what(), 0);
+            report_problem(error.what(), 0);
         } catch (const RuntimeFailure& error) {
             refinement_.reset();
             const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&error);
             if (vulkan && vulkan->device_lost()) throw;
-            tell_problem(error.what(), 0);
+            report_problem(error.what(), 0);
         }
     }
 }
@@ -184,8 +187,8 @@ void RenderThread::do_job(Job& job) {
     if (job.stage) {
         load(std::move(job.stage), job.stage_id);
         draw_newest();
-    } else if (job.remake) {
-        make_again(*job.remake);
+    } else if (job.replacement) {
+        replace_shaders_now(*job.replacement);
     } else if (job.task) {
         OnDevice on_device{device_, *stage_, *renderer_};
         job.task(on_device);
@@ -202,7 +205,7 @@ void RenderThread::do_job(Job& job) {
     }
 }
 
-void RenderThread::tell_problem(std::string problem, uint64_t unsound_id) {
+void RenderThread::report_problem(std::string problem, uint64_t unsound_id) {
     {
         const std::lock_guard lock(mutex_);
         state_.loading.clear();
@@ -212,7 +215,7 @@ void RenderThread::tell_problem(std::string problem, uint64_t unsound_id) {
     wake_();
 }
 
-// Whether it could be drawn if all its clips were there.
+// Whether the document could be drawn if all its clips were there.
 bool RenderThread::is_sound(const edit::Document& document) const {
     try {
         stage::expect_sound_document(document.file, stage_.get());
@@ -222,7 +225,7 @@ bool RenderThread::is_sound(const edit::Document& document) const {
     return true;
 }
 
-void RenderThread::tell_progress(const std::string& file, size_t done, size_t of) {
+void RenderThread::report_progress(const std::string& file, size_t done, size_t of) {
     {
         const std::lock_guard lock(mutex_);
         state_.loading = file;
@@ -232,15 +235,15 @@ void RenderThread::tell_progress(const std::string& file, size_t done, size_t of
     wake_();
 }
 
-void RenderThread::make_again(const Remake& remake) {
+void RenderThread::replace_shaders_now(const Replacement& replacement) {
     const gpu::ShaderReplacements before = device_.shaders().replacements();
-    device_.shaders().set(remake.shaders);
+    device_.shaders().set(replacement.shaders);
     const VkExtent2D capacity = capacity_;
     std::unique_ptr<render::StageRenderer> last = std::move(renderer_);
     std::string problem;
     try {
-        if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { tell_progress("shaders", done, of); });
-        draw_newest();  // some passes are made when they are first needed
+        if (stage_) make_renderer(*stage_, [this](size_t done, size_t of) { report_progress("shaders", done, of); });
+        draw_newest();  // some passes are made only when they are first needed
     } catch (const std::runtime_error& error) {
         device_.shaders().set(before);
         renderer_ = std::move(last);
@@ -252,13 +255,13 @@ void RenderThread::make_again(const Remake& remake) {
         const std::lock_guard lock(mutex_);
         state_.loading.clear();
     }
-    remake.done(problem);
+    replacement.done(problem);
 }
 
-// Keeps the old one where the new one cannot be drawn.
+// Loads the stage of the document. Keeps the old stage where the new one cannot be drawn.
 void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t id) {
     const auto progress = [&, file = document->file.path.filename().string()](size_t done, size_t of) {
-        tell_progress(file, done, of);
+        report_progress(file, done, of);
     };
     const auto before = std::exchange(document_, document);
     try {
@@ -273,7 +276,7 @@ void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t
         stage_id_ = id;
     } catch (const InputError& error) {
         document_ = before;
-        return tell_problem(error.what(), is_sound(*document) ? 0 : id);
+        return report_problem(error.what(), is_sound(*document) ? 0 : id);
     } catch (...) {
         document_ = before;
         throw;
@@ -292,7 +295,7 @@ void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t
     wake_();
 }
 
-// At once after a stage came, so that one that is edited all the time is seen, too.
+// Draws the newest view at once, so that a stage that changes all the time is drawn, too.
 void RenderThread::draw_newest() {
     {
         const std::lock_guard lock(mutex_);
@@ -302,7 +305,7 @@ void RenderThread::draw_newest() {
 }
 
 void RenderThread::make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress) {
-    VkExtent2D capacity = kFirstCapacity;
+    VkExtent2D capacity = kInitialCapacity;
     {
         const std::lock_guard lock(mutex_);
         if (view_) capacity = {roomy(view_->camera.width), roomy(view_->camera.height)};
@@ -318,29 +321,29 @@ void RenderThread::make_renderer(const stage::Stage& stage, const render::StageL
     capacity_ = capacity;
 }
 
-// An image and a renderer of at least this size.
+// Makes sure that the image and the renderer have at least this size.
 void RenderThread::fit(VkExtent2D size) {
     if (size.width + 8 > capacity_.width || size.height + 8 > capacity_.height) {
         capacity_ = {std::max(capacity_.width, roomy(size.width)), std::max(capacity_.height, roomy(size.height))};
         renderer_->resize(capacity_.width, capacity_.height);
     }
     if (image_ && image_->shape.width == capacity_.width && image_->shape.height == capacity_.height) return;
-    auto made = std::make_shared<gpu::DeviceImage>(
+    auto created = std::make_shared<gpu::DeviceImage>(
         device_, "displayed image",
         gpu::ImageShape{
             capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
             VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
     gpu::run_once(device_, "displayed image", [&](gpu::Commands& commands) {
-        gpu::move_layout(commands, *made, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        gpu::move_layout(commands, *created, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     });
-    image_ = std::move(made);
+    image_ = std::move(created);
 }
 
 render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const {
     render::FrameSettings settings = renderer_->settings_at(evaluated);
     const glm::vec4 background = settings.resolve.background;
     settings.resolve = view.resolve;
-    if (!view.own_background) settings.resolve.background = background;
+    if (!view.overrides_background) settings.resolve.background = background;
     settings.width = view.camera.width;
     settings.height = view.camera.height;
     settings.samples = 1;
@@ -354,9 +357,9 @@ void RenderThread::draw(const ViewRequest& view) {
     fit(size);
     const Clock::time_point begin = Clock::now();
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.own_background);
+    renderer_->show(evaluated, !view.overrides_background);
     render::FrameSettings settings = settings_of(view, evaluated);
-    settings.scale = std::min(scale_.scale(), view.most_scale);
+    settings.scale = std::min(scale_.scale(), view.max_scale);
     for (const double next : view.next_s)
         for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
             settings.next_slices.push_back({{instance.frame, instance.paint}, instance.field});
@@ -377,15 +380,17 @@ void RenderThread::draw(const ViewRequest& view) {
     if (!view.moving) {
         displayed.finished = settings.scale == 1 && view.samples == 1;
         if (!displayed.finished) {
-            const uint32_t samples = settings.scale < 1 ? 1 : view.samples;  // all pixels soon, then all their rays
-            grid_.begin(samples);  // the renderer has room for the rays of the image with one
-            refinement_ = Refinement{0, samples, begin + kSettle, displayed};
+            // First one ray for each pixel, then all rays. A block has no more rays than the renderer has room for,
+            // which is one ray per pixel of the image.
+            const uint32_t samples = settings.scale < 1 ? 1 : view.samples;
+            grid_.begin(samples);
+            refinement_ = Refinement{0, samples, begin + kRefineDelay, displayed};
         }
     }
     publish(displayed);
 }
 
-// One block of the view that stands still, with all its rays.
+// Draws the next block of the view that does not change, with all its rays.
 void RenderThread::refine() {
     Refinement& refinement = *refinement_;
     if (refinement.next == 0) {
@@ -418,7 +423,7 @@ void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t 
     const stage::Camera& camera = part.camera;
     if (camera.width == 0 || camera.height == 0) return;
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.own_background);
+    renderer_->show(evaluated, !view.overrides_background);
     render::FrameSettings settings = settings_of(view, evaluated);
     settings.width = camera.width;
     settings.height = camera.height;

@@ -5,8 +5,9 @@
 //     request(view) ├─► the render thread ────┤
 //     post(task)    ┘                         └─► wake()
 //
-// While views change it traces few rays, as many as fit its target of time. When nothing changes any more it draws the
-// view again in blocks, each so small that the next change need not wait longer than an image takes meanwhile.
+// While the view changes, an image has only as many rays as can be traced in the target time. Once nothing changes any
+// more, the thread draws the view again with all its rays, in blocks: a change then waits for one block, which takes
+// about as long as an image of a moving view.
 #pragma once
 
 #include <condition_variable>
@@ -23,35 +24,36 @@
 
 namespace neuvv::editor {
 
-// A view of the stage that is to be drawn.
+// A view of the stage to be drawn.
 struct ViewRequest {
-    uint64_t id = 0;       // the caller's, ascending
+    uint64_t id = 0;       // ascending; DisplayedImage::view returns it
     stage::Camera camera;  // of the image's size
     double time_s = 0;
-    std::vector<double> next_s;       // the times that will be shown next, the first first: their slices are prefetched
-    render::ResolveSettings resolve;  // its background counts only with `own_background`, else the stage's does
-    bool own_background = false;
-    bool moving = false;    // the image shall come soon rather than sharp
-    double most_scale = 1;  // rays a pixel along each side while moving, at most
-    uint32_t samples = 1;   // when still
+    std::vector<double> next_s;         // the times that will be displayed next, in order; their slices are prefetched
+    render::ResolveSettings resolve;    // its background counts only with `overrides_background`
+    bool overrides_background = false;  // false: the background is that of the stage
+    bool moving = false;                // the view changes: images should come soon, if with fewer rays
+    double max_scale = 1;               // the most rays per pixel along each side while `moving`
+    uint32_t samples = 1;               // rays per pixel along each side while not `moving`
 };
 
-// The image that is displayed now.
+// The image to be displayed now.
 struct DisplayedImage {
-    uint64_t number = 0;  // another one each time the image changes
+    uint64_t number = 0;  // increases each time the image changes
     uint64_t view = 0;    // the id of its request; 0: none yet
-    uint64_t stage = 0;   // that show() was given with it
-    // Layout TRANSFER_SRC; written by the device's queue in order with what shows it. Null before the first image.
+    uint64_t stage = 0;   // the id that show() got with its stage
+    // In layout TRANSFER_SRC. It is written on the device's queue, so that commands submitted there later read the
+    // finished image. Null before the first image.
     std::shared_ptr<const gpu::DeviceImage> image;
-    VkExtent2D size{};  // of the image's upper left
-    double scale = 1;   // rays a pixel along each side
+    VkExtent2D size{};  // pixels at the image's upper left that are displayed
+    double scale = 1;   // rays per pixel along each side
     bool finished = false;
-    double milliseconds = 0;  // that drawing took, of all its blocks
+    double milliseconds = 0;  // that drawing took, for all blocks together
     std::vector<gpu::PassTime> passes;
     uint64_t live_leaves = 0;
 };
 
-// The stage on the device, as tasks find it.
+// The stage on the device, as passed to tasks.
 struct OnDevice {
     const gpu::Device& device;
     const stage::Stage& stage;
@@ -59,70 +61,71 @@ struct OnDevice {
 };
 
 struct RenderThreadState {
-    std::shared_ptr<const stage::Stage> stage;  // that is drawn; null before the first
-    uint64_t stage_id = 0;                      // that show() was given with it
-    // By clip: the box around its leaves, low and high, in the performer's space.
+    std::shared_ptr<const stage::Stage> stage;  // the stage that is drawn; null before the first
+    uint64_t stage_id = 0;                      // the id that show() got with it
+    // Per clip: the corners, low and high, of the box around its leaves, in the performer's space in metres.
     std::vector<std::pair<glm::dvec3, glm::dvec3>> leaf_boxes;
     DisplayedImage displayed;
-    std::string loading;  // the file that is being read; empty: none
+    std::string loading;  // the file whose clips are being read, or "shaders"; empty: nothing
     size_t files_read = 0, files = 0;
-    std::string problem;      // why the last stage that was given is not drawn; empty: it is
-    uint64_t unsound_id = 0;  // that show() was given with the last document that could never be drawn
+    std::string problem;      // why the newest stage, image or task failed; empty: no problem
+    uint64_t unsound_id = 0;  // the id that show() got with the last document that is not sound
 };
 
 constexpr double kMovingTarget_ms = 45;
 
 class RenderThread {
   public:
-    // `wake` is called from the render thread after anything changed.
+    // `wake` is called on the render thread after anything in state() changed.
     RenderThread(const gpu::Device& device, std::function<void()> wake);
     ~RenderThread();
-    // Waits for what is being drawn; nothing is drawn after that.
+    // Waits until the current image is drawn, then ends the thread.
     void stop();
     RenderThread(const RenderThread&) = delete;
     RenderThread& operator=(const RenderThread&) = delete;
 
-    // Draws this stage, and this view, from now on; of several only the last counts.
+    // Draw this stage, and this view, from now on. Where several wait, only the newest is drawn.
     void show(std::shared_ptr<const edit::Document> stage, uint64_t id);
     void request(ViewRequest view);
 
-    // Runs between two images, in order, before views; not before there is a stage. What it throws becomes
-    // the state's problem.
+    // Posts a task. Tasks run between two images, in order, before views, once there is a stage. What a task throws
+    // becomes state().problem.
     using Task = std::function<void(OnDevice&)>;
     void post(Task task);
-    // Runs again and again while nothing else is to be done, until it is false. One at a time: a second waits.
+    // Posts a task that is called again and again, while there is nothing else to do, until it returns false. Only one
+    // runs at a time; a second one waits.
     using Idle = std::function<bool(OnDevice&)>;
     void post_idle(Idle idle);
 
-    // Passes of other shaders, in a renderer that reads its clips again; `done` is called on the render thread, with
-    // the reason where they cannot be made, which leaves the last ones; else with an empty text.
-    void remake(gpu::ShaderReplacements shaders, std::function<void(const std::string& problem)> done);
+    // Makes the passes anew from other shaders, in a renderer that reads its clips again. `done` is called on the
+    // render thread: with an empty text, or with the reason where the passes cannot be made; then the last ones stay.
+    void replace_shaders(gpu::ShaderReplacements shaders, std::function<void(const std::string& problem)> done);
 
-    // The commands that present this image are in the device's queue. The next image waits for that, though not long:
-    // the queue would present this one only after it.
-    void taken(uint64_t number);
+    // To be called once the commands that present this image are in the device's queue. The next image waits for this
+    // call, but not long: otherwise its commands could come first, and the image would be presented only after them.
+    void presented(uint64_t number);
 
-    // Throws the exception that ended the thread.
+    // The newest state. Throws the exception that ended the thread, where one did.
     RenderThreadState state() const;
 
   private:
-    // What is left of a view that stands still, from a time on.
+    // The refinement of a view that does not change: which block is drawn next.
     struct Refinement {
-        uint32_t next = 0;     // block of the grid
-        uint32_t samples = 1;  // of this round
-        std::chrono::steady_clock::time_point from;
+        uint32_t next = 0;     // the next block of the grid
+        uint32_t samples = 1;  // of this round; see ViewRequest
+        std::chrono::steady_clock::time_point start;
         DisplayedImage displayed;
     };
-    struct Remake {
+    struct Replacement {
         gpu::ShaderReplacements shaders;
         std::function<void(const std::string&)> done;
     };
     struct Job;
     void run();
     void do_job(Job& job);
-    void make_again(const Remake& remake);
-    void tell_progress(const std::string& file, size_t done, size_t of);
-    void tell_problem(std::string problem, uint64_t unsound_id);
+    void replace_shaders_now(const Replacement& replacement);
+    void report_progress(const std::string& file, size_t done, size_t of);
+    void report_problem(std::string problem, uint64_t unsound_id);
     bool wait_for_job(Job& job);
     void load(std::shared_ptr<const edit::Document> document, uint64_t id);
     bool is_sound(const edit::Document& document) const;
@@ -145,26 +148,26 @@ class RenderThread {
     std::shared_ptr<const edit::Document> next_stage_;
     uint64_t next_stage_id_ = 0;
     std::optional<ViewRequest> next_view_;
-    std::optional<Remake> next_remake_;
+    std::optional<Replacement> next_replacement_;
     std::deque<Task> tasks_;
     std::deque<Idle> idle_;
-    uint64_t taken_ = 0;
+    uint64_t presented_ = 0;
     RenderThreadState state_;
 
-    // The thread's own.
+    // Used by the render thread alone.
     std::shared_ptr<const edit::Document> document_;
     std::shared_ptr<const stage::Stage> stage_;
-    std::unique_ptr<render::StageLoader> loader_;  // made with the first renderer
+    std::unique_ptr<render::StageLoader> loader_;  // null before the first renderer
     std::unique_ptr<render::StageRenderer> renderer_;
     VkExtent2D capacity_{};
     uint64_t stage_id_ = 0;
-    std::shared_ptr<const gpu::DeviceImage> image_;  // is shown once it holds something
+    std::shared_ptr<const gpu::DeviceImage> image_;  // to be displayed once something was drawn into it
     gpu::Commands commands_;
     DynamicScale scale_;
     BlockGrid grid_;
-    std::optional<ViewRequest> view_;  // that is drawn now
+    std::optional<ViewRequest> view_;  // the view that is drawn now
     std::optional<Refinement> refinement_;
-    std::thread thread_;  // the last: it uses all of the above
+    std::thread thread_;  // the last member, because the thread uses all of the above
 };
 
 }  // namespace neuvv::editor

@@ -15,19 +15,19 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr uint64_t kMostBytes = 1 << 20;  // of a source
+constexpr uint64_t kMaxSourceBytes = 1 << 20;  // of a file
 constexpr uint32_t kSpirvMagic = 0x07230203;
 
-// "trace.comp:12: 'x' : undeclared identifier"
-std::string first_error(const std::string& said, const std::string& file) {
-    std::istringstream lines(said);
+// The first error in the output of the compiler: "trace.comp:12: 'x' : undeclared identifier".
+std::string first_error(const std::string& output, const std::string& file) {
+    std::istringstream lines(output);
     constexpr std::string_view kError = "ERROR: ";
     for (std::string line; std::getline(lines, line);)
         if (const size_t at = line.find(kError); at != std::string::npos) return line.substr(at + kError.size());
-    return fmt::format("{}: glslangValidator: {}", file, said.substr(0, said.find('\n')));
+    return fmt::format("{}: glslangValidator: {}", file, output.substr(0, output.find('\n')));
 }
 
-// In a folder of the user's own.
+// A temporary file in the user's cache folder, removed with this object.
 struct TemporaryFile {
     std::filesystem::path path;
     TemporaryFile() {
@@ -43,9 +43,9 @@ struct TemporaryFile {
     TemporaryFile& operator=(const TemporaryFile&) = delete;
 };
 
-// What a source includes, as it is written there.
+// The names of the files that a source includes, as they are written there.
 std::vector<std::string> include_names(const std::filesystem::path& file) {
-    const std::vector<uint8_t> bytes = read_file(file, kMostBytes);
+    const std::vector<uint8_t> bytes = read_file(file, kMaxSourceBytes);
     std::istringstream lines(std::string(bytes.begin(), bytes.end()));
     std::vector<std::string> names;
     for (std::string line; std::getline(lines, line);) {
@@ -61,7 +61,7 @@ ShaderSources::ShaderSources(std::filesystem::path folder) : folder_(std::move(f
     for (const auto& [file, words] : neuvv_render_shaders)
         if (!std::filesystem::is_regular_file(folder_ / file))
             throw InputError(folder_.string(), file, "is not there: give the folder shaders of this program's sources");
-    seen_ = times();
+    last_times_ = times();
 }
 
 ShaderSources::Times ShaderSources::times() const {
@@ -72,14 +72,14 @@ ShaderSources::Times ShaderSources::times() const {
     return times;
 }
 
-// A shader's source and all that it includes, in whichever file.
+// A shader's source and all files that it includes, directly or through others.
 std::set<std::filesystem::path> ShaderSources::included(const std::filesystem::path& file) const {
     std::set<std::filesystem::path> found{file};
     std::vector<std::filesystem::path> open{file};
     while (!open.empty()) {
         const std::filesystem::path of = open.back();
         open.pop_back();
-        if (!std::filesystem::is_regular_file(of)) continue;  // an editor is just replacing it
+        if (!std::filesystem::is_regular_file(of)) continue;  // a text editor is just replacing it
         for (const std::string& name : include_names(of))
             for (const std::filesystem::path& at : {of.parent_path() / name, folder_ / name})
                 if (std::filesystem::is_regular_file(at) && found.insert(at).second) open.push_back(at);
@@ -89,27 +89,28 @@ std::set<std::filesystem::path> ShaderSources::included(const std::filesystem::p
 
 std::vector<uint32_t> ShaderSources::compiled(const std::string& file) const {
     const TemporaryFile out;
-    const ProgramEnd end = run_program({"glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.3",
-                                        "-I" + folder_.string(), "-o", out.path.string(), (folder_ / file).string()});
-    if (end.code != 0) throw InputError(folder_.string(), file, first_error(end.said, file));
-    const std::vector<uint8_t> bytes = read_file(out.path, kMostBytes);
+    const ProgramOutput output =
+        run_program({"glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.3", "-I" + folder_.string(), "-o",
+                     out.path.string(), (folder_ / file).string()});
+    if (output.code != 0) throw InputError(folder_.string(), file, first_error(output.text, file));
+    const std::vector<uint8_t> bytes = read_file(out.path, kMaxSourceBytes);
     std::vector<uint32_t> words(bytes.size() / 4);
     if (!words.empty()) std::memcpy(words.data(), bytes.data(), 4 * words.size());
     if (words.empty() || words[0] != kSpirvMagic) throw InputError(folder_.string(), file, "gave no SPIR-V");
     return words;
 }
 
-ShaderSources::Change ShaderSources::look() {
+ShaderSources::Change ShaderSources::compile_changes() {
     Change change;
     try {
         Times now = times();
-        std::set<std::filesystem::path> others;
+        std::set<std::filesystem::path> changed;
         for (const auto& [path, time] : now)
-            if (const auto before = seen_.find(path); before == seen_.end() || before->second != time)
-                others.insert(path);
-        if (others.empty()) return change;
-        seen_ = std::move(now);
-        find_stale(others);
+            if (const auto before = last_times_.find(path); before == last_times_.end() || before->second != time)
+                changed.insert(path);
+        if (changed.empty()) return change;
+        last_times_ = std::move(now);
+        find_stale(changed);
         gpu::ShaderReplacements replacements = replacements_;
         for (const auto& [file, words] : neuvv_render_shaders) {
             if (!stale_.contains(file)) continue;
@@ -124,7 +125,8 @@ ShaderSources::Change ShaderSources::look() {
     return change;
 }
 
-// All that changed counts before anything is refused: it is compiled once it can be.
+// Marks the shaders that depend on the changed files before it throws, so that they are compiled once that is possible.
+// Throws InputError where a header of shared/ changed.
 void ShaderSources::find_stale(const std::set<std::filesystem::path>& changed) {
     for (const std::filesystem::path& path : changed)
         if (path.parent_path().filename() == "shared") shared_ = path;

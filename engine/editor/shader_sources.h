@@ -1,5 +1,5 @@
-// The sources of the renderer's shaders in a folder, and what has changed of them since the program began to look: for
-// those who write shaders and look at what they do.
+// The sources of the renderer's shaders in a folder. Those that change while the program runs are compiled, so that a
+// shader's author sees the effect at once.
 #pragma once
 
 #include <filesystem>
@@ -14,17 +14,20 @@ namespace neuvv::editor {
 
 class ShaderSources {
   public:
-    // A folder like this project's shaders/, as it is now. Throws InputError where one of the shaders is not there.
+    // `folder` is laid out like this project's shaders/. Its state now is what changes are compared with. Throws
+    // InputError where one of the renderer's shaders is missing.
     explicit ShaderSources(std::filesystem::path folder);
 
-    // What came of the files that are others than at the last call: glslangValidator of PATH, as the build runs it.
+    // The result of compiling what changed since the last call.
     struct Change {
-        std::vector<std::string> compiled;  // files of shaders, of themselves or of what they include
-        std::string problem;                // a line; empty: none
+        std::vector<std::string> compiled;  // the files of the shaders, relative to the folder
+        std::string problem;                // one line; empty: none
     };
-    // Some of a second for each shader. Where one does not compile, none of the change counts until it does.
-    Change look();
-    // All that were compiled, as of the last call of look() without a problem.
+    // Compiles the shaders whose files, or files that they include, changed since the last call, with the
+    // glslangValidator of PATH and the options of the build. Takes part of a second per shader. Where one does not
+    // compile, none of them is replaced until it does.
+    Change compile_changes();
+    // The SPIR-V of all shaders that were compiled, as of the last call of compile_changes() without a problem.
     const gpu::ShaderReplacements& replacements() const { return replacements_; }
 
   private:
@@ -35,9 +38,10 @@ class ShaderSources {
     std::vector<uint32_t> compiled(const std::string& file) const;
 
     std::filesystem::path folder_;
-    Times seen_;
-    std::set<std::string> stale_;   // changed, and not compiled since
-    std::filesystem::path shared_;  // of shared/, changed: the program has another one until it is built anew
+    Times last_times_;
+    std::set<std::string> stale_;  // the shaders that must be compiled
+    std::filesystem::path
+        shared_;  // a header of shared/ that changed: C++ has the old one until the program is built again
     gpu::ShaderReplacements replacements_;
 };
 

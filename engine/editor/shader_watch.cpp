@@ -10,7 +10,7 @@ namespace neuvv::editor {
 
 namespace {
 
-constexpr double kLookEvery_s = 0.5;
+constexpr double kCheckInterval_s = 0.5;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ std::filesystem::path shaders_of_debug_build() {
     try {
         const ShaderSources sources(NEUVV_SHADER_FOLDER);
         return NEUVV_SHADER_FOLDER;
-    } catch (const std::runtime_error&) {  // they have gone on since
+    } catch (const std::runtime_error&) {  // the sources have changed since the build
     }
 #endif
     return {};
@@ -30,15 +30,15 @@ ShaderWatch::ShaderWatch(Parts parts, const std::filesystem::path& folder) : par
 }
 
 void ShaderWatch::tick(double now_s, bool may_replace) {
-    if (!sources_ || looking_) return;
-    if (compiled_ && may_replace) give();
-    if (now_s - looked_s_ < kLookEvery_s) return;
-    looked_s_ = now_s;
-    looking_ = true;
+    if (!sources_ || checking_) return;
+    if (compiled_ && may_replace) send_to_render_thread();
+    if (now_s - checked_s_ < kCheckInterval_s) return;
+    checked_s_ = now_s;
+    checking_ = true;
     parts_.jobs.start("", [this, sources = sources_]() -> JobQueue::Then {
-        const ShaderSources::Change change = sources->look();
+        const ShaderSources::Change change = sources->compile_changes();
         return [this, change, replacements = sources->replacements()] {
-            looking_ = false;
+            checking_ = false;
             if (!change.problem.empty()) parts_.editor.notify(change.problem, true);
             if (change.compiled.empty()) return;
             compiled_ = replacements;
@@ -47,15 +47,15 @@ void ShaderWatch::tick(double now_s, bool may_replace) {
     });
 }
 
-void ShaderWatch::give() {
-    parts_.render_thread.remake(*std::exchange(compiled_, std::nullopt),
-                                [parts = parts_, names = std::exchange(names_, {})](const std::string& problem) {
-                                    parts.jobs.post([parts, names, problem] {
-                                        const bool failed = !problem.empty();
-                                        parts.editor.notify(
-                                            failed ? problem : fmt::format("shaders made anew: {}", names), failed);
-                                    });
-                                });
+void ShaderWatch::send_to_render_thread() {
+    parts_.render_thread.replace_shaders(
+        *std::exchange(compiled_, std::nullopt),
+        [parts = parts_, names = std::exchange(names_, {})](const std::string& problem) {
+            parts.jobs.post([parts, names, problem] {
+                const bool failed = !problem.empty();
+                parts.editor.notify(failed ? problem : fmt::format("shaders made anew: {}", names), failed);
+            });
+        });
 }
 
 }  // namespace neuvv::editor

@@ -20,8 +20,8 @@ void StageState::follow_document() {
     clock.set_stage(stage->duration_s, stage->fps);
 }
 
-void StageState::look_at_evaluated() {
-    evaluated = stage::stage_at(*stage, clock.shown_s());
+void StageState::evaluate() {
+    evaluated = stage::stage_at(*stage, clock.displayed_s());
 }
 
 std::optional<uint32_t> StageState::selected_performer() const {
@@ -54,22 +54,22 @@ double floor_of(const StageState& state) {
     return std::isfinite(lowest) ? lowest : 0;
 }
 
-void carry(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
-           const glm::dmat4& world_from_node) {
+void move_node(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
+               const glm::dmat4& world_from_node) {
     auto& nodes = evaluated.pose.world_from_node;
     const glm::dmat4 moved = world_from_node * glm::inverse(nodes[node]);
-    const auto hangs_on_it = [&](uint32_t one) {
+    const auto moves_along = [&](uint32_t one) {
         for (auto at = static_cast<int32_t>(one); at >= 0; at = stage.scene.nodes[static_cast<size_t>(at)].parent)
             if (static_cast<uint32_t>(at) == node) return true;
         return false;
     };
     for (uint32_t i = 0; i < nodes.size(); i++)
-        if (hangs_on_it(i)) nodes[i] = moved * nodes[i];
+        if (moves_along(i)) nodes[i] = moved * nodes[i];
     for (stage::EvaluatedPerformer& performer : evaluated.performers)
-        if (hangs_on_it(stage.performers[performer.performer].node))
+        if (moves_along(stage.performers[performer.performer].node))
             performer.world_from_performer = moved * performer.world_from_performer;
     for (stage::EvaluatedLight& light : evaluated.lights)
-        if (hangs_on_it(light.node)) {
+        if (moves_along(light.node)) {
             light.position = moved * glm::dvec4(light.position, 1);
             light.direction = glm::normalize(glm::dvec3(moved * glm::dvec4(light.direction, 0)));
         }

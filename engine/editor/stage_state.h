@@ -1,5 +1,5 @@
-// A document together with the stage that it means at the present time, on the host: for a face that shows a stage
-// without the render thread, and for tests.
+// A document together with its stage at the present time, on the host: for a program that draws the stage on its own
+// thread, without the render thread, and for tests.
 #pragma once
 
 #include <memory>
@@ -16,34 +16,36 @@ namespace neuvv::editor {
 struct StageState {
     Editor editor;
     StageClock clock;
-    std::shared_ptr<const stage::Stage> stage;  // of the document with id `stage_id`
+    std::shared_ptr<const stage::Stage> stage;  // made from the document with the id `stage_id`
     uint64_t stage_id = 0;
-    // By clip: the box around its leaves, low and high, in the performer's space; a clip's own box is wider. Empty
-    // while it is not known.
+    // Per clip: the corners, low and high, of the box around its leaves, in the performer's space in metres; the clip's
+    // own box is larger. Empty while they are not known.
     std::vector<std::pair<glm::dvec3, glm::dvec3>> leaf_boxes;
-    stage::EvaluatedStage evaluated;  // of `stage`, with dragged nodes where the drag has them
+    stage::EvaluatedStage evaluated;  // `stage` at the displayed time, with dragged nodes where the drag has moved them
 
-    // Makes the stage from the document where it was edited since; a document that cannot be shown is taken back.
-    // Throws InputError only for the first one.
+    // Makes the stage from the document where that was edited since; an edit that cannot be drawn is taken back. Throws
+    // InputError only for the first document.
     void follow_document();
-    void look_at_evaluated();
-    // The document was edited since: numbers of `stage` may mean other things there.
+    // Computes `evaluated` for the displayed time.
+    void evaluate();
+    // Whether the document was edited since the stage was made: then indices of the stage may mean other nodes in the
+    // document.
     bool is_behind() const { return stage_id != editor.id(); }
-    // The performer on the selected node, an index into stage->performers.
+    // The performer on the selected node, an index into stage->performers; nullopt where there is none.
     std::optional<uint32_t> selected_performer() const;
 };
 
-// The box of a performer, in its own space: around its leaves, where they are known.
+// The corners of the box around a performer's leaves, in its own space; the clip's box where the leaves' box is not
+// known.
 std::pair<glm::dvec3, glm::dvec3> box_of(const StageState& state, uint32_t performer);
 
-// Whether anything but performers is drawn.
+// Whether the stage has a set: anything but performers that is drawn.
 bool has_set(const stage::Stage& stage);
-// The height that users and performers stand at, in the world: 0 where there is a set, else the bottom of the lowest
-// performer's box.
+// The height of the floor in the world, metres: 0 where there is a set, else the bottom of the lowest performer's box.
 double floor_of(const StageState& state);
 
-// Moves a node in the world; everything that hangs on it goes along: performers, meshes, lights.
-void carry(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
-           const glm::dmat4& world_from_node);
+// Moves a node in the world, together with all nodes below it and the performers and lights on them.
+void move_node(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
+               const glm::dmat4& world_from_node);
 
 }  // namespace neuvv::editor

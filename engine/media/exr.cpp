@@ -25,7 +25,7 @@ constexpr uint64_t kMaxExrBytes = uint64_t{4} << 30;
 constexpr float kMaxHalf = 65504;
 constexpr const char* kColourNames[] = {"R", "G", "B", "A"};
 
-// The library writes into memory: what becomes of the bytes is write_file_atomically's concern.
+// A stream in memory for the library; write_file_atomically writes the bytes to the disk.
 class MemoryOut : public Imf::OStream {
   public:
     MemoryOut() : Imf::OStream("memory") {}
@@ -85,14 +85,14 @@ std::vector<char> encode(const LinearImage& image) {
         Imf::OutputFile file(out, header);
         file.setFrameBuffer(pixels);
         file.writePixels(static_cast<int>(image.height));
-    }  // completes the table of lines
+    }  // its destructor completes the table of lines
     return std::move(out.bytes);
 }
 
-// Throws what the library throws, and InputError.
+// Throws exceptions of the library, and InputError.
 LinearImage decode(const std::string& name, const std::vector<uint8_t>& bytes) {
     constexpr int kMaxSide = static_cast<int>(kMaxImageSide);
-    Imf::Header::setMaxImageSize(kMaxSide, kMaxSide);  // before any memory is taken
+    Imf::Header::setMaxImageSize(kMaxSide, kMaxSide);  // before any memory is allocated
     Imf::Header::setMaxTileSize(kMaxSide, kMaxSide);
     MemoryIn in(name, bytes);
     Imf::InputFile file(in);
@@ -149,7 +149,7 @@ LinearImage read_exr(const std::filesystem::path& file) {
     } catch (const InputError&) {
         throw;
     } catch (const std::exception& error) {
-        std::string text = error.what();  // the library's may have lines, and name the file
+        std::string text = error.what();  // the library's text may have several lines and name the file
         std::replace(text.begin(), text.end(), '\n', ' ');
         throw InputError(name, "", fmt::format("damaged or unsupported EXR: {:.300}", text),
                          "export the image again, as a flat RGB or RGBA file");

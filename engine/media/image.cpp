@@ -24,15 +24,15 @@ namespace neuvv::media {
 namespace {
 
 constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 31;
-constexpr uint64_t kMaxDeflateRatio = 1032;  // of zlib's format: no stream grows by more
-constexpr int kMaxJpegScans = 200;           // a progressive file of more scans is built to waste time
-constexpr int kPngCompression = 4;  // with one filter: several times faster than the default, files little larger
+constexpr uint64_t kMaxDeflateRatio = 1032;  // no stream in zlib's format grows by more
+constexpr int kMaxJpegScans = 200;           // a progressive file with more scans is made to waste time
+constexpr int kPngCompression = 4;  // with one filter: several times faster than the default, files slightly larger
 
 constexpr uint8_t kPng[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 constexpr uint8_t kJpeg[3] = {0xff, 0xd8, 0xff};
 
-// libpng and libjpeg leave by longjmp, which skips destructors: every function below that calls setjmp holds plain data
-// only, and its callers own what needs freeing.
+// libpng and libjpeg report errors by longjmp, which skips destructors. So functions below that call setjmp have local
+// variables of plain types only, and their callers own what must be freed.
 struct PngReader {
     png_structp png = nullptr;
     png_infop info = nullptr;
@@ -84,7 +84,7 @@ void push_png_bytes(png_structp png, png_bytep from, size_t bytes) {
     if (!stored) png_error(png, "out of memory");
 }
 
-// Sets up the conversion of any PNG to RGBA 8; returns bytes per row, 0 on error.
+// Sets up the conversion of any PNG to 8-bit RGBA. Returns the bytes per row, 0 on an error.
 size_t begin_png(PngReader& reader) {
     if (setjmp(png_jmpbuf(reader.png))) return 0;
     png_set_user_limits(reader.png, kMaxImageSide, kMaxImageSide);
@@ -118,7 +118,8 @@ void check_size(uint64_t width, uint64_t height, const std::string& name) {
                          "scale it down");
 }
 
-// The size that the header claims, refused before anything is allocated if the file cannot hold that much.
+// An image of the size that the header claims. Throws InputError before anything is allocated where the file is too
+// small for that size.
 Image allocate_for_png(const uint8_t* bytes, size_t size, const std::string& name) {
     if (size < 33 || std::memcmp(bytes + 12, "IHDR", 4) != 0)
         throw InputError(name, "IHDR", "truncated or damaged PNG", "export the image again");
@@ -166,7 +167,7 @@ void on_jpeg_error(j_common_ptr info) {
     longjmp(reader.jump, 1);
 }
 
-// libjpeg fills what a truncated file lacks with grey and warns; for us that is an error.
+// libjpeg fills what a truncated file lacks with grey and warns; here that is an error.
 void on_jpeg_message(j_common_ptr info, int level) {
     const int code = info->err->msg_code;
     if (level < 0 && (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER)) on_jpeg_error(info);
@@ -233,8 +234,7 @@ Image decode_jpeg(const uint8_t* bytes, size_t size, const std::string& name) {
     return image;
 }
 
-// `pixels` has 4 bytes a pixel; the fourth is dropped where `opaque`.
-// `pixels` are RGBA, or a byte each for a grey image.
+// `pixels` are RGBA, or one byte each for a grey image. An RGB image drops the alpha of RGBA pixels.
 bool fill_png(PngWriter& writer, uint32_t width, uint32_t height, const uint8_t* pixels, int colour_type) {
     if (setjmp(png_jmpbuf(writer.png))) return false;
     png_set_write_fn(writer.png, &writer, push_png_bytes, nullptr);
@@ -272,7 +272,7 @@ float linear_from_srgb_byte(uint8_t srgb) {
 }
 
 uint8_t srgb_byte_from_linear(float linear) {
-    // The largest linear value of each byte: half-way to the next one in encoded values.
+    // The largest linear value of each byte: half-way to the next byte in encoded values.
     static const std::array<float, 255> edges = [] {
         std::array<float, 255> highest{};
         for (size_t i = 0; i < 255; i++)

@@ -1,5 +1,5 @@
-// Images in memory, PNG in and out. sRGB-encoded 8-bit with straight alpha: the form of image files. Everything
-// inside the engine is linear and premultiplied instead; the two conversions stand here.
+// Images in memory, and as PNG and JPEG files. They are 8-bit, sRGB-encoded, with straight alpha, as image files are.
+// Inside the engine light is linear and premultiplied; the transfer function for the conversion is here.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace neuvv::media {
 
-// Row-major from the top left, 4 bytes a pixel: R, G, B sRGB-encoded, straight A.
+// Row-major from the top left, 4 bytes per pixel: R, G, B sRGB-encoded, A straight.
 struct Image {
     uint32_t width = 0;
     uint32_t height = 0;
-    std::pmr::vector<uint8_t> rgba;  // keeps its memory resource for life, as vectors of pmr do
+    std::pmr::vector<uint8_t> rgba;  // its memory resource never changes, as for all vectors of std::pmr
 
     Image() = default;
     explicit Image(std::pmr::memory_resource* memory) : rgba(memory) {}
@@ -26,30 +26,31 @@ struct Image {
 double srgb_from_linear(double linear);
 double linear_from_srgb(double srgb);
 float linear_from_srgb_byte(uint8_t srgb);    // by table
-uint8_t srgb_byte_from_linear(float linear);  // the nearest, of [0,1] clamped; by table
+uint8_t srgb_byte_from_linear(float linear);  // clamped to [0,1], rounded to nearest; by table
 
 constexpr uint32_t kMaxImageSide = 16384;
 
-// Any PNG colour type and depth, widened to RGBA 8 bit. Throws InputError (missing, truncated, not a PNG, zero-size or
-// beyond kMaxImageSide).
+// Reads a PNG of any colour type and depth, converted to 8-bit RGBA. Throws InputError where the file is missing,
+// truncated, no PNG, or where a side is 0 or beyond kMaxImageSide.
 Image read_png(const std::filesystem::path& path);
-// The same for PNG or JPEG bytes in memory; `name` stands for the file in errors.
+// The same for the bytes of a PNG or JPEG in memory; `name` stands for the file in errors.
 Image decode_image(const uint8_t* bytes, size_t size, const std::string& name);
 
-// Size of a PNG or JPEG file by its header alone: the rest may still be damaged.
+// The size of a PNG or JPEG file in pixels, by its header alone: the rest may be damaged. Throws InputError.
 struct ImageSize {
     uint32_t width = 0, height = 0;
     bool operator==(const ImageSize&) const = default;
 };
 ImageSize image_size(const std::filesystem::path& path);
 
-// A PNG file's bytes: RGBA; where every pixel is opaque RGB, or grey where none has a colour. Throws RuntimeFailure.
+// The bytes of a PNG: RGBA; RGB where every pixel is opaque; grey where every pixel is opaque and grey. Throws
+// RuntimeFailure.
 std::vector<uint8_t> encode_png(const Image& image);
-// The same as a file, atomically.
+// Writes the same as a file, atomically. Throws RuntimeFailure.
 void write_png(const std::filesystem::path& path, const Image& image);
 
-// The image over an opaque background (sRGB-encoded 0..255), blended in encoded values as image viewers and the NeRF
-// family's metrics do; result is opaque.
+// The image over an opaque background (sRGB-encoded, 0 to 255). Encoded values are blended, as image viewers and the
+// metrics of NeRF papers do. The result is opaque.
 Image composite_over(const Image& image, const uint8_t background_rgb[3]);
 
 }  // namespace neuvv::media

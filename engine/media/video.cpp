@@ -21,9 +21,9 @@ namespace neuvv::media {
 namespace {
 
 constexpr char kCrf[] = "18";        // visually lossless
-constexpr int kMpeg4Quantiser = 3;   // the fallback's counterpart
-constexpr uint32_t kHdLines = 720;   // from here on video is BT.709 unless it says otherwise
-constexpr int kMaxTimeBase = 65535;  // MPEG-4 part 2 stores no finer one
+constexpr int kMpeg4Quantiser = 3;   // the same quality with the fallback encoder
+constexpr uint32_t kHdLines = 720;   // from this height on, video without a matrix is taken as BT.709
+constexpr int kMaxTimeBase = 65535;  // the finest that MPEG-4 part 2 can store
 
 std::string error_text(int code) {
     char text[AV_ERROR_MAX_STRING_SIZE] = "";
@@ -31,7 +31,7 @@ std::string error_text(int code) {
     return text;
 }
 
-// Without the scheme, a path with a colon in it would be taken for a protocol.
+// A URL of the file: in a path without a scheme, a colon would be taken for the end of a protocol's name.
 std::string file_url(const std::filesystem::path& path) {
     return "file:" + path.string();
 }
@@ -72,7 +72,7 @@ using OwnedPacket = Owned<AVPacket, free_packet>;
 struct VideoWriter::State {
     std::filesystem::path path;
     std::filesystem::path temporary;
-    uint32_t width = 0, height = 0;  // of the frames given; the video's are even
+    uint32_t width = 0, height = 0;  // of the frames that are added; the sides of the video are even
     Owned<AVFormatContext, close_output> output;
     OwnedCodec codec;
     OwnedFrame rgba, yuv;
@@ -108,7 +108,7 @@ struct VideoWriter::State {
     void encode(const AVFrame* frame);
 };
 
-// False where this FFmpeg lacks the encoder or it refuses the size.
+// Returns false where this FFmpeg lacks the encoder or the encoder refuses the size.
 bool VideoWriter::State::open_encoder(const char* name, AVRational frame_rate) {
     const AVCodec* encoder = avcodec_find_encoder_by_name(name);
     if (!encoder) return false;
@@ -134,9 +134,9 @@ bool VideoWriter::State::open_encoder(const char* name, AVRational frame_rate) {
 
 void VideoWriter::State::open_output(AVRational frame_rate) {
     const std::string url = file_url(temporary);
-    AVFormatContext* made = nullptr;
-    check(avformat_alloc_output_context2(&made, nullptr, "mp4", url.c_str()), "open a muxer for .mp4");
-    output.reset(made);
+    AVFormatContext* allocated = nullptr;
+    check(avformat_alloc_output_context2(&allocated, nullptr, "mp4", url.c_str()), "open a muxer for .mp4");
+    output.reset(allocated);
     if (!open_encoder("libx264", frame_rate) && !open_encoder("mpeg4", frame_rate))
         throw RuntimeFailure(
             fmt::format("{}: no video encoder opens for {}×{}; install an FFmpeg with libx264 or mpeg4", path.string(),
@@ -148,9 +148,9 @@ void VideoWriter::State::open_output(AVRational frame_rate) {
     check(avio_open(&output->pb, url.c_str(), AVIO_FLAG_WRITE), "create the file");
     AVDictionary* options = nullptr;
     const int set = av_dict_set(&options, "movflags", "+faststart", 0);
-    const int begun = set < 0 ? set : avformat_write_header(output.get(), &options);
+    const int written = set < 0 ? set : avformat_write_header(output.get(), &options);
     av_dict_free(&options);
-    check(begun, "write the header");
+    check(written, "write the header");
 }
 
 void VideoWriter::State::make_frames() {
@@ -169,12 +169,12 @@ void VideoWriter::State::make_frames() {
     to_yuv.reset(checked(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGBA, codec->width, codec->height,
                                         AV_PIX_FMT_YUV420P, SWS_BICUBIC | SWS_ACCURATE_RND, nullptr, nullptr, nullptr),
                          "convert to YUV"));
-    // Full-range RGB in, limited-range BT.709 out; swscale's default matrix is BT.601.
+    // From full-range RGB to limited-range BT.709; the default matrix of swscale is BT.601.
     const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
     check(sws_setColorspaceDetails(to_yuv.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16), "convert to BT.709");
 }
 
-// Hands a frame (null: the end) to the encoder and writes what comes out.
+// Gives a frame to the encoder (null: the end) and writes the packets that it returns.
 void VideoWriter::State::encode(const AVFrame* frame) {
     check(avcodec_send_frame(codec.get(), frame), "encode a frame");
     for (;;) {
@@ -221,7 +221,8 @@ void VideoWriter::add(const Image& image) {
         std::memcpy(row, image.at(0, from), size_t{4} * image.width);
         if (image.width & 1) std::memcpy(row + size_t{4} * image.width, image.at(image.width - 1, from), 4);
     }
-    state.check(av_frame_make_writable(state.yuv.get()), "allocate a frame");  // the encoder may hold the last one
+    // The encoder may still use the last frame.
+    state.check(av_frame_make_writable(state.yuv.get()), "allocate a frame");
     state.check(
         sws_scale(state.to_yuv.get(), rgba.data, rgba.linesize, 0, rgba.height, state.yuv->data, state.yuv->linesize),
         "convert a frame");
@@ -248,11 +249,11 @@ struct VideoReader::State {
     OwnedFrame frame, rgba;
     OwnedPacket packet;
     Owned<SwsContext, sws_freeContext> to_rgba;
-    int index = 0;  // of the stream
+    int index = 0;  // of the video stream
     ImageSize size;
     uint32_t frames = 0, decoded = 0;
     double fps = 0;
-    bool drained = false;  // the decoder has been told that there is no more
+    bool drained = false;  // the decoder knows that no more packets follow
 
     [[noreturn]] void fail(const std::string& problem, const std::string& fix = "") const {
         throw InputError(path.string(), decoded ? fmt::format("frame {}", decoded) : "", problem, fix);
@@ -268,7 +269,7 @@ struct VideoReader::State {
 };
 
 void VideoReader::State::open() {
-    AVDictionary* options = nullptr;  // a file must not make us open another one, or the network
+    AVDictionary* options = nullptr;  // so that a file cannot make FFmpeg open other files or the network
     av_dict_set(&options, "protocol_whitelist", "file", 0);
     av_dict_set(&options, "format_whitelist", "mp4,matroska,avi", 0);
     AVFormatContext* opened = nullptr;
@@ -311,7 +312,7 @@ uint32_t VideoReader::State::count_packets() {
     return count;
 }
 
-// The next frame into `frame`; false at the end.
+// Decodes the next frame into `frame`; returns false at the end.
 bool VideoReader::State::decode() {
     for (;;) {
         const int got = avcodec_receive_frame(codec.get(), frame.get());
@@ -353,7 +354,7 @@ void VideoReader::State::convert(Image& image) {
     const bool named = frame->colorspace != AVCOL_SPC_UNSPECIFIED && frame->colorspace != AVCOL_SPC_RGB;
     const int matrix = named ? frame->colorspace : size.height >= kHdLines ? SWS_CS_ITU709 : SWS_CS_ITU601;
     const int full_range = frame->color_range == AVCOL_RANGE_JPEG;
-    // Refused for what is RGB already, which then needs no matrix.
+    // This fails for formats that are RGB already, which need no matrix.
     sws_setColorspaceDetails(to_rgba.get(), sws_getCoefficients(matrix), full_range,
                              sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, 1 << 16, 1 << 16);
     check(sws_scale(to_rgba.get(), frame->data, frame->linesize, 0, frame->height, rgba->data, rgba->linesize),

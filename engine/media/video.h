@@ -1,5 +1,5 @@
-// Video through libav*. Out: an .mp4 (H.264 where the installed FFmpeg has it, else MPEG-4 part 2), 4:2:0. In: the
-// first video stream of .mp4, .mov, .mkv, .webm or .avi, whatever its codec.
+// Video by libav*. It writes .mp4 (H.264 where the installed FFmpeg has an encoder for it, else MPEG-4 part 2), 4:2:0.
+// It reads the first video stream of .mp4, .mov, .mkv, .webm or .avi with any codec.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,22 @@
 
 namespace neuvv::media {
 
-// Encoders want even sizes: odd ones are padded by one row or column.
+// The size of a video's side: encoders require even sizes, so an odd side gets one more row or column.
 inline uint32_t video_side(uint32_t side) {
     return side + side % 2;
 }
 
 class VideoWriter {
   public:
-    // Of video_side() sizes, by repeating the last row or column. Frames go to a temporary beside `path`, renamed by
-    // finish(). Throws RuntimeFailure where no encoder or muxer can be opened.
+    // The sides of the video are video_side() of these; the last row or column is repeated. Frames are written to a
+    // temporary file beside `path`, which finish() renames. Throws RuntimeFailure where no encoder or muxer can be
+    // opened.
     VideoWriter(const std::filesystem::path& path, uint32_t width, uint32_t height, double fps);
-    ~VideoWriter();  // without finish(), the temporary is removed
+    ~VideoWriter();  // without finish(), the temporary file is removed
     VideoWriter(VideoWriter&&) noexcept;
     VideoWriter& operator=(VideoWriter&&) noexcept;
 
-    // Alpha is ignored: composite first.
+    // Adds a frame of this size. Alpha is ignored: composite first. Throws RuntimeFailure.
     void add(const Image& frame);
     void finish();
 
@@ -42,14 +43,14 @@ class VideoReader {
     VideoReader& operator=(VideoReader&&) noexcept;
 
     ImageSize size() const;
-    uint32_t frames() const;  // as its index says, or where it has none by counting packets
+    uint32_t frames() const;  // by the file's index, or where it has none by counting packets
     double fps() const;       // 0: unknown
 
-    // The next frame in order of display; false at the end. Opaque unless the video has an alpha plane. The matrix is
-    // the stream's, where it names none that of BT.709 from 720 lines on, below of BT.601. Throws InputError for a
-    // damaged frame, a change of size, and a file that ends before frames().
+    // Reads the next frame in order of display; returns false at the end. The frame is opaque unless the video has an
+    // alpha plane. The colour matrix is that of the stream; where it names none, BT.709 from 720 lines on and BT.601
+    // below. Throws InputError for a damaged frame, a change of size, and a file that ends before frames().
     bool next(Image& frame);
-    // Passes over a frame: cheaper than next(), and it checks the same.
+    // Skips a frame; cheaper than next(), with the same checks.
     bool skip();
 
   private:
@@ -57,7 +58,7 @@ class VideoReader {
     std::unique_ptr<State> state_;
 };
 
-// What a video file holds, by decoding it whole; used by tests and `neuvv info`. Throws InputError.
+// Size, number of frames and frame rate of a video, found by decoding all of it. Throws InputError.
 struct VideoSummary {
     uint32_t width = 0;
     uint32_t height = 0;

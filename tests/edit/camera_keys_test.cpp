@@ -24,7 +24,7 @@ stage::CameraPathKey key(double time_s, double x = 0) {
 }
 
 struct Paths : test::ForeignStage {
-    // As it would be read back.
+    // The camera path as it would be read back.
     stage::CameraPath path() const {
         stage::expect_sound_document(file);
         return stage::make_stage(file).settings.camera_path.value();

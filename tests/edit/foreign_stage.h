@@ -1,4 +1,4 @@
-// A stage written by another program, in a folder of its own: what tests of edits begin with.
+// A stage that another program wrote, in a folder of its own: the start of tests of edits.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,11 +21,11 @@ struct ForeignStage : testing::Test {
     }
 };
 
-// The same with its paint, to be edited.
+// The same stage with its paint, as a document to be edited.
 struct ForeignDocument : testing::Test {
     TemporaryFolder folder;
     edit::Document document;
-    voctree::PaintedField field;  // anna's
+    voctree::PaintedField field;  // of anna's clip
 
     std::filesystem::path at(const std::string& name) const { return folder.path / name; }
     void SetUp() override {

@@ -27,15 +27,15 @@ struct Histories : test::ForeignDocument {
     void rename(edit::History& history, const std::string& name, uint32_t node = 4) {
         edit::Document before = document;
         std::string said = edit::rename_node(document.file, node, name);
-        history.did(std::move(before), document, std::move(said));
+        history.add_step(std::move(before), document, std::move(said));
     }
     void stroke(edit::History& history, const std::string& name, float colour, uint32_t leaves = 1) {
         edit::open_paint(document, at(name), field);
         edit::Document before = document;
         document.paint[at(name)] = layer(colour, leaves);
-        history.did(std::move(before), document, "stroke");
+        history.add_step(std::move(before), document, "stroke");
     }
-    // On the disk, and a layer of Anna's.
+    // The document with a layer of Anna's, both on the disk.
     void wear(const std::string& name, float colour) {
         voctree::write_paint(at(name), *layer(colour));
         edit::add_paint_layer(document.file, edit::find_node(document.file, "Anna"), at(name), {});
@@ -153,7 +153,7 @@ TEST_F(Histories, UrisFollowTheStageToAnotherFolder) {
     edit::Document before = document;
     edit::PerformerEdit edit;
     edit.clip = at("anna.nvv");
-    history.did(std::move(before), document, edit::add_performer(document.file, "anna", edit, {}));
+    history.add_step(std::move(before), document, edit::add_performer(document.file, "anna", edit, {}));
     edit::rename_node(document.file, 0, "berta");
     std::filesystem::create_directory(at("below"));
     edit::save_document(document, at("below/show.gltf"));

@@ -9,7 +9,7 @@
 namespace neuvv {
 namespace {
 
-// As the engine reads them.
+// The lights as the engine reads them.
 void expect_as_loaded(const stage::StageFile& file, uint32_t node) {
     const stage::Stage stage = stage::make_stage(file);
     const stage::GltfLight& loaded = stage.scene.lights.at(static_cast<size_t>(stage.scene.nodes.at(node).light));
@@ -31,7 +31,7 @@ TEST(LightValues, AreThoseOfTheEngine) {
     expect_as_loaded(file, edit::find_node(file, "Sun"));
     EXPECT_FALSE(edit::light_on(file, edit::find_node(file, "Floor")));
     edit::LightEdit edit;
-    edit.kind = "spot";  // with nothing else said
+    edit.kind = "spot";  // without any other value
     edit::add_light(file, "bare", edit, {});
     expect_as_loaded(file, edit::find_node(file, "bare"));
     edit.kind = "point";

@@ -1,4 +1,4 @@
-// Cameras, and what is said about nodes as a whole.
+// Cameras, and the visibility and locks of nodes.
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -101,9 +101,9 @@ TEST_F(Nodes, ASharedCameraBecomesTheNodesOwn) {
 TEST_F(Nodes, ShownAndHidden) {
     for (const char* name : {"Pivot", "Anna", "Floor", "Spot"}) {
         edit::show_node(file, node(name), false);
-        EXPECT_FALSE(edit::is_shown(file, node(name)));
+        EXPECT_FALSE(edit::is_visible(file, node(name)));
     }
-    EXPECT_TRUE(edit::is_shown(file, node("Sun"))) << "what hangs on a hidden node says nothing itself";
+    EXPECT_TRUE(edit::is_visible(file, node("Sun"))) << "what hangs on a hidden node says nothing itself";
     stage::Stage now = stage();
     stage::EvaluatedStage evaluated = stage::stage_at(now, 0);
     EXPECT_FALSE(evaluated.performers[0].visible);
@@ -114,7 +114,7 @@ TEST_F(Nodes, ShownAndHidden) {
     EXPECT_EQ(file.json, before);
     edit::show_node(file, node("Pivot"), false);
     edit::duplicate_node(file, node("Pivot"), {});
-    EXPECT_FALSE(edit::is_shown(file, node("Pivot 2")));
+    EXPECT_FALSE(edit::is_visible(file, node("Pivot 2")));
     for (const char* name : {"Pivot", "Pivot 2"}) edit::remove_node(file, node(name));
     for (const ordered_json& used : file.json["extensionsUsed"]) EXPECT_NE(used, "KHR_node_visibility");
 }
@@ -123,7 +123,7 @@ TEST_F(Nodes, APerformersOwnVisibilityStillCounts) {
     edit::PerformerEdit edit;
     edit.visible = false;
     edit::set_performer(file, node("Anna"), edit);
-    EXPECT_FALSE(edit::is_shown(file, node("Anna")));
+    EXPECT_FALSE(edit::is_visible(file, node("Anna")));
     EXPECT_FALSE(stage::stage_at(stage(), 0).performers[0].visible);
     edit::show_node(file, node("Anna"), true);
     EXPECT_EQ(file.json, before);
@@ -144,7 +144,7 @@ TEST_F(Nodes, LocksAreSaidAndNotEnforced) {
     EXPECT_TRUE(edit::is_locked(stage::load_stage(folder.path / "locked.gltf").file, node("Floor")));
     for (const char* name : {"Anna", "Floor", "Spot"}) edit::lock_node(file, node(name), false);
     EXPECT_EQ(file.json, before);
-    // Extras are anyone's, of any type.
+    // Extras belong to any program and may have any type.
     for (const char* extras : {"7", R"("locked")", "[1]", R"({"neuvv":3})", R"({"neuvv":{"locked":"yes"}})"}) {
         file.json.edit("nodes")[0]["extras"] = ordered_json::parse(extras);
         EXPECT_FALSE(edit::is_locked(file, 0)) << extras;

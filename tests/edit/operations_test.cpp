@@ -21,7 +21,7 @@ struct Edits : testing::Test {
 
     void SetUp() override { file = stage::read_stage_file(test::put_foreign_stage(folder.path)); }
     std::filesystem::path at(const std::string& name) const { return folder.path / name; }
-    // Of the document as it would be saved.
+    // The stage of the document as it would be saved.
     stage::Stage stage() const {
         stage::expect_sound_document(file);
         return stage::make_stage(file);
@@ -39,7 +39,7 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
     EXPECT_LT(glm::length(a - b), 1e-5) << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' '
                                         << b.z;
 }
-glm::dvec3 place(const glm::dmat4& m) {
+glm::dvec3 position(const glm::dmat4& m) {
     return m[3];
 }
 glm::dvec3 front(const glm::dmat4& m) {
@@ -57,7 +57,7 @@ TEST_F(Edits, ANewStageIsLitAndSeen) {
         expect_near(evaluated.lights[0].direction, glm::normalize(to_middle));
         const stage::Camera camera = stage::camera_of(stage, "camera", evaluated, 64, 64);
         expect_near(front(camera.world_from_camera),
-                    glm::normalize(place(camera.world_from_camera) - glm::dvec3(0, 1, 0)));
+                    glm::normalize(position(camera.world_from_camera) - glm::dvec3(0, 1, 0)));
         ASSERT_EQ(stage.scene.meshes.size(), 1u);
         const stage::GltfPrimitive& floor = stage.scene.meshes[0].primitives[0];
         const glm::vec3 a = floor.positions[floor.indices[0]], b = floor.positions[floor.indices[1]],
@@ -81,7 +81,7 @@ TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
     EXPECT_EQ(node("berta k")["extensions"]["NEUVV_performer"]["uri"], "clips/berta%20k.nvv");
     EXPECT_EQ(stage().performers.size(), 2u);
     const glm::dmat4 stands = performer("berta k").world_from_performer;
-    expect_near(place(stands), {1, 0, -1});
+    expect_near(position(stands), {1, 0, -1});
     expect_near(glm::dvec3(stands * glm::dvec4(0, 0, 1, 1)), {3, 0, -1});
     EXPECT_EQ(performer("berta k", 0.04).frame, 2);
 
@@ -108,7 +108,7 @@ TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
     expect_input_error([&] { edit::set_performer(file, 0, change); }, {"Floor", "no performer"});
 }
 
-// A matrix takes the same moves as translation, rotation and scale.
+// A matrix can be moved in the same ways as translation, rotation and scale.
 TEST_F(Edits, MatricesAreMovedAsTheyAre) {
     edit::Placement placement;
     placement.matrix = glm::dmat4(1);
@@ -126,7 +126,7 @@ TEST_F(Edits, MatricesAreMovedAsTheyAre) {
     const stage::GltfNode made = stage().scene.nodes[anna];
     expect_near(glm::dvec3(made.matrix[0]), {0, 3, 0});
     expect_near(glm::dvec3(made.matrix[1]), {-1, 0.5, 0});
-    expect_near(place(made.matrix), {2, 2, 3});
+    expect_near(position(made.matrix), {2, 2, 3});
     edit::Placement aimed;
     aimed.aim = glm::dvec3(2, 2, -5);
     edit::place_node(file, anna, aimed);
@@ -180,23 +180,24 @@ TEST_F(Edits, ARingLooksOutwardAndComesLater) {
         .count = 5, .pattern = edit::CopyPattern::kRing, .distance_m = 2, .stagger = {1, true}, .spin_step = 10};
     edit::duplicate_node(file, edit::find_node(file, "eva"), ring);
     const glm::dvec3 middle(0, 0.5, 1);
-    std::set<std::pair<int, int>> places;
+    std::set<std::pair<int, int>> positions;
     for (int i = 0; i < 6; ++i) {
         const stage::EvaluatedPerformer copy = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 0);
-        const glm::dvec3 out = place(copy.world_from_performer) - middle;
+        const glm::dvec3 out = position(copy.world_from_performer) - middle;
         EXPECT_NEAR(glm::length(out), 2, 1e-6);
         expect_near(front(copy.world_from_performer), glm::normalize(out));
         EXPECT_NEAR(out.y, 0, 1e-9);
-        places.insert({std::lround(100 * out.x), std::lround(100 * out.z)});
+        positions.insert({std::lround(100 * out.x), std::lround(100 * out.z)});
         const stage::EvaluatedPerformer later = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 5 / 25.0);
         EXPECT_EQ(later.frame, 5 - i);
     }
-    EXPECT_EQ(places.size(), 6u);
+    EXPECT_EQ(positions.size(), 6u);
     EXPECT_EQ(node("eva 4")["extensions"]["NEUVV_performer"]["spin"], 30);
     EXPECT_EQ(stage().clips.size(), 1u) << "all of one .nvv";
 }
 
-// Loops of seven frames, each two frames behind the one before: all run from the start on, none waits for its offset.
+// Loops of seven frames, each two frames behind the one before: all run from the start of the stage on, none waits for
+// its offset.
 TEST_F(Edits, CopiesOfALoopRunFromTheStart) {
     const std::vector<std::pair<std::string, stage::ClipTime>> ways = {
         {"loop", {2, true}}, {"loop", {2 / 25.0, false}}, {"loop,speed:0.5", {4, true}}, {"loop", {-5, true}}};
@@ -228,14 +229,14 @@ TEST_F(Edits, RowsAndFansStandWhereTheySay) {
     edit.clip = at("anna.nvv");
     edit::add_performer(file, "eva", edit, {});
     edit::duplicate_node(file, edit::find_node(file, "eva"), {.count = 3, .distance_m = -0.5});
-    expect_near(place(performer("eva 4").world_from_performer), {-1.5, 0, 0});
+    expect_near(position(performer("eva 4").world_from_performer), {-1.5, 0, 0});
     edit::duplicate_node(file, edit::find_node(file, "eva"),
                          {.count = 2, .pattern = edit::CopyPattern::kFan, .distance_m = 1, .arc_deg = 90});
-    expect_near(place(performer("eva 6").world_from_performer), {1, 0, -1});
+    expect_near(position(performer("eva 6").world_from_performer), {1, 0, -1});
     expect_near(front(performer("eva 6").world_from_performer), {1, 0, 0});
 }
 
-// What hangs on a node comes along with its own animation; children stay children.
+// Nodes below a copied node are copied with their animations; children stay children.
 TEST_F(Edits, FamiliesAreCopied) {
     file.json.edit("animations")[0]["channels"][0]["target"]["node"] = 5;
     const size_t before = file.json["nodes"].size();
@@ -246,7 +247,7 @@ TEST_F(Edits, FamiliesAreCopied) {
     const stage::Stage now = stage();
     EXPECT_EQ(now.performers.size(), 3u);
     EXPECT_EQ(stage::stage_at(now, 0).lights.size(), 4u);
-    expect_near(place(performer("Anna 3").world_from_performer), {7, 0, 0});
+    expect_near(position(performer("Anna 3").world_from_performer), {7, 0, 0});
     expect_input_error([&] { edit::duplicate_node(file, edit::find_node(file, "Sun"), {}); }, {"Sun", "animated"});
     expect_input_error([&] { edit::duplicate_node(file, 0, {.count = 0}); }, {"0", "1 to 511"});
     expect_input_error([&] { edit::duplicate_node(file, 0, {.count = 4000000000u}); }, {"4000000000", "1 to 511"});
@@ -254,7 +255,7 @@ TEST_F(Edits, FamiliesAreCopied) {
     expect_input_error([&] { edit::duplicate_node(file, 99, {}); }, {"99"});
 }
 
-// Each name is given once, however many are taken already; a document without a scene lists each copy once.
+// Each name is given once, however many names are taken already; a document without a scene lists each copy once.
 TEST_F(Edits, CopiesHaveNamesOfTheirOwn) {
     file = stage::make_stage_file(at("bare.gltf"), R"({"asset": {"version": "2.0"},
         "nodes": [{"name": "a"}, {"name": "a 3", "children": [3]}, {"name": "a 513"}, {"name": "b"}, {}]})");
@@ -278,7 +279,7 @@ TEST_F(Edits, CopiesHaveNamesOfTheirOwn) {
 }
 
 TEST_F(Edits, RemovingRenumbersEverything) {
-    // A skin whose joints come after what is removed; a second animation that moves only the removed.
+    // A skin whose joints come after the removed nodes; a second animation that moves only the removed nodes.
     file.json.edit("skins") = {{{"joints", {3, 4}}, {"skeleton", 3}}};
     file.json.edit("cameras").push_back(file.json["cameras"][0]);
     file.json.edit("nodes").push_back({{"name", "B"}, {"camera", 1}});
@@ -305,7 +306,7 @@ TEST_F(Edits, RemovingRenumbersEverything) {
     EXPECT_EQ(file.json["animations"][0]["channels"].size(), 1u);
     EXPECT_EQ(file.json["animations"][0]["channels"][0]["target"]["node"], 3);
     EXPECT_EQ(file.json["animations"][0]["channels"][0]["sampler"], 0);
-    file.json.erase("skins");  // without matrices, and nobody's
+    file.json.erase("skins");  // without matrices, and not used by any node
 
     edit::remove_node(file, edit::find_node(file, "Spot"));
     const stage::Stage now = stage();
@@ -438,7 +439,7 @@ TEST_F(Edits, NodesAreFoundByNameOrIndex) {
     expect_input_error([&] { edit::find_node(file, ""); }, {"no node"});
 }
 
-// A plain scene has none of what operations hang on.
+// A plain scene has none of the extensions that operations use.
 TEST_F(Edits, PlainScenesBecomeStages) {
     write_text(at("plain.gltf"), R"({"asset":{"version":"2.0"}})");
     file = stage::read_stage_file(at("plain.gltf"));

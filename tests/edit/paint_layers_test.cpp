@@ -1,4 +1,4 @@
-// Layers in a document: what a performer wears, free names, and layers that are shared.
+// Layers in a document: which ones a performer uses, free names, and layers that are shared.
 #include "edit/paint_layers.h"
 
 #include <gtest/gtest.h>
@@ -28,17 +28,17 @@ struct Layers : testing::Test {
 };
 
 TEST_F(Layers, AreListedAsThePerformerWearsThem) {
-    const size_t worn = edit::paint_layers_of(document.file, anna)->size();
+    const size_t used = edit::paint_layers_of(document.file, anna)->size();
     edit::add_paint_layer(document.file, anna, folder.path / "one.nvpaint", {.opacity = 0.25});
     edit::add_paint_layer(document.file, anna, folder.path / "two.nvpaint", {.name = "look", .visible = false});
     const auto layers = edit::paint_layers_of(document.file, anna);
     ASSERT_TRUE(layers);
-    ASSERT_EQ(layers->size(), worn + 2);
-    EXPECT_EQ((*layers)[worn].path, at("one.nvpaint"));
-    EXPECT_EQ((*layers)[worn].entry.opacity, 0.25);
-    EXPECT_EQ(edit::title_of((*layers)[worn]), "one");
-    EXPECT_EQ(edit::title_of((*layers)[worn + 1]), "look");
-    EXPECT_FALSE((*layers)[worn + 1].entry.visible);
+    ASSERT_EQ(layers->size(), used + 2);
+    EXPECT_EQ((*layers)[used].path, at("one.nvpaint"));
+    EXPECT_EQ((*layers)[used].entry.opacity, 0.25);
+    EXPECT_EQ(edit::title_of((*layers)[used]), "one");
+    EXPECT_EQ(edit::title_of((*layers)[used + 1]), "look");
+    EXPECT_FALSE((*layers)[used + 1].entry.visible);
     const auto nodes = document.file.json["nodes"].size();
     EXPECT_FALSE(edit::paint_layers_of(document.file, static_cast<uint32_t>(nodes)));
     size_t performers = 0;
@@ -55,11 +55,11 @@ TEST_F(Layers, GetNamesThatNobodyHas) {
     document.paint[at("An-na-B--2.nvpaint")] = layer(1);
     EXPECT_EQ(edit::free_paint_path(document, anna), at("An-na-B--3.nvpaint")) << "one is in the document";
     edit::add_paint_layer(document.file, anna, at("An-na-B--3.nvpaint"), {});
-    EXPECT_EQ(edit::free_paint_path(document, anna), at("An-na-B--4.nvpaint")) << "one is worn";
+    EXPECT_EQ(edit::free_paint_path(document, anna), at("An-na-B--4.nvpaint")) << "one is used";
 }
 
 TEST_F(Layers, ThatAreSharedBecomeOnesOwn) {
-    const size_t worn = edit::paint_layers_of(document.file, anna)->size();
+    const size_t used = edit::paint_layers_of(document.file, anna)->size();
     edit::add_paint_layer(document.file, anna, at("one.nvpaint"), {.name = "look", .opacity = 0.25});
     edit::add_paint_layer(document.file, anna, at("two.nvpaint"), {});
     EXPECT_FALSE(edit::is_shared(document.file, anna, at("one.nvpaint")));
@@ -69,15 +69,15 @@ TEST_F(Layers, ThatAreSharedBecomeOnesOwn) {
     EXPECT_TRUE(edit::is_shared(document.file, copy, at("one.nvpaint")));
 
     const auto before = edit::paint_layers_of(document.file, anna).value();
-    edit::own_paint(document, copy, worn, at("own.nvpaint"), layer(0.5f));
+    edit::unshare_paint(document, copy, used, at("own.nvpaint"), layer(0.5f));
     const auto after = edit::paint_layers_of(document.file, copy).value();
     ASSERT_EQ(after.size(), before.size());
     for (size_t i = 0; i < after.size(); i++) {
-        EXPECT_EQ(after[i].path, i == worn ? at("own.nvpaint") : before[i].path) << i;
+        EXPECT_EQ(after[i].path, i == used ? at("own.nvpaint") : before[i].path) << i;
         EXPECT_EQ(after[i].entry.opacity, before[i].entry.opacity) << i;
     }
-    EXPECT_EQ(edit::title_of(after[worn]), "look");
-    EXPECT_EQ(edit::paint_layers_of(document.file, anna)->at(worn).path, at("one.nvpaint"));
+    EXPECT_EQ(edit::title_of(after[used]), "look");
+    EXPECT_EQ(edit::paint_layers_of(document.file, anna)->at(used).path, at("one.nvpaint"));
     EXPECT_FALSE(edit::is_shared(document.file, copy, at("own.nvpaint")));
     EXPECT_EQ(document.paint.at(at("own.nvpaint"))->edits.size(), 1u);
 }

@@ -1,4 +1,4 @@
-// Tools on a figure: which leaves they choose, with which colours, and when.
+// Tools on a figure: which leaves they select, with which colours, and at which frames.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -68,7 +68,7 @@ TEST(Regions, CombineAndChooseTheLeavesThatLive) {
 
 TEST(EditFrames, FollowWhatIsOpaque) {
     voctree::VOctree tree = random_tree({.seed = 2, .leaves = 1, .bases = 8, .frames = 8});
-    for (uint32_t i = 0; i < 64; i++) tree.sigma_basis[i] = i % 9 == 0 ? 1.0f : 0.0f;  // a basis a frame
+    for (uint32_t i = 0; i < 64; i++) tree.sigma_basis[i] = i % 9 == 0 ? 1.0f : 0.0f;  // one basis per frame
     const float dense[8] = {50, 50, 0, 0.001f, 50, 50, 50, -3};
     std::copy(dense, dense + 8, tree.leaf(0));
     const edit::Canvas canvas(tree);
@@ -130,28 +130,28 @@ TEST(ColourShifts, TurnTheHueAndKeepTheLuminance) {
 }
 
 TEST(ThroughBetween, ReachesToWhereTheFieldHasFaded) {
-    const auto held = [](std::vector<std::pair<float, float>> spans, float first, float last) {
+    const auto spans_of = [](std::vector<std::pair<float, float>> spans, float first, float last) {
         std::vector<voctree::LeafEdit> edits;
         for (const auto& [from, to] : spans) edits.push_back({3, from, to, glm::vec3(1), 1});
         edits.push_back({2, 4, 4, glm::vec3(1), 1});
         std::vector<std::pair<float, float>> found;
-        for (const voctree::LeafEdit& edit : edit::through_between(edits, first, last))
+        for (const voctree::LeafEdit& edit : edit::extend_between_frames(edits, first, last))
             found.emplace_back(edit.first, edit.last);
-        found.erase(found.begin());  // that of another leaf
+        found.erase(found.begin());  // the edit of another leaf
         return found;
     };
     using Spans = std::vector<std::pair<float, float>>;
     const auto after = [](float frame) { return std::nextafter(frame, 100.0f); };
     const auto before = [](float frame) { return std::nextafter(frame, -100.0f); };
-    EXPECT_EQ(held({{5, 5}}, 0, 9), (Spans{{after(4), before(6)}}));
-    EXPECT_EQ(held({{5, 5}, {6, 6}}, 0, 9), (Spans{{after(4), before(5.5f)}, {5.5f, before(7)}}));
-    EXPECT_EQ(held({{7, 8}, {2, 4}}, 0, 9), (Spans{{after(1), before(5)}, {after(6), before(9)}}));
-    EXPECT_EQ(held({{2, 2}, {4, 4}}, 2, 9), (Spans{{2, before(3)}, {after(3), before(5)}})) << "frame 3 is its own";
-    EXPECT_EQ(held({{3.5f, 3.5f}, {7, 7}}, 3.25f, 7), (Spans{{3.25f, before(4)}, {after(6), 7}}));
+    EXPECT_EQ(spans_of({{5, 5}}, 0, 9), (Spans{{after(4), before(6)}}));
+    EXPECT_EQ(spans_of({{5, 5}, {6, 6}}, 0, 9), (Spans{{after(4), before(5.5f)}, {5.5f, before(7)}}));
+    EXPECT_EQ(spans_of({{7, 8}, {2, 4}}, 0, 9), (Spans{{after(1), before(5)}, {after(6), before(9)}}));
+    EXPECT_EQ(spans_of({{2, 2}, {4, 4}}, 2, 9), (Spans{{2, before(3)}, {after(3), before(5)}})) << "frame 3 is its own";
+    EXPECT_EQ(spans_of({{3.5f, 3.5f}, {7, 7}}, 3.25f, 7), (Spans{{3.25f, before(4)}, {after(6), 7}}));
 }
 
 TEST(ColourShifts, AreOfEachFramesOwnColour) {
-    // Leaves that live in some frames, whose colour turns with their hyper angle.
+    // Leaves that live at some frames and whose colour turns with their hyper angle.
     const voctree::VOctree tree = random_tree({.seed = 12, .leaves = 200, .bases = 6, .hh_degree = 1, .frames = 6});
     const edit::Canvas canvas(tree);
     std::vector<uint32_t> leaves;
@@ -184,7 +184,7 @@ TEST(ColourShifts, AreOfEachFramesOwnColour) {
 
 using ToolsTest = GpuTest;
 
-// Columns of red, transparent, green and blue; white below.
+// An image with columns of red, transparent, green and blue, and white below.
 media::Image columns(uint32_t side) {
     media::Image image(side, side);
     for (uint32_t y = 0; y < side; y++)
@@ -199,7 +199,8 @@ media::Image columns(uint32_t side) {
     return image;
 }
 
-// The ray of a pixel of a camera in the world, in the space of a performer: by the transform itself, not by a camera.
+// The ray of a pixel of a camera in the world, in the space of a performer: by the transform itself, not by a
+// transformed camera.
 reference::Ray ray_in_performer(const stage::Camera& camera, uint32_t x, uint32_t y,
                                 const glm::dmat4& world_from_performer) {
     const reference::Ray ray = reference::camera_ray(camera, x, y);
@@ -214,7 +215,7 @@ struct Standing {
     const char* name;
     glm::dmat4 world_from_performer;
 };
-// In single precision, as performers stand.
+// The transform in single precision, as performers have it.
 std::vector<Standing> standings() {
     const glm::dmat4 turned = glm::rotate(glm::translate(glm::dmat4(1), {3, -1, 2}), 0.7, {0.2, 1, -0.3});
     glm::dmat4 sheared = turned;
@@ -230,10 +231,10 @@ std::vector<Standing> standings() {
     return all;
 }
 
-// In the world, where figure_camera stands in the performer's space; the figure just fills the image.
+// A camera in the world that has figure_camera's position in the performer's space. The figure just fills the image.
 stage::Camera camera_before(const Standing& standing, uint32_t side) {
-    const auto at = [&](const glm::dvec3& place) {
-        return glm::dvec3(standing.world_from_performer * glm::dvec4(place, 1));
+    const auto at = [&](const glm::dvec3& point) {
+        return glm::dvec3(standing.world_from_performer * glm::dvec4(point, 1));
     };
     stage::Camera camera = look_at(at({0.55, 0.62, 2.1}), at({0.5, 0.45, 0.5}), side, side, 1.6);
     double widest = 0;
@@ -247,7 +248,7 @@ stage::Camera camera_before(const Standing& standing, uint32_t side) {
     return camera;
 }
 
-// What is wrong with an image of columns projected from a camera, as rays of the reference see it.
+// What is wrong with a projected image of columns, according to the rays of the reference.
 struct ProjectionFaults {
     uint32_t seen = 0, holes = 0, wrong = 0, behind = 0;
 };
@@ -287,15 +288,15 @@ ProjectionFaults faults_of(const voctree::VOctree& tree, const edit::Canvas& can
         }
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         const glm::vec3 at = canvas.middles[leaf];
-        const bool behind = at.z < kHead.z - 0.1 && at.y > 0.5f;  // a leaf within its outline reaches so far
+        const bool behind = at.z < kHead.z - 0.1 && at.y > 0.5f;  // leaves within the outline reach this far
         faults.behind += behind && alpha[leaf] > 0;
     }
     return faults;
 }
 
-// Whatever the camera sees with its rays is painted, whether pixels are finer than leaves or coarser, and however the
-// performer stands before it; what lies behind the surface is not; and colours are those of the image where the
-// leaf's middle is seen.
+// Everything that the camera sees is painted, whether pixels are smaller than leaves or larger, and whatever the
+// performer's transform is. What lies behind the surface is not painted. Colours are those of the image where the
+// middle of the leaf is visible.
 TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
     const voctree::VOctree tree = figure_tree();
     const edit::Canvas canvas(tree);
@@ -315,7 +316,7 @@ TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
             EXPECT_LE(faults.wrong, faults.seen / 100) << "beside the borders of columns";
             EXPECT_EQ(faults.behind, 0u) << "behind the head";
         }
-    // The comparison notices another transform.
+    // The comparison fails for another transform.
     const Standing straight = standings()[0];
     Standing other = straight;
     other.world_from_performer[3] += 0.15 * straight.world_from_performer[0];
@@ -326,7 +327,7 @@ TEST_F(ToolsTest, ProjectionLeavesNoHolesAndPaintsNothingBehind) {
     EXPECT_GT(faults.holes + faults.wrong, faults.seen / 10);
 }
 
-// A pixel of the world's image picks the leaf that its ray meets, at the place where it does.
+// A pixel of an image in the world picks the leaf that its ray meets, at the point where it meets it.
 TEST_F(ToolsTest, PicksWhereThePerformerStands) {
     voctree::VOctree tree = figure_tree();
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
@@ -376,7 +377,7 @@ TEST_F(ToolsTest, BrushGoesOverTheSurfaceUnderALineOfPixels) {
     }
 }
 
-// Of the alpha that a pixel's ray gathers, the part that painted leaves give.
+// The share of the alpha gathered by a pixel's ray that comes from painted leaves.
 double painted_part(const voctree::VOctree& tree, const stage::Camera& camera, glm::dvec2 pixel,
                     const std::vector<voctree::LeafEdit>& edits) {
     std::set<uint32_t> painted;
@@ -397,7 +398,7 @@ double painted_part(const voctree::VOctree& tree, const stage::Camera& camera, g
     return transmittance < 1 ? part / (1 - transmittance) : 0;
 }
 
-// Captured surfaces are soft: a ray passes alpha 0.99 far behind what a pixel shows.
+// Captured surfaces are soft: a ray reaches an alpha of 0.99 far behind what a pixel shows.
 TEST_F(ToolsTest, ADotOfTheBrushIsWhatItsPixelShowsHoweverSoftTheSurface) {
     const stage::Camera camera = figure_camera(100);
     const glm::dvec2 pixel(50.5, 40.5);

@@ -1,4 +1,4 @@
-// What a document says: that it is what the engine loads, and that whatever may be missing may be missing.
+// Values read from documents: they are those that the engine loads, and whatever is optional may be missing.
 #include "edit/read.h"
 
 #include <gtest/gtest.h>
@@ -95,14 +95,15 @@ TEST_F(Read, AnOrthographicCameraHasNoAngle) {
 }
 
 TEST(ReadTransforms, AMatrixIsTakenApart) {
-    edit::NodeTransform told{{0.5, 1, -2}, glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3))), {-1.5, 2, 0.25}};
+    edit::NodeTransform written{
+        {0.5, 1, -2}, glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3))), {-1.5, 2, 0.25}};
     stage::StageFile file = document(R"(, "nodes": [{"name": "a"}])");
-    edit::place_node(file, 0, {.matrix = matrix_of(told)});
+    edit::place_node(file, 0, {.matrix = matrix_of(written)});
     ASSERT_TRUE(file.json["nodes"][0].contains("matrix"));
     const edit::NodeTransform read = edit::transform_of(file, 0);
-    expect_near(read.translation, told.translation);
-    expect_near(read.scale, told.scale);
-    EXPECT_NEAR(std::abs(glm::dot(read.rotation, told.rotation)), 1, 1e-12);
+    expect_near(read.translation, written.translation);
+    expect_near(read.scale, written.scale);
+    EXPECT_NEAR(std::abs(glm::dot(read.rotation, written.rotation)), 1, 1e-12);
 }
 
 TEST(ReadTransforms, AShearedMatrixKeepsItsXAxis) {
@@ -146,7 +147,7 @@ TEST(ReadHostile, ADocumentMaySayNothing) {
     EXPECT_EQ(edit::node_count(file), 0u);
     EXPECT_TRUE(edit::scene_roots(file).empty());
     EXPECT_TRUE(edit::nodes_in_scene(file).empty());
-    EXPECT_TRUE(edit::worn_layers(file).empty());
+    EXPECT_TRUE(edit::used_layers(file).empty());
     const stage::StageSettings settings = edit::stage_settings_of(file);
     EXPECT_FALSE(settings.duration_s || settings.fps || settings.ambient || settings.environment);
     EXPECT_TRUE(settings.shadows && settings.falloff);
@@ -164,7 +165,7 @@ TEST(ReadHostile, ANodeMaySayNothing) {
     EXPECT_EQ(edit::nodes_in_scene(file), std::vector<bool>{false});
     EXPECT_EQ(matrix_of(edit::transform_of(file, 0)), glm::dmat4(1));
     EXPECT_FALSE(edit::is_animated(file, 0));
-    EXPECT_TRUE(edit::is_shown(file, 0));
+    EXPECT_TRUE(edit::is_visible(file, 0));
     EXPECT_FALSE(edit::is_locked(file, 0));
     EXPECT_FALSE(edit::light_on(file, 0) || edit::camera_on(file, 0) || edit::performer_on(file, 0));
     EXPECT_FALSE(edit::paint_layers_of(file, 0));
@@ -205,7 +206,7 @@ TEST(ReadHostile, WhatIsNobodysMayBeAnything) {
         EXPECT_EQ(edit::node_title(file, i), "node " + std::to_string(i));
         EXPECT_EQ(edit::kind_of(file, i), edit::NodeKind::kGroup);
         EXPECT_FALSE(edit::light_on(file, i) || edit::performer_on(file, i) || edit::paint_layers_of(file, i));
-        EXPECT_TRUE(edit::is_shown(file, i));
+        EXPECT_TRUE(edit::is_visible(file, i));
         EXPECT_FALSE(edit::is_locked(file, i));
         EXPECT_FALSE(edit::is_animated(file, i));
     }
@@ -223,8 +224,8 @@ TEST(ReadHostile, ANodeThatDoesNotExistHasNothingOnIt) {
     EXPECT_FALSE(edit::light_on(file, 1) || edit::camera_on(file, 1) || edit::performer_on(file, 1));
     EXPECT_FALSE(edit::paint_layers_of(file, 1));
     const std::vector<std::function<void()>> questions = {
-        [&] { edit::name_of(file, 1); },      [&] { edit::kind_of(file, 1); },  [&] { edit::children_of(file, 1); },
-        [&] { edit::transform_of(file, 1); }, [&] { edit::is_shown(file, 1); }, [&] { edit::is_locked(file, 1); },
+        [&] { edit::name_of(file, 1); },      [&] { edit::kind_of(file, 1); },    [&] { edit::children_of(file, 1); },
+        [&] { edit::transform_of(file, 1); }, [&] { edit::is_visible(file, 1); }, [&] { edit::is_locked(file, 1); },
         [&] { edit::clip_of(file, 1); },
     };
     for (const auto& ask : questions) expect_input_error(ask, {"node 1 does not exist"});

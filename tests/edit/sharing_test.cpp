@@ -61,7 +61,7 @@ std::string text_of(const stage::GltfScene& scene) {
     return text;
 }
 
-// All of it that another document would change.
+// Everything of a stage that depends on its document.
 std::string text_of(const stage::Stage& stage) {
     std::string text =
         text_of(stage.scene) + fmt::format("\n{} s, {} fps{}{}", stage.duration_s, stage.fps, numbers(stage.ambient, 3),
@@ -74,12 +74,12 @@ std::string text_of(const stage::Stage& stage) {
 
 struct Sharing : test::ForeignDocument {
     uint32_t node(const std::string& name) const { return edit::find_node(document.file, name); }
-    std::string place(const std::string& name, const glm::dvec3& at) {
+    std::string move_to(const std::string& name, const glm::dvec3& at) {
         edit::Placement placement;
         placement.at = at;
         return edit::place_node(document.file, node(name), placement);
     }
-    // One made from the last one is as one made from nothing.
+    // The next stage, made from the last one. It must be the same as one made from the document alone.
     stage::Stage next(const stage::Stage& before) const {
         stage::Stage made = stage::make_stage(document.file, &before);
         EXPECT_EQ(text_of(made), text_of(stage::make_stage(document.file)));
@@ -89,7 +89,7 @@ struct Sharing : test::ForeignDocument {
 
 TEST_F(Sharing, AnEditCopiesTheMembersThatItChanges) {
     const edit::Document before = document;
-    place("Anna", {1, 2, 3});
+    move_to("Anna", {1, 2, 3});
     for (const auto& [name, value] : before.file.json.members())
         EXPECT_EQ(document.file.json.shares(before.file.json, name), name != "nodes") << name;
     edit::duplicate_node(document.file, node("Anna"), {.count = 2});
@@ -108,26 +108,26 @@ TEST_F(Sharing, HistoryCountsItsJson) {
     edit::History history(100, 350000);
     const auto step = [&](int i) {
         edit::Document before = document;
-        std::string said = place("Anna", {i, 0, 0});
-        history.did(std::move(before), document, std::move(said));
+        std::string said = move_to("Anna", {i, 0, 0});
+        history.add_step(std::move(before), document, std::move(said));
     };
     step(1);
-    const uint64_t one = history.held_bytes(document);
+    const uint64_t one = history.extra_bytes(document);
     EXPECT_GT(one, 100000u) << "the nodes as they were";
     EXPECT_LT(one, 150000u) << "the images are the document's";
     step(2);
-    EXPECT_NEAR(static_cast<double>(history.held_bytes(document)), 2.0 * static_cast<double>(one), 1000);
+    EXPECT_NEAR(static_cast<double>(history.extra_bytes(document)), 2.0 * static_cast<double>(one), 1000);
     for (int i = 3; i <= 10; ++i) step(i);
-    EXPECT_LE(history.held_bytes(document), 350000u);
+    EXPECT_LE(history.extra_bytes(document), 350000u);
     int steps = 0;
     while (history.undo(document)) ++steps;
     EXPECT_EQ(steps, 3) << "the oldest were forgotten";
-    EXPECT_GT(history.held_bytes(document), 2 * one) << "what is to be done again counts, too";
+    EXPECT_GT(history.extra_bytes(document), 2 * one) << "what is to be done again counts, too";
 }
 
 TEST_F(Sharing, StagesShareWhatIsMadeOfBytes) {
     const stage::Stage first = stage::make_stage(document.file);
-    place("Anna", {1, 2, 3});
+    move_to("Anna", {1, 2, 3});
     const stage::Stage moved = next(first);
     EXPECT_TRUE(moved.scene.meshes.shares(first.scene.meshes));
     EXPECT_TRUE(moved.scene.animations.shares(first.scene.animations));
@@ -155,7 +155,7 @@ TEST_F(Sharing, FilesThatChangedAreReadAgain) {
     expect_input_error([&] { stage::make_stage(document.file, &first); }, {"stage%20data.bin"});
 }
 
-// Problems are told as they are where nothing is shared.
+// Problems are reported as they are where nothing is shared.
 TEST_F(Sharing, ProblemsAreFoundInWhatIsShared) {
     const stage::Stage first = stage::make_stage(document.file);
     const stage::StageJson sound = document.file.json;
@@ -222,7 +222,7 @@ TEST_F(Sharing, RandomEditsMakeTheStagesOfTheirDocuments) {
             edit::Document before = document;
             try {
                 std::string said = operations[random() % operations.size()](document.file);
-                history.did(std::move(before), document, std::move(said));
+                history.add_step(std::move(before), document, std::move(said));
             } catch (const InputError&) {
                 EXPECT_EQ(document.file.json, before.file.json);
                 continue;

@@ -18,8 +18,8 @@ stage::TimeMap map_of(const std::string& text) {
 stage::Timeline ready(const stage::TimeMap& map) {
     return stage::timeline_of(map, kClip.frames, kClip.fps, "test", "");
 }
-// In frames of the stage, which are the clip's.
-double shown(const stage::TimeMap& map, double t) {
+// The displayed frame of the clip at a time in frames of the stage.
+double displayed(const stage::TimeMap& map, double t) {
     return stage::frame_at(ready(map), t / kClip.fps);
 }
 double s(double frames) {
@@ -55,14 +55,14 @@ std::vector<std::string> all() {
     return maps;
 }
 
-// Odd times, away from where loops begin anew.
-std::vector<double> instants(double first, double last, double step = 0.37) {
+// Odd times, away from the starts of loops.
+std::vector<double> times_between(double first, double last, double step = 0.37) {
     std::vector<double> times;
     for (double t = first + 0.0123; t < last; t += step) times.push_back(t);
     return times;
 }
 
-// How long the bar's last frame stands, in frames.
+// How long the bar's last frame is displayed, in frames.
 double last_frame(const stage::TimeMap& map) {
     double frame = 1;
     for (const stage::TimeOperator& op : map)
@@ -93,11 +93,12 @@ TEST(TimeEdit, MovedIsTheSameAtAnotherTime) {
     for (const std::string& text : all())
         for (const double by : {3.0, -5.0, 12.5, 0.7, -30.0}) {
             const stage::TimeMap map = map_of(text), after = edit::moved(map, kClip, s(by));
-            for (const double t : instants(std::max(0.0, by), 90))
-                ASSERT_NEAR(shown(after, t), shown(map, t - by), 1e-4) << text << " by " << by << " at " << t;
+            for (const double t : times_between(std::max(0.0, by), 90))
+                ASSERT_NEAR(displayed(after, t), displayed(map, t - by), 1e-4) << text << " by " << by << " at " << t;
             const stage::TimeMap back = edit::moved(after, kClip, s(-by));
-            for (const double t : instants(0, 90))
-                ASSERT_NEAR(shown(back, t), shown(map, t), 1e-4) << text << " by " << by << " and back at " << t;
+            for (const double t : times_between(0, 90))
+                ASSERT_NEAR(displayed(back, t), displayed(map, t), 1e-4)
+                    << text << " by " << by << " and back at " << t;
         }
     EXPECT_EQ(stage::text_of(edit::moved(map_of("offset:1s"), kClip, 0.5)), "offset:1.5s");
     EXPECT_EQ(stage::text_of(edit::moved(map_of("offset:1s"), kClip, 1)), "offset:50f") << "whole frames as such";
@@ -116,10 +117,10 @@ TEST(TimeEdit, ATrimmedStartLeavesTheRest) {
             if (std::isfinite(bar.end_s)) {
                 EXPECT_NEAR(edit::bar_of(after, kClip).end_s, bar.end_s, 1e-6) << text;
             }
-            for (const double t : instants(std::max(at, 0.0), 90))
-                ASSERT_NEAR(shown(after, t), shown(map, t), 1e-4) << text << " from " << at << " at " << t;
-            for (const double t : instants(0, at))
-                ASSERT_NEAR(shown(after, t), shown(map, at), 1e-4) << text << " before " << at << " at " << t;
+            for (const double t : times_between(std::max(at, 0.0), 90))
+                ASSERT_NEAR(displayed(after, t), displayed(map, t), 1e-4) << text << " from " << at << " at " << t;
+            for (const double t : times_between(0, at))
+                ASSERT_NEAR(displayed(after, t), displayed(map, at), 1e-4) << text << " before " << at << " at " << t;
         }
     }
 }
@@ -133,10 +134,10 @@ TEST(TimeEdit, ATrimmedEndLeavesTheRest) {
             const double frame = last_frame(map), at = start + frame + part * (end - start - frame);
             const stage::TimeMap after = edit::trimmed_end(map, kClip, s(at));
             EXPECT_NEAR(edit::bar_of(after, kClip).end_s, s(at), 1e-6) << text;
-            for (const double t : instants(0, std::max(0.0, at - frame)))
-                ASSERT_NEAR(shown(after, t), shown(map, t), 1e-4) << text << " to " << at << " at " << t;
-            for (const double t : instants(std::max(0.0, at - frame), 90))
-                ASSERT_NEAR(shown(after, t), shown(map, std::max(0.0, at - frame)), 1e-4)
+            for (const double t : times_between(0, std::max(0.0, at - frame)))
+                ASSERT_NEAR(displayed(after, t), displayed(map, t), 1e-4) << text << " to " << at << " at " << t;
+            for (const double t : times_between(std::max(0.0, at - frame), 90))
+                ASSERT_NEAR(displayed(after, t), displayed(map, std::max(0.0, at - frame)), 1e-4)
                     << text << " after " << at << " at " << t;
         }
     }
@@ -151,7 +152,8 @@ TEST(TimeEdit, WhatWasTrimmedCanBePulledOut) {
         if (std::isfinite(bar.end_s)) cut = edit::trimmed_end(cut, kClip, bar.start_s + 0.6 * (end - bar.start_s));
         cut = edit::trimmed_start(cut, kClip, bar.start_s);
         if (std::isfinite(bar.end_s)) cut = edit::trimmed_end(cut, kClip, bar.end_s);
-        for (const double t : instants(0, 90)) ASSERT_NEAR(shown(cut, t), shown(map, t), 1e-4) << text << " at " << t;
+        for (const double t : times_between(0, 90))
+            ASSERT_NEAR(displayed(cut, t), displayed(map, t), 1e-4) << text << " at " << t;
     }
     EXPECT_EQ(edit::trimmed_end(map_of("offset:3f"), kClip, 100), map_of("offset:3f")) << "there is no more";
     EXPECT_EQ(edit::trimmed_start(map_of("offset:3f"), kClip, -100), map_of("offset:3f"));
@@ -167,13 +169,15 @@ TEST(TimeEdit, ReversedPlaysBackwardsWhereItStands) {
         EXPECT_NEAR(bar.start_s, turned.start_s, 1e-9) << text;
         EXPECT_NEAR(bar.end_s, turned.end_s, 1e-9) << text;
         const double start = bar.start_s * kClip.fps, last = bar.end_s * kClip.fps - last_frame(map);
-        const bool held = text.find("hold") != std::string::npos;  // rounds down both ways
-        for (const double t : instants(std::max(0.0, start), last))
+        const bool has_hold = text.find("hold") != std::string::npos;  // rounds down forwards and backwards
+        for (const double t : times_between(std::max(0.0, start), last))
             if (start + last - t > 0) {
-                ASSERT_NEAR(shown(after, t), shown(map, start + last - t), held ? 1.0 : 1e-4) << text << " at " << t;
+                ASSERT_NEAR(displayed(after, t), displayed(map, start + last - t), has_hold ? 1.0 : 1e-4)
+                    << text << " at " << t;
             }
         const stage::TimeMap back = edit::reversed(after, kClip);
-        for (const double t : instants(0, 90)) ASSERT_NEAR(shown(back, t), shown(map, t), 1e-4) << text << " at " << t;
+        for (const double t : times_between(0, 90))
+            ASSERT_NEAR(displayed(back, t), displayed(map, t), 1e-4) << text << " at " << t;
     }
     EXPECT_EQ(stage::text_of(edit::reversed(map_of("reverse"), kClip)), "");
     for (const char* text : kEndless)
@@ -183,7 +187,7 @@ TEST(TimeEdit, ReversedPlaysBackwardsWhereItStands) {
 TEST(TimeEdit, WhatIsEndlessPlaysItsRoundsBackwards) {
     struct {
         const char* text;
-        double first, step, round;  // shown at 0, a frame later by so much more, for so long
+        double first, step, round;  // frame at 0, its change per frame of the stage, for how many frames
     } const cases[] = {{"loop", 39, -1, 39},
                        {"loop:5f:15f", 14, -1, 9},
                        {"speed:2,loop:5f:15f", 29, -2, 9},
@@ -193,11 +197,12 @@ TEST(TimeEdit, WhatIsEndlessPlaysItsRoundsBackwards) {
     for (const auto& one : cases) {
         const stage::TimeMap after = edit::reversed(map_of(one.text), kClip);
         for (double t = 0; t < one.round; t += 0.25)
-            ASSERT_NEAR(shown(after, t), one.first + one.step * t, 1e-6) << one.text << " at " << t;
+            ASSERT_NEAR(displayed(after, t), one.first + one.step * t, 1e-6) << one.text << " at " << t;
     }
     for (const std::string text : kEndless) {
         const stage::TimeMap map = map_of(text), back = edit::reversed(edit::reversed(map, kClip), kClip);
-        for (const double t : instants(0, 120)) ASSERT_NEAR(shown(back, t), shown(map, t), 1e-6) << text << " at " << t;
+        for (const double t : times_between(0, 120))
+            ASSERT_NEAR(displayed(back, t), displayed(map, t), 1e-6) << text << " at " << t;
         EXPECT_LE(back.size(), map.size() + 1) << "it does not grow from time to time";
     }
     stage::TimeMap full(stage::kMaxTimeOperators, map_of("jump:1f:2f")[0]);
@@ -210,14 +215,15 @@ TEST(TimeEdit, SpedPlaysFasterFromWhereItBegins) {
         for (const double factor : {2.0, 0.5, 1.3}) {
             const stage::TimeMap map = map_of(text), after = edit::sped(map, kClip, factor);
             const double start = edit::bar_of(map, kClip).start_s * kClip.fps;
-            for (const double t : instants(std::max(0.0, start), 90)) {
+            for (const double t : times_between(std::max(0.0, start), 90)) {
                 const double source = start + factor * (t - start);
                 if (source >= 0) {
-                    ASSERT_NEAR(shown(after, t), shown(map, source), 1e-4) << text << " x" << factor << " at " << t;
+                    ASSERT_NEAR(displayed(after, t), displayed(map, source), 1e-4)
+                        << text << " x" << factor << " at " << t;
                 }
             }
-            for (const double t : instants(0, start))
-                ASSERT_NEAR(shown(after, t), shown(map, 0), 1e-4) << text << " x" << factor << " at " << t;
+            for (const double t : times_between(0, start))
+                ASSERT_NEAR(displayed(after, t), displayed(map, 0), 1e-4) << text << " x" << factor << " at " << t;
         }
     EXPECT_EQ(stage::text_of(edit::sped(map_of("speed:0.5,offset:3f"), kClip, 2)), "offset:3f");
     EXPECT_EQ(stage::text_of(edit::sped(map_of("hold,speed:0.5"), kClip, 3)), "speed:1.5,hold");
@@ -234,17 +240,18 @@ TEST(TimeEdit, StaggeredAsCopiesAre) {
         << "it waits before it begins";
     for (const char* text : {"loop", "ping-pong,speed:0.5", "loop:3f:20f,offset:-4f"}) {
         const stage::TimeMap map = map_of(text), later = edit::staggered(map, kClip, {0.2, false});
-        for (const double t : instants(40, 120)) ASSERT_NEAR(shown(later, t), shown(map, t - 5), 1e-4) << text;
+        for (const double t : times_between(40, 120))
+            ASSERT_NEAR(displayed(later, t), displayed(map, t - 5), 1e-4) << text;
     }
 }
 
-// Hours of dragging leave the few operators that a bar has.
+// After hours of dragging a map still has only the few operators of a bar.
 TEST(TimeEdit, DragsDoNotPileUp) {
     std::mt19937 random(5);
     const auto below = [&](double limit) { return limit * std::generate_canonical<double, 32>(random); };
     for (const std::string& text : all()) {
         stage::TimeMap map = map_of(text);
-        const size_t most = map.size() + 5;
+        const size_t max_size = map.size() + 5;
         for (int i = 0; i < 300; ++i) {
             const edit::TimeBar bar = edit::bar_of(map, kClip);
             switch (random() % 5) {
@@ -263,7 +270,7 @@ TEST(TimeEdit, DragsDoNotPileUp) {
                 default:
                     map = edit::reversed(map, kClip);
             }
-            ASSERT_LE(map.size(), most) << text << " became " << stage::text_of(map);
+            ASSERT_LE(map.size(), max_size) << text << " became " << stage::text_of(map);
             ASSERT_EQ(stage::parse_time_map(stage::text_of(map), "test", ""), map);
         }
     }

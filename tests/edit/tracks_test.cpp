@@ -13,7 +13,7 @@ stage::TimeMap map_of(const std::string& text) {
     return stage::parse_time_map(text, "test", "time");
 }
 
-// Three performers of one clip of 50 images at 25, one of another; one more hangs on no scene.
+// Three performers of one clip of 50 frames at 25 fps, one of another clip; one more performer is in no scene.
 stage::StageFile some_stage() {
     return stage::make_stage_file("/nowhere/stage.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
         "extensionsUsed": ["NEUVV_performer"],
@@ -111,11 +111,11 @@ TEST(TimelineTracks, HoldsAndFreezesWhatIsShown) {
         return stage::frame_at(stage::timeline_of(map, clip.frames, clip.fps, "test", "time"), stage_s);
     };
     for (const char* text : {"", "offset:1s", "offset:10f,hold", "offset:-5f", "speed:2,offset:0.4s"}) {
-        const stage::TimeMap map = map_of(text), held = edit::held_at(map, clip, 1.2, 0.6),
+        const stage::TimeMap map = map_of(text), paused = edit::paused_at(map, clip, 1.2, 0.6),
                              frozen = edit::frozen_at(map, clip, 1.2);
-        EXPECT_EQ(frame(held, 1), frame(map, 1)) << text;
-        for (const double later_s : {0.0, 0.3, 0.6}) EXPECT_EQ(frame(held, 1.2 + later_s), frame(map, 1.2)) << text;
-        EXPECT_EQ(frame(held, 2), frame(map, 1.4)) << text;
+        EXPECT_EQ(frame(paused, 1), frame(map, 1)) << text;
+        for (const double later_s : {0.0, 0.3, 0.6}) EXPECT_EQ(frame(paused, 1.2 + later_s), frame(map, 1.2)) << text;
+        EXPECT_EQ(frame(paused, 2), frame(map, 1.4)) << text;
         for (const double stage_s : {0.0, 1.2, 5.0}) EXPECT_EQ(frame(frozen, stage_s), frame(map, 1.2)) << text;
     }
 }

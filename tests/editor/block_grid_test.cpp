@@ -10,17 +10,19 @@ namespace {
 constexpr double kTarget_ms = 40;
 
 struct Drawn {
-    double all_ms = 0, slowest_ms = 0;  // of the grid that the image was finished with
-    uint32_t side = 0, begun = 1;       // how often
+    double total_ms = 0;
+    double slowest_ms = 0;  // of the grid with which the image was finished
+    uint32_t side = 0;
+    uint32_t begun = 1;  // how often the image was begun
 };
 
-// An image whose pixels take full_ms, and each block fixed_ms.
-Drawn draw(editor::BlockGrid& grid, double fixed_ms, double full_ms, uint32_t least = 1) {
-    grid.begin(least);
-    Drawn drawn{0, 0, grid.side()};
+// Draws an image whose pixels take full_ms together, and each block fixed_ms more.
+Drawn draw(editor::BlockGrid& grid, double fixed_ms, double full_ms, uint32_t min_side = 1) {
+    grid.begin(min_side);
+    Drawn drawn;
     for (uint32_t block = 0; block < grid.side() * grid.side();) {
         const double ms = fixed_ms + full_ms / (grid.side() * grid.side());
-        drawn.all_ms += ms;
+        drawn.total_ms += ms;
         drawn.slowest_ms = std::max(drawn.slowest_ms, ms);
         block++;
         if (!grid.drawn(ms)) continue;
@@ -42,13 +44,13 @@ TEST(BlockGrid, BlocksTakeAboutTheTarget) {
     }
 }
 
-// What a block costs whatever its size cannot be cut.
+// The fixed cost of a block does not shrink with its size.
 TEST(BlockGrid, CutsNothingInVain) {
     editor::BlockGrid grid(kTarget_ms);
     const Drawn drawn = draw(grid, 100, 80);
     EXPECT_EQ(drawn.side, 4u);
     EXPECT_LE(drawn.begun, 3u);
-    EXPECT_LE(drawn.all_ms, 16 * 105 + 3 * 105);
+    EXPECT_LE(drawn.total_ms, 16 * 105 + 3 * 105);
 }
 
 TEST(BlockGrid, GoesBackToFewWhereTheyAreQuick) {
@@ -66,7 +68,7 @@ TEST(BlockGrid, KeepsToTheLeastAndTheMost) {
     for (int i = 0; i < 8; i++) {
         EXPECT_GE(draw(grid, 0, 1, 3).side, 3u);
     }
-    EXPECT_LE(draw(grid, 0, 1e9).side, editor::BlockGrid::kMostBlocks);
+    EXPECT_LE(draw(grid, 0, 1e9).side, editor::BlockGrid::kMaxSide);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Four seconds of 25 images each, playing from 0.
+// Four seconds of 25 frames each, playing from 0.
 editor::StageClock playing_clock() {
     editor::StageClock clock;
     clock.set_stage(4, 25);
@@ -23,10 +23,10 @@ TEST(Playback, PlaysTheWholeStageAgainAndAgain) {
     editor::StageClock clock = playing_clock();
     EXPECT_EQ(clock.in_s(), 0);
     EXPECT_EQ(clock.out_s(), 4);
-    EXPECT_EQ(clock.images(), 100);
+    EXPECT_EQ(clock.frames(), 100);
     clock.tick(1.5);
     EXPECT_DOUBLE_EQ(clock.time_s(), 1.5);
-    EXPECT_EQ(clock.image(), 37);
+    EXPECT_EQ(clock.frame(), 37);
     clock.tick(3);
     EXPECT_DOUBLE_EQ(clock.time_s(), 0.5) << "what was left of the step goes on";
     clock.playing = false;
@@ -38,15 +38,15 @@ TEST(Playback, ShowsWholePicturesWhileItPlays) {
     editor::StageClock clock = playing_clock();
     clock.tick(1.07);
     EXPECT_DOUBLE_EQ(clock.time_s(), 1.07);
-    EXPECT_DOUBLE_EQ(clock.shown_s(), 1.04);
-    EXPECT_DOUBLE_EQ(clock.shown_after_s(1), 1.08);
-    EXPECT_DOUBLE_EQ(clock.shown_after_s(2), 1.12);
+    EXPECT_DOUBLE_EQ(clock.displayed_s(), 1.04);
+    EXPECT_DOUBLE_EQ(clock.displayed_after_s(1), 1.08);
+    EXPECT_DOUBLE_EQ(clock.displayed_after_s(2), 1.12);
     clock.speed = 0.5;
-    EXPECT_DOUBLE_EQ(clock.shown_s(), 1.06) << "as many a second where it is slower";
-    EXPECT_DOUBLE_EQ(clock.shown_after_s(1), 1.08);
+    EXPECT_DOUBLE_EQ(clock.displayed_s(), 1.06) << "as many a second where it is slower";
+    EXPECT_DOUBLE_EQ(clock.displayed_after_s(1), 1.08);
     clock.speed = -2;
-    EXPECT_DOUBLE_EQ(clock.shown_s(), 1.04);
-    EXPECT_DOUBLE_EQ(clock.shown_after_s(1), 1.0);
+    EXPECT_DOUBLE_EQ(clock.displayed_s(), 1.04);
+    EXPECT_DOUBLE_EQ(clock.displayed_after_s(1), 1.0);
     clock.speed = 1;
     clock.play_or_pause();
     EXPECT_DOUBLE_EQ(clock.time_s(), 1.04) << "what was seen stays";
@@ -60,13 +60,13 @@ TEST(Playback, ShowsWholePicturesWhileItPlays) {
     clock.speed = 1;
     EXPECT_EQ(clock.until_next_s(), kInfinity) << "it stands still";
     clock.scrub(1.07);
-    EXPECT_DOUBLE_EQ(clock.shown_s(), 1.07) << "a stage may stand still between two";
+    EXPECT_DOUBLE_EQ(clock.displayed_s(), 1.07) << "a stage may stand still between two";
     clock.playing = true;
     clock.scrub(3.98);
-    EXPECT_DOUBLE_EQ(clock.shown_after_s(1), 0) << "it goes on at the other end";
+    EXPECT_DOUBLE_EQ(clock.displayed_after_s(1), 0) << "it goes on at the other end";
     clock.set_range(0.05, 4);
     clock.scrub(0.06);
-    EXPECT_DOUBLE_EQ(clock.shown_s(), 0.05) << "nothing before the range";
+    EXPECT_DOUBLE_EQ(clock.displayed_s(), 0.05) << "nothing before the range";
 }
 
 TEST(Playback, DoesNotDrift) {
@@ -133,7 +133,7 @@ TEST(Playback, StopsAtTheEndWhereItDoesNotLoop) {
 
 TEST(Playback, StepsFromPictureToPicture) {
     editor::StageClock clock = playing_clock();
-    clock.tick(0.99);  // between image 24 and 25
+    clock.tick(0.99);  // between the frames 24 and 25
     clock.step(1);
     EXPECT_FALSE(clock.playing);
     EXPECT_EQ(clock.time_s(), 25 / 25.0);
@@ -143,22 +143,22 @@ TEST(Playback, StepsFromPictureToPicture) {
     for (int i = 0; i < 1000; ++i) clock.step(1);
     EXPECT_EQ(clock.time_s(), 24 / 25.0) << "ten rounds, exactly";
     clock.step(-25);
-    EXPECT_EQ(clock.image(), 99);
+    EXPECT_EQ(clock.frame(), 99);
     clock.step(1);
-    EXPECT_EQ(clock.image(), 0);
+    EXPECT_EQ(clock.frame(), 0);
 }
 
 TEST(Playback, StepsReachEveryPictureOfUnevenRates) {
     editor::StageClock clock;
     clock.set_stage(1001 * 3 / 30000.0 * 10, 30000 / 1001.0);
-    ASSERT_EQ(clock.images(), 30);
+    ASSERT_EQ(clock.frames(), 30);
     for (int64_t i = 1; i <= 60; ++i) {
         clock.step(1);
-        ASSERT_EQ(clock.image(), i % 30);
+        ASSERT_EQ(clock.frame(), i % 30);
     }
     for (int64_t i = 1; i <= 60; ++i) {
         clock.step(-1);
-        ASSERT_EQ(clock.image(), (60 - i) % 30);
+        ASSERT_EQ(clock.frame(), (60 - i) % 30);
     }
 }
 
@@ -167,19 +167,19 @@ TEST(Playback, StepsStayInTheRange) {
     clock.set_range(1, 2);
     clock.scrub(1);
     clock.step(-1);
-    EXPECT_EQ(clock.image(), 49);
+    EXPECT_EQ(clock.frame(), 49);
     clock.step(2);
-    EXPECT_EQ(clock.image(), 26);
+    EXPECT_EQ(clock.frame(), 26);
     clock.loops = false;
     clock.step(1000);
-    EXPECT_EQ(clock.image(), 49);
+    EXPECT_EQ(clock.frame(), 49);
     clock.step(-1000);
-    EXPECT_EQ(clock.image(), 25);
+    EXPECT_EQ(clock.frame(), 25);
     clock.scrub(3);
     clock.step(1);
-    EXPECT_EQ(clock.image(), 76) << "outside, the stage's ends hold";
+    EXPECT_EQ(clock.frame(), 76) << "outside, the stage's ends hold";
     clock.step(1000);
-    EXPECT_EQ(clock.image(), 99);
+    EXPECT_EQ(clock.frame(), 99);
 }
 
 TEST(Playback, RangesAreCutToTheStage) {
@@ -208,7 +208,7 @@ TEST(Playback, AnotherDurationKeepsWhatItCan) {
     EXPECT_EQ(clock.in_s(), 1);
     EXPECT_EQ(clock.out_s(), 2);
     EXPECT_EQ(clock.time_s(), 2);
-    EXPECT_EQ(clock.image(), 59);
+    EXPECT_EQ(clock.frame(), 59);
 }
 
 TEST(Playback, AStageWithoutDurationStandsStill) {
@@ -219,8 +219,8 @@ TEST(Playback, AStageWithoutDurationStandsStill) {
     clock.step(3);
     clock.scrub(5);
     EXPECT_EQ(clock.time_s(), 0);
-    EXPECT_EQ(clock.image(), 0);
-    EXPECT_EQ(clock.images(), 1);
+    EXPECT_EQ(clock.frame(), 0);
+    EXPECT_EQ(clock.frames(), 1);
     clock.set_stage(2, 25);
     EXPECT_EQ(clock.out_s(), 2);
 }

@@ -11,7 +11,7 @@
 namespace neuvv {
 namespace {
 
-// A device whose images cost fixed + full · scale², each off by up to `noise` of that.
+// A device on which an image takes fixed + full · scale² milliseconds, with relative noise of up to `noise`.
 struct Simulated {
     double fixed_ms, full_ms, noise = 0;
     std::mt19937 random{7};
@@ -21,11 +21,11 @@ struct Simulated {
         return (fixed_ms + full_ms * scale * scale) * (1 + off);
     }
     double ideal(double target_ms) const {
-        return std::clamp(std::sqrt(std::max(target_ms - fixed_ms, 0.0) / full_ms), editor::kLeastScale, 1.0);
+        return std::clamp(std::sqrt(std::max(target_ms - fixed_ms, 0.0) / full_ms), editor::kMinScale, 1.0);
     }
 };
 
-// The scales of so many images.
+// Draws so many images and returns their scales.
 std::vector<double> draw(editor::DynamicScale& control, Simulated& device, int images) {
     std::vector<double> scales;
     for (int i = 0; i < images; ++i) {
@@ -41,11 +41,12 @@ const Simulated kDevices[] = {{0, 5},   {0, 60},    {2, 100},  {10, 200}, {20, 5
 
 TEST(DynamicScale, ConvergesWithinAFewPictures) {
     for (Simulated device : kDevices)
-        for (const double first : {editor::kLeastScale, 0.5, 1.0}) {
+        for (const double first : {editor::kMinScale, 0.5, 1.0}) {
             editor::DynamicScale control(kTarget_ms, first);
             draw(control, device, 16);
             const double ideal_ms = device.milliseconds(device.ideal(kTarget_ms));
-            EXPECT_NEAR(device.milliseconds(control.scale()), ideal_ms, 2.2 * editor::DynamicScale::kStill * ideal_ms)
+            EXPECT_NEAR(device.milliseconds(control.scale()), ideal_ms,
+                        2.2 * editor::DynamicScale::kMinChange * ideal_ms)
                 << device.fixed_ms << " + " << device.full_ms << " from " << first;
             const double settled = control.scale();
             for (const double scale : draw(control, device, 100)) EXPECT_EQ(scale, settled) << "without noise";
@@ -63,10 +64,11 @@ TEST(DynamicScale, GoesDownQuickly) {
 }
 
 TEST(DynamicScale, GoesUpSlowly) {
-    editor::DynamicScale control(kTarget_ms, editor::kLeastScale);
+    editor::DynamicScale control(kTarget_ms, editor::kMinScale);
     Simulated device{0, 1};
     const std::vector<double> scales = draw(control, device, 30);
-    for (size_t i = 1; i < scales.size(); ++i) EXPECT_LE(scales[i], scales[i - 1] * editor::DynamicScale::kUp + 1e-12);
+    for (size_t i = 1; i < scales.size(); ++i)
+        EXPECT_LE(scales[i], scales[i - 1] * editor::DynamicScale::kMaxGrowth + 1e-12);
     EXPECT_EQ(scales.back(), 1);
 }
 
@@ -80,9 +82,9 @@ TEST(DynamicScale, DoesNotOscillateWithNoise) {
         int changes = 0;
         for (size_t i = 1; i < scales.size(); ++i) changes += scales[i] != scales[i - 1];
         EXPECT_LE(changes, 50) << device.fixed_ms << " + " << device.full_ms;
-        const auto [least, most] = std::minmax_element(scales.begin(), scales.end());
-        EXPECT_GE(*least, 0.75 * ideal) << device.fixed_ms << " + " << device.full_ms;
-        EXPECT_LE(*most, 1.25 * ideal) << device.fixed_ms << " + " << device.full_ms;
+        const auto [min, max] = std::minmax_element(scales.begin(), scales.end());
+        EXPECT_GE(*min, 0.75 * ideal) << device.fixed_ms << " + " << device.full_ms;
+        EXPECT_LE(*max, 1.25 * ideal) << device.fixed_ms << " + " << device.full_ms;
     }
 }
 
@@ -111,7 +113,7 @@ TEST(DynamicScale, LearnsWhatDoesNotDependOnTheSize) {
 TEST(DynamicScale, HopelessTargetsTakeTheLeast) {
     editor::DynamicScale control(1);
     for (int i = 0; i < 20; ++i) control.drawn(i % 2 ? 0.2 : 1, i % 2 ? 50 : 60);
-    EXPECT_EQ(control.scale(), editor::kLeastScale);
+    EXPECT_EQ(control.scale(), editor::kMinScale);
 }
 
 TEST(DynamicScale, StrangeTimesAreIgnored) {

@@ -76,7 +76,7 @@ TEST(Editor, ASaveKeepsWhatWasEditedMeanwhile) {
     ASSERT_TRUE(editor.edit(named(0, "second")));
     ASSERT_TRUE(editor.drag(named(1, "held")));
     edit::save_document(saved, in_temp("b.gltf"));
-    editor.saved(saved, editor.opened(), id);
+    editor.saved(saved, editor.open_count(), id);
     EXPECT_EQ(editor.file().path, in_temp("b.gltf"));
     ASSERT_TRUE(editor.drag(named(1, "held longer")));
     editor.end_drag();
@@ -89,7 +89,7 @@ TEST(Editor, ASaveOfAnotherDocumentIsNotThisOnes) {
     editor::Editor editor;
     editor.open(stage_named("a.gltf"), false);
     edit::Document saved = editor.document();
-    const uint64_t number = editor.opened(), id = editor.id();
+    const uint64_t number = editor.open_count(), id = editor.id();
     editor.open(stage_named("new.gltf"), true);
     edit::save_document(saved, in_temp("a.gltf"));
     editor.saved(saved, number, id);
@@ -134,13 +134,13 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
         return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{field, {{0, 0, 1, {red, 0, 0}, 1}}});
     };
     editor::Editor editor;
-    const size_t worn = edit::paint_layers_of(document.file, anna)->size();
+    const size_t used = edit::paint_layers_of(document.file, anna)->size();
     voctree::write_paint(at("disk.nvpaint"), *layer(0.125f));
     edit::add_paint_layer(document.file, anna, at("disk.nvpaint"), {});
     editor.open(document, false);
     const auto paint = [&](const char* file, std::shared_ptr<const voctree::EditLayer> painted) {
         return [path = at(file), anna, painted](edit::Document& edited) {
-            return edit::put_paint(edited, anna, path, "new", painted, "painted");
+            return edit::set_paint(edited, anna, path, "new", painted, "painted");
         };
     };
     const auto before = std::make_shared<const voctree::EditLayer>(voctree::read_paint(at("disk.nvpaint"), field));
@@ -151,11 +151,11 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
     ASSERT_TRUE(editor.drag(paint("disk.nvpaint", whole)));
     editor.end_drag();
     EXPECT_EQ(editor.document().paint.at(at("disk.nvpaint")), whole);
-    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 1) << "it is worn already";
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), used + 1) << "it is used already";
 
     edit::Document saved = editor.document();
     edit::save_document(saved, saved.file.path);
-    editor.saved(saved, editor.opened(), editor.id());
+    editor.saved(saved, editor.open_count(), editor.id());
     EXPECT_FALSE(editor.modified());
     EXPECT_EQ(voctree::read_paint(at("disk.nvpaint"), field).edits, whole->edits);
     editor.undo();
@@ -165,10 +165,10 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
     EXPECT_EQ(editor.document().paint.at(at("disk.nvpaint")), whole);
 
     ASSERT_TRUE(editor.edit(paint("fresh.nvpaint", half)));
-    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 2);
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), used + 2);
     EXPECT_EQ(edit::title_of(edit::paint_layers_of(editor.file(), anna)->back()), "new");
     editor.undo();
-    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), worn + 1) << "the layer is gone with the stroke";
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), used + 1) << "the layer is gone with the stroke";
 }
 
 }  // namespace

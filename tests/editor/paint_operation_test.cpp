@@ -1,4 +1,4 @@
-// What tools make of chosen leaves: the same as edit/ makes of them, at the frames that were asked for.
+// The edits of painting operations on selected leaves: the same as those of edit/, at the frames of the operation.
 #include "editor/paint_operation.h"
 
 #include <gtest/gtest.h>
@@ -40,15 +40,15 @@ struct PaintWorks : testing::Test {
 };
 
 TEST_F(PaintWorks, ColourByShareAndEraseFromAHalfOn) {
-    const std::vector<editor::SelectedLeaf> chosen = {{3, 1}, {5, 0.49f}, {8, 0.5f}};
+    const std::vector<editor::SelectedLeaf> selected = {{3, 1}, {5, 0.49f}, {8, 0.5f}};
     editor::PaintOperation operation{.colour = {0, 0, 1}, .opacity = 0.5f, .frames = {2, 4}};
-    const auto painted = editor::apply_operation(canvas, empty, chosen, operation);
+    const auto painted = editor::apply_operation(canvas, empty, selected, operation);
     ASSERT_TRUE(painted);
     const std::vector<voctree::LeafEdit> want = {
         {3, 2, 4, {0, 0, 1}, 0.5f}, {5, 2, 4, {0, 0, 1}, 0.245f}, {8, 2, 4, {0, 0, 1}, 0.25f}};
     EXPECT_EQ(painted->edits, want);
     operation.kind = Kind::kErase;
-    const auto erased = editor::apply_operation(canvas, *painted, chosen, operation);
+    const auto erased = editor::apply_operation(canvas, *painted, selected, operation);
     ASSERT_TRUE(erased);
     ASSERT_EQ(erased->edits.size(), 3u);
     EXPECT_EQ(erased->edits[0].sigma, 0);
@@ -71,7 +71,7 @@ TEST_F(PaintWorks, RestoreWhatWasPaintedAndNothingElse) {
         EXPECT_EQ(restored->edits, chest_painted->edits);
         EXPECT_EQ(voctree::defect_of(*restored), "");
     }
-    // Of a range the rest stays.
+    // Outside the restored range of frames the edits stay.
     editor::PaintOperation operation{.frames = {1, 6}};
     const auto painted = in(chest, operation, empty);
     operation.kind = Kind::kRestore;

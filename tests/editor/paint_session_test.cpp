@@ -1,4 +1,4 @@
-// Painting as the viewer does it, in pieces while the hand moves: the same as edit/ paints at once.
+// Painting in pieces, as the viewer does while the hand moves, gives the same as painting at once by edit/.
 #include "editor/paint_session.h"
 
 #include <algorithm>
@@ -19,11 +19,11 @@ struct PaintSessions : GpuTest {
         std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip->field, {}});
     editor::PaintSurface surface{device()};
     stage::Camera camera = figure_camera(160);
-    // Over the head, off it, and back over the shoulders.
+    // A line over the head, off the figure, and back over the shoulders.
     std::vector<glm::dvec2> line = {{60, 50}, {75, 60}, {84, 52}, {150, 20}, {156, 90}, {90, 130}, {60, 132}};
     editor::PaintOperation operation{.colour = {0, 0.25f, 1}, .opacity = 0.75f, .frames = {0, 0, edit::Follow::kAll}};
 
-    editor::PaintSubject subject(float frame = 0, std::vector<editor::WornLayer> paint = {}) const {
+    editor::PaintSubject subject(float frame = 0, std::vector<editor::VisibleLayer> paint = {}) const {
         return {clip, field, frame, std::move(paint)};
     }
     editor::PaintSession session(editor::PaintSubject of, std::shared_ptr<const voctree::EditLayer> before,
@@ -38,7 +38,7 @@ struct PaintSessions : GpuTest {
         in.add_touches(surface, from, pixels);
         return in.layer();
     }
-    // What edit/ paints, asked once.
+    // What edit/ paints in one call.
     voctree::EditLayer painted_at_once(float frame) {
         render::Picker picker(device(), *field);
         picker.show(frame);
@@ -154,7 +154,7 @@ TEST_F(PaintSessions, ProjectAsEditDoes) {
             all.push_back(edit);
         }
     voctree::EditLayer want = *empty;
-    voctree::add_edits(want, edit::through_between(all, 0, 1));
+    voctree::add_edits(want, edit::extend_between_frames(all, 0, 1));
     EXPECT_EQ(every.layer()->edits, want.edits);
 }
 
@@ -166,7 +166,7 @@ TEST(Images, AreReducedToMeans) {
         to[1] = 255;
         to[3] = i % 5 == 3 ? 0 : 255;
     }
-    const media::Image small = editor::reduced(image, 2);
+    const media::Image small = editor::downscaled(image, 2);
     ASSERT_EQ(small.width, 3u);
     ASSERT_EQ(small.height, 1u);
     EXPECT_EQ(small.at(0, 0)[0], media::srgb_byte_from_linear(0.5f)) << "means of light, not of bytes";

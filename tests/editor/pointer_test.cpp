@@ -66,7 +66,8 @@ TEST(Pointer, ALineIsDraggedToWhereThePointerIs) {
         for (const double s : {-0.7, 0.0, 0.3, 1.0}) {
             const glm::dvec2 seen = *editor::pixel_of(camera, through + along * s);
             EXPECT_NEAR(editor::line_drag(camera, through, along, 0.5, seen).value(), s, 1e-9);
-            // Beside the line, its nearest point in the image is the foot.
+            // For a pointer beside the line, the result is the nearest point in the image: the foot of the
+            // perpendicular.
             const glm::dvec2 on = *editor::pixel_of(camera, through + along * (s + 0.01)) - seen;
             const glm::dvec2 beside = seen + 30.0 * glm::normalize(glm::dvec2(-on.y, on.x));
             EXPECT_NEAR(editor::line_drag(camera, through, along, 0.5, beside).value(), s, 1e-9);
@@ -80,11 +81,11 @@ TEST(Pointer, LinesHaveNoJumpWhereTheyVanish) {
     double before = -1;
     for (double y = 400; y >= 0; y -= 0.01) {
         const double s = editor::line_drag(camera, through, along, 1, {camera.cx, y}).value();
-        EXPECT_LE(std::abs(s), 4 * editor::kFarthest);
+        EXPECT_LE(std::abs(s), 4 * editor::kMaxDepthFactor);
         EXPECT_GE(s, before - 1e-9) << "comes back at " << y;
         before = s;
         if (y < camera.cy) {
-            EXPECT_NEAR(s, 4 * (editor::kFarthest - 1), 1e-9);
+            EXPECT_NEAR(s, 4 * (editor::kMaxDepthFactor - 1), 1e-9);
         }
     }
     EXPECT_FALSE(editor::line_drag(camera, {0, 0, -4}, along, 1, {10, 10})) << "end on";
@@ -112,8 +113,8 @@ TEST(Pointer, PlanesHaveNoJumpAtTheirHorizon) {
     for (double y = camera.height; y >= 0; y -= 0.01) {
         const glm::dvec3 point = editor::plane_drag(camera, through, normal, {camera.cx, y}).value();
         EXPECT_NEAR(point.y, -1, 1e-9) << "left the plane at " << y;
-        EXPECT_LE(glm::length(point), editor::kFarthest * 4.2);
-        // Above the horizon nothing moves away, but for the turn of the ray.
+        EXPECT_LE(glm::length(point), editor::kMaxDepthFactor * 4.2);
+        // Above the horizon the point hardly moves: only as far as the ray turns.
         if (y > camera.cy + 3) {
             EXPECT_LE(point.z, before + 1e-9);
         } else if (y < camera.cy) {

@@ -1,4 +1,4 @@
-// What ends the render thread, and what it only tells.
+// Errors that end the render thread, and errors that it only reports.
 #include "editor/render_thread.h"
 
 #include <chrono>
@@ -21,7 +21,7 @@ struct RenderThreads : GpuTest {
         document.file = edit::new_stage(folder.path / "stage.gltf");
         thread.show(std::make_shared<const edit::Document>(std::move(document)), 1);
     }
-    // Until `reached` is true of the render thread's state; false after a minute.
+    // Waits until `reached` is true of the render thread's state; returns false after a minute.
     bool wait_for(const std::function<bool(const editor::RenderThreadState&)>& reached) {
         const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
         while (std::chrono::steady_clock::now() < end) {

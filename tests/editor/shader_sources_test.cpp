@@ -19,7 +19,7 @@ struct Shaders : testing::Test {
     void SetUp() override {
         std::filesystem::copy(NEUVV_SHADERS, folder.path, std::filesystem::copy_options::recursive);
     }
-    // Later than all that was written before, whatever the file system's clock has for steps.
+    // A time later than all that was written before, whatever the resolution of the file system's clock is.
     void touch(const std::string& name) {
         const auto file = folder.path / name;
         std::filesystem::last_write_time(file,
@@ -39,20 +39,20 @@ std::vector<uint32_t> words_of(const uint32_t (&words)[n]) {
 
 TEST_F(Shaders, AreCompiledAsTheBuildDoes) {
     editor::ShaderSources sources(folder.path);
-    EXPECT_TRUE(sources.look().compiled.empty());
+    EXPECT_TRUE(sources.compile_changes().compiled.empty());
     touch("resolve.comp");
-    const editor::ShaderSources::Change change = sources.look();
+    const editor::ShaderSources::Change change = sources.compile_changes();
     EXPECT_EQ(change.problem, "");
     EXPECT_EQ(change.compiled, std::vector<std::string>{"resolve.comp"});
     ASSERT_EQ(sources.replacements().size(), 1u);
     EXPECT_EQ(sources.replacements().at(words_of(resolve_comp)), words_of(resolve_comp));
-    EXPECT_TRUE(sources.look().compiled.empty()) << "once is enough";
+    EXPECT_TRUE(sources.compile_changes().compiled.empty()) << "once is enough";
 }
 
 TEST_F(Shaders, AreCompiledWhenWhatTheyIncludeChanges) {
     editor::ShaderSources sources(folder.path);
     add("show.glsl", "const float kNobodyKnows = 1.0;\n");
-    std::vector<std::string> compiled = sources.look().compiled;
+    std::vector<std::string> compiled = sources.compile_changes().compiled;
     std::sort(compiled.begin(), compiled.end());
     EXPECT_EQ(compiled, (std::vector<std::string>{"resolve.comp", "upscale.comp"}));
 }
@@ -61,7 +61,7 @@ TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
     editor::ShaderSources sources(folder.path);
     const auto whole = std::filesystem::file_size(folder.path / "show.glsl");
     add("show.glsl", "float broken() { return nowhere; }\n");
-    editor::ShaderSources::Change change = sources.look();
+    editor::ShaderSources::Change change = sources.compile_changes();
     EXPECT_TRUE(change.compiled.empty());
     EXPECT_NE(change.problem.find("'nowhere' : undeclared identifier"), std::string::npos) << change.problem;
     EXPECT_NE(change.problem.find("show.glsl:"), std::string::npos) << change.problem;
@@ -70,7 +70,7 @@ TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
 
     std::filesystem::resize_file(folder.path / "show.glsl", whole);
     touch("show.glsl");
-    change = sources.look();
+    change = sources.compile_changes();
     EXPECT_EQ(change.problem, "");
     EXPECT_EQ(change.compiled.size(), 2u);
     EXPECT_EQ(sources.replacements().at(words_of(upscale_comp)), words_of(upscale_comp));
@@ -79,16 +79,16 @@ TEST_F(Shaders, ThatDoNotCompileAreNamedAndTheLastOnesStay) {
 TEST_F(Shaders, MayMakeTheCompilerWarn) {
     editor::ShaderSources sources(folder.path);
     add("resolve.comp", "#extension GL_NV_nobody_has_it : enable\n");
-    const editor::ShaderSources::Change change = sources.look();
+    const editor::ShaderSources::Change change = sources.compile_changes();
     EXPECT_EQ(change.problem, "");
     EXPECT_EQ(sources.replacements().at(words_of(resolve_comp)), words_of(resolve_comp)) << "SPIR-V, and nothing said";
 }
 
 TEST_F(Shaders, WhatCppHasTooIsBuiltAnew) {
     editor::ShaderSources sources(folder.path);
-    for (const char* changed : {"shared/trace.h", "resolve.comp"}) {  // then nothing else is compiled with it
+    for (const char* changed : {"shared/trace.h", "resolve.comp"}) {  // then none of the shaders is compiled
         touch(changed);
-        const editor::ShaderSources::Change change = sources.look();
+        const editor::ShaderSources::Change change = sources.compile_changes();
         EXPECT_TRUE(change.compiled.empty()) << changed;
         EXPECT_NE(change.problem.find("build the program anew"), std::string::npos) << change.problem;
     }

@@ -1,4 +1,4 @@
-// A camera that stands askew to all axes.
+// A camera whose axes are not parallel to those of the world.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace neuvv::test {
 
-// 4 m from (0.2, 1, −0.3), turned by 0.7 about Y and by −0.4 about its own X.
+// A camera 4 m from (0.2, 1, −0.3), turned by 0.7 about Y and by −0.4 about its own X.
 inline stage::Camera some_camera() {
     glm::dmat4 world_from_camera = glm::translate(glm::dmat4(1), glm::dvec3(0.2, 1, -0.3));
     world_from_camera = glm::rotate(world_from_camera, 0.7, glm::dvec3(0, 1, 0));

@@ -47,7 +47,7 @@ class HandsAtAStage : public testing::Test {
     void frame(double dt_s = 1.0 / 90) {
         jobs.run_posted();
         state.follow_document();
-        state.look_at_evaluated();
+        state.evaluate();
         interaction.update(state, inputs, head, dt_s);
         for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }

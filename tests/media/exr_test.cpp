@@ -1,4 +1,4 @@
-// OpenEXR out and in.
+// Writing and reading OpenEXR.
 #include "media/exr.h"
 
 #include <ImfChannelList.h>
@@ -43,7 +43,7 @@ TEST(Exr, RoundTrips) {
     ASSERT_EQ(back.height, 21u);
     ASSERT_EQ(back.rgba.size(), image.rgba.size());
     bool exact = true;
-    for (size_t i = 0; i < image.rgba.size(); ++i) {  // half a step of a half: 11 bits
+    for (size_t i = 0; i < image.rgba.size(); ++i) {  // half a step of a half, which has 11 bits
         EXPECT_NEAR(back.rgba[i], image.rgba[i], std::abs(image.rgba[i]) / 2048 + 1e-7) << i;
         exact = exact && back.rgba[i] == image.rgba[i];
     }
@@ -81,7 +81,7 @@ TEST(Exr, BrightLightIsClampedToWhatAHalfHolds) {
     EXPECT_EQ(media::read_exr(folder.path / "a.exr").rgba, (std::vector<float>{65504, -65504, 65504, 1}));
 }
 
-// As other programs write them: floats, RGB alone, a data window that does not begin at 0.
+// Files as other programs write them: floats, RGB alone, a data window that does not begin at 0.
 TEST(Exr, FilesOfOthersAreRead) {
     const TemporaryFolder folder;
     const std::string path = (folder.path / "env.exr").string();
@@ -146,11 +146,11 @@ TEST(Exr, DamageIsNamed) {
         expect_input_error([&] { media::read_exr(path); }, {"bad.exr"});
     }
     uint32_t state = 7;
-    for (int round = 0; round < 200; ++round) {  // an InputError or a sound image, nothing else
+    for (int round = 0; round < 200; ++round) {  // must give an InputError or a sound image, nothing else
         std::string bytes = whole;
         for (int i = 0; i < 6; ++i) {
             state = state * 1664525 + 1013904223;
-            const size_t span = round % 2 ? bytes.size() : 400;  // the header, or anywhere
+            const size_t span = round % 2 ? bytes.size() : 400;  // in the header, or anywhere
             bytes[(state >> 8) % span] = static_cast<char>(state);
         }
         write_text(path, bytes);

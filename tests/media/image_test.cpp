@@ -23,7 +23,7 @@ media::Image random_image(uint32_t width, uint32_t height, bool opaque) {
     return image;
 }
 
-// A PNG of any kind, written row by row as libpng takes them.
+// Writes a PNG of any kind, row by row as libpng takes them.
 struct PngKind {
     uint32_t width, height;
     int depth, colour;
@@ -189,7 +189,7 @@ TEST(Image, EveryDamagedByteIsRefusedOrHarmless) {
             ++refused;
         }
     }
-    EXPECT_GT(refused, whole.size() * 9 / 10);  // all but the chunks that libpng may skip
+    EXPECT_GT(refused, whole.size() * 9 / 10);  // all except damage in chunks that libpng may skip
 }
 
 TEST(Image, BadSizesAreRefusedBeforeMemoryIsTaken) {

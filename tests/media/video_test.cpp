@@ -33,7 +33,7 @@ void write_video(const std::filesystem::path& path, uint32_t width, uint32_t hei
 
 TEST(Video, SummaryIsWhatWasWritten) {
     const TemporaryFolder folder;
-    const auto path = folder.path / "a:b.mp4";  // a colon must not become a protocol
+    const auto path = folder.path / "a:b.mp4";  // the part before the colon must not be taken for a protocol
     write_video(path, 64, 48, 25, 24);
     const media::VideoSummary summary = media::summarise_video(path);
     EXPECT_EQ(summary.width, 64u);
@@ -93,8 +93,8 @@ TEST(Video, OneFrameIsAVideo) {
     EXPECT_EQ(media::summarise_video(folder.path / "one.mp4").frames, 1u);
 }
 
-// Decodes the first frame and looks at its Y, Cb, Cr and tags: pure red is (63, 102, 240) in BT.709 and (81, 90, 240)
-// in BT.601, and a player chooses by the tags.
+// Decodes the first frame and returns its Y, Cb, Cr and tags: pure red is (63, 102, 240) in BT.709 and (81, 90, 240) in
+// BT.601, and a player chooses by the tags.
 TEST(Video, ColoursAreBt709) {
     const TemporaryFolder folder;
     const auto path = folder.path / "red.mp4";
@@ -222,7 +222,7 @@ TEST(VideoReader, AShortFileIsNoticedAtItsEnd) {
     expect_input_error([&] { media::VideoReader reader(folder.path / "none.mp4"); }, {"none.mp4", "cannot open"});
 }
 
-// Any bytes may be damaged: an InputError or frames of the right size, nothing else.
+// Any bytes may be damaged: reading must give an InputError or frames of the right size, nothing else.
 TEST(VideoReader, DamagedBytesDoNoHarm) {
     const TemporaryFolder folder;
     write_video(folder.path / "a.mp4", 64, 48, 25, 12);

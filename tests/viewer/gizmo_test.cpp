@@ -305,7 +305,7 @@ TEST(Gizmo, DragsHaveNoJumps) {
                             ASSERT_TRUE(is_finite(after));
                             // A turn by nearly half a revolution as the pointer passes the middle is none.
                             if (i > 0 && mode != viewer::GizmoMode::kRotate) {
-                                const double farthest = 5 * editor::kFarthest;
+                                const double farthest = 5 * editor::kMaxDepthFactor;
                                 ASSERT_LT(glm::length(after[3]), 2.5 * farthest);
                                 ASSERT_LT(glm::length(after[3] - before[3]), 0.2 * farthest)
                                     << handle << " yaw " << yaw << " pitch " << pitch << " at " << i;

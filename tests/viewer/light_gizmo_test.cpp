@@ -176,7 +176,7 @@ TEST(LightGizmo, DragsHaveNoJumps) {
                     const viewer::AimedLight after = viewer::dragged(gizmo, handle, from, to, false);
                     ASSERT_LT(glm::distance(after.aim, before.aim), 0.05);
                     ASSERT_LT(std::abs(after.outer_cone_rad - before.outer_cone_rad), 0.06);
-                    ASSERT_LT(std::abs(after.range_m - before.range_m), 0.2 * editor::kFarthest * gizmo.light.range_m);
+                    ASSERT_LT(std::abs(after.range_m - before.range_m), 0.2 * editor::kMaxDepthFactor * gizmo.light.range_m);
                     before = after;
                 }
             }

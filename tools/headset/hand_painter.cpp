@@ -93,7 +93,7 @@ std::shared_ptr<const HandPainter::PaintTarget> HandPainter::load_target(Headset
         target_ && target_->node == performer.node && target_->clip_path == clip_path &&
         (paints_top_layer
              ? target_->layer_path == layers->back().path
-             : target_->is_new && !edit::worn_layers(state.editor.file()).contains(target_->layer_path) &&
+             : target_->is_new && !edit::used_layers(state.editor.file()).contains(target_->layer_path) &&
                    !state.editor.document().paint.contains(target_->layer_path));  // an undone stroke stays there
     if (same) return target_;
     if (failed_target_.id == state.editor.id() && failed_target_.node == performer.node) {
@@ -241,7 +241,7 @@ void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke)
             stroke->changed_leaves |= layer != nullptr;
             if (layer)
                 state.editor.drag([&](edit::Document& document) {
-                    return edit::put_paint(document, stroke->node, stroke->target->layer_path, "headset", layer,
+                    return edit::set_paint(document, stroke->node, stroke->target->layer_path, "headset", layer,
                                            stroke->description);
                 });
             process_strokes(state);

@@ -73,14 +73,14 @@ void Program::open() {
         recovered.reset();
     }
     if (recovered) state.editor.notify("unsaved edits of an earlier run are taken: save keeps them");
-    if (recovered && edit::has_anothers_file(*recovered))
+    if (recovered && edit::has_foreign_file(*recovered))
         state.editor.notify("the stage's file has changed since: saving keeps that beside it");
     state.editor.open(recovered ? edit::restore(*recovered) : editor::open_document(options.file),
                       recovered.has_value());
     state.follow_document();
     settings.load(state, interaction.grab.settings);
     state.clock.playing = options.play;
-    state.look_at_evaluated();
+    state.evaluate();
     saver.emplace(state.editor, jobs);
     saver->autosave.opened(std::move(recovered));
 }
@@ -201,7 +201,7 @@ void make_renderer(Program& program, RuntimeContext& context, const EyeImages& e
     context.renderer = std::make_unique<render::StageRenderer>(
         context.device, *context.drawn_stage, context.loader->load(*context.drawn_stage), eyes.capacity());
     update_clips(program.state, context);
-    program.state.look_at_evaluated();
+    program.state.evaluate();
     if (!program.rig_is_set)
         program.state.floor_m = editor::floor_of(program.state);  // afterwards it stays, as the user stands on it
 }
@@ -223,7 +223,7 @@ std::vector<render::NextSlice> slices_to_prefetch(const Program& program, const 
     if (!program.state.clock.playing) return next;
     for (int32_t n = 1; n <= kPrefetchedFrames; n++)
         for (const render::Instance& instance :
-             renderer.settings_at(stage::stage_at(*program.state.stage, program.state.clock.shown_after_s(n)))
+             renderer.settings_at(stage::stage_at(*program.state.stage, program.state.clock.displayed_after_s(n)))
                  .instances)
             next.push_back({{instance.frame, instance.paint}, instance.field});
     return next;
@@ -246,7 +246,7 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
     program.jobs.run_posted();
     context.follow(program);  // edits that are made after this show in the next frame
     state.clock.tick(dt_s);
-    state.look_at_evaluated();
+    state.evaluate();
     if (program.head) program.interaction.update(state, inputs, *program.head, dt_s);
     for (const int hand : {xr::kLeft, xr::kRight})
         if (const double pulse = program.interaction.hands[hand].vibration; pulse > 0)

@@ -17,7 +17,7 @@ Mirror::Mirror(const gpu::Device& device, ui::Window& window, VkExtent2D eye)
 
 bool Mirror::show(const gpu::DeviceImage* image) {
     window_.poll();
-    if (window_.asked_to_close()) return false;
+    if (window_.close_requested()) return false;
     if (!image) return true;
     const VkExtent2D framebuffer = window_.framebuffer(), extent = swapchain_.extent();
     if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised

@@ -62,7 +62,7 @@ void PerformerGrab::update(HeadsetState& state, Hands& hands, double dt_s) {
         if (std::abs(stick) > kDeadZone) grab_->push(which, stick * kPush_m_per_s * dt_s);
     }
     if (node_ < state.evaluated.pose.world_from_node.size())
-        editor::carry(state.evaluated, *state.stage, node_, grab_->world_from_node());
+        editor::move_node(state.evaluated, *state.stage, node_, grab_->world_from_node());
 }
 
 // Scaling happens about the grabbed point, not about the performer's feet. So the height of the grabbed point says
@@ -87,7 +87,7 @@ void PerformerGrab::release(HeadsetState& state) {
     grab_.reset();
     if (node_ >= state.stage->scene.nodes.size()) return;
     world_from_node = snapped(state, world_from_node);
-    editor::carry(state.evaluated, *state.stage, node_, world_from_node);  // until the edited document is evaluated
+    editor::move_node(state.evaluated, *state.stage, node_, world_from_node);  // until the edited document is evaluated
     move_node_to(state, node_, world_from_node);
 }
 

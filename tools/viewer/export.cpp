@@ -65,7 +65,7 @@ void Export::draw_block(editor::OnDevice& on_device) {
     on_device.renderer.show(evaluated, settings_.with_background);
     render::FrameSettings settings = on_device.renderer.settings_at(evaluated);
     if (block_ == 0)  // the window may grow meanwhile, and the renderer with it
-        side_ = editor::blocks_within(camera, std::min(settings.width, kBlockPixels) / settings_.samples,
+        side_ = editor::min_grid_side(camera, std::min(settings.width, kBlockPixels) / settings_.samples,
                                       std::min(settings.height, kBlockPixels) / settings_.samples);
     const editor::Block block = editor::block_of(camera, block_++, side_);
     if (block.camera.width == 0 || block.camera.height == 0) return;

@@ -7,9 +7,10 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "edit/operations.h"
+#include "edit/paint_layers.h"
 #include "editor/open_file.h"
 #include "tools/options.h"
-#include "tools/viewer/viewer.h"
+#include "tools/viewer/context.h"
 #include "voctree/clip.h"
 
 namespace neuvv::viewer {
@@ -24,12 +25,17 @@ bool is_one_of(const std::filesystem::path& path, std::initializer_list<const ch
 
 }  // namespace
 
-Files::Files(Viewer& viewer) : viewer_(viewer), saver_(viewer.editor, viewer.jobs) {}
+Files::Files(Context& context, Preferences& preferences, const Exporter& exporter, FileEvents events)
+    : context_(context),
+      preferences_(preferences),
+      exporter_(exporter),
+      events_(std::move(events)),
+      saver_(context.editor, context.jobs) {}
 
 // An export's images are all of one stage.
 bool Files::refused_by_export() {
-    if (!viewer_.exporting) return false;
-    viewer_.editor.notify("an export goes on: cancel it first", true);
+    if (!exporter_.job()) return false;
+    context_.editor.notify("an export goes on: cancel it first", true);
     return true;
 }
 
@@ -39,7 +45,7 @@ void Files::open(const std::filesystem::path& path) {
 
 // Edits of a process that is gone are offered before the stage is read.
 void Files::open_now(const std::filesystem::path& path) {
-    viewer_.jobs.start(fmt::format("Opening {}", path.filename().string()), [this, path] {
+    context_.jobs.start(fmt::format("Opening {}", path.filename().string()), [this, path] {
         const std::vector<edit::RecoveryEntry> entries = editor::lost_edits_of(editor::stage_of_file(path));
         return [this, path, entries] {
             if (entries.empty() || question_) return read(path);
@@ -49,11 +55,11 @@ void Files::open_now(const std::filesystem::path& path) {
 }
 
 void Files::offer_lost() {
-    viewer_.jobs.start("", [this]() -> JobQueue::Then {
+    context_.jobs.start("", [this]() -> JobQueue::Then {
         const std::vector<edit::RecoveryEntry> entries = editor::lost_edits();
         if (entries.empty()) return {};
         return [this, entries] {
-            if (!question_ && !viewer_.editor.is_open()) ask_to_recover(entries, {}, [](const auto&) {});
+            if (!question_ && !context_.editor.is_open()) ask_to_recover(entries, {}, [](const auto&) {});
         };
     });
 }
@@ -65,40 +71,43 @@ void Files::ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::
     question_->entries = std::move(entries);
     question_->then = std::move(then);
     question_->folder = path;
-    viewer_.redraw();
+    context_.redraw();
 }
 
 void Files::read(const std::filesystem::path& path) {
-    viewer_.jobs.start(fmt::format("Opening {}", path.filename().string()), [this, path, number = viewer_.editor.id()] {
-        auto document = std::make_shared<edit::Document>(editor::open_document(path));
-        return [this, document, path, number] {
-            // Edits that were made while it was read are asked about again.
-            if (viewer_.editor.modified() && viewer_.editor.id() != number) return open(path);
-            opened(std::move(*document), false);
-            remember_file(viewer_.preferences, std::filesystem::absolute(path));
-        };
-    });
+    context_.jobs.start(fmt::format("Opening {}", path.filename().string()),
+                        [this, path, number = context_.editor.id()] {
+                            auto document = std::make_shared<edit::Document>(editor::open_document(path));
+                            return [this, document, path, number] {
+                                // Edits that were made while it was read are asked about again.
+                                if (context_.editor.modified() && context_.editor.id() != number) return open(path);
+                                opened(std::move(*document), false);
+                                remember_file(preferences_, std::filesystem::absolute(path));
+                            };
+                        });
 }
 
 void Files::recover(const edit::RecoveryEntry& entry) {
-    viewer_.jobs.start(fmt::format("Recovering {}", entry.stage.filename().string()), [this, entry] {
+    context_.jobs.start(fmt::format("Recovering {}", entry.stage.filename().string()), [this, entry] {
         auto document = std::make_shared<edit::Document>(edit::restore(entry));
         return [this, document, entry] {
             opened(std::move(*document), true, entry);
-            viewer_.editor.notify("recovered unsaved edits; save to keep them");
+            context_.editor.notify("recovered unsaved edits; save to keep them");
         };
     });
 }
 
 void Files::opened(edit::Document document, bool modified, std::optional<edit::RecoveryEntry> from) {
     saver_.autosave.opened(std::move(from));
-    viewer_.gizmo.reset();
-    viewer_.held_light.reset();
-    viewer_.timeline.key.reset();
-    viewer_.paint.leave_alone({});
+    events_.opened();
     clips_.clear();
-    viewer_.editor.open(std::move(document), modified);
-    viewer_.redraw();
+    context_.editor.open(std::move(document), modified);
+    context_.redraw();
+}
+
+void Files::ask_to_open() {
+    ask_path("Open", {".gltf", ".glb", ".nvv", ".npz"}, false, "",
+             [this](const std::filesystem::path& path) { open(path); });
 }
 
 void Files::new_stage() {
@@ -109,32 +118,32 @@ void Files::new_stage() {
 }
 
 void Files::save() {
-    if (!viewer_.editor.is_open()) return;
-    if (viewer_.editor.file().saved->on_disk)
-        save_to(viewer_.editor.file().path, {});
+    if (!context_.editor.is_open()) return;
+    if (context_.editor.file().saved->on_disk)
+        save_to(context_.editor.file().path, {});
     else
         save_as();
 }
 
 void Files::save_as() {
-    if (!viewer_.editor.is_open()) return;
-    const bool binary = viewer_.editor.file().saved->binary;
-    ask_path("Save stage as", {binary ? ".glb" : ".gltf"}, true, viewer_.editor.file().path.filename().string(),
+    if (!context_.editor.is_open()) return;
+    const bool binary = context_.editor.file().saved->binary;
+    ask_path("Save stage as", {binary ? ".glb" : ".gltf"}, true, context_.editor.file().path.filename().string(),
              [this](const std::filesystem::path& path) { save_to(path, {}); });
 }
 
 void Files::save_to(const std::filesystem::path& path, std::function<void()> then) {
-    const stage::StageFile& file = viewer_.editor.file();
+    const stage::StageFile& file = context_.editor.file();
     const bool left = file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(file.path);
     saver_.save(path, [this, path, left, then](const edit::Document& saved, uint64_t opened) {
-        if (left && opened == viewer_.editor.opened()) viewer_.paint.leave_alone(edit::worn_layers(saved.file));
-        remember_file(viewer_.preferences, std::filesystem::absolute(path));
+        if (left && opened == context_.editor.open_count()) events_.left_layers(edit::used_layers(saved.file));
+        remember_file(preferences_, std::filesystem::absolute(path));
         if (then) then();
     });
 }
 
 void Files::take(const std::filesystem::path& dropped) {
-    editor::Editor& editor = viewer_.editor;
+    editor::Editor& editor = context_.editor;
     std::error_code error;
     if (!editor.is_open() || editor::has_stage_ending(dropped.string()) ||
         std::filesystem::is_directory(dropped, error))
@@ -168,12 +177,12 @@ void Files::ask_path(std::string title, std::vector<std::string> endings, bool t
     question_->to_save = to_save;
     question_->name = name;
     question_->then = std::move(then);
-    list_folder(viewer_.editor.is_open() ? viewer_.editor.file().path.parent_path() : ".");
+    list_folder(context_.editor.is_open() ? context_.editor.file().path.parent_path() : ".");
 }
 
 void Files::list_folder(const std::filesystem::path& folder) {
     question_->folder = stage::absolute_path(folder.empty() ? "." : folder);
-    viewer_.jobs.start("", [this, of = question_->folder, endings = question_->endings] {
+    context_.jobs.start("", [this, of = question_->folder, endings = question_->endings] {
         std::vector<Listed> listed;
         std::error_code error;
         for (const auto& entry : std::filesystem::directory_iterator(of, error)) {
@@ -188,21 +197,21 @@ void Files::list_folder(const std::filesystem::path& folder) {
         });
         return [this, of, listed] {
             if (question_ && question_->folder == of) listed_ = listed;
-            viewer_.redraw();
+            context_.redraw();
         };
     });
 }
 
 void Files::when_saved_or_given_up(std::function<void()> then) {
     if (question_ || refused_by_export()) return;
-    viewer_.editor.end_drag();
-    if (!viewer_.editor.modified()) {
+    context_.editor.end_drag();
+    if (!context_.editor.modified()) {
         saver_.autosave.forget();
         return then();
     }
     question_ = FileQuestion{};
     question_->afterwards = std::move(then);
-    viewer_.redraw();
+    context_.redraw();
 }
 
 void Files::close_question() {
@@ -212,17 +221,17 @@ void Files::close_question() {
 }
 
 void Files::tick() {
-    saver_.autosave.tick(viewer_.now_s);
-    if (viewer_.now_s - watched_s_ >= kWatchEvery_s) watch_clips();
+    saver_.autosave.tick(context_.frame.now_s);
+    if (context_.frame.now_s - watched_s_ >= kWatchEvery_s) watch_clips();
 }
 
 // A training run writes its clip anew with each checkpoint.
 void Files::watch_clips() {
-    if (!viewer_.stage || !viewer_.jobs.idle() || viewer_.exporting) return;
-    watched_s_ = viewer_.now_s;
+    if (!context_.frame.stage || !context_.jobs.idle() || exporter_.job()) return;
+    watched_s_ = context_.frame.now_s;
     std::vector<std::filesystem::path> paths;
-    for (const stage::StageClip& clip : viewer_.stage->clips) paths.push_back(clip.path);
-    viewer_.jobs.start("", [this, paths, before = clips_]() -> JobQueue::Then {
+    for (const stage::StageClip& clip : context_.frame.stage->clips) paths.push_back(clip.path);
+    context_.jobs.start("", [this, paths, before = clips_]() -> JobQueue::Then {
         auto now = before;
         now.clear();
         for (const std::filesystem::path& path : paths) {
@@ -232,7 +241,7 @@ void Files::watch_clips() {
         if (now == before) return {};
         return [this, now, first = before.empty()] {
             clips_ = now;
-            if (!first) viewer_.show_again();
+            if (!first) context_.requests.document_again = true;
         };
     });
 }

@@ -1,22 +1,23 @@
 // Files of the viewer: what is open, what is saved, what is recovered, what was opened lately.
 //
 // The job queue does all reading and writing. What closes a document (opening another, quitting) asks first where there
-// are unsaved edits; a copy of those goes to the recovery folder every kAutosaveEvery_s.
+// are unsaved edits; a copy of those goes to the recovery folder every kAutosaveInterval_s.
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "editor/document_saver.h"
+#include "tools/viewer/context.h"
+#include "tools/viewer/exporter.h"
 #include "tools/viewer/preferences.h"
 
 namespace neuvv::viewer {
-
-class Viewer;
 
 // What the user is asked: one at a time, each in a modal.
 struct FileQuestion {
@@ -34,12 +35,22 @@ struct FileQuestion {
     std::function<void()> afterwards;
 };
 
+// What else changes when a file does.
+struct FileEvents {
+    std::function<void()> opened;  // another document is open now
+    // The stage was saved under another name: layers that the file before it wears, too.
+    std::function<void(std::set<std::filesystem::path>)> left_layers;
+};
+
 class Files {
   public:
-    explicit Files(Viewer& viewer);
+    // `preferences`: the files that were opened lately are remembered there.
+    Files(Context& context, Preferences& preferences, const Exporter& exporter, FileEvents events);
 
     // A stage, a clip, a folder of clips. Asks about unsaved edits, then whether to recover lost ones.
     void open(const std::filesystem::path& path);
+    // Asks which one.
+    void ask_to_open();
     void new_stage();
     // At a start without a file: edits of any stage that a process left behind are offered, the latest first.
     void offer_lost();
@@ -80,7 +91,10 @@ class Files {
     void list_folder(const std::filesystem::path& folder);
     void choose(const std::filesystem::path& path);
 
-    Viewer& viewer_;
+    Context& context_;
+    Preferences& preferences_;
+    const Exporter& exporter_;
+    FileEvents events_;
     struct Listed {
         std::string name;
         bool folder = false;

@@ -49,7 +49,7 @@ void read_panels(editor::PreferenceReader& reader, const ordered_json& panels, P
             reader.wrong.emplace_back("panels");
             return;
         }
-        PanelPlace& panel = preferences.panels[name];
+        PanelSize& panel = preferences.panels[name];
         reader.boolean(json, "panels.", "open", panel.open);
         reader.number(json, "panels.", "width", 50.0, 4096.0, panel.width);
     }

@@ -21,7 +21,7 @@ namespace neuvv::viewer {
 
 constexpr size_t kMaxRecentFiles = 10;
 
-struct PanelPlace {
+struct PanelSize {
     bool open = true;
     double width = 320;  // in units of the interface, 50 to 4096
 };
@@ -34,7 +34,7 @@ struct PreviewQuality {
 struct Preferences {
     ui::WindowGeometry window;
     std::vector<std::filesystem::path> recent;  // absolute, each once, newest first, at most kMaxRecentFiles
-    std::map<std::string, PanelPlace> panels;   // by their names, at most 64; others leave the file
+    std::map<std::string, PanelSize> panels;    // by their names, at most 64; others leave the file
     double ui_scale = 1;                        // 0.5 to 4
     PreviewQuality preview;
     std::string layer;  // of the image that is shown, by its name; empty: the first

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "media/image.h"
-#include "tools/viewer/viewer.h"
+#include "tools/viewer/context.h"
 
 namespace neuvv::viewer {
 
@@ -22,12 +22,12 @@ std::filesystem::path free_name(const std::filesystem::path& folder) {
 }
 
 // From any thread.
-void write(Viewer& viewer, const std::filesystem::path& folder, std::shared_ptr<const media::Image> image) {
-    viewer.jobs.start("Saving a screenshot", [&viewer, folder, image] {
+void write(Context& context, const std::filesystem::path& folder, std::shared_ptr<const media::Image> image) {
+    context.jobs.start("Saving a screenshot", [&context, folder, image] {
         std::filesystem::create_directories(folder);
         const std::filesystem::path path = free_name(folder);
         media::write_png(path, *image);
-        return [&viewer, path] { viewer.editor.notify(fmt::format("saved {}", path.string())); };
+        return [&context, path] { context.editor.notify(fmt::format("saved {}", path.string())); };
     });
 }
 
@@ -55,26 +55,28 @@ std::filesystem::path images_folder() {
     return std::filesystem::current_path();
 }
 
-void Screenshots::take(Viewer& viewer) {
+void Screenshots::take(Context& context, Screen& screen, bool is_sharp) {
     if (!image_ && !window_ && !window_asked_) return;
     if (folder_.empty()) folder_ = images_folder();
     if (window_asked_)
-        if (std::optional<media::Image> image = viewer.screen.take_capture()) {
+        if (std::optional<media::Image> image = screen.take_capture()) {
             window_asked_ = false;
-            write(viewer, folder_, std::make_shared<const media::Image>(std::move(*image)));
+            write(context, folder_, std::make_shared<const media::Image>(std::move(*image)));
         }
     if (window_ && !window_asked_) {
         window_ = false;
         window_asked_ = true;
-        viewer.screen.capture_next();
+        screen.capture_next();
     }
-    if (image_ && viewer.image_is_sharp()) {
+    if (image_ && is_sharp) {
         image_ = false;
-        viewer.render_thread.post([&viewer, folder = folder_, shown = viewer.drawn.displayed](editor::OnDevice& on) {
-            write(viewer, folder, std::make_shared<const media::Image>(read_back(on.device, *shown.image, shown.size)));
-        });
+        context.render_thread.post(
+            [&context, folder = folder_, shown = context.frame.drawn.displayed](editor::OnDevice& on) {
+                write(context, folder,
+                      std::make_shared<const media::Image>(read_back(on.device, *shown.image, shown.size)));
+            });
     }
-    viewer.redraw(1);
+    context.redraw(1);
 }
 
 }  // namespace neuvv::viewer

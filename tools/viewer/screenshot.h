@@ -3,9 +3,10 @@
 
 #include <filesystem>
 
-namespace neuvv::viewer {
+#include "tools/viewer/context.h"
+#include "tools/viewer/screen.h"
 
-class Viewer;
+namespace neuvv::viewer {
 
 class Screenshots {
   public:
@@ -18,7 +19,8 @@ class Screenshots {
     void want_window() { window_ = true; }
 
     // Each frame: takes what is wanted and there. Files are written off the window's thread; a notice names them.
-    void take(Viewer& viewer);
+    // `is_sharp`: the image that is displayed is final.
+    void take(Context& context, Screen& screen, bool is_sharp);
 
   private:
     std::filesystem::path folder_;

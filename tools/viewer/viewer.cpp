@@ -11,10 +11,9 @@
 
 #include "base/platform.h"
 #include "media/colour.h"
-#include "tools/viewer/panels/fields.h"
-#include "tools/viewer/panels/node_actions.h"
-#include "tools/viewer/panels/panels.h"
+#include "tools/viewer/report_facts.h"
 #include "tools/viewer/timeline/camera_path_view.h"
+#include "tools/viewer/timeline/timeline_view.h"
 
 namespace neuvv::viewer {
 
@@ -22,17 +21,14 @@ namespace {
 
 constexpr double kIdleWait_s = 0.5, kPlayingWait_s = 1.0 / 30, kMovingWait_s = 1.0 / 60, kFrame_s = 1.0 / 60;
 constexpr double kStillAfter_s = 0.12, kNotice_s = 6;
-constexpr size_t kMostMessages = 20, kMostNotices = 4;
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
+constexpr size_t kMaxMessages = 20, kMaxNotices = 4;
 
 double aspect_of(const Area& area) {
     return area.height > 0 ? area.width / area.height : 1;
 }
 
-// The eye at the first sight of a stage: through its first camera, else from the front, all in view.
+// The eye when a stage is displayed first: through the stage's first camera, else from the front with all performers in
+// view.
 Eye first_eye(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, double aspect) {
     const auto [low, high] = stage::performers_box(stage, evaluated);
     for (const stage::EvaluatedCamera& camera : evaluated.cameras)
@@ -46,8 +42,8 @@ bool same_image(const editor::ViewRequest& a, const editor::ViewRequest& b) {
     return a.camera.world_from_camera == b.camera.world_from_camera && a.camera.fx == b.camera.fx &&
            a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
            a.camera.width == b.camera.width && a.camera.height == b.camera.height && a.time_s == b.time_s &&
-           a.resolve == b.resolve && a.own_background == b.own_background && a.moving == b.moving &&
-           a.most_scale == b.most_scale && a.samples == b.samples;
+           a.resolve == b.resolve && a.overrides_background == b.overrides_background && a.moving == b.moving &&
+           a.max_scale == b.max_scale && a.samples == b.samples;
 }
 
 std::filesystem::path preferences_file() {
@@ -66,392 +62,376 @@ Preferences preferences_for(const Viewer::Options& options, std::string& message
     return loaded.preferences;
 }
 
-// Menus and choices; questions take their Escape themselves.
-void close_popup_by_escape(const Viewer& viewer) {
+// Closes menus and combo boxes; modal questions handle Escape themselves.
+void close_popup_by_escape(const FrameInput& input) {
     const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
-    if (!viewer.escape || open.empty()) return;
+    if (!input.escape || open.empty()) return;
     const ImGuiWindow* window = open.back().Window;
     if (window && !(window->Flags & ImGuiWindowFlags_Modal)) ImGui::ClosePopupToLevel(open.Size - 1, true);
 }
 
 }  // namespace
 
-Viewer::Viewer(const Options& options, const std::string& device_choice)
-    : preferences(preferences_for(options, preferences_message_)),
-      window("NeuVV", preferences.window),
-      device(device_choice, options.validate ? gpu::Validation::kOn : gpu::Validation::kOff, window.extensions()),
-      screen(device, window,
-             options.ui_scale.value_or(static_cast<float>(preferences.ui_scale) * window.content_scale())),
-      jobs([this](const std::string& problem) { editor.notify(problem, true); }, ui::Window::wake),
-      render_thread(device, ui::Window::wake),
-      files(*this),
-      report(options.report),
-      screenshots(options.screenshots),
-      shader_watch(parts(), options.shaders),
-      paint(device),
+Viewer::Viewer(const Options& options, const std::string& device)
+    : preferences_(preferences_for(options, preferences_message_)),
+      window_("NeuVV", preferences_.window),
+      device_(device, options.validate ? gpu::Validation::kOn : gpu::Validation::kOff, window_.extensions()),
+      screen_(device_, window_,
+              options.ui_scale.value_or(static_cast<float>(preferences_.ui_scale) * window_.content_scale())),
+      report_(options.report),
+      jobs_([this](const std::string& problem) { editor_.notify(problem, true); }, ui::Window::wake),
+      render_thread_(device_, ui::Window::wake),
+      files_(context_, preferences_, exporter_,
+             {[this] {
+                  tools_.document_opened();
+                  timeline_.key_drag.reset();
+              },
+              [this](std::set<std::filesystem::path> layers) { paint_.leave_alone(std::move(layers)); }}),
+      screenshots_(options.screenshots),
+      shader_watch_(context_.parts(), options.shaders),
+      paint_(device_),
       begin_(std::chrono::steady_clock::now()) {
-    image.most_scale = static_cast<float>(preferences.preview.resolution);
-    image.samples = std::clamp(static_cast<int>(std::lround(std::sqrt(preferences.preview.samples))), 1, 4);
-    if (const auto side = preferences.panels.find("side"); side != preferences.panels.end()) {
-        panels.all = side->second.open;
-        panels.side_width = static_cast<float>(side->second.width);
+    view_.mode = &tools_.first_mode();
+    view_.image.max_scale = static_cast<float>(preferences_.preview.resolution);
+    view_.image.samples = std::clamp(static_cast<int>(std::lround(std::sqrt(preferences_.preview.samples))), 1, 4);
+    if (const auto side = preferences_.panels.find("side"); side != preferences_.panels.end()) {
+        view_.panels.all = side->second.open;
+        view_.panels.side_width = static_cast<float>(side->second.width);
     }
     for (size_t i = 0; i < std::size(kLayerNames); i++)
-        if (preferences.layer == kLayerNames[i]) image.show = static_cast<render::Show>(i);
-    if (!preferences_message_.empty()) editor.notify(preferences_message_, true);
+        if (preferences_.layer == kLayerNames[i]) view_.image.show = static_cast<render::Show>(i);
+    if (!preferences_message_.empty()) editor_.notify(preferences_message_, true);
     if (options.file.empty())
-        files.offer_lost();
+        files_.offer_lost();
     else
-        files.open(options.file);
+        files_.open(options.file);
 }
 
-// Jobs and tasks use the other parts.
+// Jobs and tasks of the render thread use the other members.
 Viewer::~Viewer() {
-    jobs.stop();
-    if (exporting) exporting->cancel();
-    render_thread.stop();
+    jobs_.stop();
+    exporter_.cancel();
+    render_thread_.stop();
 }
 
-void Viewer::name_window() {
-    std::string title = "NeuVV";
-    if (editor.is_open())
-        title = fmt::format("{}{} – NeuVV", editor.modified() ? "• " : "", editor.file().path.filename().string());
-    if (title == title_) return;
-    title_ = title;
-    window.set_title(title);
+double Viewer::seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
 }
 
-void Viewer::keep_preferences() {
+void Viewer::store_preferences() {
     const std::filesystem::path file = preferences_file();
     if (file.empty()) return;
-    preferences.window = window.place();
-    preferences.preview = {image.most_scale, static_cast<uint32_t>(image.samples * image.samples)};
-    preferences.layer = kLayerNames[static_cast<size_t>(image.show)];
-    preferences.panels["side"] = {panels.all, panels.side_width};
-    save_preferences(file, preferences);
+    const ImageSettings& image = view_.image;
+    preferences_.window = window_.geometry();
+    preferences_.preview = {image.max_scale, static_cast<uint32_t>(image.samples * image.samples)};
+    preferences_.layer = kLayerNames[static_cast<size_t>(image.show)];
+    preferences_.panels["side"] = {view_.panels.all, view_.panels.side_width};
+    save_preferences(file, preferences_);
 }
 
 void Viewer::run() {
-    while (!window.asked_to_close()) {
-        const uint64_t shown_before = drawn.displayed.number;
+    while (!window_.close_requested()) {
         wait();
-        const bool event = window.poll();
-        const double now = seconds_since(begin_);
-        came_s_.reset();
-        if (event) came_s_ = std::chrono::duration<double>(window.came() - begin_).count();
-        dt_s = now - now_s;
-        now_s = now;
-        drawn = render_thread.state();
-        count_images();
-        if (event) redraw();
-        if (drawn.displayed.number != shown_before) redraw(1);
+        read_input();
         frame();
-        frame_ms_ = 1000 * (seconds_since(begin_) - now_s);
-        if (drawn.displayed.view > 0) worst_frame_ms_ = std::max(worst_frame_ms_, frame_ms_);
-        note_latency();
-        frames_left_ = std::max(0, frames_left_ - 1);
-        if (window.asked_to_close() && !may_close_) {
-            window.keep_open();
-            redraw();
-            files.when_saved_or_given_up([this] {
+        const bool displays = input_.drawn.displayed.view > 0;
+        meter_.frame(seconds() - input_.now_s, displays);
+        if (!input_.drawn.loading.empty() || !input_.drawn.problem.empty()) meter_.forget_requests();
+        meter_.displayed({input_.drawn.displayed.view, input_.drawn.displayed.stage}, seconds());
+        requests_.frames = std::max(0, requests_.frames - 1);
+        if (window_.close_requested() && !may_close_) {
+            window_.keep_open();
+            context_.redraw();
+            files_.when_saved_or_given_up([this] {
                 may_close_ = true;
-                window.close();
+                window_.close();
             });
         }
     }
-    keep_preferences();
+    store_preferences();
 }
 
-// The mean over the last images; nothing while nothing changes.
-void Viewer::count_images() {
-    constexpr double kOld_s = 1;
-    if (drawn.displayed.view != counted_view_) shown_s_.push_back(now_s);
-    counted_view_ = drawn.displayed.view;
-    while (!shown_s_.empty() && now_s - shown_s_.front() > kOld_s) shown_s_.pop_front();
-    const double seconds = shown_s_.empty() ? 0 : shown_s_.back() - shown_s_.front();
-    images_per_second_ = seconds > 0 ? static_cast<double>(shown_s_.size() - 1) / seconds : 0;
-}
-
-// Until there is something to show: at once what the drawer has drawn, the rest as often as screens show images, so
-// that panels take little of the time of images where both are drawn by the same cores.
+// Until there is something to display: an image of the render thread at once, the rest at most kFrame_s after the frame
+// before, so that panels take little time from the tracing of images where both use the same cores.
 void Viewer::wait() {
-    double seconds = kIdleWait_s;
-    if (clock.playing) seconds = std::min(kPlayingWait_s, clock.until_next_s());
-    if (something_goes_on()) seconds = kMovingWait_s;
-    if (frames_left_ > 0 || window.has_more()) seconds = 0;
-    if (seconds > 0) window.wait(seconds);
-    for (double left; (left = now_s + kFrame_s - seconds_since(begin_)) > 0;) {
-        if (render_thread.state().displayed.number != drawn.displayed.number || jobs.has_posted()) return;
-        window.wait(left);
+    double seconds_left = kIdleWait_s;
+    if (view_.clock.playing) seconds_left = std::min(kPlayingWait_s, view_.clock.until_next_s());
+    if (in_motion()) seconds_left = kMovingWait_s;
+    if (requests_.frames > 0 || window_.has_more()) seconds_left = 0;
+    if (seconds_left > 0) window_.wait(seconds_left);
+    for (double left; (left = input_.now_s + kFrame_s - seconds()) > 0;) {
+        if (render_thread_.state().displayed.number != input_.drawn.displayed.number || jobs_.has_posted()) return;
+        window_.wait(left);
     }
 }
 
-bool Viewer::something_goes_on() const {
-    return flight_ || now_s - last_move_s_ < kStillAfter_s;
-}
-
-void Viewer::frame() {
-    jobs.run_posted();
-    for (editor::Notice& notice : editor.take_notices()) {
-        notice.until_s = now_s + kNotice_s;
-        notices_.push_back(std::move(notice));
-        redraw();
-    }
-    // Why nothing could be opened stays until something is.
-    std::erase_if(notices_, [&](const editor::Notice& notice) {
-        return notice.until_s < now_s && (editor.is_open() || !notice.error);
-    });
-    if (notices_.size() > kMostNotices)
-        notices_.erase(notices_.begin(), notices_.end() - static_cast<std::ptrdiff_t>(kMostNotices));
-    if (drawn.stage && drawn.stage != stage) {
-        const bool first = !stage || stage->file.path != drawn.stage->file.path;
-        stage = drawn.stage;
-        clock.set_stage(stage->duration_s, stage->fps);
-        evaluated = stage::stage_at(*stage, clock.shown_s());
-        if (first) eye = first_eye(*stage, stage::stage_at(*stage, 0), aspect_of(image_area));
-    }
-    const bool can_be_taken_back = editor.dragging() || editor.history().next_undo();
-    if (can_be_taken_back && drawn.unsound_id == editor.id()) editor.take_back(drawn.problem);
-    name_window();
-    files.tick();
-    shader_watch.tick(now_s, !exporting);
-    end_export();
-    for (const std::filesystem::path& path : window.dropped()) files.take(path);
-    if (wanted_scale) {
-        preferences.ui_scale =
-            std::clamp(static_cast<double>(*wanted_scale) / static_cast<double>(window.content_scale()), 0.5, 4.0);
-        screen.set_scale(*std::exchange(wanted_scale, std::nullopt));
-        redraw();
-    }
-    report.begin_frame();
-    screen.begin();
-    clock.tick(dt_s);  // before keys: what begins to play now has not played since the last frame
-    take_keys();
-    screenshots.take(*this);
-    if (flight_) {
-        eye = between(flight_->from, flight_->to, now_s - flight_->begin_s);
-        if (now_s - flight_->begin_s > kEyeMove_s) flight_.reset();
-        moves();
-    }
-    if (stage) evaluated = stage::stage_at(*stage, clock.shown_s());
-    const uint64_t view_before = looked_ ? looked_->id : 0, stage_before = shown_document_;
-    go_along_path();
-    place_panels();
-    if (editor.dragging() && !ImGui::IsAnyItemActive() && !holds_handle) editor.end_drag();
-    if (editor.is_open() && editor.id() != shown_document_) {
-        shown_document_ = editor.id();
-        render_thread.show(std::make_shared<const edit::Document>(editor.document()), shown_document_);
-        if (editor.dragging()) moves();
-    }
-    look();
-    ask_latency(view_before, stage_before);
-    tell_report();
-    const VkRect2D at{{static_cast<int32_t>(image_area.left), static_cast<int32_t>(image_area.top)},
-                      {static_cast<uint32_t>(image_area.width), static_cast<uint32_t>(image_area.height)}};
-    if (!screen.end({drawn.displayed.image, drawn.displayed.size, at})) redraw();
-    render_thread.taken(drawn.displayed.number);
-}
-
-// The image left, the stage and what is selected right, time below.
-void Viewer::place_panels() {
-    close_popup_by_escape(*this);
-    menu_bar(*this);
-    const ImVec2 window_size = ImGui::GetIO().DisplaySize;
-    const float top = ImGui::GetFrameHeight();
-    Area side, below;
-    if (panels.all) {
-        side.width = std::round(std::min(std::max(ui(panels.side_width), ui(180)), 0.5f * window_size.x));
-        side.left = window_size.x - side.width;
-        side.top = top;
-        side.height = window_size.y - top;
-        below.height = std::round(std::min(std::max(ui(panels.timeline_height), ui(80)), 0.5f * (window_size.y - top)));
-        below.width = window_size.x - side.width;
-        below.top = window_size.y - below.height;
-    }
-    image_area = {0, top, window_size.x - side.width, window_size.y - top - below.height};
-    camera = camera_of(eye, std::max(1u, static_cast<uint32_t>(image_area.width)),
-                       std::max(1u, static_cast<uint32_t>(image_area.height)));
-    image_panel(*this);
-    if (panels.all) {
-        const float tree = std::round(panels.tree_share * side.height);
-        stage_panel(*this, {side.left, side.top, side.width, tree});
-        properties_panel(*this, {side.left, side.top + tree, side.width, side.height - tree});
-        timeline_panel(*this, below);
-    }
-    if (panels.speed) speed_panel(*this);
-    if (panels.help) help_panel(*this);
-    notices_panel(*this);
-    files.panel();
-}
-
-void Viewer::look() {
-    if (!stage || camera.width < 2 || camera.height < 2) return;
-    editor::ViewRequest view;
-    view.camera = camera;
-    view.time_s = clock.shown_s();
-    view.resolve.show = image.show;
-    view.resolve.cost_max = image.cost_max;
-    view.own_background = image.own_background;
-    view.resolve.background = glm::vec4(media::linear_from_srgb(image.background), 1);
-    view.moving = clock.playing || something_goes_on() || editor.dragging();
-    view.most_scale = image.most_scale;
-    view.samples = static_cast<uint32_t>(image.samples);
-    const auto [low, high] = stage::performers_box(*stage, evaluated);
-    const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
-    view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
-    view.resolve.depth_far_m = static_cast<float>(distance + size);
-    // Where the device does not keep pace, what will be seen next is not known.
-    const bool keeps_pace = drawn.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
-    if (clock.playing && keeps_pace)
-        for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.shown_after_s(i));
-    if (looked_ && same_image(*looked_, view)) return;
-    view.id = looked_ ? looked_->id + 1 : 1;
-    looked_ = view;
-    render_thread.request(std::move(view));
-}
-
-// This frame's event is answered by a view or a stage that was asked for since.
-void Viewer::ask_latency(uint64_t view_before, uint64_t stage_before) {
-    const uint64_t view = looked_ ? looked_->id : 0;
-    if (came_s_ && drawn.displayed.view > 0 && (view != view_before || shown_document_ != stage_before))
-        asked_.push_back({view, shown_document_, *came_s_});
-}
-
-// How long it took from an event to the end of the frame that shows the image which answers it. What waits for files
-// that are read does not count.
-void Viewer::note_latency() {
-    if (!drawn.loading.empty() || !drawn.problem.empty()) asked_.clear();
-    while (!asked_.empty() && asked_.front().view <= drawn.displayed.view &&
-           asked_.front().stage <= drawn.displayed.stage) {
-        latency_ms_ = 1000 * (seconds_since(begin_) - asked_.front().came_s);
-        worst_latency_ms_ = std::max(worst_latency_ms_, latency_ms_);
-        asked_.pop_front();
-    }
-}
-
-const stage::Stage* Viewer::stage_of_document() const {
-    if (!stage || !editor.is_open()) return nullptr;
-    return stage->scene.nodes.size() == editor.node_count() ? stage.get() : nullptr;
-}
-
-void Viewer::begin_export(std::shared_ptr<Export> job) {
-    exporting = std::move(job);
-    export_begin_s = now_s;
-    clock.pause();
-    editor.freeze("an export goes on: cancel it to edit");
-    render_thread.post_idle([job = exporting](editor::OnDevice& on_device) {
-        const bool more = job->step(on_device);
-        ui::Window::wake();
-        return more;
-    });
-}
-
-void Viewer::end_export() {
-    const std::optional<Export::End> end = exporting ? exporting->end() : std::nullopt;
-    if (!end) return;
-    editor.freeze({});
-    editor.notify(end->text, end->error);
-    exporting.reset();
+// The eye flies, or something moved a moment ago.
+bool Viewer::in_motion() const {
+    return flight_ || requests_.eye || input_.now_s - requests_.last_motion_s < kStillAfter_s;
 }
 
 bool Viewer::image_is_sharp() const {
-    return drawn.displayed.finished && looked_ && drawn.displayed.view == looked_->id &&
-           drawn.displayed.stage == shown_document_;
+    const editor::DisplayedImage& displayed = input_.drawn.displayed;
+    return displayed.finished && view_request_ && displayed.view == view_request_->id &&
+           displayed.stage == requested_document_;
 }
 
-void Viewer::go_to(const Eye& target) {
-    flight_ = Flight{eye, target, now_s};
+void Viewer::read_input() {
+    const uint64_t displayed_before = input_.drawn.displayed.number;
+    const bool event = window_.poll();
+    const double now_s = seconds();
+    input_.dt_s = now_s - input_.now_s;
+    input_.now_s = now_s;
+    input_.event_s.reset();
+    if (event) input_.event_s = std::chrono::duration<double>(window_.came() - begin_).count();
+    input_.presses = window_.presses();
+    input_.typed = window_.typed();
+    input_.escape = std::any_of(input_.presses.begin(), input_.presses.end(),
+                                [](const ui::KeyPress& press) { return press.key == GLFW_KEY_ESCAPE; });
+    const auto axis = [&](int plus, int minus) {
+        return (window_.is_down(plus) ? 1.0 : 0.0) - (window_.is_down(minus) ? 1.0 : 0.0);
+    };
+    input_.flight_keys = {axis(GLFW_KEY_W, GLFW_KEY_S), axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q),
+                          false, false};
+    input_.drawn = render_thread_.state();
+    meter_.count(input_.drawn.displayed.view, now_s);
+    if (event) context_.redraw();
+    if (input_.drawn.displayed.number != displayed_before) context_.redraw(1);
 }
 
-// Whatever else moved the eye since ends it.
-void Viewer::go_along_path() {
-    const bool moved = along_eye_ && eye != *along_eye_;
-    if (!stage || !stage->settings.camera_path || moved) along_path = false;
-    along_eye_.reset();
-    if (along_path) eye = *(along_eye_ = eye_at(*stage->settings.camera_path, clock.shown_s(), *this));
+void Viewer::frame() {
+    jobs_.run_posted();
+    take_notices();
+    take_stage();
+    const bool can_be_taken_back = editor_.dragging() || editor_.history().next_undo();
+    if (can_be_taken_back && input_.drawn.unsound_id == editor_.id()) editor_.take_back(input_.drawn.problem);
+    set_title();
+    files_.tick();
+    shader_watch_.tick(input_.now_s, !exporter_.job());
+    exporter_.tick(context_);
+    for (const std::filesystem::path& path : window_.dropped()) files_.take(path);
+    set_ui_scale();
+    report_.begin_frame();
+    screen_.begin();
+    view_.clock.tick(input_.dt_s);  // before keys: what begins to play now has not played since the frame before
+    take_keys();
+    screenshots_.take(context_, screen_, image_is_sharp());
+    const FrameMeter::Numbers before = requested();
+    move_eye();
+    draw_panels();
+    if (editor_.dragging() && !ImGui::IsAnyItemActive() && !tools_.edit()) editor_.end_drag();
+    request_document();
+    request_view();
+    meter_latency(before);
+    write_report();
+    const Area& area = input_.image_area;
+    const VkRect2D at{{static_cast<int32_t>(area.left), static_cast<int32_t>(area.top)},
+                      {static_cast<uint32_t>(area.width), static_cast<uint32_t>(area.height)}};
+    if (!screen_.end({input_.drawn.displayed.image, input_.drawn.displayed.size, at})) context_.redraw();
+    render_thread_.presented(input_.drawn.displayed.number);
+}
+
+// Why nothing could be opened stays until something is.
+void Viewer::take_notices() {
+    for (editor::Notice& notice : editor_.take_notices()) {
+        notice.until_s = input_.now_s + kNotice_s;
+        notices_.push_back(std::move(notice));
+        context_.redraw();
+    }
+    std::erase_if(notices_, [&](const editor::Notice& notice) {
+        return notice.until_s < input_.now_s && (editor_.is_open() || !notice.error);
+    });
+    if (notices_.size() > kMaxNotices)
+        notices_.erase(notices_.begin(), notices_.end() - static_cast<std::ptrdiff_t>(kMaxNotices));
+}
+
+// The stage that the render thread has read.
+void Viewer::take_stage() {
+    const std::shared_ptr<const stage::Stage> read = input_.drawn.stage;
+    if (!read || read == input_.stage) return;
+    const bool first = !input_.stage || input_.stage->file.path != read->file.path;
+    input_.stage = read;
+    view_.clock.set_stage(read->duration_s, read->fps);
+    input_.evaluated = stage::stage_at(*read, view_.clock.displayed_s());
+    if (first) view_.eye = first_eye(*read, stage::stage_at(*read, 0), aspect_of(input_.image_area));
+}
+
+void Viewer::set_title() {
+    std::string title = "NeuVV";
+    if (editor_.is_open())
+        title = fmt::format("{}{} – NeuVV", editor_.modified() ? "• " : "", editor_.file().path.filename().string());
+    if (title == title_) return;
+    title_ = title;
+    window_.set_title(title);
+}
+
+void Viewer::set_ui_scale() {
+    if (requests_.ui_scale) {
+        const float scale = *std::exchange(requests_.ui_scale, std::nullopt);
+        preferences_.ui_scale =
+            std::clamp(static_cast<double>(scale) / static_cast<double>(window_.content_scale()), 0.5, 4.0);
+        screen_.set_scale(scale);
+        context_.redraw();
+    }
+    input_.ui_scale = screen_.scale();
 }
 
 void Viewer::take_keys() {
-    escape = false;
     const bool typing = ImGui::GetIO().WantTextInput, asked = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
-    for (const ui::KeyPress& press : window.presses()) {
-        if (press.key == GLFW_KEY_ESCAPE) escape = true;
-        if (typing || asked || holds_handle) continue;
-        if (press.control) take_control_key(press);
-        take_image_key(*this, press);
-        if (press.control || press.alt) continue;
-        if (press.key == GLFW_KEY_COMMA) clock.step(-1);
-        if (press.key == GLFW_KEY_PERIOD) clock.step(1);
-        if (press.repeat) continue;
-        if (press.key == GLFW_KEY_SPACE) clock.play_or_pause();
-        if (press.key == GLFW_KEY_HOME) clock.scrub(clock.in_s());
-        if (press.key == GLFW_KEY_END) clock.scrub(clock.last_s());
-        const bool beside_fields = ImGui::GetIO().MousePos.x < image_area.left + image_area.width;
-        if (beside_fields && (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER))
-            press.shift ? remove_key_near(*this) : add_key_here(*this);
-        if (press.key == GLFW_KEY_TAB) panels.all = !panels.all;
-        if (press.key == GLFW_KEY_F11) window.toggle_full_screen();
-        if (press.key == GLFW_KEY_F12) press.shift ? screenshots.want_window() : screenshots.want_image();
-    }
-    if (!typing && !asked) take_node_keys(*this);
-    if (!typing && window.typed().find(U'?') != std::u32string::npos) panels.help = !panels.help;
+    const bool free = !typing && !asked && !tools_.edit();
+    input_.flight_keys.fast = ImGui::GetIO().KeyShift;
+    input_.flight_keys.slow = ImGui::GetIO().KeyAlt;
+    if (free)
+        for (const ui::KeyPress& press : input_.presses) take_key(press);
+    if (free) take_node_keys(context_, tree_);
+    if (!typing && input_.typed.find(U'?') != std::u32string::npos) view_.panels.help = !view_.panels.help;
+}
+
+void Viewer::take_key(const ui::KeyPress& press) {
+    editor::StageClock& clock = view_.clock;
+    if (press.control) take_control_key(press);
+    tools_.key(context_, press);
+    if (press.control || press.alt) return;
+    if (press.key == GLFW_KEY_COMMA) clock.step(-1);
+    if (press.key == GLFW_KEY_PERIOD) clock.step(1);
+    if (press.repeat) return;
+    if (press.key == GLFW_KEY_SPACE) clock.play_or_pause();
+    if (press.key == GLFW_KEY_HOME) clock.scrub(clock.in_s());
+    if (press.key == GLFW_KEY_END) clock.scrub(clock.last_s());
+    const bool beside_fields = ImGui::GetIO().MousePos.x < input_.image_area.left + input_.image_area.width;
+    if (beside_fields && (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER))
+        press.shift ? remove_key_near(context_) : add_key_here(context_);
+    if (press.key == GLFW_KEY_TAB) view_.panels.all = !view_.panels.all;
+    if (press.key == GLFW_KEY_F11) window_.toggle_full_screen();
+    if (press.key == GLFW_KEY_F12) press.shift ? screenshots_.want_window() : screenshots_.want_image();
 }
 
 void Viewer::take_control_key(const ui::KeyPress& press) {
     switch (press.key) {
         case GLFW_KEY_Z:
-            return press.shift ? editor.redo() : editor.undo();
+            return press.shift ? editor_.redo() : editor_.undo();
         case GLFW_KEY_Y:
-            return editor.redo();
+            return editor_.redo();
         case GLFW_KEY_S:
-            return press.shift ? files.save_as() : files.save();
+            return press.shift ? files_.save_as() : files_.save();
         case GLFW_KEY_N:
-            return files.new_stage();
+            return files_.new_stage();
         case GLFW_KEY_O:
-            return files.ask_path("Open", {".gltf", ".glb", ".nvv", ".npz"}, false, "",
-                                  [this](const std::filesystem::path& path) { files.open(path); });
+            return files_.ask_to_open();
         case GLFW_KEY_Q:
-            return window.close();
+            return window_.close();
         default:
             return;
     }
 }
 
-void Viewer::tell_report() {
-    if (!report.on()) return;
-    for (std::string& message : device.drain_validation_messages())
-        if (validation_.size() < kMostMessages) validation_.push_back(std::move(message));
-    report.place("picture", image_area.left, image_area.top, image_area.width, image_area.height);
-    report.fact("open", editor.is_open() ? editor.file().path.string() : "");
-    report.fact("modified", editor.modified());
-    report.fact("ready", stage && drawn.stage_id == editor.id() && drawn.displayed.view > 0);
-    report.fact("view", drawn.displayed.view);
-    report.fact("finished", looked_ && !looked_->moving && image_is_sharp());
-    report.fact("scale", drawn.displayed.scale);
-    report.fact("picture_ms", drawn.displayed.milliseconds);
-    report.fact("time_s", clock.time_s());
-    report.fact("playing", clock.playing);
-    report.fact("along_path", along_path);
-    report.fact("latency_ms", latency_ms_);
-    report.fact("worst_latency_ms", worst_latency_ms_);
-    report.fact("frame_ms", frame_ms_);
-    report.fact("worst_frame_ms", worst_frame_ms_);
-    const ui::HandledInput handled = window.handled();
-    report.fact("handled", {{"x", handled.x},
-                            {"y", handled.y},
-                            {"releases", handled.releases},
-                            {"scrolls", handled.scrolls},
-                            {"all", !window.has_more()}});
-    report.fact("busy", jobs.under_way());
-    report.fact("problem", drawn.problem);
-    report.fact("validation", validation_);
-    nlohmann::json selected = nullptr;
-    if (editor.selected()) selected = *editor.selected();
-    report.fact("selected", selected);
-    nlohmann::json told = nlohmann::json::array();
-    for (const editor::Notice& notice : notices_) told.push_back(notice.text);
-    report.fact("notices", told);
-    if (!report.end_frame()) redraw(1);
+// By a flight to where a panel or a key sent it, or along the camera path, until something else moves it.
+void Viewer::move_eye() {
+    if (requests_.eye) flight_ = Flight{view_.eye, *std::exchange(requests_.eye, std::nullopt), input_.now_s};
+    if (flight_) {
+        const double flown_s = input_.now_s - flight_->begin_s;
+        view_.eye = between(flight_->from, flight_->to, flown_s);
+        if (flown_s > kEyeMove_s) flight_.reset();
+        context_.moves();
+    }
+    if (input_.stage) input_.evaluated = stage::stage_at(*input_.stage, view_.clock.displayed_s());
+    const bool moved = path_eye_ && view_.eye != *path_eye_;
+    if (!input_.stage || !input_.stage->settings.camera_path || moved) view_.along_path = false;
+    path_eye_.reset();
+    if (!view_.along_path) return;
+    path_eye_ = eye_at(*input_.stage->settings.camera_path, view_.clock.displayed_s(), context_);
+    view_.eye = *path_eye_;
+}
+
+// The image left, the stage and what is selected right, time below.
+void Viewer::draw_panels() {
+    PanelLayout& panels = view_.panels;
+    close_popup_by_escape(input_);
+    menu_bar(context_, {files_, window_, preferences_, tree_});
+    const ImVec2 window = ImGui::GetIO().DisplaySize;
+    const float top = ImGui::GetFrameHeight();
+    Area side, below;
+    if (panels.all) {
+        side.width = std::round(std::min(std::max(context_.ui(panels.side_width), context_.ui(180)), 0.5f * window.x));
+        side.left = window.x - side.width;
+        side.top = top;
+        side.height = window.y - top;
+        below.height = std::round(
+            std::min(std::max(context_.ui(panels.timeline_height), context_.ui(80)), 0.5f * (window.y - top)));
+        below.width = window.x - side.width;
+        below.top = window.y - below.height;
+    }
+    const ImVec2 pointer = ImGui::GetIO().MousePos;
+    input_.image_area = {0, top, window.x - side.width, window.y - top - below.height};
+    input_.camera = camera_of(view_.eye, std::max(1u, static_cast<uint32_t>(input_.image_area.width)),
+                              std::max(1u, static_cast<uint32_t>(input_.image_area.height)));
+    input_.pointer_in_image = !ImGui::GetIO().WantCaptureMouse && input_.image_area.holds(pointer.x, pointer.y);
+    tools_.toolbar(context_);
+    tools_.pointer(context_);
+    if (panels.all) {
+        const float tree = std::round(panels.tree_share * side.height);
+        stage_panel(context_, {side.left, side.top, side.width, tree}, tree_);
+        properties_panel(context_, {side.left, side.top + tree, side.width, side.height - tree}, properties_,
+                         {tree_, paint_, files_, exporter_});
+        timeline_panel(context_, below, timeline_);
+    }
+    if (panels.speed) speed_panel(context_, device_, meter_);
+    if (panels.help) help_panel(context_);
+    notices_panel(context_, notices_);
+    files_.panel();
+}
+
+void Viewer::request_document() {
+    if (std::exchange(requests_.document_again, false)) requested_document_ = 0;
+    if (!editor_.is_open() || editor_.id() == requested_document_) return;
+    requested_document_ = editor_.id();
+    render_thread_.show(std::make_shared<const edit::Document>(editor_.document()), requested_document_);
+    if (editor_.dragging()) context_.moves();
+}
+
+void Viewer::request_view() {
+    const editor::StageClock& clock = view_.clock;
+    const stage::Camera& camera = input_.camera;
+    if (!input_.stage || camera.width < 2 || camera.height < 2) return;
+    editor::ViewRequest view;
+    view.camera = camera;
+    view.time_s = clock.displayed_s();
+    view.resolve.show = view_.image.show;
+    view.resolve.cost_max = view_.image.cost_max;
+    view.overrides_background = view_.image.overrides_background;
+    view.resolve.background = glm::vec4(media::linear_from_srgb(view_.image.background), 1);
+    view.moving = clock.playing || in_motion() || editor_.dragging();
+    view.max_scale = view_.image.max_scale;
+    view.samples = static_cast<uint32_t>(view_.image.samples);
+    const auto [low, high] = stage::performers_box(*input_.stage, input_.evaluated);
+    const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
+    view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
+    view.resolve.depth_far_m = static_cast<float>(distance + size);
+    // Where the device does not keep pace, it is not known which times will be displayed next.
+    const bool keeps_pace = input_.drawn.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
+    if (clock.playing && keeps_pace)
+        for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.displayed_after_s(i));
+    if (view_request_ && same_image(*view_request_, view)) return;
+    view.id = view_request_ ? view_request_->id + 1 : 1;
+    view_request_ = view;
+    render_thread_.request(std::move(view));
+}
+
+// This frame's event, or the earlier one that its changes answer, is answered by what was requested in this frame.
+void Viewer::meter_latency(const FrameMeter::Numbers& before) {
+    std::optional<double> event_s = input_.event_s;
+    if (const auto answered_s = std::exchange(requests_.answered_s, std::nullopt))
+        event_s = std::min(event_s.value_or(*answered_s), *answered_s);
+    if (event_s && input_.drawn.displayed.view > 0 && requested() != before) meter_.request(requested(), *event_s);
+}
+
+void Viewer::write_report() {
+    if (!report_.on()) return;
+    for (std::string& message : device_.drain_validation_messages())
+        if (validation_messages_.size() < kMaxMessages) validation_messages_.push_back(std::move(message));
+    const bool still = view_request_ && !view_request_->moving;
+    report_facts(context_, {paint_, meter_, window_, notices_, validation_messages_, still && image_is_sharp()});
+    if (!report_.end_frame()) context_.redraw(1);
 }
 
 }  // namespace neuvv::viewer

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "tools/viewer/panels/fields.h"
-#include "tools/viewer/panels/node_actions.h"
+#include "tools/viewer/panels/stage_tree.h"
 
 namespace neuvv::viewer {
 
@@ -35,59 +35,59 @@ void time_fields(FieldGroup& group, edit::CopySettings& copies) {
     group.number("each spins by", copies.spin_step, {-3600, 3600, 0.5, "%.0f°/s more"});
 }
 
-bool button(Viewer& viewer, const char* name, const char* report, float width) {
+bool button(Context& context, const char* name, const char* report, float width) {
     const bool pressed = ImGui::Button(name, {width, 0});
-    viewer.report.item(report);
+    context.report.item(report);
     return pressed;
 }
 
 }  // namespace
 
-void ask_duplicate(Viewer& viewer, uint32_t node) {
-    viewer.copies.node = node;
-    viewer.copies.id = viewer.editor.id();
-    viewer.copies.ask = true;
+void ask_duplicate(const Context& context, CopyQuestion& question, uint32_t node) {
+    question.node = node;
+    question.id = context.editor.id();
+    question.ask = true;
 }
 
-void duplicate_dialog(Viewer& viewer) {
-    auto& asked = viewer.copies;
-    if (std::exchange(asked.ask, false)) ImGui::OpenPopup(kTitle);
+void duplicate_dialog(Context& context, StageTree& tree) {
+    CopyQuestion& question = tree.copies;
+    if (std::exchange(question.ask, false)) ImGui::OpenPopup(kTitle);
     const ImVec2 middle = ImGui::GetMainViewport()->GetCenter();
     ImGui::SetNextWindowPos(middle, ImGuiCond_Appearing, {0.5f, 0.5f});
-    ImGui::SetNextWindowSize({viewer.ui(360), 0});
+    ImGui::SetNextWindowSize({context.ui(360), 0});
     if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) return;
-    const auto row = row_of(viewer.stage_tree.rows, asked.node);
+    const auto row = row_of(tree.rows, question.node);
     // Meanwhile undone, or another file: the node may be another.
-    if (!row || asked.id != viewer.editor.id()) {
+    if (!row || question.id != context.editor.id()) {
         ImGui::CloseCurrentPopup();
         ImGui::EndPopup();
         return;
     }
-    const bool performer = viewer.stage_tree.rows[*row].kind == NodeKind::kPerformer;
-    edit::CopySettings settings = asked.settings;
+    const bool performer = tree.rows[*row].kind == NodeKind::kPerformer;
+    edit::CopySettings settings = question.settings;
     {
-        FieldGroup group(viewer, "duplicate");
+        FieldGroup group(context, "duplicate");
         place_fields(group, settings);
         if (performer) {
             ImGui::Separator();
             time_fields(group, settings);
         }
     }
-    asked.settings = settings;
+    question.settings = settings;
     if (!performer) {
         settings.stagger.value = 0;
         settings.spin_step = 0;
     }
     ImGui::Separator();
-    ImGui::TextWrapped("%s", fmt::format("{} more: {} in all with \"{}\"", settings.count, settings.count + 1,
-                                         viewer.stage_tree.rows[*row].title)
-                                 .c_str());
+    ImGui::TextWrapped(
+        "%s", fmt::format("{} more: {} in all with \"{}\"", settings.count, settings.count + 1, tree.rows[*row].title)
+                  .c_str());
     const float width = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-    const bool cancel = button(viewer, "Cancel", "duplicate/cancel", width);
+    const bool cancel = button(context, "Cancel", "duplicate/cancel", width);
     ImGui::SameLine();
-    if (button(viewer, "Duplicate", "duplicate/do", width)) {
-        viewer.editor.edit(
-            [&](edit::Document& document) { return edit::duplicate_node(document.file, asked.node, settings); });
+    if (button(context, "Duplicate", "duplicate/do", width)) {
+        context.editor.edit(
+            [&](edit::Document& document) { return edit::duplicate_node(document.file, question.node, settings); });
         ImGui::CloseCurrentPopup();
     }
     if (cancel || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();

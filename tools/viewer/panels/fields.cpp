@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "media/colour.h"
-#include "tools/viewer/viewer.h"
+#include "tools/viewer/context.h"
 
 namespace neuvv::viewer {
 
@@ -16,9 +16,13 @@ namespace {
 
 constexpr float kLabelShare = 0.36f;
 
+// Of the text field that is being edited: ImGui edits one at a time.
+ImGuiID typing = 0;
+std::string typed;
+
 }  // namespace
 
-FieldGroup::FieldGroup(Viewer& viewer, std::string name) : viewer_(viewer), name_(std::move(name)) {
+FieldGroup::FieldGroup(Context& context, std::string name) : context_(context), name_(std::move(name)) {
     ImGui::PushID(name_.c_str());
 }
 
@@ -38,8 +42,8 @@ void FieldGroup::label(const char* name) {
 
 void FieldGroup::report_last(const char* name) {
     // With Tab one comes from field to field in the middle of a drag: each is a step of its own.
-    if (ImGui::IsItemActivated()) viewer_.editor.end_drag();
-    viewer_.report.item(name_ + "/" + name);
+    if (ImGui::IsItemActivated()) context_.editor.end_drag();
+    context_.report.item(name_ + "/" + name);
 }
 
 bool FieldGroup::number(const char* name, double& value, const Numbers& look) {
@@ -105,7 +109,6 @@ bool FieldGroup::choice(const char* name, size_t& value, std::span<const char* c
 
 // ImGui edits one text at a time, and forgets what was typed when it is left by a click elsewhere: it is kept here.
 bool FieldGroup::text(const char* name, std::string& value) {
-    auto& [typing, typed] = viewer_.fields.text;
     label(name);
     ImGui::PushID(name);
     const ImGuiID id = ImGui::GetID("##");
@@ -134,7 +137,7 @@ bool FieldGroup::slider(const char* name, double& value, double low, double high
     return changed;
 }
 
-bool icon_button(Viewer& viewer, const char* name, const char* sign, const char* explained, bool on, bool enabled) {
+bool icon_button(Context& context, const char* name, const char* sign, const char* explained, bool on, bool enabled) {
     ImGui::BeginDisabled(!enabled);
     if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyle().Colors[ImGuiCol_ButtonActive]);
     ImGui::PushID(name);
@@ -142,7 +145,7 @@ bool icon_button(Viewer& viewer, const char* name, const char* sign, const char*
     const bool pressed = ImGui::Button(sign, {std::round(1.25f * side), side});
     ImGui::PopID();
     if (on) ImGui::PopStyleColor();
-    viewer.report.item(name);
+    context.report.item(name);
     if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explained);
     ImGui::EndDisabled();
     return pressed;

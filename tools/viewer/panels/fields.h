@@ -9,14 +9,14 @@
 #include <span>
 #include <string>
 
-namespace neuvv::viewer {
+#include "tools/viewer/context.h"
 
-class Viewer;
+namespace neuvv::viewer {
 
 // Between them, fields are reported under this name.
 class FieldGroup {
   public:
-    FieldGroup(Viewer& viewer, std::string name);
+    FieldGroup(Context& context, std::string name);
     ~FieldGroup();
     FieldGroup(const FieldGroup&) = delete;
     FieldGroup& operator=(const FieldGroup&) = delete;
@@ -38,12 +38,12 @@ class FieldGroup {
     void report_last(const char* name);
 
   private:
-    Viewer& viewer_;
+    Context& context_;
     std::string name_;
 };
 
 // A button of a sign, with a text that explains it; `on`: it is the chosen one. Reported by `name`.
-bool icon_button(Viewer& viewer, const char* name, const char* sign, const char* explained, bool on = false,
+bool icon_button(Context& context, const char* name, const char* sign, const char* explained, bool on = false,
                  bool enabled = true);
 
 }  // namespace neuvv::viewer

@@ -13,18 +13,18 @@
 #include "tools/options.h"
 
 #include "tools/ui/icons.h"
+#include "tools/viewer/context.h"
 #include "tools/viewer/files.h"
-#include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
 
 namespace {
 
-bool button(Viewer& viewer, const char* name, bool enabled = true) {
+bool button(Context& context, const char* name, bool enabled = true) {
     ImGui::BeginDisabled(!enabled);
-    const bool pressed = ImGui::Button(name, {viewer.ui(110), 0});
+    const bool pressed = ImGui::Button(name, {context.ui(110), 0});
     ImGui::EndDisabled();
-    viewer.report.item(std::string("question/") + name);
+    context.report.item(std::string("question/") + name);
     ImGui::SameLine();
     return pressed;
 }
@@ -68,26 +68,26 @@ void Files::panel() {
 }
 
 void Files::unsaved_panel() {
-    ImGui::Text("%s has edits that are not saved.", viewer_.editor.file().path.filename().string().c_str());
+    ImGui::Text("%s has edits that are not saved.", context_.editor.file().path.filename().string().c_str());
     ImGui::Spacing();
     const auto afterwards = question_->afterwards;
-    if (button(viewer_, "Save")) {
-        const bool on_disk = viewer_.editor.file().saved->on_disk;
+    if (button(context_, "Save")) {
+        const bool on_disk = context_.editor.file().saved->on_disk;
         close_question();
         if (on_disk)
-            save_to(viewer_.editor.file().path, afterwards);
+            save_to(context_.editor.file().path, afterwards);
         else
-            ask_path("Save stage as", {".gltf"}, true, viewer_.editor.file().path.filename().string(),
+            ask_path("Save stage as", {".gltf"}, true, context_.editor.file().path.filename().string(),
                      [this, afterwards](const std::filesystem::path& path) { save_to(path, afterwards); });
         return;
     }
-    if (button(viewer_, "Discard")) {
+    if (button(context_, "Discard")) {
         close_question();
         saver_.autosave.forget();
         afterwards();
         return;
     }
-    if (button(viewer_, "Cancel") || viewer_.escape) close_question();
+    if (button(context_, "Cancel") || context_.frame.escape) close_question();
 }
 
 void Files::recover_panel() {
@@ -97,22 +97,22 @@ void Files::recover_panel() {
                                        entry.stage.filename().string(), fmt::localtime(when))
                                .c_str());
     ImGui::TextDisabled("%s", entry.stage.parent_path().c_str());
-    if (edit::has_anothers_file(entry))
+    if (edit::has_foreign_file(entry))
         ImGui::TextUnformatted("Its file has changed since: saving keeps that beside it, under another name.");
     ImGui::Spacing();
-    if (button(viewer_, "Recover")) {
+    if (button(context_, "Recover")) {
         const edit::RecoveryEntry chosen = entry;
         close_question();
         return recover(chosen);
     }
     const auto then = question_->then;
     const std::filesystem::path path = question_->folder;
-    if (button(viewer_, "Discard")) {
+    if (button(context_, "Discard")) {
         for (const edit::RecoveryEntry& one : question_->entries) edit::discard(one);
         close_question();
         return then(path);
     }
-    if (button(viewer_, "Decide later") || viewer_.escape) {
+    if (button(context_, "Decide later") || context_.frame.escape) {
         close_question();
         then(path);
     }
@@ -121,21 +121,21 @@ void Files::recover_panel() {
 void Files::path_panel() {
     FileQuestion& question = *question_;
     const ImVec2 window = ImGui::GetIO().DisplaySize;
-    const ImVec2 list{std::min(viewer_.ui(560), window.x - viewer_.ui(60)),
-                      std::min(viewer_.ui(320), window.y - viewer_.ui(190))};
+    const ImVec2 list{std::min(context_.ui(560), window.x - context_.ui(60)),
+                      std::min(context_.ui(320), window.y - context_.ui(190))};
     if (ImGui::Button(ICON_LEVEL_UP)) return list_folder(question.folder.parent_path());
-    viewer_.report.item("question/up");
+    context_.report.item("question/up");
     ImGui::SameLine();
     std::string folder = question.folder.string();
     ImGui::SetNextItemWidth(list.x - ImGui::GetItemRectSize().x - ImGui::GetStyle().ItemSpacing.x);
     if (ImGui::InputText("##folder", &folder, ImGuiInputTextFlags_EnterReturnsTrue)) return list_folder(folder);
-    viewer_.report.item("question/folder");
+    context_.report.item("question/folder");
     ImGui::BeginChild("files", list, true);
     for (const Listed& one : listed_) {
         const std::string text = fmt::format("{}  {}", one.folder ? ICON_FOLDER : ICON_FILE, one.name);
         const bool clicked = ImGui::Selectable(text.c_str(), !one.folder && one.name == question.name,
                                                ImGuiSelectableFlags_AllowDoubleClick);
-        viewer_.report.item("question/file/" + one.name);
+        context_.report.item("question/file/" + one.name);
         if (!clicked) continue;
         if (one.folder) {
             list_folder(question.folder / one.name);
@@ -152,12 +152,12 @@ void Files::path_panel() {
     if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
     const bool entered = ImGui::InputText("##name", &question.name,
                                           ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
-    viewer_.report.item("question/name");
+    context_.report.item("question/name");
     if (!confirmed_.empty() && confirmed_ == question.folder / question.name)
         ImGui::TextUnformatted("There is a file of this name. Save again to replace it.");
-    if (button(viewer_, question.to_save ? "Save" : "Open", !question.name.empty()) || entered)
+    if (button(context_, question.to_save ? "Save" : "Open", !question.name.empty()) || entered)
         return choose(question.folder / question.name);
-    if (button(viewer_, "Cancel") || viewer_.escape) close_question();
+    if (button(context_, "Cancel") || context_.frame.escape) close_question();
 }
 
 void Files::choose(const std::filesystem::path& chosen) {

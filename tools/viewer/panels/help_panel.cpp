@@ -38,12 +38,12 @@ constexpr KeyLine kKeys[] = {
 
 }  // namespace
 
-void help_panel(Viewer& viewer) {
-    if (viewer.escape) viewer.panels.help = false;
+void help_panel(Context& context) {
+    if (context.frame.escape) context.view.panels.help = false;
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
     if (ImGui::Begin(
-            "Keys", &viewer.panels.help,
+            "Keys", &context.view.panels.help,
             ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse)) {
         if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
             for (const KeyLine& line : kKeys) {

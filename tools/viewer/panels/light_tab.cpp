@@ -5,12 +5,12 @@
 
 #include "edit/light_values.h"
 #include "media/colour.h"
-#include "tools/light_shares.h"
+#include "tools/light_status.h"
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
-#include "tools/viewer/panels/node_actions.h"
 #include "tools/viewer/panels/panels.h"
 #include "tools/viewer/panels/property_fields.h"
+#include "tools/viewer/panels/stage_tree.h"
 
 namespace neuvv::viewer {
 
@@ -19,8 +19,8 @@ namespace {
 constexpr double kFirstRange_m = 10;
 constexpr const char* kKinds[] = {"sun", "lamp", "spotlight"};  // by GltfLightKind
 
-void drag(Viewer& viewer, uint32_t node, const edit::LightEdit& edit) {
-    viewer.editor.drag([=](edit::Document& document) { return edit::set_light(document.file, node, edit); });
+void drag(Context& context, uint32_t node, const edit::LightEdit& edit) {
+    context.editor.drag([=](edit::Document& document) { return edit::set_light(document.file, node, edit); });
 }
 
 const char* unit_of(stage::GltfLightKind kind) {
@@ -32,17 +32,17 @@ FieldGroup::Numbers look_of_intensity(const edit::LightValues& light) {
     return {0, 1e9, std::max(0.01, light.intensity / 200), unit_of(light.kind)};
 }
 
-void row_of_light(Viewer& viewer, const StageRow& row) {
-    const edit::LightValues light = *edit::light_on(viewer.editor.file(), row.node);
+void row_of_light(Context& context, const StageRow& row) {
+    const edit::LightValues light = *edit::light_on(context.editor.file(), row.node);
     const std::string report = "light/" + row.title;
-    const bool selected = viewer.editor.selected() == row.node;
+    const bool selected = context.editor.selected() == row.node;
     const float width = ImGui::GetContentRegionAvail().x, side = ImGui::GetFrameHeight();
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
     bool on = row.shown;
     ImGui::BeginDisabled(!row.shown_above);
     if (ImGui::Checkbox("##on", &on))
-        viewer.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, on); });
-    viewer.report.item(report + "/on");
+        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, on); });
+    context.report.item(report + "/on");
     explain(on ? "Switch off" : "Switch on");
     ImGui::EndDisabled();
     ImGui::SameLine(0, gap);
@@ -50,38 +50,38 @@ void row_of_light(Viewer& viewer, const StageRow& row) {
     float rgb[3] = {static_cast<float>(srgb.x), static_cast<float>(srgb.y), static_cast<float>(srgb.z)};
     if (ImGui::ColorEdit3("##colour", rgb,
                           ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_Float))
-        drag(viewer, row.node, {.color = media::linear_from_srgb(glm::max(glm::dvec3(rgb[0], rgb[1], rgb[2]), 0.0))});
-    viewer.report.item(report + "/colour");
+        drag(context, row.node, {.color = media::linear_from_srgb(glm::max(glm::dvec3(rgb[0], rgb[1], rgb[2]), 0.0))});
+    context.report.item(report + "/colour");
     ImGui::SameLine(0, gap);
     const float number = std::round(0.3f * width);
     if (ImGui::Selectable(row.title.c_str(), selected, 0, {width - number - 2 * side - 3 * gap, 0}))
-        viewer.editor.select(row.node);
-    viewer.report.item(report);
+        context.editor.select(row.node);
+    context.report.item(report);
     ImGui::SameLine(0, gap);
     ImGui::SetNextItemWidth(-FLT_MIN);
     double intensity = light.intensity;
     const FieldGroup::Numbers look = look_of_intensity(light);
     if (ImGui::DragScalar("##intensity", ImGuiDataType_Double, &intensity, static_cast<float>(look.step), &look.low,
                           &look.high, look.format, ImGuiSliderFlags_AlwaysClamp))
-        drag(viewer, row.node, {.intensity = intensity});
-    if (ImGui::IsItemActivated()) viewer.editor.end_drag();
-    viewer.report.item(report + "/intensity");
+        drag(context, row.node, {.intensity = intensity});
+    if (ImGui::IsItemActivated()) context.editor.end_drag();
+    context.report.item(report + "/intensity");
 }
 
-void list_of_lights(Viewer& viewer) {
+void list_of_lights(Context& context, const StageTree& tree) {
     headline("Lights");
     bool any = false;
-    for (const StageRow& row : viewer.stage_tree.rows) {
-        if (!edit::light_on(viewer.editor.file(), row.node)) continue;
+    for (const StageRow& row : tree.rows) {
+        if (!edit::light_on(context.editor.file(), row.node)) continue;
         any = true;
         ImGui::PushID(static_cast<int>(row.node));
-        row_of_light(viewer, row);
+        row_of_light(context, row);
         ImGui::PopID();
     }
     if (!any) ImGui::TextWrapped("No lights. Add one with " ICON_LIGHT " above the tree.");
 }
 
-void kind_field(Viewer& viewer, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
+void kind_field(Context& context, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
     auto kind = static_cast<size_t>(light.kind);
     if (!group.choice("kind", kind, kKinds)) return;
     const auto chosen = static_cast<stage::GltfLightKind>(kind);
@@ -90,17 +90,17 @@ void kind_field(Viewer& viewer, FieldGroup& group, uint32_t node, const edit::Li
     // Lux and candela are no numbers of the same size.
     if ((chosen == stage::GltfLightKind::kDirectional) != (light.kind == stage::GltfLightKind::kDirectional))
         edit.intensity = edit::usual_intensity(chosen);
-    viewer.editor.edit([&](edit::Document& d) { return edit::set_light(d.file, node, edit); });
+    context.editor.edit([&](edit::Document& d) { return edit::set_light(d.file, node, edit); });
 }
 
-void spot_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
+void spot_fields(Context& context, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
     double beam_deg = 2 * light.outer_cone_deg,
            softness = edit::softness_of(light.inner_cone_deg, light.outer_cone_deg);
     const auto change = [&] {
         edit::LightEdit edit;
         edit.outer_cone_deg = beam_deg / 2;
         edit.inner_cone_deg = edit::inner_cone_for(softness, beam_deg / 2);
-        drag(viewer, node, edit);
+        drag(context, node, edit);
     };
     if (group.number("beam", beam_deg, {1, 180, 0.2, "%.1f°"})) change();
     explain("From edge to edge of its cone");
@@ -108,14 +108,14 @@ void spot_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const edit::L
     explain("How much of the cone fades towards its edge");
 }
 
-void shadow_line(Viewer& viewer, FieldGroup& group, uint32_t node) {
-    const stage::Stage* const stage = viewer.stage_of_document();
+void shadow_line(Context& context, FieldGroup& group, uint32_t node) {
+    const stage::Stage* const stage = context.stage_of_document();
     if (!stage) return;
-    const std::vector<tools::LightShare> shares = tools::shares_of(*stage, viewer.evaluated);
+    const std::vector<tools::LightStatus> shares = tools::light_statuses(*stage, context.frame.evaluated);
     for (size_t i = 0; i < shares.size(); i++) {
-        if (viewer.evaluated.lights[i].node != node) continue;
+        if (context.frame.evaluated.lights[i].node != node) continue;
         group.label("");
-        const tools::LightShare& share = shares[i];
+        const tools::LightStatus& share = shares[i];
         const std::string text = !share.text.empty()  ? share.text
                                  : share.casts_shadow ? "casts shadows"
                                                       : "casts no shadows";
@@ -126,43 +126,43 @@ void shadow_line(Viewer& viewer, FieldGroup& group, uint32_t node) {
     }
 }
 
-void selected_light(Viewer& viewer, FieldGroup& group) {
-    const auto node = viewer.editor.selected();
-    const auto at = node ? row_of(viewer.stage_tree.rows, *node) : std::nullopt;
-    const auto light = at ? edit::light_on(viewer.editor.file(), *node) : std::nullopt;
+void selected_light(Context& context, FieldGroup& group, const StageTree& tree) {
+    const auto node = context.editor.selected();
+    const auto at = node ? row_of(tree.rows, *node) : std::nullopt;
+    const auto light = at ? edit::light_on(context.editor.file(), *node) : std::nullopt;
     if (!light) return;
     ImGui::PushID(static_cast<int>(*node));
-    headline(viewer.stage_tree.rows[*at].title.c_str());
-    kind_field(viewer, group, *node, *light);
+    headline(tree.rows[*at].title.c_str());
+    kind_field(context, group, *node, *light);
     glm::dvec3 color = light->color;
-    if (group.colour("colour", color)) drag(viewer, *node, {.color = color});
+    if (group.colour("colour", color)) drag(context, *node, {.color = color});
     double intensity = light->intensity;
-    if (group.number("intensity", intensity, look_of_intensity(*light))) drag(viewer, *node, {.intensity = intensity});
+    if (group.number("intensity", intensity, look_of_intensity(*light))) drag(context, *node, {.intensity = intensity});
     if (light->kind != stage::GltfLightKind::kDirectional) {
         double range_m = light->range_m;
         if (group.number("range", range_m, {0, 1e4, 0.05, range_m > 0 ? "%.2f m" : "endless"})) {
             // A drag that begins at no end begins far off, not at the lamp.
             if (light->range_m == 0 && range_m > 0 && range_m < 0.5) range_m = kFirstRange_m;
             if (range_m < 0.01) range_m = 0;
-            drag(viewer, *node, {.range_m = range_m});
+            drag(context, *node, {.range_m = range_m});
         }
         explain("Beyond it there is no light of it; 0: endless");
     }
-    if (light->kind == stage::GltfLightKind::kSpot) spot_fields(viewer, group, *node, *light);
-    shadow_line(viewer, group, *node);
+    if (light->kind == stage::GltfLightKind::kSpot) spot_fields(context, group, *node, *light);
+    shadow_line(context, group, *node);
     ImGui::PopID();
 }
 
 }  // namespace
 
-void light_tab(Viewer& viewer) {
-    if (!viewer.editor.is_open()) return;
-    follow_document(viewer);
-    FieldGroup group(viewer, "light");
-    list_of_lights(viewer);
-    selected_light(viewer, group);
+void light_tab(Context& context, StageTree& tree) {
+    if (!context.editor.is_open()) return;
+    follow_document(context, tree);
+    FieldGroup group(context, "light");
+    list_of_lights(context, tree);
+    selected_light(context, group, tree);
     headline("Everywhere");
-    stage_light_fields(viewer, group);
+    stage_light_fields(context, group);
 }
 
 }  // namespace neuvv::viewer

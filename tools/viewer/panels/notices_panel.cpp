@@ -21,15 +21,15 @@ void line(unsigned colour, const char* sign, const std::string& text) {
 }  // namespace
 
 // At the bottom of the image.
-void notices_panel(Viewer& viewer) {
-    const editor::RenderThreadState& drawn = viewer.drawn;
-    const auto jobs = viewer.jobs.under_way();
-    const bool nothing = !viewer.editor.is_open() && jobs.empty();
-    if (viewer.notices().empty() && jobs.empty() && drawn.loading.empty() && drawn.problem.empty() && !nothing) return;
-    const Area& area = viewer.image_area;
-    ImGui::SetNextWindowPos({area.left + viewer.ui(12), area.top + area.height - viewer.ui(12)}, ImGuiCond_Always,
+void notices_panel(Context& context, std::span<const editor::Notice> notices) {
+    const editor::RenderThreadState& drawn = context.frame.drawn;
+    const auto jobs = context.jobs.under_way();
+    const bool nothing = !context.editor.is_open() && jobs.empty();
+    if (notices.empty() && jobs.empty() && drawn.loading.empty() && drawn.problem.empty() && !nothing) return;
+    const Area& area = context.frame.image_area;
+    ImGui::SetNextWindowPos({area.left + context.ui(12), area.top + area.height - context.ui(12)}, ImGuiCond_Always,
                             {0, 1});
-    ImGui::SetNextWindowSize({std::min(viewer.ui(520), area.width - viewer.ui(24)), 0});
+    ImGui::SetNextWindowSize({std::min(context.ui(520), area.width - context.ui(24)), 0});
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::Begin("Notices", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
@@ -41,7 +41,7 @@ void notices_panel(Viewer& viewer) {
         line(ui::kAccent, ICON_LOOP,
              fmt::format("Reading {}: clip {} of {}…", drawn.loading, drawn.files_read + 1, drawn.files));
     if (!drawn.problem.empty()) line(ui::kError, ICON_WARNING, drawn.problem);
-    for (const editor::Notice& notice : viewer.notices())
+    for (const editor::Notice& notice : notices)
         line(notice.error ? ui::kError : ui::kGood, notice.error ? ICON_WARNING : ICON_CHECK, notice.text);
     ImGui::End();
 }

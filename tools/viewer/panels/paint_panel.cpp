@@ -15,113 +15,113 @@ namespace neuvv::viewer {
 
 namespace {
 
-using Tool_ = PaintChoice::Tool;
+using Brush = PaintChoice::Tool;
 using Frames = PaintChoice::Frames;
 
 constexpr const char* kBlends[] = {"Normal", "Multiply", "Tint", "Recolour"};
 constexpr const char* kFrames[] = {"This frame", "A range", "The whole clip"};
 constexpr const char* kFollows[] = {"Only then", "As long as it stays", "Whenever it is there"};
-constexpr const char* kFollowWords[] = {
+constexpr const char* kFollowTooltips[] = {
     "The edit holds at these frames and no others.",
     "The edit also holds before and after these frames, as long as the surface stays where it was painted.",
     "The edit holds in every frame in which there is a surface where it was painted."};
 
-struct ToolSign {
-    const char *name, *sign, *explained, *title;
+struct ToolIcon {
+    const char *name, *icon, *explained, *title;
 };
-constexpr ToolSign kTools[] = {
+constexpr ToolIcon kTools[] = {
     {"paint/colour", ICON_BRUSH, "Colour: paint over what is there (Ctrl erases)", "Colour"},
     {"paint/erase", ICON_ERASER, "Erase: take away what is there", "Erase"},
     {"paint/shift", ICON_TINT, "Hue and saturation: shift the colours that are there", "Hue and saturation"},
     {"paint/restore", ICON_UNDO, "Restore: take this layer's paint off again", "Restore"},
     {"paint/stamp", ICON_STAMP, "Image: project a PNG from where you look", "Picture"}};
 
-void heading(const Viewer& viewer, const char* text) {
-    ImGui::Dummy({0, viewer.ui(4)});
+void heading(const Context& context, const char* text) {
+    ImGui::Dummy({0, context.ui(4)});
     ImGui::TextDisabled("%s", text);
     ImGui::Separator();
 }
 
-void tool_row(Viewer& viewer, PaintChoice& choice) {
+void tool_row(Context& context, PaintChoice& choice) {
     for (size_t i = 0; i < std::size(kTools); i++) {
         if (i > 0) ImGui::SameLine();
-        const ToolSign& tool = kTools[i];
-        const bool on = choice.tool == static_cast<Tool_>(i) && viewer.tool == Tool::kPaint;
-        if (icon_button(viewer, tool.name, tool.sign, tool.explained, on)) {
-            choice.tool = static_cast<Tool_>(i);
-            viewer.tool = Tool::kPaint;
+        const ToolIcon& tool = kTools[i];
+        const bool on = choice.tool == static_cast<Brush>(i) && PaintTool::is_current(context);
+        if (icon_button(context, tool.name, tool.icon, tool.explained, on)) {
+            choice.tool = static_cast<Brush>(i);
+            context.view.mode = &PaintTool::kMode;
         }
     }
 }
 
-void brush_fields(Viewer& viewer, FieldGroup& fields) {
-    PaintChoice& choice = viewer.paint.choice;
+void brush_fields(PaintTool& paint, FieldGroup& fields) {
+    PaintChoice& choice = paint.choice;
     double radius_cm = 100 * choice.radius_m;
-    if (fields.number("Radius", radius_cm, {100 * kLeastRadius_m, 100 * kMostRadius_m, 0.05, "%.1f cm"}))
+    if (fields.number("Radius", radius_cm, {100 * kMinRadius_m, 100 * kMaxRadius_m, 0.05, "%.1f cm"}))
         choice.radius_m = radius_cm / 100;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("[ and ] in the image make it smaller and larger");
     fields.slider("Hardness", choice.hardness, 0, 1);
 }
 
-void box_fields(Viewer& viewer, FieldGroup& fields) {
-    PaintChoice& choice = viewer.paint.choice;
+void box_fields(Context& context, PaintTool& paint, FieldGroup& fields) {
+    PaintChoice& choice = paint.choice;
     const FieldGroup::Numbers metres{-1000, 1000, 0.005, "%.2f"};
     fields.number("Low corner", choice.box_low, metres);
     fields.number("High corner", choice.box_high, metres);
     choice.box_high = glm::max(choice.box_high, choice.box_low);
     fields.label("");
-    if (ImGui::Button("Around all", {-FLT_MIN, 0})) viewer.paint.fit_box(viewer);
+    if (ImGui::Button("Around all", {-FLT_MIN, 0})) paint.fit_box(context);
     fields.report_last("Around all");
     constexpr const char* kDo[] = {"Paint the box", "Erase the box", "Shift the box", "Restore the box"};
     fields.label("");
-    ImGui::BeginDisabled(viewer.paint.busy());
+    ImGui::BeginDisabled(paint.busy());
     if (ImGui::Button(kDo[std::min<size_t>(static_cast<size_t>(choice.tool), 3)], {-FLT_MIN, 0}))
-        viewer.paint.paint_in_box(viewer);
+        paint.paint_in_box(context);
     fields.report_last("Do");
     ImGui::EndDisabled();
 }
 
-void stamp_fields(Viewer& viewer, FieldGroup& fields) {
-    PaintChoice& choice = viewer.paint.choice;
-    if (fields.text("File", choice.image)) viewer.paint.load_image(viewer);
+void stamp_fields(Context& context, PaintTool& paint, Files& files, FieldGroup& fields) {
+    PaintChoice& choice = paint.choice;
+    if (fields.text("File", choice.image)) paint.load_image(context);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("A PNG. Enter reads it; then it hangs on the pointer");
     fields.label("");
     if (ImGui::Button(ICON_FOLDER "  Choose…", {-FLT_MIN, 0}))
-        viewer.files.ask_path("Picture", {".png"}, false, "", [&viewer](const std::filesystem::path& path) {
-            viewer.paint.choice.image = path.string();
-            viewer.paint.load_image(viewer);
+        files.ask_path("Picture", {".png"}, false, "", [&context, &paint](const std::filesystem::path& path) {
+            paint.choice.image = path.string();
+            paint.load_image(context);
         });
     fields.report_last("Choose");
     double percent = 100 * choice.stamp_share;
-    if (fields.slider("Height", percent, 100 * kLeastStamp, 100 * kMostStamp, "%.0f %% of the view"))
+    if (fields.slider("Height", percent, 100 * kMinStamp, 100 * kMaxStamp, "%.0f %% of the view"))
         choice.stamp_share = percent / 100;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl and the wheel in the image change it, too");
     fields.slider("Opacity", choice.opacity, 0, 1);
-    if (!choice.image.empty() && viewer.paint.stamp_loaded()) ImGui::TextDisabled("Click in the view to project it.");
+    if (!choice.image.empty() && paint.stamp_loaded()) ImGui::TextDisabled("Click in the view to project it.");
 }
 
-void tool_fields(Viewer& viewer) {
-    PaintChoice& choice = viewer.paint.choice;
-    FieldGroup fields(viewer, "paint");
-    if (choice.tool == Tool_::kStamp) return stamp_fields(viewer, fields);
+void tool_fields(Context& context, PaintTool& paint, Files& files) {
+    PaintChoice& choice = paint.choice;
+    FieldGroup fields(context, "paint");
+    if (choice.tool == Brush::kStamp) return stamp_fields(context, paint, files, fields);
     constexpr const char* kWith[] = {"A brush", "A box"};
     size_t with = choice.in_box;
     if (fields.choice("With", with, kWith)) choice.in_box = with == 1;
-    if (choice.tool == Tool_::kColour) {
+    if (choice.tool == Brush::kColour) {
         fields.colour("Colour", choice.colour);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("Alt and a click in the view take the colour there");
     }
-    if (choice.tool == Tool_::kShift) {
+    if (choice.tool == Brush::kShift) {
         fields.slider("Hue", choice.hue_degrees, -180, 180, "%.0f°");
         fields.slider("Saturation", choice.saturation, 0, 3);
     }
-    if (choice.tool == Tool_::kColour || choice.tool == Tool_::kShift) fields.slider("Opacity", choice.opacity, 0, 1);
-    choice.in_box ? box_fields(viewer, fields) : brush_fields(viewer, fields);
+    if (choice.tool == Brush::kColour || choice.tool == Brush::kShift) fields.slider("Opacity", choice.opacity, 0, 1);
+    choice.in_box ? box_fields(context, paint, fields) : brush_fields(paint, fields);
 }
 
-void frame_fields(Viewer& viewer, const PaintedPerformer& performer) {
-    PaintChoice& choice = viewer.paint.choice;
-    FieldGroup fields(viewer, "paint");
+void frame_fields(Context& context, PaintTool& paint, const PaintedPerformer& performer) {
+    PaintChoice& choice = paint.choice;
+    FieldGroup fields(context, "paint");
     auto frames = static_cast<size_t>(choice.frames);
     const double last = performer.frames - 1.0;
     if (fields.choice("Frames", frames, kFrames)) {
@@ -134,7 +134,7 @@ void frame_fields(Viewer& viewer, const PaintedPerformer& performer) {
         if (fields.number("From", from, {0, last, 0.2, "%.0f"})) choice.first = static_cast<int>(from);
         if (fields.number("To", to, {0, last, 0.2, "%.0f"})) choice.last = static_cast<int>(to);
     }
-    if (choice.tool == Tool_::kStamp && choice.frames != Frames::kThis) {
+    if (choice.tool == Brush::kStamp && choice.frames != Frames::kThis) {
         fields.toggle("On each frame", choice.every_frame);
         if (ImGui::IsItemHovered())
             ImGui::SetTooltip("As a projector would: onto each frame's own surface. Takes longer.");
@@ -143,58 +143,58 @@ void frame_fields(Viewer& viewer, const PaintedPerformer& performer) {
     if (choice.frames == Frames::kAll) return;
     auto follow = static_cast<size_t>(choice.follow);
     if (fields.choice("Holds", follow, kFollows)) choice.follow = static_cast<edit::Follow>(follow);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", kFollowWords[static_cast<size_t>(choice.follow)]);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", kFollowTooltips[static_cast<size_t>(choice.follow)]);
 }
 
-void set_layer(Viewer& viewer, uint32_t node, size_t layer, const edit::PaintEdit& edit, bool held = false) {
+void set_layer(Context& context, uint32_t node, size_t layer, const edit::PaintEdit& edit, bool is_drag = false) {
     const auto operation = [&](edit::Document& document) {
         return edit::set_paint_layer(document.file, node, layer, edit);
     };
-    held ? viewer.editor.drag(operation) : viewer.editor.edit(operation);
+    is_drag ? context.editor.drag(operation) : context.editor.edit(operation);
 }
 
-void layer_buttons(Viewer& viewer, const PaintedPerformer& performer, size_t painted) {
+void layer_buttons(Context& context, PaintTool& paint, const PaintedPerformer& performer, size_t painted) {
     const size_t count = performer.layers.size();
     const uint32_t node = performer.node;
-    const bool any = count > 0 && !viewer.paint.busy();
-    if (icon_button(viewer, "paint/layer-new", ICON_PLUS, "A new layer on top", false, !viewer.paint.busy()))
-        viewer.paint.add_layer(viewer);
+    const bool any = count > 0 && !paint.busy();
+    if (icon_button(context, "paint/layer-new", ICON_PLUS, "A new layer on top", false, !paint.busy()))
+        paint.add_layer(context);
     const auto move_to = [&](size_t to) {
-        viewer.paint.choice.layer = performer.layers[painted].path;
-        viewer.editor.edit(
+        paint.choice.layer = performer.layers[painted].path;
+        context.editor.edit(
             [&](edit::Document& document) { return edit::move_paint_layer(document.file, node, painted, to); });
     };
     ImGui::SameLine();
-    if (icon_button(viewer, "paint/layer-up", ICON_UP, "Over the next one", false, any && painted + 1 < count))
+    if (icon_button(context, "paint/layer-up", ICON_UP, "Over the next one", false, any && painted + 1 < count))
         move_to(painted + 1);
     ImGui::SameLine();
-    if (icon_button(viewer, "paint/layer-down", ICON_DOWN, "Under the next one", false, any && painted > 0))
+    if (icon_button(context, "paint/layer-down", ICON_DOWN, "Under the next one", false, any && painted > 0))
         move_to(painted - 1);
     ImGui::SameLine();
-    if (icon_button(viewer, "paint/layer-delete", ICON_TRASH, "Take the layer off this performer; its file stays",
+    if (icon_button(context, "paint/layer-delete", ICON_TRASH, "Take the layer off this performer; its file stays",
                     false, any))
-        viewer.editor.edit(
+        context.editor.edit(
             [&](edit::Document& document) { return edit::remove_paint_layer(document.file, node, painted); });
 }
 
 // The uppermost first.
-void layer_rows(Viewer& viewer, const PaintedPerformer& performer, size_t painted) {
+void layer_rows(Context& context, PaintTool& paint, const PaintedPerformer& performer, size_t painted) {
     if (performer.layers.empty()) ImGui::TextDisabled("None yet: the first stroke makes one.");
     for (size_t i = performer.layers.size(); i-- > 0;) {
         const edit::ListedLayer& layer = performer.layers[i];
         const std::string title = edit::title_of(layer), name = "paint/layer/" + title;
         ImGui::PushID(static_cast<int>(i));
-        if (icon_button(viewer, (name + "/eye").c_str(), layer.entry.visible ? ICON_EYE : ICON_EYE_OFF,
+        if (icon_button(context, (name + "/eye").c_str(), layer.entry.visible ? ICON_EYE : ICON_EYE_OFF,
                         layer.entry.visible ? "Hide the layer" : "Show the layer"))
-            set_layer(viewer, performer.node, i, {.visible = !layer.entry.visible});
+            set_layer(context, performer.node, i, {.visible = !layer.entry.visible});
         ImGui::SameLine();
         if (!layer.entry.visible) ImGui::PushStyleColor(ImGuiCol_Text, ui::kFaint);
         ImGui::PushStyleVar(ImGuiStyleVar_SelectableTextAlign, {0, 0.5f});
         if (ImGui::Selectable(title.c_str(), i == painted, 0, {0, ImGui::GetFrameHeight()}))
-            viewer.paint.choice.layer = layer.path;
+            paint.choice.layer = layer.path;
         ImGui::PopStyleVar();
         if (!layer.entry.visible) ImGui::PopStyleColor();
-        viewer.report.item(name);
+        context.report.item(name);
         if (ImGui::IsItemHovered())
             ImGui::SetTooltip("%s\n%s, opacity %.2f", layer.path.filename().c_str(),
                               kBlends[static_cast<size_t>(layer.entry.blend)], layer.entry.opacity);
@@ -202,38 +202,39 @@ void layer_rows(Viewer& viewer, const PaintedPerformer& performer, size_t painte
     }
 }
 
-void layer_fields(Viewer& viewer, const PaintedPerformer& performer, size_t painted) {
+void layer_fields(Context& context, const PaintedPerformer& performer, size_t painted) {
     if (painted >= performer.layers.size()) return;
     const edit::ListedLayer& layer = performer.layers[painted];
-    FieldGroup fields(viewer, "layer");
+    FieldGroup fields(context, "layer");
     std::string name = edit::title_of(layer);
-    if (fields.text("Name", name)) set_layer(viewer, performer.node, painted, {.name = name});
+    if (fields.text("Name", name)) set_layer(context, performer.node, painted, {.name = name});
     double opacity = layer.entry.opacity;
-    if (fields.slider("Opacity", opacity, 0, 1)) set_layer(viewer, performer.node, painted, {.opacity = opacity}, true);
+    if (fields.slider("Opacity", opacity, 0, 1))
+        set_layer(context, performer.node, painted, {.opacity = opacity}, true);
     auto blend = static_cast<size_t>(layer.entry.blend);
     if (fields.choice("Blend", blend, kBlends))
-        set_layer(viewer, performer.node, painted, {.blend = static_cast<stage::PaintBlend>(blend)});
+        set_layer(context, performer.node, painted, {.blend = static_cast<stage::PaintBlend>(blend)});
 }
 
 }  // namespace
 
-void paint_tab(Viewer& viewer) {
-    tool_row(viewer, viewer.paint.choice);
-    const auto performer = PaintTool::performer(viewer);
+void paint_tab(Context& context, PaintTool& paint, Files& files) {
+    tool_row(context, paint.choice);
+    const auto performer = PaintTool::performer(context);
     if (!performer) {
         ImGui::Spacing();
         ImGui::TextWrapped("Select a performer to paint it.");
         return;
     }
-    heading(viewer, kTools[static_cast<size_t>(viewer.paint.choice.tool)].title);
-    tool_fields(viewer);
-    heading(viewer, "When");
-    frame_fields(viewer, *performer);
-    heading(viewer, fmt::format("Layers of {}", performer->name).c_str());
-    const size_t painted = viewer.paint.painted_layer(*performer);
-    layer_buttons(viewer, *performer, painted);
-    layer_rows(viewer, *performer, painted);
-    layer_fields(viewer, *performer, painted);
+    heading(context, kTools[static_cast<size_t>(paint.choice.tool)].title);
+    tool_fields(context, paint, files);
+    heading(context, "When");
+    frame_fields(context, paint, *performer);
+    heading(context, fmt::format("Layers of {}", performer->name).c_str());
+    const size_t painted = paint.painted_layer(*performer);
+    layer_buttons(context, paint, *performer, painted);
+    layer_rows(context, paint, *performer, painted);
+    layer_fields(context, *performer, painted);
 }
 
 }  // namespace neuvv::viewer

@@ -14,18 +14,18 @@ namespace neuvv::viewer {
 
 namespace {
 
-void drag(Viewer& viewer, uint32_t node, const edit::PerformerEdit& edit) {
-    viewer.editor.drag([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
+void drag(Context& context, uint32_t node, const edit::PerformerEdit& edit) {
+    context.editor.drag([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
 }
 
-void set(Viewer& viewer, uint32_t node, const edit::PerformerEdit& edit) {
-    viewer.editor.edit([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
+void set(Context& context, uint32_t node, const edit::PerformerEdit& edit) {
+    context.editor.edit([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
 }
 
 // The clip as it was read; null while it is read.
-const stage::StageClip* clip_on(const Viewer& viewer, uint32_t node) {
-    const stage::Stage* stage = viewer.stage_of_document();
-    if (!stage) stage = viewer.stage.get();
+const stage::StageClip* clip_on(const Context& context, uint32_t node) {
+    const stage::Stage* stage = context.stage_of_document();
+    if (!stage) stage = context.frame.stage.get();
     if (!stage) return nullptr;
     for (const stage::StagePerformer& performer : stage->performers)
         if (performer.node == node) return &stage->clips[performer.clip];
@@ -57,15 +57,15 @@ std::string error_of(const stage::TimeMap& map, const stage::StageClip* clip) {
     return "";
 }
 
-void try_time(Viewer& viewer, uint32_t node, const stage::StageClip* clip, const std::string& typed) {
-    PropertyFields::Time& time = viewer.fields.time;
+void try_time(Context& context, PropertyFields::Time& time, uint32_t node, const stage::StageClip* clip,
+              const std::string& typed) {
     time.node.reset();
     std::string error;
     try {
         const stage::TimeMap map = stage::parse_time_map(typed, "", "");
         error = error_of(map, clip);
         if (error.empty()) {
-            set(viewer, node, {.time = map});
+            set(context, node, {.time = map});
             return;
         }
     } catch (const InputError& problem) {
@@ -75,12 +75,12 @@ void try_time(Viewer& viewer, uint32_t node, const stage::StageClip* clip, const
     error.erase(0, error.find_first_not_of(": "));
     if (const size_t end = error.find(": "); error.starts_with('/') && end != std::string::npos)
         error.erase(0, end + 2);
-    time = {node, viewer.editor.id(), typed, error};
+    time = {node, context.editor.id(), typed, error};
 }
 
 // Each tries another map; what is wrong with it is shown as if it had been typed.
-void time_buttons(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::StageClip* clip,
-                  const stage::TimeMap& map) {
+void time_buttons(Context& context, FieldGroup& group, PropertyFields::Time& time, uint32_t node,
+                  const stage::StageClip* clip, const stage::TimeMap& map) {
     const auto button = [&](const char* name, const char* explained) {
         const bool pressed = ImGui::Button(name);
         group.report_last(name);
@@ -91,22 +91,22 @@ void time_buttons(Viewer& viewer, FieldGroup& group, uint32_t node, const stage:
     const auto also = [&](stage::TimeOperator added) {
         stage::TimeMap more = map;
         more.push_back(added);
-        try_time(viewer, node, clip, stage::text_of(more));
+        try_time(context, time, node, clip, stage::text_of(more));
     };
     group.label("");
     if (button("loop", "Again and again")) also({.verb = stage::TimeVerb::kLoop, .has_part = false});
     if (button("to and fro", "Forwards and backwards, again and again"))
         also({.verb = stage::TimeVerb::kPingPong, .has_part = false});
-    if (button("plain", "As it was filmed, once")) try_time(viewer, node, clip, "");
+    if (button("plain", "As it was filmed, once")) try_time(context, time, node, clip, "");
     ImGui::NewLine();
 }
 
-void time_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::TimeMap& map) {
-    const stage::StageClip* const clip = clip_on(viewer, node);
-    const PropertyFields::Time& time = viewer.fields.time;
-    const bool wrong = time.node == node && time.id == viewer.editor.id();
+void time_fields(Context& context, FieldGroup& group, PropertyFields::Time& time, uint32_t node,
+                 const stage::TimeMap& map) {
+    const stage::StageClip* const clip = clip_on(context, node);
+    const bool wrong = time.node == node && time.id == context.editor.id();
     std::string text = wrong ? time.typed : stage::text_of(map);
-    if (group.text("time", text)) try_time(viewer, node, clip, text);
+    if (group.text("time", text)) try_time(context, time, node, clip, text);
     explain("How stage time becomes the clip's, step by step: offset:2s, speed:0.5, clip:1s:3s, reverse, loop, …");
     if (wrong) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::kError);
@@ -114,24 +114,24 @@ void time_fields(Viewer& viewer, FieldGroup& group, uint32_t node, const stage::
         ImGui::PopStyleColor();
         group.report_last("time error");
     }
-    time_buttons(viewer, group, node, clip, map);
+    time_buttons(context, group, time, node, clip, map);
 }
 
 }  // namespace
 
-void performer_fields(Viewer& viewer, FieldGroup& group, uint32_t node) {
-    const auto settings = edit::performer_on(viewer.editor.file(), node);
+void performer_fields(Context& context, FieldGroup& group, PropertyFields::Time& time, uint32_t node) {
+    const auto settings = edit::performer_on(context.editor.file(), node);
     if (!settings) return;
     headline("Performer");
-    clip_lines(clip_on(viewer, node), group, *settings);
-    time_fields(viewer, group, node, settings->time);
+    clip_lines(clip_on(context, node), group, *settings);
+    time_fields(context, group, time, node, settings->time);
     double opacity = settings->opacity;
-    if (group.slider("opacity", opacity, 0, 1)) drag(viewer, node, {.opacity = opacity});
+    if (group.slider("opacity", opacity, 0, 1)) drag(context, node, {.opacity = opacity});
     double spin = settings->spin_deg_per_s;
-    if (group.number("spin", spin, {-3600, 3600, 0.5, "%.1f°/s"})) drag(viewer, node, {.spin_deg_per_s = spin});
+    if (group.number("spin", spin, {-3600, 3600, 0.5, "%.1f°/s"})) drag(context, node, {.spin_deg_per_s = spin});
     bool casts = settings->casts_shadow, receives = settings->receives_shadow;
-    if (group.toggle("casts shadow", casts)) set(viewer, node, {.casts_shadow = casts});
-    if (group.toggle("shadows on it", receives)) set(viewer, node, {.receives_shadow = receives});
+    if (group.toggle("casts shadow", casts)) set(context, node, {.casts_shadow = casts});
+    if (group.toggle("shadows on it", receives)) set(context, node, {.receives_shadow = receives});
 }
 
 }  // namespace neuvv::viewer

@@ -6,27 +6,39 @@ namespace neuvv::viewer {
 
 namespace {
 
-void tab(Viewer& viewer, const char* name, const char* report, void (*content)(Viewer&), bool bring = false) {
-    const bool open = ImGui::BeginTabItem(name, nullptr, bring ? ImGuiTabItemFlags_SetSelected : 0);
-    viewer.report.item(report);
+template <typename Content>
+void tab(Context& context, const char* name, const char* report, bool select, const Content& content) {
+    const bool open = ImGui::BeginTabItem(name, nullptr, select ? ImGuiTabItemFlags_SetSelected : 0);
+    context.report.item(report);
     if (!open) return;
     ImGui::BeginChild(report);
-    content(viewer);
+    content();
     ImGui::EndChild();
     ImGui::EndTabItem();
 }
 
 }  // namespace
 
-void properties_panel(Viewer& viewer, const Area& area) {
+bool begin_panel(const char* name, const Area& area) {
+    ImGui::SetNextWindowPos({area.left, area.top});
+    ImGui::SetNextWindowSize({area.width, area.height});
+    return ImGui::Begin(name, nullptr,
+                        ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                            ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                            ImGuiWindowFlags_NoSavedSettings);
+}
+
+void properties_panel(Context& context, const Area& area, PropertiesPanel& state, const PropertiesUses& uses) {
     begin_panel("properties_panel", area);
-    const bool paints = viewer.tool == Tool::kPaint && viewer.panels.seen_tool != Tool::kPaint;
-    viewer.panels.seen_tool = viewer.tool;
+    const bool paints = PaintTool::is_current(context);
+    const bool begins_to_paint = paints && !state.painted_before;
+    state.painted_before = paints;
     if (ImGui::BeginTabBar("tabs")) {
-        tab(viewer, "Properties", "tab/properties", properties_tab);
-        tab(viewer, "Paint", "tab/paint", paint_tab, paints);
-        tab(viewer, "Light", "tab/light", light_tab);
-        tab(viewer, "Render", "tab/render", render_tab);
+        tab(context, "Properties", "tab/properties", false, [&] { properties_tab(context, state.fields, uses.tree); });
+        tab(context, "Paint", "tab/paint", begins_to_paint, [&] { paint_tab(context, uses.paint, uses.files); });
+        tab(context, "Light", "tab/light", false, [&] { light_tab(context, uses.tree); });
+        tab(context, "Render", "tab/render", false,
+            [&] { render_tab(context, state.export_choice, uses.files, uses.exporter); });
         ImGui::EndTabBar();
     }
     ImGui::End();

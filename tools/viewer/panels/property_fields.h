@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tools/viewer/panels/fields.h"
-#include "tools/viewer/viewer.h"
+#include "tools/viewer/panels/panels.h"
 
 namespace neuvv::viewer {
 
@@ -12,11 +12,11 @@ void explain(const char* text);
 void headline(const char* text);
 
 // Of the performer on a node, with its clip and its time.
-void performer_fields(Viewer& viewer, FieldGroup& group, uint32_t node);
+void performer_fields(Context& context, FieldGroup& group, PropertyFields::Time& time, uint32_t node);
 
 // Of the stage as a whole; the document is open.
-void stage_fields(Viewer& viewer, FieldGroup& group);
+void stage_fields(Context& context, FieldGroup& group);
 // Those of them that light it: ambient light, environment, shadows, falloff.
-void stage_light_fields(Viewer& viewer, FieldGroup& group);
+void stage_light_fields(Context& context, FieldGroup& group);
 
 }  // namespace neuvv::viewer

@@ -7,65 +7,65 @@ namespace neuvv::viewer {
 
 namespace {
 
-void drag(Viewer& viewer, const edit::StageEdit& edit) {
-    viewer.editor.drag([edit](edit::Document& document) { return edit::set_stage(document.file, edit); });
+void drag(Context& context, const edit::StageEdit& edit) {
+    context.editor.drag([edit](edit::Document& document) { return edit::set_stage(document.file, edit); });
 }
 
-void set(Viewer& viewer, const edit::StageEdit& edit) {
-    viewer.editor.edit([edit](edit::Document& document) { return edit::set_stage(document.file, edit); });
+void set(Context& context, const edit::StageEdit& edit) {
+    context.editor.edit([edit](edit::Document& document) { return edit::set_stage(document.file, edit); });
 }
 
-void time_fields(Viewer& viewer, FieldGroup& group, const stage::StageSettings& settings) {
-    double duration_s = settings.duration_s.value_or(viewer.clock.duration_s());
+void time_fields(Context& context, FieldGroup& group, const stage::StageSettings& settings) {
+    double duration_s = settings.duration_s.value_or(context.view.clock.duration_s());
     if (group.number("duration", duration_s, {1 / stage::kMaxStageFps, stage::kMaxStageSeconds, 0.02, "%.2f s"}))
-        drag(viewer, {.duration_s = duration_s});
+        drag(context, {.duration_s = duration_s});
     if (!settings.duration_s) explain("Until all performers are at their end, as long as you give no other");
-    double fps = settings.fps.value_or(viewer.clock.fps());
-    if (group.number("pictures", fps, {1, 240, 0.1, "%.3g a second"})) drag(viewer, {.fps = fps});
+    double fps = settings.fps.value_or(context.view.clock.fps());
+    if (group.number("pictures", fps, {1, 240, 0.1, "%.3g a second"})) drag(context, {.fps = fps});
 }
 
-void environment_fields(Viewer& viewer, FieldGroup& group, const stage::StageEnvironment& environment) {
+void environment_fields(Context& context, FieldGroup& group, const stage::StageEnvironment& environment) {
     group.label("environment");
     ImGui::TextDisabled("%s", std::filesystem::path(stage::decoded_uri(environment.uri)).filename().string().c_str());
     group.report_last("environment");
     double intensity = environment.intensity;
     if (group.number("its light", intensity, {0, 1000, 0.01, "%.2f"}))
-        drag(viewer, {.environment_intensity = intensity});
+        drag(context, {.environment_intensity = intensity});
     double rotation_deg = environment.rotation_deg;
     if (group.number("turned by", rotation_deg, {-360, 360, 0.5, "%.1f°"}))
-        drag(viewer, {.environment_rotation_deg = rotation_deg});
+        drag(context, {.environment_rotation_deg = rotation_deg});
     group.label("");
-    if (ImGui::Button("No environment")) set(viewer, {.environment = std::filesystem::path()});
+    if (ImGui::Button("No environment")) set(context, {.environment = std::filesystem::path()});
     group.report_last("no environment");
 }
 
 }  // namespace
 
-void stage_light_fields(Viewer& viewer, FieldGroup& group) {
-    const stage::StageSettings settings = edit::stage_settings_of(viewer.editor.file());
-    glm::dvec3 ambient = settings.ambient.value_or(viewer.stage ? viewer.stage->ambient : glm::dvec3(0));
-    if (group.colour("ambient", ambient)) drag(viewer, {.ambient = ambient});
+void stage_light_fields(Context& context, FieldGroup& group) {
+    const stage::StageSettings settings = edit::stage_settings_of(context.editor.file());
+    glm::dvec3 ambient = settings.ambient.value_or(context.frame.stage ? context.frame.stage->ambient : glm::dvec3(0));
+    if (group.colour("ambient", ambient)) drag(context, {.ambient = ambient});
     explain("Light that comes from everywhere");
-    if (settings.environment) environment_fields(viewer, group, *settings.environment);
+    if (settings.environment) environment_fields(context, group, *settings.environment);
     bool shadows = settings.shadows, falloff = settings.falloff;
-    if (group.toggle("shadows", shadows)) set(viewer, {.shadows = shadows});
+    if (group.toggle("shadows", shadows)) set(context, {.shadows = shadows});
     explain("Lights cast shadows");
-    if (group.toggle("falloff", falloff)) set(viewer, {.falloff = falloff});
+    if (group.toggle("falloff", falloff)) set(context, {.falloff = falloff});
     explain("Lights shine on performers; without, they look as they were filmed");
 }
 
-void stage_fields(Viewer& viewer, FieldGroup& group) {
-    const stage::StageSettings settings = edit::stage_settings_of(viewer.editor.file());
+void stage_fields(Context& context, FieldGroup& group) {
+    const stage::StageSettings settings = edit::stage_settings_of(context.editor.file());
     headline("Stage");
-    time_fields(viewer, group, settings);
+    time_fields(context, group, settings);
     glm::dvec3 background = settings.background;
-    if (group.colour("background", background)) drag(viewer, {.background = background});
+    if (group.colour("background", background)) drag(context, {.background = background});
     auto blend = static_cast<size_t>(settings.blend);
     constexpr const char* kBlends[] = {"exact", "layer over layer"};  // by StageBlend
-    if (group.choice("blend", blend, kBlends)) set(viewer, {.blend = static_cast<stage::StageBlend>(blend)});
+    if (group.choice("blend", blend, kBlends)) set(context, {.blend = static_cast<stage::StageBlend>(blend)});
     explain("How performers who are in each other's way mix");
     headline("Its light");
-    stage_light_fields(viewer, group);
+    stage_light_fields(context, group);
 }
 
 }  // namespace neuvv::viewer

@@ -36,7 +36,7 @@ std::vector<StageRow> stage_rows(const stage::StageFile& file) {
         row.depth = at.depth;
         row.kind = edit::kind_of(file, at.node);
         row.title = edit::node_title(file, at.node);
-        row.shown = edit::is_shown(file, at.node);
+        row.shown = edit::is_visible(file, at.node);
         row.shown_above = at.shown_above;
         row.locked = edit::is_locked(file, at.node);
         push(edit::children_of(file, at.node), at.depth + 1, at.shown_above && row.shown);

@@ -42,7 +42,7 @@ stage::CameraPath made_cyclic(stage::CameraPath path, bool cyclic) {
 std::vector<glm::dvec3> line_of(const stage::CameraPath& path, size_t steps) {
     std::vector<glm::dvec3> line;
     if (path.interpolation == stage::Interpolation::kCut) return line;
-    steps = std::clamp<size_t>(steps, 1, std::max<size_t>(1, kMostLinePoints / path.keys.size()));
+    steps = std::clamp<size_t>(steps, 1, std::max<size_t>(1, kMaxLinePoints / path.keys.size()));
     const auto add = [&](double from_s, double to_s) {
         for (size_t i = 0; i < steps; i++) {
             const double t = from_s + (to_s - from_s) * static_cast<double>(i) / static_cast<double>(steps);

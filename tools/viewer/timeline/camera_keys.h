@@ -18,7 +18,7 @@ size_t nearest_key(const stage::CameraPath& path, double time_s);
 stage::CameraPath made_cyclic(stage::CameraPath path, bool cyclic);
 
 // What a line through all places of a path joins: `steps` points from key to key. Nothing for cuts.
-constexpr size_t kMostLinePoints = 4096;
+constexpr size_t kMaxLinePoints = 4096;
 std::vector<glm::dvec3> line_of(const stage::CameraPath& path, size_t steps);
 
 }  // namespace neuvv::viewer

@@ -16,58 +16,58 @@ namespace {
 constexpr float kKey = 6;  // half a diamond, at scale 1
 constexpr unsigned kLane = 0xff2f2b29, kKeyColour = 0xffd8d2cb, kWay = 0x60d8d2cb;
 
-double frame_s(const Viewer& viewer) {
-    return 1 / viewer.clock.fps();
+double frame_s(const Context& context) {
+    return 1 / context.view.clock.fps();
 }
 
-void edit_path(Viewer& viewer, const stage::CameraPath& path) {
-    viewer.editor.edit([path](edit::Document& d) { return edit::set_camera_path(d.file, path); });
+void edit_path(Context& context, const stage::CameraPath& path) {
+    context.editor.edit([path](edit::Document& d) { return edit::set_camera_path(d.file, path); });
 }
 
-void name_cell(Viewer& viewer, const TimelineView& view, bool has_path) {
+void name_cell(Context& context, const TimelineView& view, bool has_path) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float side = view.row_height, gap = viewer.ui(1);
-    ImGui::GetWindowDrawList()->AddText({at.x + viewer.ui(6), std::round(at.y + (side - ImGui::GetFontSize()) / 2)},
+    const float side = view.row_height, gap = context.ui(1);
+    ImGui::GetWindowDrawList()->AddText({at.x + context.ui(6), std::round(at.y + (side - ImGui::GetFontSize()) / 2)},
                                         ImGui::GetColorU32(ImGuiCol_Text), "Camera");
-    ImGui::SetCursorScreenPos({view.left() - 3 * side - 2 * gap - viewer.ui(4), at.y});
-    if (small_sign(viewer, view, "timeline/add_key", ICON_PLUS,
-                   "A key of the camera path: this view at this time (Enter; Shift+Enter removes the nearest)"))
-        add_key_here(viewer);
+    ImGui::SetCursorScreenPos({view.left() - 3 * side - 2 * gap - context.ui(4), at.y});
+    if (small_button(context, view, "timeline/add_key", ICON_PLUS,
+                     "A key of the camera path: this view at this time (Enter; Shift+Enter removes the nearest)"))
+        add_key_here(context);
     ImGui::SameLine(0, gap);
-    if (small_sign(viewer, view, "timeline/show_path", ICON_ROAD, "Show the camera path in the image",
-                   viewer.show_path))
-        viewer.show_path = !viewer.show_path;
+    if (small_button(context, view, "timeline/show_path", ICON_ROAD, "Show the camera path in the image",
+                     context.view.show_path))
+        context.view.show_path = !context.view.show_path;
     ImGui::SameLine(0, gap);
-    if (small_sign(viewer, view, "timeline/path", ICON_CAMERA,
-                   has_path ? "Look along the camera path; looking around ends it" : "There is no camera path yet",
-                   viewer.along_path, has_path))
-        viewer.along_path = !viewer.along_path;
+    if (small_button(context, view, "timeline/path", ICON_CAMERA,
+                     has_path ? "Look along the camera path; looking around ends it" : "There is no camera path yet",
+                     context.view.along_path, has_path))
+        context.view.along_path = !context.view.along_path;
 }
 
-void key_items(Viewer& viewer, const stage::CameraPath& path, size_t key) {
+void key_items(Context& context, const stage::CameraPath& path, size_t key) {
     const auto item = [&](const char* name, const char* text) {
         const bool chosen = ImGui::MenuItem(text);
-        viewer.report.item(fmt::format("timeline/key/{}/{}", key, name));
+        context.report.item(fmt::format("timeline/key/{}/{}", key, name));
         return chosen;
     };
     if (item("go", "Go there")) {
-        viewer.clock.scrub(path.keys[key].time_s);
-        viewer.go_to(eye_at(path, path.keys[key].time_s, viewer));
+        context.view.clock.scrub(path.keys[key].time_s);
+        context.go_to(eye_at(path, path.keys[key].time_s, context));
     }
     if (item("replace", "Take the present view"))
-        viewer.editor.edit([now = key_of(viewer.eye, path.keys[key].time_s), step_s = frame_s(viewer)](
-                               edit::Document& d) { return edit::add_path_key(d.file, now, step_s); });
+        context.editor.edit([now = key_of(context.view.eye, path.keys[key].time_s), step_s = frame_s(context)](
+                                edit::Document& d) { return edit::add_path_key(d.file, now, step_s); });
     if (item("remove", "Remove"))
-        viewer.editor.edit([key](edit::Document& d) { return edit::remove_path_key(d.file, key); });
+        context.editor.edit([key](edit::Document& d) { return edit::remove_path_key(d.file, key); });
     ImGui::Separator();
 }
 
-void path_items(Viewer& viewer, stage::CameraPath path) {
+void path_items(Context& context, stage::CameraPath path) {
     constexpr std::pair<const char*, const char*> kWays[] = {
         {"smooth", "Smooth"}, {"linear", "Straight from key to key"}, {"cut", "Cut from key to key"}};
     const auto item = [&](const char* name, const char* text, bool on) {
         const bool chosen = ImGui::MenuItem(text, nullptr, on);
-        viewer.report.item(fmt::format("timeline/path/{}", name));
+        context.report.item(fmt::format("timeline/path/{}", name));
         return chosen;
     };
     for (const stage::Interpolation way :
@@ -75,46 +75,44 @@ void path_items(Viewer& viewer, stage::CameraPath path) {
         if (item(kWays[static_cast<size_t>(way)].first, kWays[static_cast<size_t>(way)].second,
                  path.interpolation == way)) {
             path.interpolation = way;
-            edit_path(viewer, path);
+            edit_path(context, path);
         }
     ImGui::Separator();
     if (item("cyclic", "Round and round, back to the first key", path.cyclic))
-        edit_path(viewer, made_cyclic(path, !path.cyclic));
+        edit_path(context, made_cyclic(path, !path.cyclic));
     if (item("remove", "Remove the path", false))
-        viewer.editor.edit([](edit::Document& d) { return edit::set_camera_path(d.file, std::nullopt); });
+        context.editor.edit([](edit::Document& d) { return edit::set_camera_path(d.file, std::nullopt); });
 }
 
-void move_held(Viewer& viewer, const TimelineView& view) {
-    HeldKey& drag = *viewer.timeline.key;
-    if (ImGui::IsItemActive() && viewer.escape) {
-        viewer.editor.cancel_drag();
+void move_key(Context& context, const TimelineView& view, KeyDrag& drag) {
+    if (ImGui::IsItemActive() && context.frame.escape) {
+        context.editor.cancel_drag();
         drag.cancelled = true;
         drag.to_s = drag.before.keys[drag.key].time_s;
     }
-    if (!is_dragged(viewer) || drag.cancelled) return;
+    if (!is_dragged(context) || drag.cancelled) return;
     const double from_s = drag.before.keys[drag.key].time_s;
     const double pointer_s = view.axis.s_at(ImGui::GetIO().MousePos.x);
-    const double to_s = std::max(0.0, snapped_time(viewer, view, from_s + pointer_s - drag.grabbed_s));
+    const double to_s = std::max(0.0, snapped_time(context, view, from_s + pointer_s - drag.grabbed_s));
     if (to_s == drag.to_s) return;
     drag.to_s = to_s;
-    viewer.editor.drag([key = drag.key, to_s, step_s = frame_s(viewer)](edit::Document& d) {
+    context.editor.drag([key = drag.key, to_s, step_s = frame_s(context)](edit::Document& d) {
         return edit::move_path_key(d.file, key, to_s, step_s);
     });
 }
 
 // Whether the pointer is over it.
-bool key_button(Viewer& viewer, const TimelineView& view, const stage::CameraPath& path, size_t key, double time_s,
-                float middle) {
-    std::optional<HeldKey>& drag = viewer.timeline.key;
-    const float x = std::round(view.x_at(time_s)), half = viewer.ui(kKey);
-    const bool held = drag && drag->key == key;
-    if (!held && (x < view.left() - half || x > view.right() + half)) return false;
+bool key_button(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& path,
+                size_t key, double time_s, float middle) {
+    const float x = std::round(view.x_at(time_s)), half = context.ui(kKey);
+    const bool dragged = drag && drag->key == key;
+    if (!dragged && (x < view.left() - half || x > view.right() + half)) return false;
     ImGui::PushID(static_cast<int>(key));
     ImGui::SetCursorScreenPos({x - half, middle - half});
     ImGui::InvisibleButton("key", {2 * half, 2 * half});
-    viewer.report.item(fmt::format("timeline/key/{}", key));
-    if (ImGui::IsItemActivated()) drag = HeldKey{key, false, view.axis.s_at(ImGui::GetIO().MousePos.x), time_s, path};
-    if (drag && (ImGui::IsItemActive() || ImGui::IsItemDeactivated())) move_held(viewer, view);
+    context.report.item(fmt::format("timeline/key/{}", key));
+    if (ImGui::IsItemActivated()) drag = KeyDrag{key, false, view.axis.s_at(ImGui::GetIO().MousePos.x), time_s, path};
+    if (drag && (ImGui::IsItemActive() || ImGui::IsItemDeactivated())) move_key(context, view, *drag);
     if (ImGui::IsItemDeactivated()) drag.reset();
     const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
     if (lit)
@@ -122,12 +120,12 @@ bool key_button(Viewer& viewer, const TimelineView& view, const stage::CameraPat
                           ImGui::IsItemActive() ? "" : "\nDrag: earlier, later; right click: more");
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("key_menu");
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    const bool now = std::abs(time_s - viewer.clock.time_s()) < frame_s(viewer) / 2;
+    const bool now = std::abs(time_s - context.view.clock.time_s()) < frame_s(context) / 2;
     list.AddQuadFilled({x - half, middle}, {x, middle - half}, {x + half, middle}, {x, middle + half},
                        lit || now ? ui::kAccent : kKeyColour);
     if (ImGui::BeginPopup("key_menu")) {
-        key_items(viewer, path, key);
-        path_items(viewer, path);
+        key_items(context, path, key);
+        path_items(context, path);
         ImGui::EndPopup();
     }
     ImGui::PopID();
@@ -135,28 +133,28 @@ bool key_button(Viewer& viewer, const TimelineView& view, const stage::CameraPat
 }
 
 // The way, from its first key to its end, and its keys; whether the pointer is over one.
-bool draw_keys(Viewer& viewer, const TimelineView& view, const stage::CameraPath& now, float middle) {
-    const bool let_go = !ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseReleased(ImGuiMouseButton_Left);
-    if (let_go) viewer.timeline.key.reset();  // where nobody saw it: the panel was away
-    const std::optional<HeldKey> drag = viewer.timeline.key;
+bool draw_keys(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& now,
+               float middle) {
+    const bool released = !ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseReleased(ImGuiMouseButton_Left);
+    if (released) drag.reset();  // while the panel was not displayed
     const stage::CameraPath path = drag ? drag->before : now;
     const double end_s = now.cyclic ? now.duration_s : now.keys.back().time_s;
     const float low = std::clamp(view.x_at(now.keys.front().time_s), view.left(), view.right());
     const float high = std::clamp(view.x_at(end_s), view.left(), view.right());
     if (now.interpolation != stage::Interpolation::kCut)
-        ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kWay, viewer.ui(2));
+        ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kWay, context.ui(2));
     ImGui::PushClipRect({view.left(), middle - view.row_height}, {view.right(), middle + view.row_height}, true);
     bool over_key = false;
     for (size_t i = 0; i < path.keys.size(); i++)
         over_key |=
-            key_button(viewer, view, path, i, drag && drag->key == i ? drag->to_s : path.keys[i].time_s, middle);
+            key_button(context, view, drag, path, i, drag && drag->key == i ? drag->to_s : path.keys[i].time_s, middle);
     ImGui::PopClipRect();
     return over_key;
 }
 
-void draw_hint(const Viewer& viewer, const TimelineView& view, float top) {
+void draw_hint(const Context& context, const TimelineView& view, float top) {
     const ImVec4 lane(view.left(), top, view.right(), top + view.row_height);
-    const ImVec2 at(std::max(view.x_at(0), view.left()) + viewer.ui(10),
+    const ImVec2 at(std::max(view.x_at(0), view.left()) + context.ui(10),
                     std::round(top + (view.row_height - ImGui::GetFontSize()) / 2));
     ImGui::GetWindowDrawList()->AddText(nullptr, 0, at, ui::kFaint, "Enter: a key of a camera path, from this view",
                                         nullptr, 0, &lane);
@@ -164,27 +162,28 @@ void draw_hint(const Viewer& viewer, const TimelineView& view, float top) {
 
 }  // namespace
 
-void camera_row(Viewer& viewer, const TimelineView& view, const std::optional<stage::CameraPath>& path) {
+void camera_row(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag,
+                const std::optional<stage::CameraPath>& path) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float bottom = at.y + view.row_height, inset = viewer.ui(2);
+    const float bottom = at.y + view.row_height, inset = context.ui(2);
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    name_cell(viewer, view, path.has_value());
-    list.AddRectFilled({view.left(), at.y + inset}, {view.right(), bottom - inset}, kLane, viewer.ui(3));
+    name_cell(context, view, path.has_value());
+    list.AddRectFilled({view.left(), at.y + inset}, {view.right(), bottom - inset}, kLane, context.ui(3));
     bool over_key = false;
     if (path)
-        over_key = draw_keys(viewer, view, *path, at.y + view.row_height / 2);
+        over_key = draw_keys(context, view, drag, *path, at.y + view.row_height / 2);
     else
-        draw_hint(viewer, view, at.y);
+        draw_hint(context, view, at.y);
     ImGui::SetCursorScreenPos({view.left(), at.y});
     ImGui::InvisibleButton("camera_lane", {static_cast<float>(view.axis.width), view.row_height});
-    viewer.report.item("timeline/camera");
+    context.report.item("timeline/camera");
     if (path && !over_key && ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("path_menu");
     if (path && ImGui::BeginPopup("path_menu")) {
-        path_items(viewer, *path);
+        path_items(context, *path);
         ImGui::EndPopup();
     }
-    draw_range_and_time(viewer, view, at.y - inset, bottom + inset);
-    ImGui::SetCursorScreenPos({at.x, bottom + viewer.ui(2)});
+    draw_range_and_time(context, view, at.y - inset, bottom + inset);
+    ImGui::SetCursorScreenPos({at.x, bottom + context.ui(2)});
 }
 
 }  // namespace neuvv::viewer

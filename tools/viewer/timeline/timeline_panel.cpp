@@ -13,25 +13,25 @@ constexpr float kNamesWidth = 150, kNamesShare = 0.45f, kRowHeight = 22, kMargin
 constexpr size_t kLineSteps = 24;
 constexpr double kWheelPixels = 60;
 
-void read_path(TimelineState& state, const Viewer& viewer) {
-    if (state.path_of == viewer.editor.id()) return;
+void read_path(TimelineState& state, const Context& context) {
+    if (state.path_of == context.editor.id()) return;
     state.path.reset();
     state.path_line.clear();
-    if (viewer.editor.is_open()) state.path = edit::camera_path_of(viewer.editor.file());
+    if (context.editor.is_open()) state.path = edit::camera_path_of(context.editor.file());
     if (state.path) state.path_line = line_of(*state.path, kLineSteps);
-    state.path_of = viewer.editor.id();
+    state.path_of = context.editor.id();
 }
 
-void read_tracks(TimelineState& state, const Viewer& viewer) {
-    if (!viewer.stage || !viewer.editor.is_open()) {
+void read_tracks(TimelineState& state, const Context& context) {
+    if (!context.frame.stage || !context.editor.is_open()) {
         state.tracks.clear();
         state.tracks_of = 0;
         return;
     }
-    if (state.tracks_of == viewer.editor.id() && state.clips_of == viewer.stage) return;
-    state.tracks = edit::performer_tracks(viewer.editor.file(), viewer.stage->clips);
-    state.tracks_of = viewer.editor.id();
-    state.clips_of = viewer.stage;
+    if (state.tracks_of == context.editor.id() && state.clips_of == context.frame.stage) return;
+    state.tracks = edit::performer_tracks(context.editor.file(), context.frame.stage->clips);
+    state.tracks_of = context.editor.id();
+    state.clips_of = context.frame.stage;
 }
 
 // The end of the stage, or of who plays longer.
@@ -42,22 +42,22 @@ double extent_of(const TimelineState& state, const editor::StageClock& clock) {
     return extent_s;
 }
 
-void place_view(TimelineState& state, const Viewer& viewer) {
+void place_view(TimelineState& state, const Context& context) {
     TimelineView& view = state.view;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x;
     view.names_left = at.x;
-    view.names_width = std::round(std::min(viewer.ui(kNamesWidth), kNamesShare * width));
-    view.row_height = std::round(viewer.ui(kRowHeight));
+    view.names_width = std::round(std::min(context.ui(kNamesWidth), kNamesShare * width));
+    view.row_height = std::round(context.ui(kRowHeight));
     view.axis.left = at.x + view.names_width;
     view.axis.width = std::max(1.0f, width - view.names_width - ImGui::GetStyle().ScrollbarSize);
-    if (!viewer.editor.dragging())  // else what is dragged would run away from the pointer
-        view.limits = {extent_of(state, viewer.clock), viewer.clock.fps(), viewer.ui(kMargin)};
+    if (!context.editor.dragging())  // else what is dragged would run away from the pointer
+        view.limits = {extent_of(state, context.view.clock), context.view.clock.fps(), context.ui(kMargin)};
     view.axis = state.fits ? fitted(view.axis, view.limits) : scrolled(view.axis, 0, view.limits);
 }
 
 // Wheel and middle button over time, wherever in the panel.
-void navigate(TimelineState& state, const Viewer& viewer, float top) {
+void navigate(TimelineState& state, const Context& context, float top) {
     const ImGuiIO& io = ImGui::GetIO();
     TimelineView& view = state.view;
     const bool hovered =
@@ -69,7 +69,7 @@ void navigate(TimelineState& state, const Viewer& viewer, float top) {
         view.axis = zoomed(view.axis, io.MousePos.x, io.MouseWheel, view.limits);
     const float sideways = io.MouseWheelH + (io.KeyShift ? io.MouseWheel : 0);
     if (over_time && sideways != 0)
-        view.axis = scrolled(view.axis, viewer.ui(sideways * static_cast<float>(kWheelPixels)), view.limits);
+        view.axis = scrolled(view.axis, context.ui(sideways * static_cast<float>(kWheelPixels)), view.limits);
     if (hovered && !over_time) state.scroll_y -= io.MouseWheel * view.row_height;
     if (state.panned) {
         view.axis = scrolled(view.axis, io.MouseDelta.x, view.limits);
@@ -83,77 +83,77 @@ void navigate(TimelineState& state, const Viewer& viewer, float top) {
 }
 
 // Brings who was selected elsewhere into sight.
-void scroll_to_selected(TimelineState& state, const Viewer& viewer) {
-    const auto selected = viewer.editor.selected();
-    if (state.seen_selected == selected) return;
+void scroll_to_selected(TimelineState& state, const Context& context) {
+    const auto selected = context.editor.selected();
+    if (state.scrolled_selected == selected) return;
     const auto track = std::find_if(state.tracks.begin(), state.tracks.end(),
                                     [&](const edit::PerformerTrack& one) { return one.node == selected; });
     if (selected && track == state.tracks.end()) return;  // it may be added in this frame
-    state.seen_selected = selected;
+    state.scrolled_selected = selected;
     if (!selected) return;
-    const float row = state.view.row_height + viewer.ui(2), seen = ImGui::GetWindowHeight();
+    const float row = state.view.row_height + context.ui(2), seen = ImGui::GetWindowHeight();
     const float top = static_cast<float>(track - state.tracks.begin()) * row;
     if (top < ImGui::GetScrollY() || top + row > ImGui::GetScrollY() + seen)
         ImGui::SetScrollY(std::max(0.0f, top - 0.5f * (seen - row)));
 }
 
-void rows(TimelineState& state, Viewer& viewer) {
+void rows(TimelineState& state, Context& context) {
     const ImVec2 at = ImGui::GetWindowPos();
     if (state.scroll_y != 0)
         ImGui::SetScrollY(std::clamp(ImGui::GetScrollY() + state.scroll_y, 0.0f, ImGui::GetScrollMaxY()));
     state.scroll_y = 0;
-    scroll_to_selected(state, viewer);
-    for (const edit::PerformerTrack& track : state.tracks) performer_row(viewer, state.view, track);
-    if (state.tracks.empty() && viewer.stage) ImGui::TextDisabled("no performers yet");
-    draw_range_and_time(viewer, state.view, at.y, at.y + ImGui::GetWindowHeight());
+    scroll_to_selected(state, context);
+    for (const edit::PerformerTrack& track : state.tracks) performer_row(context, state.view, state.bar_drag, track);
+    if (state.tracks.empty() && context.frame.stage) ImGui::TextDisabled("no performers yet");
+    draw_range_and_time(context, state.view, at.y, at.y + ImGui::GetWindowHeight());
 }
 
 }  // namespace
 
-double snapped_time(const Viewer& viewer, const TimelineView& view, double time_s) {
-    const double clock_s = viewer.clock.time_s();
-    if (std::abs(time_s - clock_s) < viewer.ui(5) * view.axis.s_per_px) return clock_s;
-    return at_image(time_s, viewer.clock.fps());
+double snapped_time(const Context& context, const TimelineView& view, double time_s) {
+    const double clock_s = context.view.clock.time_s();
+    if (std::abs(time_s - clock_s) < context.ui(5) * view.axis.s_per_px) return clock_s;
+    return at_image(time_s, context.view.clock.fps());
 }
 
-bool is_dragged(const Viewer& viewer) {
+bool is_dragged(const Context& context) {
     const ImGuiIO& io = ImGui::GetIO();
     const ImVec2 from = io.MouseClickedPos[ImGuiMouseButton_Left];
-    const float x = io.MousePos.x - from.x, y = io.MousePos.y - from.y, least = viewer.ui(3);
+    const float x = io.MousePos.x - from.x, y = io.MousePos.y - from.y, least = context.ui(3);
     return std::max(x * x + y * y, io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left]) >= least * least;
 }
 
-bool small_sign(Viewer& viewer, const TimelineView& view, const std::string& name, const char* sign,
-                const char* explained, bool on, bool enabled) {
+bool small_button(Context& context, const TimelineView& view, const std::string& name, const char* icon,
+                  const char* explained, bool on, bool enabled) {
     ImGui::BeginDisabled(!enabled);
     ImGui::PushID(name.c_str());
     if (!on) ImGui::PushStyleColor(ImGuiCol_Button, 0);
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});
-    const bool pressed = ImGui::Button(sign, {view.row_height, view.row_height});
+    const bool pressed = ImGui::Button(icon, {view.row_height, view.row_height});
     ImGui::PopStyleVar();
     if (!on) ImGui::PopStyleColor();
     ImGui::PopID();
-    viewer.report.item(name);
+    context.report.item(name);
     if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explained);
     ImGui::EndDisabled();
     return pressed;
 }
 
-void timeline_panel(Viewer& viewer, const Area& area) {
-    TimelineState& state = viewer.timeline;
+void timeline_panel(Context& context, const Area& area, TimelineState& state) {
     if (!begin_panel("timeline_panel", area)) return ImGui::End();
-    read_tracks(state, viewer);
-    read_path(state, viewer);
-    if (state.path && viewer.show_path && !viewer.along_path) draw_camera_path(viewer, *state.path, state.path_line);
-    transport_row(viewer);
-    place_view(state, viewer);
+    read_tracks(state, context);
+    read_path(state, context);
+    if (state.path && context.view.show_path && !context.view.along_path)
+        draw_camera_path(context, *state.path, state.path_line);
+    transport_row(context);
+    place_view(state, context);
     const float top = ImGui::GetCursorScreenPos().y;
-    ruler_row(viewer, state.view);
-    camera_row(viewer, state.view, state.path);
+    ruler_row(context, state.view);
+    camera_row(context, state.view, state.key_drag, state.path);
     ImGui::BeginChild("tracks", {0, 0}, false, ImGuiWindowFlags_NoScrollWithMouse);
-    rows(state, viewer);
+    rows(state, context);
     ImGui::EndChild();
-    navigate(state, viewer, top);
+    navigate(state, context, top);
     ImGui::End();
 }
 

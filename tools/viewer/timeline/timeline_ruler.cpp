@@ -14,32 +14,32 @@ constexpr float kHeight = 27, kRangeHeight = 9, kGrip = 9;  // at scale 1
 constexpr float kLabelPixels = 54, kMarkPixels = 5;
 constexpr unsigned kMark = 0xff6a6661, kLetters = 0xffb5b0aa, kOutside = 0x66000000, kInstant = 0xff4f6bff;
 
-void draw_marks(const Viewer& viewer, const TimelineView& view, float top, float bottom) {
+void draw_marks(const Context& context, const TimelineView& view, float top, float bottom) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    const double fps = viewer.clock.fps();
-    const TimeMarks marks = marks_for(view.axis.s_per_px, fps, viewer.ui(kLabelPixels), viewer.ui(kMarkPixels));
+    const double fps = context.view.clock.fps();
+    const TimeMarks marks = marks_for(view.axis.s_per_px, fps, context.ui(kLabelPixels), context.ui(kMarkPixels));
     const double step_s = marks.major_s / marks.parts;
     const auto first = static_cast<int64_t>(std::ceil(std::max(0.0, view.axis.begin_s) / step_s));
     const auto last = static_cast<int64_t>(std::floor(view.axis.end_s() / step_s));
     for (int64_t i = first; i <= last; i++) {
         const float x = std::floor(view.x_at(static_cast<double>(i) * step_s)) + 0.5f;
         const bool major = i % marks.parts == 0;
-        list.AddLine({x, bottom - viewer.ui(major ? 7 : 3)}, {x, bottom}, kMark);
+        list.AddLine({x, bottom - context.ui(major ? 7 : 3)}, {x, bottom}, kMark);
         if (!major) continue;
         const std::string label = label_of(marks, i / marks.parts, fps);
-        list.AddText({x + viewer.ui(4), top - viewer.ui(1)}, kLetters, label.c_str());
+        list.AddText({x + context.ui(4), top - context.ui(1)}, kLetters, label.c_str());
     }
 }
 
 // The loop's range as a bar with two ends to drag; a double click on an end gives back the whole.
-void range_bar(Viewer& viewer, const TimelineView& view, float top) {
-    editor::StageClock& clock = viewer.clock;
+void range_bar(Context& context, const TimelineView& view, float top) {
+    editor::StageClock& clock = context.view.clock;
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    const float height = viewer.ui(kRangeHeight), grip = viewer.ui(kGrip);
+    const float height = context.ui(kRangeHeight), grip = context.ui(kGrip);
     const float low = std::clamp(view.x_at(clock.in_s()), view.left(), view.right());
     const float high = std::clamp(view.x_at(clock.out_s()), view.left(), view.right());
     const bool whole = clock.in_s() <= 0 && clock.out_s() >= clock.duration_s();
-    const float middle = std::round(top + height / 2), half = std::round(viewer.ui(2));
+    const float middle = std::round(top + height / 2), half = std::round(context.ui(2));
     list.AddRectFilled({view.left(), middle - half}, {view.right(), middle + half}, ui::kGroove, half);
     const unsigned colour = clock.loops && !whole ? ui::kAccent : ui::kFaint;
     list.AddRectFilled({low, middle - half}, {high, middle + half}, colour, half);
@@ -49,7 +49,7 @@ void range_bar(Viewer& viewer, const TimelineView& view, float top) {
         // Outside of the range, so that both can be taken where it is short.
         ImGui::SetCursorScreenPos({end ? at : at - grip, top});
         ImGui::InvisibleButton(end ? "out" : "in", {grip, height});
-        viewer.report.item(end ? "timeline/out" : "timeline/in");
+        context.report.item(end ? "timeline/out" : "timeline/in");
         const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
         const float side = end ? grip : -grip;
         list.AddTriangleFilled({at, top}, {at + side, middle}, {at, top + height}, lit ? ui::kAccent : colour);
@@ -61,10 +61,10 @@ void range_bar(Viewer& viewer, const TimelineView& view, float top) {
         }
         if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
             clock.set_range(0, clock.duration_s());
-        } else if ((ImGui::IsItemActive() || ImGui::IsItemDeactivated()) && is_dragged(viewer)) {
+        } else if ((ImGui::IsItemActive() || ImGui::IsItemDeactivated()) && is_dragged(context)) {
             const double shortest_s = 1 / clock.fps();
             const float pointer = std::clamp(ImGui::GetIO().MousePos.x, view.left(), view.right());
-            const double to_s = std::clamp(snapped_time(viewer, view, view.axis.s_at(pointer)), view.axis.begin_s,
+            const double to_s = std::clamp(snapped_time(context, view, view.axis.s_at(pointer)), view.axis.begin_s,
                                            view.axis.end_s());  // an end that were out of sight could not be held
             if (end)
                 clock.set_range(clock.in_s(), std::max(to_s, clock.in_s() + shortest_s));
@@ -76,8 +76,8 @@ void range_bar(Viewer& viewer, const TimelineView& view, float top) {
 
 }  // namespace
 
-void draw_range_and_time(Viewer& viewer, const TimelineView& view, float top, float bottom) {
-    const editor::StageClock& clock = viewer.clock;
+void draw_range_and_time(Context& context, const TimelineView& view, float top, float bottom) {
+    const editor::StageClock& clock = context.view.clock;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float low = std::clamp(view.x_at(clock.in_s()), view.left(), view.right());
     const float high = std::clamp(view.x_at(clock.out_s()), view.left(), view.right());
@@ -85,29 +85,29 @@ void draw_range_and_time(Viewer& viewer, const TimelineView& view, float top, fl
     if (high < view.right()) list.AddRectFilled({high, top}, {view.right(), bottom}, kOutside);
     const float x = std::floor(view.x_at(clock.time_s())) + 0.5f;
     if (x < view.left() || x > view.right()) return;
-    list.AddLine({x, top}, {x, bottom}, kInstant, std::max(1.0f, std::round(viewer.ui(1.5f))));
+    list.AddLine({x, top}, {x, bottom}, kInstant, std::max(1.0f, std::round(context.ui(1.5f))));
 }
 
-void ruler_row(Viewer& viewer, const TimelineView& view) {
-    editor::StageClock& clock = viewer.clock;
+void ruler_row(Context& context, const TimelineView& view) {
+    editor::StageClock& clock = context.view.clock;
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float range = viewer.ui(kRangeHeight), height = std::round(viewer.ui(kHeight)), bottom = at.y + height;
+    const float range = context.ui(kRangeHeight), height = std::round(context.ui(kHeight)), bottom = at.y + height;
     ImGui::PushClipRect({view.left(), at.y}, {view.right(), bottom}, true);
-    draw_marks(viewer, view, at.y + range, bottom);
-    draw_range_and_time(viewer, view, at.y + range, bottom);
-    const float x = view.x_at(clock.time_s()), side = viewer.ui(5);
+    draw_marks(context, view, at.y + range, bottom);
+    draw_range_and_time(context, view, at.y + range, bottom);
+    const float x = view.x_at(clock.time_s()), side = context.ui(5);
     ImGui::GetWindowDrawList()->AddTriangleFilled({x - side, at.y + range}, {x + side, at.y + range},
                                                   {x, at.y + range + 1.4f * side}, kInstant);
     ImGui::PopClipRect();
-    range_bar(viewer, view, at.y);
+    range_bar(context, view, at.y);
     ImGui::SetCursorScreenPos({view.left(), at.y + range});
     ImGui::InvisibleButton("ruler", {static_cast<float>(view.axis.width), height - range});
-    viewer.report.item("timeline/ruler");
+    context.report.item("timeline/ruler");
     if (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) {
         clock.scrub(at_image(view.axis.s_at(ImGui::GetIO().MousePos.x), clock.fps()));
-        viewer.moves();
+        context.moves();
     }
-    ImGui::SetCursorScreenPos({at.x, bottom + viewer.ui(2)});
+    ImGui::SetCursorScreenPos({at.x, bottom + context.ui(2)});
 }
 
 }  // namespace neuvv::viewer

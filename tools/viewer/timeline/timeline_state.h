@@ -25,7 +25,7 @@ struct TimelineView {
 enum class BarPart { kBody, kStart, kEnd };
 
 // A performer's bar: where it is held, and how it was.
-struct HeldBar {
+struct BarDrag {
     uint32_t node = 0;
     BarPart part = BarPart::kBody;
     bool stagger = false, cancelled = false;
@@ -34,7 +34,7 @@ struct HeldBar {
 };
 
 // A key of the camera path. Its number is that of before, as operations of a drag count.
-struct HeldKey {
+struct KeyDrag {
     size_t key = 0;
     bool cancelled = false;
     double grabbed_s = 0, to_s = 0;
@@ -46,11 +46,11 @@ struct TimelineState {
     bool fits = true;  // all is shown, and shall be when it becomes longer
     bool panned = false;
     float scroll_y = 0;  // of the rows, to be done in the next frame
-    HeldBar bar;         // the last
-    std::optional<HeldKey> key;
+    BarDrag bar_drag;    // the last one
+    std::optional<KeyDrag> key_drag;
     std::vector<edit::PerformerTrack> tracks;
-    uint64_t tracks_of = 0;                 // the document's id
-    std::optional<uint32_t> seen_selected;  // already scrolled to
+    uint64_t tracks_of = 0;                     // the document's id
+    std::optional<uint32_t> scrolled_selected;  // already scrolled to
     std::shared_ptr<const stage::Stage> clips_of;
     std::optional<stage::CameraPath> path;
     std::vector<glm::dvec3> path_line;

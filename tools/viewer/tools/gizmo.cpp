@@ -92,7 +92,7 @@ std::optional<GizmoFrame> gizmo_frame(const Gizmo& gizmo) {
     GizmoFrame frame{glm::dvec3(gizmo.world_from_node[3]),
                      {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}};
     const double depth = editor::depth_of(gizmo.camera, frame.middle);
-    if (!(depth >= editor::kNearest_m)) return std::nullopt;
+    if (!(depth >= editor::kMinDepth_m)) return std::nullopt;
     frame.size_m = std::min(editor::metres_of_pixels(gizmo.camera, frame.middle, gizmo.size_px), kMostDepths * depth);
     frame.to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - frame.middle);
     if (gizmo.axes == GizmoAxes::kWorld && gizmo.mode != GizmoMode::kScale) return frame;
@@ -137,7 +137,7 @@ GizmoHandle gizmo_handle_at(const Gizmo& gizmo, glm::dvec2 pointer) {
 }
 
 std::optional<glm::dmat4> parent_from_node(const glm::dmat4& world_from_parent, const glm::dmat4& world_from_node) {
-    if (!stage::is_placeable(world_from_parent)) return std::nullopt;
+    if (!stage::is_valid_transform(world_from_parent)) return std::nullopt;
     glm::dmat4 local = glm::inverse(world_from_parent) * world_from_node;
     for (int i = 0; i < 4; ++i) local[i][3] = i == 3;
     return local;

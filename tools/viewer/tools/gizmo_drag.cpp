@@ -148,7 +148,7 @@ glm::dmat4 scaled(const Grabbed& grabbed, GizmoHandle handle) {
 
 glm::dmat4 dragged(const Gizmo& gizmo, GizmoHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap) {
     const std::optional<GizmoFrame> frame = gizmo_frame(gizmo);
-    if (!frame || handle == GizmoHandle::kNone || !editor::is_somewhere(from) || !editor::is_somewhere(to))
+    if (!frame || handle == GizmoHandle::kNone || !editor::is_valid_pointer(from) || !editor::is_valid_pointer(to))
         return gizmo.world_from_node;
     const Grabbed grabbed{gizmo, *frame, from, to, snap};
     switch (gizmo.mode) {

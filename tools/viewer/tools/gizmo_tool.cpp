@@ -1,50 +1,39 @@
-#include <imgui.h>
+// Handles of the selected node, which move, turn and scale it.
+#include <GLFW/glfw3.h>
 
 #include "edit/operations.h"
-#include "tools/viewer/tools/image_tools.h"
-#include "tools/viewer/viewer.h"
+#include "tools/ui/icons.h"
+#include "tools/viewer/tools/gizmo.h"
+#include "tools/viewer/tools/handle_drag.h"
+#include "tools/viewer/tools/overlay.h"
+#include "tools/viewer/tools/tools.h"
 
 namespace neuvv::viewer {
 
 namespace {
 
-GizmoMode mode_of(Tool tool) {
-    if (tool == Tool::kRotate) return GizmoMode::kRotate;
-    return tool == Tool::kScale ? GizmoMode::kScale : GizmoMode::kMove;
-}
+constexpr ToolMode kModes[] = {{"tool/move", ICON_MOVE, "Move (1)", GLFW_KEY_1},
+                               {"tool/rotate", ICON_ROTATE, "Rotate (2)", GLFW_KEY_2},
+                               {"tool/scale", ICON_SCALE, "Scale (3)", GLFW_KEY_3}};
+constexpr GizmoMode kGizmoModes[] = {GizmoMode::kMove, GizmoMode::kRotate, GizmoMode::kScale};
+constexpr float kGizmo_px = 90;  // at scale 1
 
-std::optional<Gizmo> gizmo_of_selected(const Viewer& viewer) {
-    const stage::Stage* stage = viewer.stage_of_document();
-    const std::optional<uint32_t> node = viewer.editor.selected();
-    if (!stage || !node || viewer.tool == Tool::kPaint || edit::is_locked(viewer.editor.file(), *node))
+// None where the current mode is another tool's, or where nothing that can be moved is selected.
+std::optional<Gizmo> gizmo_of_selected(const Context& context) {
+    const auto mode = std::find_if(std::begin(kModes), std::end(kModes),
+                                   [&](const ToolMode& one) { return context.view.mode == &one; });
+    const stage::Stage* stage = context.stage_of_document();
+    const std::optional<uint32_t> node = context.editor.selected();
+    if (mode == std::end(kModes) || !stage || !node || edit::is_locked(context.editor.file(), *node))
         return std::nullopt;
     if (*node >= stage->scene.nodes.size() || !stage->scene.nodes[*node].in_scene) return std::nullopt;
-    return Gizmo{viewer.camera, viewer.evaluated.pose.world_from_node[*node], mode_of(viewer.tool),
-                 viewer.local_axes ? GizmoAxes::kLocal : GizmoAxes::kWorld, viewer.ui(90)};
+    return Gizmo{context.frame.camera, context.frame.evaluated.pose.world_from_node[*node],
+                 kGizmoModes[mode - std::begin(kModes)],
+                 context.view.local_axes ? GizmoAxes::kLocal : GizmoAxes::kWorld, context.ui(kGizmo_px)};
 }
 
-void grab(Viewer& viewer, const Gizmo& gizmo, GizmoHandle handle) {
-    const uint32_t node = *viewer.editor.selected();
-    viewer.gizmo = HeldGizmo{gizmo, handle, pointer_of(viewer), node, world_from_parent(viewer, node)};
-}
-
-void drag(Viewer& viewer, const HeldGizmo& held) {
-    const bool snap = viewer.snap != ImGui::GetIO().KeyCtrl;
-    const glm::dmat4 world = dragged(held.grabbed, held.handle, held.from, pointer_of(viewer), snap);
-    const auto local = parent_from_node(held.world_from_parent, world);
-    if (!local) return;
-    Gizmo shown = held.grabbed;
-    shown.world_from_node = world;
-    show_handles(viewer, gizmo_shapes(shown), static_cast<int>(held.handle));
-    viewer.editor.drag([&](edit::Document& d) {
-        edit::Placement placement;
-        placement.to = *local;
-        return edit::place_node(d.file, held.node, placement);
-    });
-}
-
-// The middle of each.
-void report_handles(Viewer& viewer, std::span<const HandleShape> shapes) {
+// The box around each handle.
+void report_handles(const Context& context, std::span<const HandleShape> shapes) {
     constexpr const char* kNames[] = {"", "x", "y", "z", "yz", "zx", "xy", "centre"};
     for (const HandleShape& shape : shapes) {
         if (shape.handle == 0 || shape.count == 0) continue;
@@ -54,31 +43,66 @@ void report_handles(Viewer& viewer, std::span<const HandleShape> shapes) {
             high = glm::max(high, glm::dvec2(shape.points[i]));
         }
         const glm::vec2 at(low), size(high - low);
-        viewer.report.place(std::string("gizmo/") + kNames[shape.handle], viewer.image_area.left + at.x,
-                            viewer.image_area.top + at.y, size.x, size.y);
+        context.report.place(std::string("gizmo/") + kNames[shape.handle], context.frame.image_area.left + at.x,
+                             context.frame.image_area.top + at.y, size.x, size.y);
     }
 }
 
+class GizmoTool : public Tool {
+  public:
+    std::span<const ToolMode> modes() const override { return kModes; }
+    bool has_pointer() const override { return drag_.has_value(); }
+    bool edits() const override { return drag_.has_value(); }
+    void document_opened() override { drag_.reset(); }
+    void overlay(Context& context) override { draw_handles(context, shapes_, hot_); }
+
+    void pointer(Context& context, PointerUse& use) override {
+        shapes_.clear();
+        if (drag_) {
+            use.left = true;
+            return drag_goes_on(context) ? drag(context) : drag_.reset();
+        }
+        const std::optional<Gizmo> gizmo = gizmo_of_selected(context);
+        if (!gizmo) return;
+        const bool free = context.frame.pointer_in_image && !use.left && !use.all;
+        const GizmoHandle handle = free ? gizmo_handle_at(*gizmo, pointer_of(context)) : GizmoHandle::kNone;
+        show(*gizmo, handle);
+        report_handles(context, shapes_);
+        if (handle == GizmoHandle::kNone) return;
+        use.left = true;
+        const uint32_t node = *context.editor.selected();
+        if (ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+            drag_ = {*gizmo, handle, pointer_of(context), node, world_from_parent(context, node)};
+    }
+
+  private:
+    void show(const Gizmo& gizmo, GizmoHandle hot) {
+        shapes_ = gizmo_shapes(gizmo);
+        hot_ = static_cast<int>(hot);
+    }
+
+    void drag(Context& context) {
+        const bool snap = context.view.snap != ImGui::GetIO().KeyCtrl;
+        Gizmo moved = drag_->grabbed;
+        moved.world_from_node = dragged(drag_->grabbed, drag_->handle, drag_->from, pointer_of(context), snap);
+        const auto local = parent_from_node(drag_->world_from_parent, moved.world_from_node);
+        if (!local) return;
+        show(moved, drag_->handle);
+        edit::Placement placement;
+        placement.to = *local;
+        context.editor.drag(
+            [&](edit::Document& document) { return edit::place_node(document.file, drag_->node, placement); });
+    }
+
+    std::optional<HandleDrag<Gizmo, GizmoHandle>> drag_;
+    std::vector<HandleShape> shapes_;
+    int hot_ = 0;
+};
+
 }  // namespace
 
-bool gizmo_tool(Viewer& viewer, bool taken) {
-    if (viewer.gizmo) {
-        if (keeps_hold(viewer))
-            drag(viewer, *viewer.gizmo);
-        else
-            viewer.gizmo.reset();
-        return true;
-    }
-    const std::optional<Gizmo> gizmo = gizmo_of_selected(viewer);
-    if (!gizmo) return false;
-    const bool free = viewer.pointer_in_image && !taken;
-    const GizmoHandle handle = free ? gizmo_handle_at(*gizmo, pointer_of(viewer)) : GizmoHandle::kNone;
-    const std::vector<HandleShape> shapes = gizmo_shapes(*gizmo);
-    report_handles(viewer, shapes);
-    show_handles(viewer, shapes, static_cast<int>(handle));
-    if (handle == GizmoHandle::kNone) return false;
-    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) grab(viewer, *gizmo, handle);
-    return true;
+std::unique_ptr<Tool> make_gizmo_tool() {
+    return std::make_unique<GizmoTool>();
 }
 
 }  // namespace neuvv::viewer

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kAlong = 0.7;  // cosine of the angle between light and view above which one looks along the light
-constexpr double kLeastReach_m = 1e-3;
+constexpr double kMinReach_m = 1e-3;
 constexpr double kLeastHeight = 0.3;  // of the plane across a wide cone, in reaches
 constexpr double kInnerShare = 0.99;  // of the outer cone, where it takes the inner one along
 constexpr double kSquare_px = 5;
@@ -38,7 +38,7 @@ struct Cone {
 
 bool is_sound(const AimedLight& light) {
     const double reach_m = glm::distance(light.aim, light.position);
-    return reach_m >= kLeastReach_m && std::isfinite(reach_m) && std::isfinite(glm::length(light.position));
+    return reach_m >= kMinReach_m && std::isfinite(reach_m) && std::isfinite(glm::length(light.position));
 }
 
 struct Shapes {
@@ -82,7 +82,7 @@ double outer_cone(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool 
     if (!before || !after) return light.outer_cone_rad;
     const double degree = kPi / 180, turned = light.outer_cone_rad + *after - *before;
     return std::clamp(editor::snapped(turned, kConeSnap_deg * degree, snap),
-                      (snap ? kConeSnap_deg : kLeastCone_deg) * degree, kPi / 2);
+                      (snap ? kConeSnap_deg : kMinCone_deg) * degree, kPi / 2);
 }
 
 double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
@@ -100,20 +100,20 @@ double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap)
     const std::optional<double> before = reached(from), after = reached(to);
     if (!before || !after) return light.range_m;
     const double range_m = editor::snapped(light.range_m * (1 + *after - *before), kRangeSnap_m, snap);
-    return std::max(range_m, snap ? kRangeSnap_m : kLeastRange_m);
+    return std::max(range_m, snap ? kRangeSnap_m : kMinRange_m);
 }
 
 glm::dvec3 aim(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
     const stage::Camera& camera = gizmo.camera;
     const AimedLight& light = gizmo.light;
-    if (editor::depth_of(camera, light.aim) < editor::kNearest_m) return light.aim;
+    if (editor::depth_of(camera, light.aim) < editor::kMinDepth_m) return light.aim;
     const std::optional<glm::dvec3> before = editor::plane_drag(camera, light.aim, editor::facing_normal(camera), from),
                                     after = editor::plane_drag(camera, light.aim, editor::facing_normal(camera), to);
     if (!before || !after) return light.aim;
     const glm::dvec3 right = camera.world_from_camera[0], up = camera.world_from_camera[1], way = *after - *before;
     const glm::dvec3 aimed = light.aim + right * editor::snapped(glm::dot(way, right), kAimSnap_m, snap) +
                              up * editor::snapped(glm::dot(way, up), kAimSnap_m, snap);
-    return glm::distance(aimed, light.position) >= kLeastReach_m ? aimed : light.aim;
+    return glm::distance(aimed, light.position) >= kMinReach_m ? aimed : light.aim;
 }
 
 }  // namespace
@@ -166,7 +166,7 @@ LightHandle light_handle_at(const LightGizmo& gizmo, glm::dvec2 pointer) {
 
 AimedLight dragged(const LightGizmo& gizmo, LightHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap) {
     AimedLight light = gizmo.light;
-    if (!is_sound(light) || !editor::is_somewhere(from) || !editor::is_somewhere(to)) return light;
+    if (!is_sound(light) || !editor::is_valid_pointer(from) || !editor::is_valid_pointer(to)) return light;
     switch (handle) {
         case LightHandle::kNone:
             break;

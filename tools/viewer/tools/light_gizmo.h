@@ -41,7 +41,7 @@ LightHandle light_handle_at(const LightGizmo& gizmo, glm::dvec2 pointer);
 //
 // `snap`: the aim in steps of 0.1 m to the right and up, angles and ranges as multiples of 5° and 0.1 m.
 constexpr double kAimSnap_m = 0.1, kConeSnap_deg = 5, kRangeSnap_m = 0.1;
-constexpr double kLeastCone_deg = 0.5, kLeastRange_m = 0.01;
+constexpr double kMinCone_deg = 0.5, kMinRange_m = 0.01;
 AimedLight dragged(const LightGizmo& grabbed, LightHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap);
 
 }  // namespace neuvv::viewer

@@ -1,77 +1,98 @@
 // Handles of the selected light: where it shines, how wide, how far.
-#include <imgui.h>
-
 #include "edit/operations.h"
-#include "tools/viewer/tools/image_tools.h"
-#include "tools/viewer/viewer.h"
+#include "tools/viewer/tools/handle_drag.h"
+#include "tools/viewer/tools/light_gizmo.h"
+#include "tools/viewer/tools/overlay.h"
+#include "tools/viewer/tools/paint_tool.h"
+#include "tools/viewer/tools/tools.h"
 
 namespace neuvv::viewer {
 
 namespace {
 
-constexpr double kReach_m = 3;  // of an aim that nothing stops
+constexpr double kAimDistance_m = 3;  // of the aim of a light that shines away from the performers
 
-// As far as the middle of the performers, so that the aim lies among them.
-std::optional<LightGizmo> gizmo_of_selected(const Viewer& viewer) {
-    const std::optional<uint32_t> node = viewer.editor.selected();
-    if (!node || !viewer.stage_of_document() || edit::is_locked(viewer.editor.file(), *node)) return std::nullopt;
-    for (const stage::EvaluatedLight& light : viewer.evaluated.lights) {
+// The aim lies as far away as the middle of the performers, so that it is among them. None where no light is selected.
+std::optional<LightGizmo> gizmo_of_selected(const Context& context) {
+    const std::optional<uint32_t> node = context.editor.selected();
+    const stage::Stage* stage = context.stage_of_document();
+    if (!node || !stage || PaintTool::is_current(context) || edit::is_locked(context.editor.file(), *node))
+        return std::nullopt;
+    for (const stage::EvaluatedLight& light : context.frame.evaluated.lights) {
         if (light.node != *node) continue;
-        const auto [low, high] = stage::performers_box(*viewer.stage, viewer.evaluated);
+        const auto [low, high] = stage::performers_box(*stage, context.frame.evaluated);
         const double along = glm::dot((low + high) / 2.0 - light.position, light.direction);
-        return LightGizmo{viewer.camera, aimed_light(light, along > 0.1 ? along : kReach_m)};
+        return LightGizmo{context.frame.camera, aimed_light(light, along > 0.1 ? along : kAimDistance_m)};
     }
     return std::nullopt;
 }
 
-// What changed of the light, as one operation.
-std::string set_aimed(stage::StageFile& file, const HeldLight& held, const AimedLight& light) {
+using LightDrag = HandleDrag<LightGizmo, LightHandle>;
+
+// Sets what the handle stands for, as one operation.
+std::string set_light(stage::StageFile& file, const LightDrag& drag, const AimedLight& light) {
     edit::LightEdit edit;
-    edit::Placement placement;
-    std::string said;
-    if (held.handle == LightHandle::kAim) {
-        placement.aim = glm::dvec3(glm::inverse(held.world_from_parent) * glm::dvec4(light.aim, 1));
-        return edit::place_node(file, held.node, placement);
+    if (drag.handle == LightHandle::kAim) {
+        edit::Placement placement;
+        placement.aim = glm::dvec3(glm::inverse(drag.world_from_parent) * glm::dvec4(light.aim, 1));
+        return edit::place_node(file, drag.node, placement);
     }
-    if (held.handle == LightHandle::kRange) edit.range_m = light.range_m;
-    if (held.handle == LightHandle::kRim) {
+    if (drag.handle == LightHandle::kRange) edit.range_m = light.range_m;
+    if (drag.handle == LightHandle::kRim) {
         edit.outer_cone_deg = glm::degrees(light.outer_cone_rad);
         edit.inner_cone_deg = glm::degrees(light.inner_cone_rad);
     }
-    return edit::set_light(file, held.node, edit);
+    return edit::set_light(file, drag.node, edit);
 }
 
-void drag(Viewer& viewer, const HeldLight& held) {
-    const bool snap = viewer.snap != ImGui::GetIO().KeyCtrl;
-    LightGizmo shown = held.grabbed;
-    shown.light = dragged(held.grabbed, held.handle, held.from, pointer_of(viewer), snap);
-    show_handles(viewer, light_shapes(shown), static_cast<int>(held.handle));
-    viewer.editor.drag([&](edit::Document& d) { return set_aimed(d.file, held, shown.light); });
-}
+class LightTool : public Tool {
+  public:
+    bool has_pointer() const override { return drag_.has_value(); }
+    bool edits() const override { return drag_.has_value(); }
+    void document_opened() override { drag_.reset(); }
+    void overlay(Context& context) override { draw_handles(context, shapes_, hot_); }
 
-void grab(Viewer& viewer, const LightGizmo& gizmo, LightHandle handle) {
-    const uint32_t node = *viewer.editor.selected();
-    viewer.held_light = HeldLight{gizmo, handle, pointer_of(viewer), node, world_from_parent(viewer, node)};
-}
+    void pointer(Context& context, PointerUse& use) override {
+        shapes_.clear();
+        if (drag_) {
+            use.left = true;
+            return drag_goes_on(context) ? drag(context) : drag_.reset();
+        }
+        const std::optional<LightGizmo> gizmo = gizmo_of_selected(context);
+        if (!gizmo) return;
+        const bool free = context.frame.pointer_in_image && !use.left && !use.all;
+        const LightHandle handle = free ? light_handle_at(*gizmo, pointer_of(context)) : LightHandle::kNone;
+        show(*gizmo, handle);
+        if (handle == LightHandle::kNone) return;
+        use.left = true;
+        const uint32_t node = *context.editor.selected();
+        if (ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+            drag_ = {*gizmo, handle, pointer_of(context), node, world_from_parent(context, node)};
+    }
+
+  private:
+    void show(const LightGizmo& gizmo, LightHandle hot) {
+        shapes_ = light_shapes(gizmo);
+        hot_ = static_cast<int>(hot);
+    }
+
+    void drag(Context& context) {
+        const bool snap = context.view.snap != ImGui::GetIO().KeyCtrl;
+        LightGizmo moved = drag_->grabbed;
+        moved.light = dragged(drag_->grabbed, drag_->handle, drag_->from, pointer_of(context), snap);
+        show(moved, drag_->handle);
+        context.editor.drag([&](edit::Document& document) { return set_light(document.file, *drag_, moved.light); });
+    }
+
+    std::optional<LightDrag> drag_;
+    std::vector<HandleShape> shapes_;
+    int hot_ = 0;
+};
 
 }  // namespace
 
-bool light_tool(Viewer& viewer, bool taken) {
-    if (viewer.held_light) {
-        if (keeps_hold(viewer))
-            drag(viewer, *viewer.held_light);
-        else
-            viewer.held_light.reset();
-        return true;
-    }
-    const std::optional<LightGizmo> gizmo = gizmo_of_selected(viewer);
-    if (!gizmo) return false;
-    const bool free = viewer.pointer_in_image && !taken;
-    const LightHandle handle = free ? light_handle_at(*gizmo, pointer_of(viewer)) : LightHandle::kNone;
-    show_handles(viewer, light_shapes(*gizmo), static_cast<int>(handle));
-    if (handle == LightHandle::kNone) return false;
-    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) grab(viewer, *gizmo, handle);
-    return true;
+std::unique_ptr<Tool> make_light_tool() {
+    return std::make_unique<LightTool>();
 }
 
 }  // namespace neuvv::viewer

@@ -1,12 +1,13 @@
-// What is drawn over the image: a floor of lines, signs of lights and cameras, the box of what is selected, handles.
+#include "tools/viewer/tools/overlay.h"
+
 #include <imgui.h>
 
 #include <cmath>
 
+#include "edit/operations.h"
+#include "editor/pointer.h"
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
-#include "tools/viewer/tools/image_tools.h"
-#include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
 
@@ -18,12 +19,12 @@ constexpr glm::vec4 kHotHandle(1, 0.95f, 0.4f, 1);
 
 class Drawing {
   public:
-    explicit Drawing(const Viewer& viewer)
-        : viewer_(viewer),
+    explicit Drawing(const Context& context)
+        : context_(context),
           list_(*ImGui::GetBackgroundDrawList()),
-          left_(viewer.image_area.left),
-          top_(viewer.image_area.top) {
-        const Area& area = viewer.image_area;
+          left_(context.frame.image_area.left),
+          top_(context.frame.image_area.top) {
+        const Area& area = context.frame.image_area;
         list_.PushClipRect({left_, top_}, {left_ + area.width, top_ + area.height});
     }
     ~Drawing() { list_.PopClipRect(); }
@@ -34,15 +35,15 @@ class Drawing {
         return {left_ + static_cast<float>(pixel.x), top_ + static_cast<float>(pixel.y)};
     }
     void line(glm::dvec3 a, glm::dvec3 b, unsigned colour, float width = 1) {
-        if (const auto pixels = editor::pixels_of(viewer_.camera, a, b))
-            list_.AddLine(at(pixels->first), at(pixels->second), colour, viewer_.ui(width));
+        if (const auto pixels = editor::pixels_of(context_.frame.camera, a, b))
+            list_.AddLine(at(pixels->first), at(pixels->second), colour, context_.ui(width));
     }
-    void sign(glm::dvec3 place, const char* sign, unsigned colour) {
-        const auto pixel = editor::pixel_of(viewer_.camera, place);
+    void icon(glm::dvec3 position, const char* text, unsigned colour) {
+        const auto pixel = editor::pixel_of(context_.frame.camera, position);
         if (!pixel) return;
-        const ImVec2 size = ImGui::CalcTextSize(sign), middle = at(*pixel);
+        const ImVec2 size = ImGui::CalcTextSize(text), middle = at(*pixel);
         list_.AddCircleFilled(middle, 0.75f * size.y, 0x90000000);
-        list_.AddText({middle.x - size.x / 2, middle.y - size.y / 2}, colour, sign);
+        list_.AddText({middle.x - size.x / 2, middle.y - size.y / 2}, colour, text);
     }
     void box(glm::dvec3 low, glm::dvec3 high, unsigned colour) {
         for (int axis = 0; axis < 3; axis++)
@@ -63,11 +64,11 @@ class Drawing {
         if (shape.filled)
             list_.AddConvexPolyFilled(points.data(), static_cast<int>(points.size()), colour);
         else
-            list_.AddPolyline(points.data(), static_cast<int>(points.size()), colour, 0, viewer_.ui(2));
+            list_.AddPolyline(points.data(), static_cast<int>(points.size()), colour, 0, context_.ui(2));
     }
 
   private:
-    const Viewer& viewer_;
+    const Context& context_;
     ImDrawList& list_;
     float left_, top_;
 };
@@ -79,96 +80,107 @@ void draw_grid(Drawing& drawing) {
     }
 }
 
-unsigned colour_of(const Viewer& viewer, uint32_t node) {
-    return viewer.editor.selected() == node ? ui::kAccent : 0xffd8d4d0;
+unsigned colour_of(const Context& context, uint32_t node) {
+    return context.editor.selected() == node ? ui::kAccent : 0xffd8d4d0;
 }
 
 }  // namespace
 
-std::pair<glm::dvec3, glm::dvec3> box_of_node(const Viewer& viewer, uint32_t node) {
+std::pair<glm::dvec3, glm::dvec3> box_of_node(const Context& context, uint32_t node) {
     glm::dvec3 low(INFINITY), high(-INFINITY);
-    const auto take = [&](glm::dvec3 place) {
-        low = glm::min(low, place);
-        high = glm::max(high, place);
+    const auto take = [&](glm::dvec3 position) {
+        low = glm::min(low, position);
+        high = glm::max(high, position);
     };
     const auto take_box = [&](const glm::dmat4& world, glm::dvec3 from, glm::dvec3 to) {
         for (int i = 0; i < 8; i++)
             take(world * glm::dvec4(i & 1 ? to.x : from.x, i & 2 ? to.y : from.y, i & 4 ? to.z : from.z, 1));
     };
     const auto hangs_on = [&](uint32_t one) {
-        for (int64_t i = one; i >= 0; i = viewer.stage->scene.nodes[static_cast<size_t>(i)].parent)
+        for (int64_t i = one; i >= 0; i = context.frame.stage->scene.nodes[static_cast<size_t>(i)].parent)
             if (i == node) return true;
         return false;
     };
-    for (const stage::EvaluatedPerformer& performer : viewer.evaluated.performers) {
-        if (!hangs_on(viewer.stage->performers[performer.performer].node)) continue;
-        const auto& [from, to] = viewer.drawn.leaf_boxes[performer.clip];
+    for (const stage::EvaluatedPerformer& performer : context.frame.evaluated.performers) {
+        if (!hangs_on(context.frame.stage->performers[performer.performer].node)) continue;
+        const auto& [from, to] = context.frame.drawn.leaf_boxes[performer.clip];
         take_box(performer.world_from_performer, from, to);
     }
-    const stage::GltfScene& scene = viewer.stage->scene;
+    const stage::GltfScene& scene = context.frame.stage->scene;
     for (uint32_t i = 0; i < scene.nodes.size(); i++) {
         if (scene.nodes[i].mesh < 0 || !hangs_on(i)) continue;
         for (const stage::GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[i].mesh)].primitives)
             for (const glm::vec3& position : primitive.positions)
-                take(viewer.evaluated.pose.world_from_node[i] * glm::dvec4(position, 1));
+                take(context.frame.evaluated.pose.world_from_node[i] * glm::dvec4(position, 1));
     }
-    if (low.x > high.x) take(glm::dvec3(viewer.evaluated.pose.world_from_node[node][3]));
+    if (low.x > high.x) take(glm::dvec3(context.frame.evaluated.pose.world_from_node[node][3]));
     return {low, high};
 }
 
-void draw_overlay(Viewer& viewer) {
-    if (!viewer.stage) return;
-    Drawing drawing(viewer);
-    if (viewer.grid) draw_grid(drawing);
-    if (viewer.panels.all) {
-        for (const stage::EvaluatedLight& light : viewer.evaluated.lights)
-            drawing.sign(light.position, ICON_LIGHT, colour_of(viewer, light.node));
-        for (const stage::EvaluatedCamera& camera : viewer.evaluated.cameras)
-            drawing.sign(glm::dvec3(camera.world_from_camera[3]), ICON_CAMERA, colour_of(viewer, camera.node));
+void draw_scene_overlay(const Context& context) {
+    const FrameInput& frame = context.frame;
+    if (!frame.stage) return;
+    Drawing drawing(context);
+    if (context.view.grid) draw_grid(drawing);
+    if (context.view.panels.all) {
+        for (const stage::EvaluatedLight& light : frame.evaluated.lights)
+            drawing.icon(light.position, ICON_LIGHT, colour_of(context, light.node));
+        for (const stage::EvaluatedCamera& camera : frame.evaluated.cameras)
+            drawing.icon(glm::dvec3(camera.world_from_camera[3]), ICON_CAMERA, colour_of(context, camera.node));
     }
-    if (viewer.editor.selected() && viewer.stage_of_document()) {
-        const auto [low, high] = box_of_node(viewer, *viewer.editor.selected());
+    if (context.editor.selected() && context.stage_of_document()) {
+        const auto [low, high] = box_of_node(context, *context.editor.selected());
         drawing.box(low, high, ui::kAccentDim);
     }
-    for (const HandleShape& shape : viewer.shapes) drawing.shape(shape);
-    viewer.shapes.clear();
 }
 
-void show_handles(Viewer& viewer, std::span<const HandleShape> shapes, int hot) {
+void draw_handles(const Context& context, std::span<const HandleShape> shapes, int hot) {
+    Drawing drawing(context);
     for (HandleShape shape : shapes) {
         if (hot != 0 && shape.handle == hot) shape.colour = kHotHandle;
-        viewer.shapes.push_back(shape);
+        drawing.shape(shape);
     }
 }
 
-bool keeps_hold(Viewer& viewer) {
-    if (viewer.escape) viewer.editor.cancel_drag();
-    return !viewer.escape && ImGui::IsMouseDown(ImGuiMouseButton_Left);
-}
-
-glm::dmat4 world_from_parent(const Viewer& viewer, uint32_t node) {
-    const int32_t parent = viewer.stage->scene.nodes[node].parent;
-    return parent < 0 ? glm::dmat4(1) : viewer.evaluated.pose.world_from_node[static_cast<size_t>(parent)];
-}
-
-glm::dvec2 pointer_of(const Viewer& viewer) {
+glm::dvec2 pointer_of(const Context& context) {
     const ImVec2 at = ImGui::GetIO().MousePos;
-    return {at.x - viewer.image_area.left, at.y - viewer.image_area.top};
+    return {at.x - context.frame.image_area.left, at.y - context.frame.image_area.top};
 }
 
-std::optional<uint32_t> sign_at(const Viewer& viewer, float x, float y) {
-    if (!viewer.panels.all || !viewer.stage_of_document()) return std::nullopt;
+std::optional<uint32_t> icon_at(const Context& context, float x, float y) {
+    if (!context.view.panels.all || !context.stage_of_document()) return std::nullopt;
     std::optional<uint32_t> found;
-    const auto look = [&](glm::dvec3 place, uint32_t node) {
-        const auto pixel = editor::pixel_of(viewer.camera, place);
+    const auto look = [&](glm::dvec3 position, uint32_t node) {
+        const auto pixel = editor::pixel_of(context.frame.camera, position);
         if (!pixel) return;
-        const glm::dvec2 at = *pixel + glm::dvec2(viewer.image_area.left, viewer.image_area.top);
-        if (glm::distance(at, glm::dvec2(x, y)) < viewer.ui(12)) found = node;
+        const glm::dvec2 at = *pixel + glm::dvec2(context.frame.image_area.left, context.frame.image_area.top);
+        if (glm::distance(at, glm::dvec2(x, y)) < context.ui(12)) found = node;
     };
-    for (const stage::EvaluatedLight& light : viewer.evaluated.lights) look(light.position, light.node);
-    for (const stage::EvaluatedCamera& camera : viewer.evaluated.cameras)
+    for (const stage::EvaluatedLight& light : context.frame.evaluated.lights) look(light.position, light.node);
+    for (const stage::EvaluatedCamera& camera : context.frame.evaluated.cameras)
         look(glm::dvec3(camera.world_from_camera[3]), camera.node);
     return found;
+}
+
+void focus(Context& context) {
+    if (!context.frame.stage) return;
+    const bool selected = context.editor.selected() && context.stage_of_document();
+    auto [low, high] = stage::performers_box(*context.frame.stage, context.frame.evaluated);
+    if (selected) {
+        const auto [node_low, node_high] = box_of_node(context, *context.editor.selected());
+        const bool is_point = node_low == node_high;  // a light, a camera: with those whom it lights or sees
+        low = is_point ? glm::min(low, node_low) : node_low;
+        high = is_point ? glm::max(high, node_high) : node_high;
+    }
+    context.go_to(
+        framed(context.view.eye, low, high, context.frame.image_area.width / context.frame.image_area.height));
+}
+
+void remember_view(Context& context) {
+    if (!context.editor.is_open()) return;
+    context.editor.edit([&](edit::Document& d) {
+        return edit::add_camera(d.file, "view", context.view.eye.angle_y, world_from_eye(context.view.eye));
+    });
 }
 
 }  // namespace neuvv::viewer

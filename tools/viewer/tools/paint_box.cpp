@@ -7,14 +7,14 @@
 #include "editor/pointer.h"
 #include "tools/ui/theme.h"
 #include "tools/view_path.h"
+#include "tools/viewer/context.h"
 #include "tools/viewer/tools/paint_tool.h"
-#include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
 
 namespace {
 
-constexpr double kLeastSide_m = 0.01;
+constexpr double kMinSide_m = 0.01;
 constexpr float kHandle = 4.5f, kGrab = 9;  // half sides, at scale 1
 constexpr unsigned kAxisColours[] = {0xff5a5af0, 0xff6ecb5a, 0xfff0a05a};
 constexpr const char* kSides[] = {"x-low", "y-low", "z-low", "x-high", "y-high", "z-high"};
@@ -28,46 +28,46 @@ struct Box {
     }
 };
 
-void draw_edges(const Viewer& viewer, const Box& box, const glm::dmat4& world_from_performer) {
+void draw_edges(const Context& context, const Box& box, const glm::dmat4& world_from_performer) {
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     const auto corner = [&](int i) {
         const glm::dvec3 at((i & 1) ? box.high.x : box.low.x, (i & 2) ? box.high.y : box.low.y,
                             (i & 4) ? box.high.z : box.low.z);
         return glm::dvec3(world_from_performer * glm::dvec4(at, 1));
     };
-    const Area& area = viewer.image_area;
+    const Area& area = context.frame.image_area;
     for (int i = 0; i < 8; i++)
         for (const int step : {1, 2, 4}) {
             if (i & step) continue;
-            const auto line = editor::pixels_of(viewer.camera, corner(i), corner(i | step));
+            const auto line = editor::pixels_of(context.frame.camera, corner(i), corner(i | step));
             if (!line) continue;
             const auto at = [&](glm::dvec2 p) {
                 return ImVec2(area.left + static_cast<float>(p.x), area.top + static_cast<float>(p.y));
             };
-            list->AddLine(at(line->first), at(line->second), 0x80000000, viewer.ui(3));
-            list->AddLine(at(line->first), at(line->second), ui::kAccent, viewer.ui(1.25f));
+            list->AddLine(at(line->first), at(line->second), 0x80000000, context.ui(3));
+            list->AddLine(at(line->first), at(line->second), ui::kAccent, context.ui(1.25f));
         }
 }
 
 }  // namespace
 
-void PaintTool::fit_box(const Viewer& viewer) {
-    const auto performer = this->performer(viewer);
+void PaintTool::fit_box(const Context& context) {
+    const auto performer = this->performer(context);
     if (!performer || !clip_ || clip_path_ != performer->clip) return;
     std::tie(choice.box_low, choice.box_high) = tools::occupied_box(clip_->tree);
 }
 
-bool PaintTool::drag_box(Viewer& viewer, const PaintedPerformer& performer) {
-    if (choice.box_low == choice.box_high) fit_box(viewer);
+bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bool pointer_used) {
+    if (choice.box_low == choice.box_high) fit_box(context);
     Box box{choice.box_low, choice.box_high};
     const ImVec2 mouse = ImGui::GetIO().MousePos;
-    const Area& area = viewer.image_area;
+    const Area& area = context.frame.image_area;
     const glm::dvec2 pointer(mouse.x - area.left, mouse.y - area.top);
     const auto way = [&](int axis, bool high, double grabbed) {
         Box from = box;
         (high ? from.high : from.low)[axis] = grabbed;
         const glm::dvec3 through(performer.world_from_performer * glm::dvec4(from.side(axis, high), 1));
-        return editor::line_drag(viewer.camera, through, glm::dvec3(performer.world_from_performer[axis]), 0.25,
+        return editor::line_drag(context.frame.camera, through, glm::dvec3(performer.world_from_performer[axis]), 0.25,
                                  pointer);
     };
     if (box_drag_ && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) box_drag_.reset();
@@ -76,29 +76,30 @@ bool PaintTool::drag_box(Viewer& viewer, const PaintedPerformer& performer) {
             const double to = box_drag_->grabbed + *s - box_drag_->s;
             const int axis = box_drag_->axis;
             if (box_drag_->high)
-                choice.box_high[axis] = std::max(to, box.low[axis] + kLeastSide_m);
+                choice.box_high[axis] = std::max(to, box.low[axis] + kMinSide_m);
             else
-                choice.box_low[axis] = std::min(to, box.high[axis] - kLeastSide_m);
+                choice.box_low[axis] = std::min(to, box.high[axis] - kMinSide_m);
         }
         box = {choice.box_low, choice.box_high};
     }
-    draw_edges(viewer, box, performer.world_from_performer);
+    draw_edges(context, box, performer.world_from_performer);
     std::optional<int> over;
     for (int i = 0; i < 6; i++) {
         const auto at = editor::pixel_of(
-            viewer.camera, glm::dvec3(performer.world_from_performer * glm::dvec4(box.side(i % 3, i >= 3), 1)));
+            context.frame.camera, glm::dvec3(performer.world_from_performer * glm::dvec4(box.side(i % 3, i >= 3), 1)));
         if (!at) continue;
         const ImVec2 middle(area.left + static_cast<float>(at->x), area.top + static_cast<float>(at->y));
-        const bool near = glm::length(*at - pointer) < double{viewer.ui(kGrab)};
-        if (near && viewer.pointer_in_image && !over) over = i;
-        const bool held = box_drag_ ? box_drag_->axis == i % 3 && box_drag_->high == (i >= 3) : over == i;
-        const float half = viewer.ui(held ? kHandle + 1.5f : kHandle);
+        const bool near = glm::length(*at - pointer) < double{context.ui(kGrab)};
+        if (near && context.frame.pointer_in_image && !pointer_used && !over) over = i;
+        const bool active = box_drag_ ? box_drag_->axis == i % 3 && box_drag_->high == (i >= 3) : over == i;
+        const float half = context.ui(active ? kHandle + 1.5f : kHandle);
         ImDrawList* list = ImGui::GetBackgroundDrawList();
         list->AddRectFilled({middle.x - half, middle.y - half}, {middle.x + half, middle.y + half},
-                            held ? 0xffffffff : kAxisColours[i % 3], viewer.ui(1));
-        list->AddRect({middle.x - half, middle.y - half}, {middle.x + half, middle.y + half}, 0xc0000000, viewer.ui(1));
-        viewer.report.place(std::string("paint/box/") + kSides[i], middle.x - half, middle.y - half, 2 * half,
-                            2 * half);
+                            active ? 0xffffffff : kAxisColours[i % 3], context.ui(1));
+        list->AddRect({middle.x - half, middle.y - half}, {middle.x + half, middle.y + half}, 0xc0000000,
+                      context.ui(1));
+        context.report.place(std::string("paint/box/") + kSides[i], middle.x - half, middle.y - half, 2 * half,
+                             2 * half);
     }
     if (over && !box_drag_ && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
         const int axis = *over % 3;

@@ -10,9 +10,9 @@
 #include "media/colour.h"
 #include "render/trace.h"
 #include "tools/ui/theme.h"
+#include "tools/viewer/context.h"
 #include "tools/viewer/panels/fields.h"
 #include "tools/viewer/tools/paint_tool.h"
-#include "tools/viewer/viewer.h"
 
 namespace neuvv::viewer {
 
@@ -51,11 +51,11 @@ stage::Camera part_of(stage::Camera camera, const Area& part, uint32_t width, ui
 
 }  // namespace
 
-void PaintTool::draw_brush(const Viewer& viewer, const PaintedPerformer& performer) const {
+void PaintTool::draw_brush(const Context& context, const PaintedPerformer& performer) const {
     const glm::dmat3 axes(performer.world_from_performer);
     const double scale = (glm::length(axes[0]) + glm::length(axes[1]) + glm::length(axes[2])) / 3;
-    const auto radius =
-        static_cast<float>(choice.radius_m * scale * viewer.camera.fy / std::max(hover_.depth_m, editor::kNearest_m));
+    const auto radius = static_cast<float>(choice.radius_m * scale * context.frame.camera.fy /
+                                           std::max(hover_.depth_m, editor::kMinDepth_m));
     const ImGuiIO& io = ImGui::GetIO();
     const bool erases =
         choice.tool == PaintChoice::Tool::kErase || (choice.tool == PaintChoice::Tool::kColour && io.KeyCtrl);
@@ -68,18 +68,18 @@ void PaintTool::draw_brush(const Viewer& viewer, const PaintedPerformer& perform
     const bool beside = !hover_.world && !stroke_;
     if (beside) colour = (colour & 0xffffff) | 0x70000000;
     ImDrawList* list = ImGui::GetBackgroundDrawList();
-    ring(list, io.MousePos, std::max(radius, 2.0f), colour, viewer.ui(1.5f));
-    if (choice.hardness < 0.99 && radius > viewer.ui(12))
+    ring(list, io.MousePos, std::max(radius, 2.0f), colour, context.ui(1.5f));
+    if (choice.hardness < 0.99 && radius > context.ui(12))
         list->AddCircle(io.MousePos, radius * static_cast<float>(choice.hardness), (colour & 0xffffff) | 0x60000000);
 }
 
 // As it is seen, light included.
-void PaintTool::take_colour(Viewer& viewer) {
+void PaintTool::take_colour(Context& context) {
     const ImVec2 mouse = ImGui::GetIO().MousePos;
-    const glm::dvec2 pixel =
-        glm::max(glm::dvec2(mouse.x - viewer.image_area.left, mouse.y - viewer.image_area.top), glm::dvec2(0));
-    viewer.render_thread.post([this, &viewer, pixel](editor::OnDevice& on) {
-        const auto image = viewer.render_thread.state().displayed.image;
+    const glm::dvec2 pixel = glm::max(
+        glm::dvec2(mouse.x - context.frame.image_area.left, mouse.y - context.frame.image_area.top), glm::dvec2(0));
+    context.render_thread.post([this, &context, pixel](editor::OnDevice& on) {
+        const auto image = context.render_thread.state().displayed.image;
         if (!image) return;
         const VkOffset2D at{static_cast<int32_t>(std::min(pixel.x, image->shape.width - 1.0)),
                             static_cast<int32_t>(std::min(pixel.y, image->shape.height - 1.0))};
@@ -92,39 +92,39 @@ void PaintTool::take_colour(Viewer& viewer) {
         const uint8_t* rgba = taken.as<uint8_t>();
         const glm::dvec3 linear(media::linear_from_srgb_byte(rgba[0]), media::linear_from_srgb_byte(rgba[1]),
                                 media::linear_from_srgb_byte(rgba[2]));
-        viewer.jobs.post([this, linear] { choice.colour = linear; });
+        context.jobs.post([this, linear] { choice.colour = linear; });
     });
 }
 
-void PaintTool::load_image(Viewer& viewer) {
-    viewer.jobs.start("Reading an image", [this, &viewer, path = choice.image]() -> JobQueue::Then {
+void PaintTool::load_image(Context& context) {
+    context.jobs.start("Reading an image", [this, &context, path = choice.image]() -> JobQueue::Then {
         const auto image = std::make_shared<const media::Image>(media::read_png(path));
         const auto preview =
-            std::make_shared<const media::Image>(editor::reduced(*image, factor_for(*image, kPreviewCells)));
-        return [this, &viewer, path, image, preview] {
+            std::make_shared<const media::Image>(editor::downscaled(*image, factor_for(*image, kPreviewCells)));
+        return [this, &context, path, image, preview] {
             stamp_path_ = path;
             stamp_ = image;
             stamp_preview_ = preview;
-            viewer.redraw();
+            context.redraw();
         };
     });
 }
 
 // Its middle at the pointer.
-Area PaintTool::stamp_area(const Viewer& viewer) const {
+Area PaintTool::stamp_area(const Context& context) const {
     const ImVec2 at = ImGui::GetIO().MousePos;
     Area area;
-    area.height = static_cast<float>(choice.stamp_share) * viewer.image_area.height;
+    area.height = static_cast<float>(choice.stamp_share) * context.frame.image_area.height;
     area.width = area.height * static_cast<float>(stamp_->width) / static_cast<float>(stamp_->height);
     area.left = at.x - 0.5f * area.width;
     area.top = at.y - 0.5f * area.height;
     return area;
 }
 
-void PaintTool::draw_stamp(Viewer& viewer) const {
+void PaintTool::draw_stamp(Context& context) const {
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     const media::Image& cells = *stamp_preview_;
-    const Area area = stamp_area(viewer);
+    const Area area = stamp_area(context);
     if (!task_runs_) {
         const float width = area.width / static_cast<float>(cells.width),
                     height = area.height / static_cast<float>(cells.height);
@@ -136,45 +136,45 @@ void PaintTool::draw_stamp(Viewer& viewer) const {
                 list->AddRectFilled(low, {low.x + width, low.y + height}, ImGui::ColorConvertFloat4ToU32(colour));
             }
         list->AddRect({area.left, area.top}, {area.left + area.width, area.top + area.height}, 0xc0ffffff, 0, 0,
-                      viewer.ui(1));
+                      context.ui(1));
     } else {
         list->AddText({area.left, area.top}, 0xffffffff, "Projecting…");
     }
-    viewer.report.place("paint/stamp-area", area.left, area.top, area.width, area.height);
+    context.report.place("paint/stamp-area", area.left, area.top, area.width, area.height);
 }
 
-void PaintTool::project_stamp(Viewer& viewer, const PaintedPerformer& performer) {
+void PaintTool::project_stamp(Context& context, const PaintedPerformer& performer) {
     std::filesystem::path path;
-    const auto before = open_target(viewer, performer, path);
+    const auto before = open_target(context, performer, path);
     if (!before) return;
-    begin_task(viewer);
-    viewer.clock.pause();
-    Area area = stamp_area(viewer);
+    begin_task(context);
+    context.view.clock.pause();
+    Area area = stamp_area(context);
     const uint32_t factor = factor_for(*stamp_, kRaysAPixel * double{std::max(area.width, area.height)});
-    area.left -= viewer.image_area.left;
-    area.top -= viewer.image_area.top;
-    const stage::Camera camera = render::in_performer(viewer.camera, glm::mat4(performer.world_from_performer));
+    area.left -= context.frame.image_area.left;
+    area.top -= context.frame.image_area.top;
+    const stage::Camera camera = render::in_performer(context.frame.camera, glm::mat4(performer.world_from_performer));
     editor::PaintOperation operation;
     operation.opacity = static_cast<float>(choice.opacity);
     operation.frames = frames_of(performer);
     const bool every_frame = choice.every_frame && choice.frames != PaintChoice::Frames::kThis;
     auto session = std::make_shared<std::optional<editor::PaintSession>>();
     editor::post_paint_task(
-        viewer.parts(), surface_, performer.clip, clip_,
-        [=, this, &viewer, image = stamp_, subject = subject_of(viewer, performer, false)](
+        context.parts(), surface_, performer.clip, clip_,
+        [=, this, &context, image = stamp_, subject = subject_of(context, performer, false)](
             editor::PaintSurface& surface,
             const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
             if (!*session) {
                 subject.field = field;
                 editor::PaintArea where;
-                where.image = editor::reduced(*image, factor);
+                where.image = editor::downscaled(*image, factor);
                 where.image_camera = part_of(camera, area, where.image.width, where.image.height);
                 where.every_frame = every_frame;
                 session->emplace(subject, before, operation, std::move(where));
             }
             if ((*session)->add_projection(surface)) return {};
             const auto layer = (*session)->layer();
-            return [=, this, &viewer] { put(viewer, performer, path, before, layer, "image projected"); };
+            return [=, this, &context] { put(context, performer, path, before, layer, "image projected"); };
         },
         [this] {
             clip_.reset();

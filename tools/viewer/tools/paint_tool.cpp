@@ -11,7 +11,9 @@
 #include "editor/paint_task.h"
 #include "editor/pointer.h"
 #include "render/trace.h"
-#include "tools/viewer/viewer.h"
+#include "tools/ui/icons.h"
+#include "tools/viewer/context.h"
+#include "tools/viewer/tools/overlay.h"
 
 namespace neuvv::viewer {
 
@@ -22,6 +24,8 @@ constexpr double kRadiusStep = 1.15;
 constexpr const char* kDone[] = {"painted", "erased", "colours shifted", "restored", "image projected"};
 
 }  // namespace
+
+const ToolMode PaintTool::kMode{"tool/paint", ICON_BRUSH, "Paint (4)", GLFW_KEY_4};
 
 // What goes on from the press of a button to its release, and until the last of it is painted.
 struct PaintTool::Active {
@@ -42,18 +46,18 @@ struct PaintTool::Active {
     std::optional<editor::PaintSession> session;
 };
 
-std::optional<PaintedPerformer> PaintTool::performer(const Viewer& viewer) {
-    if (!viewer.stage || !viewer.editor.is_open()) return {};
-    const std::vector<stage::StagePerformer>& all = viewer.stage->performers;
-    const auto selected = viewer.editor.selected();
+std::optional<PaintedPerformer> PaintTool::performer(const Context& context) {
+    if (!context.frame.stage || !context.editor.is_open()) return {};
+    const std::vector<stage::StagePerformer>& all = context.frame.stage->performers;
+    const auto selected = context.editor.selected();
     size_t index = all.size() == 1 ? 0 : all.size();
     for (size_t i = 0; i < all.size(); i++)
         if (selected == all[i].node) index = i;
-    if (index >= all.size() || index >= viewer.evaluated.performers.size()) return {};
-    auto layers = edit::paint_layers_of(viewer.editor.file(), all[index].node);
+    if (index >= all.size() || index >= context.frame.evaluated.performers.size()) return {};
+    auto layers = edit::paint_layers_of(context.editor.file(), all[index].node);
     if (!layers) return {};
-    const stage::StageClip& clip = viewer.stage->clips[all[index].clip];
-    const stage::EvaluatedPerformer& stands = viewer.evaluated.performers[index];
+    const stage::StageClip& clip = context.frame.stage->clips[all[index].clip];
+    const stage::EvaluatedPerformer& stands = context.frame.evaluated.performers[index];
     return PaintedPerformer{all[index].node, all[index].name,   clip.path,
                             clip.frames,     stands.frame,      stands.world_from_performer,
                             stands.visible,  std::move(*layers)};
@@ -90,53 +94,53 @@ editor::PaintOperation PaintTool::operation_of(const PaintedPerformer& performer
     return operation;
 }
 
-std::shared_ptr<const voctree::EditLayer> PaintTool::layer_at(const Viewer& viewer,
+std::shared_ptr<const voctree::EditLayer> PaintTool::layer_at(const Context& context,
                                                               const std::filesystem::path& path) const {
-    const auto& edited = viewer.editor.document().paint;
+    const auto& edited = context.editor.document().paint;
     if (const auto found = edited.find(path); found != edited.end()) return found->second;
     const auto found = read_.find(path);
     return found != read_.end() ? found->second : nullptr;
 }
 
 // The clip, and those of its layers that show or are painted.
-bool PaintTool::prepare(Viewer& viewer) {
-    const auto performer = this->performer(viewer);
+bool PaintTool::prepare(Context& context) {
+    const auto performer = this->performer(context);
     if (!performer) return false;
     std::vector<std::filesystem::path> missing;
     const size_t painted = painted_layer(*performer);
     for (size_t i = 0; i < performer->layers.size(); i++) {
         const edit::ListedLayer& layer = performer->layers[i];
         const bool needed = i == painted || (layer.entry.visible && layer.entry.opacity > 0);
-        if (needed && !layer_at(viewer, layer.path)) missing.push_back(layer.path);
+        if (needed && !layer_at(context, layer.path)) missing.push_back(layer.path);
     }
     const bool has_clip = clip_ && clip_path_ == performer->clip;
     if (has_clip && missing.empty()) return true;
-    if (reading_ || failed_ == viewer.editor.id()) return false;
+    if (reading_ || failed_ == context.editor.id()) return false;
     reading_ = true;
-    viewer.jobs.start(fmt::format("Reading {}, to be painted", performer->name),
-                      [this, &viewer, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
-                       id = viewer.editor.id()]() -> JobQueue::Then {
-                          editor::ReadPerformer read;
-                          try {
-                              read = editor::read_performer(path, clip, missing);
-                          } catch (const std::exception& error) {
-                              return [this, &viewer, id, problem = std::string(error.what())] {
-                                  reading_ = false;
-                                  failed_ = id;
-                                  viewer.editor.notify(problem, true);
-                              };
-                          }
-                          return [this, path, read] {
-                              reading_ = false;
-                              clip_path_ = path;
-                              clip_ = read.clip;
-                              for (const auto& [name, layer] : read.layers) read_[name] = layer;
-                          };
-                      });
+    context.jobs.start(fmt::format("Reading {}, to be painted", performer->name),
+                       [this, &context, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
+                        id = context.editor.id()]() -> JobQueue::Then {
+                           editor::ReadPerformer read;
+                           try {
+                               read = editor::read_performer(path, clip, missing);
+                           } catch (const std::exception& error) {
+                               return [this, &context, id, problem = std::string(error.what())] {
+                                   reading_ = false;
+                                   failed_ = id;
+                                   context.editor.notify(problem, true);
+                               };
+                           }
+                           return [this, path, read] {
+                               reading_ = false;
+                               clip_path_ = path;
+                               clip_ = read.clip;
+                               for (const auto& [name, layer] : read.layers) read_[name] = layer;
+                           };
+                       });
     return false;
 }
 
-editor::PaintSubject PaintTool::subject_of(const Viewer& viewer, const PaintedPerformer& performer,
+editor::PaintSubject PaintTool::subject_of(const Context& context, const PaintedPerformer& performer,
                                            bool without_painted) const {
     editor::PaintSubject subject;
     subject.clip = clip_;
@@ -145,145 +149,138 @@ editor::PaintSubject PaintTool::subject_of(const Viewer& viewer, const PaintedPe
     for (size_t i = 0; i < performer.layers.size(); i++) {
         const stage::PaintLayer& entry = performer.layers[i].entry;
         if (!entry.visible || entry.opacity <= 0 || (without_painted && i == painted)) continue;
-        if (auto layer = layer_at(viewer, performer.layers[i].path))
+        if (auto layer = layer_at(context, performer.layers[i].path))
             subject.paint.push_back({std::move(layer), entry.blend, static_cast<float>(entry.opacity)});
     }
     return subject;
 }
 
-std::shared_ptr<const voctree::EditLayer> PaintTool::open_target(Viewer& viewer, const PaintedPerformer& performer,
+std::shared_ptr<const voctree::EditLayer> PaintTool::open_target(Context& context, const PaintedPerformer& performer,
                                                                  std::filesystem::path& path) {
     if (performer.layers.empty()) {
-        path = edit::free_paint_path(viewer.editor.document(), performer.node);
+        path = edit::free_paint_path(context.editor.document(), performer.node);
         return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
     }
     const edit::ListedLayer& target = performer.layers[painted_layer(performer)];
     if (!target.entry.visible || target.entry.opacity <= 0) {
-        viewer.editor.notify(fmt::format("\"{}\" is not seen: show the layer to paint on it", edit::title_of(target)),
-                             true);
+        context.editor.notify(fmt::format("\"{}\" is not seen: show the layer to paint on it", edit::title_of(target)),
+                              true);
         return nullptr;
     }
     path = target.path;
-    auto layer = layer_at(viewer, path);
+    auto layer = layer_at(context, path);
     if (others_.contains(path) ||
-        edit::is_shared(viewer.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
-        path = edit::free_paint_path(viewer.editor.document(), performer.node);
+        edit::is_shared(context.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
+        path = edit::free_paint_path(context.editor.document(), performer.node);
         own_ = {path, target.path};
         return layer;
     }
-    viewer.editor.open_layer(path, layer);
+    context.editor.open_layer(path, layer);
     read_.erase(path);  // the editor's from now on
     return layer;
 }
 
-void PaintTool::take_keys(Viewer& viewer) {
-    if (ImGui::GetIO().WantTextInput) return;
-    for (const ui::KeyPress& press : viewer.window.presses())
-        if (!press.control && !press.alt && (press.key == GLFW_KEY_B || press.key == GLFW_KEY_4))
-            viewer.tool = Tool::kPaint;
-    if (viewer.tool != Tool::kPaint) return;
-    for (const char32_t letter : viewer.window.typed()) {
-        if (letter == U'[') choice.radius_m /= kRadiusStep;
-        if (letter == U']') choice.radius_m *= kRadiusStep;
-    }
-    choice.radius_m = std::clamp(choice.radius_m, kLeastRadius_m, kMostRadius_m);
+void PaintTool::key(Context& context, const ui::KeyPress& press) {
+    if (press.key == GLFW_KEY_B && !press.control && !press.alt) context.view.mode = &kMode;
 }
 
-PaintHands PaintTool::in_image(Viewer& viewer) {
-    take_keys(viewer);
-    const auto performer = this->performer(viewer);
-    const bool active = viewer.tool == Tool::kPaint && performer && performer->seen;
-    const bool ready = active && prepare(viewer);
-    viewer.report.fact("paint", {{"ready", ready},
-                                 {"busy", busy()},
-                                 {"radius_m", choice.radius_m},
-                                 {"depth_m", hover_.world ? nlohmann::json(hover_.depth_m) : nullptr}});
+void PaintTool::set_radius_by_keys(const Context& context) {
+    if (!is_current(context) || ImGui::GetIO().WantTextInput) return;
+    for (const char32_t character : context.frame.typed) {
+        if (character == U'[') choice.radius_m /= kRadiusStep;
+        if (character == U']') choice.radius_m *= kRadiusStep;
+    }
+    choice.radius_m = std::clamp(choice.radius_m, kMinRadius_m, kMaxRadius_m);
+}
+
+void PaintTool::pointer(Context& context, PointerUse& use) {
+    set_radius_by_keys(context);
+    const auto performer = this->performer(context);
+    ready_ = is_current(context) && performer && performer->seen && prepare(context);
     if (stroke_) {
-        go_on(viewer);
-        if (performer) draw_brush(viewer, *performer);
-        return {true, true, true};
+        go_on(context);
+        if (performer) draw_brush(context, *performer);
+        use = {true, true, true};
+        return;
     }
-    if (!ready) return {};
-    const ImGuiIO& io = ImGui::GetIO();
-    PaintHands hands;
+    if (!ready_) return;
     const bool stamps = choice.tool == PaintChoice::Tool::kStamp;
-    const bool box = choice.in_box && !stamps, over = viewer.pointer_in_image;
-    const bool clicked = over && ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !io.KeyShift && !busy();
-    if (box) {
-        hands.left = drag_box(viewer, *performer);
-        return hands;
-    }
-    hands.left = over && !io.KeyShift;
-    if (over && !viewer.clock.playing) look_under(viewer, *performer);
-    if (clicked && io.KeyAlt) {
-        take_colour(viewer);
-    } else if (stamps) {
-        hands.left &= stamp_loaded();
-        hands.wheel = over && io.KeyCtrl;
-        if (hands.wheel && io.MouseWheel != 0)
-            choice.stamp_share =
-                std::clamp(choice.stamp_share * std::pow(1.1, double{io.MouseWheel}), kLeastStamp, kMostStamp);
-        if (clicked && stamp_loaded()) project_stamp(viewer, *performer);
-        if ((over || task_runs_) && stamp_loaded()) draw_stamp(viewer);
-    } else {
-        if (clicked) begin_stroke(viewer, *performer);
-        if (over) draw_brush(viewer, *performer);
-    }
-    return hands;
+    if (choice.in_box && !stamps)
+        use.left |= drag_box(context, *performer, use.left);
+    else
+        click_or_hover(context, *performer, use);
 }
 
-void PaintTool::begin_stroke(Viewer& viewer, const PaintedPerformer& performer) {
+void PaintTool::click_or_hover(Context& context, const PaintedPerformer& performer, PointerUse& use) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const bool stamps = choice.tool == PaintChoice::Tool::kStamp, over = context.frame.pointer_in_image;
+    const bool free = over && !io.KeyShift && !use.left;
+    const bool clicked = free && ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !busy();
+    if (over && !context.view.clock.playing) look_under(context, performer);
+    if (free && (!stamps || stamp_loaded())) use.left = true;
+    if (clicked && io.KeyAlt) {
+        take_colour(context);
+    } else if (stamps) {
+        use.wheel = over && io.KeyCtrl;
+        if (use.wheel && io.MouseWheel != 0)
+            choice.stamp_share =
+                std::clamp(choice.stamp_share * std::pow(1.1, double{io.MouseWheel}), kMinStamp, kMaxStamp);
+        if (clicked && stamp_loaded()) project_stamp(context, performer);
+        if ((over || task_runs_) && stamp_loaded()) draw_stamp(context);
+    } else {
+        if (clicked) begin_stroke(context, performer);
+        if (over) draw_brush(context, performer);
+    }
+}
+
+void PaintTool::begin_stroke(Context& context, const PaintedPerformer& performer) {
     auto active = std::make_shared<Active>();
-    active->before = open_target(viewer, performer, active->path);
+    active->before = open_target(context, performer, active->path);
     if (!active->before) return;
-    viewer.clock.pause();
+    context.view.clock.pause();
     active->operation = operation_of(performer, ImGui::GetIO().KeyCtrl);
     active->what = kDone[static_cast<size_t>(active->operation.kind)];
     active->node = performer.node;
     active->clip_path = performer.clip;
-    active->document = viewer.editor.id();
+    active->document = context.editor.id();
     active->world_from_performer = performer.world_from_performer;
-    active->subject = subject_of(viewer, performer, active->operation.kind == editor::PaintOperation::Kind::kRestore);
+    active->subject = subject_of(context, performer, active->operation.kind == editor::PaintOperation::Kind::kRestore);
     active->area.radius_m = static_cast<float>(choice.radius_m);
     active->area.hardness = static_cast<float>(choice.hardness);
     stroke_ = std::move(active);
-    viewer.holds_handle = true;
-    go_on(viewer);
+    go_on(context);
 }
 
 // Each frame: takes the pointer's pixel, and sends the pixels that wait as soon as the last ones are painted.
-void PaintTool::go_on(Viewer& viewer) {
+void PaintTool::go_on(Context& context) {
     Active& stroke = *stroke_;
-    if (viewer.escape) {
-        viewer.editor.cancel_drag();
-        viewer.holds_handle = false;
+    if (context.frame.escape) {
+        context.editor.cancel_drag();
         stroke_.reset();
         return;
     }
-    viewer.holds_handle = true;
     stroke.released |= !ImGui::IsMouseDown(ImGuiMouseButton_Left);
-    const glm::dvec2 at = pointer_of(viewer);
+    const glm::dvec2 at = pointer_of(context);
     if (!stroke.released && at != stroke.last) {
-        const stage::Camera camera = render::in_performer(viewer.camera, glm::mat4(stroke.world_from_performer));
+        const stage::Camera camera = render::in_performer(context.frame.camera, glm::mat4(stroke.world_from_performer));
         if (stroke.waiting.empty() || stroke.waiting.back().first.world_from_camera != camera.world_from_camera)
             stroke.waiting.emplace_back(camera, std::vector<glm::dvec2>{});
         stroke.waiting.back().second.push_back(at);
-        if (!stroke.waiting_since_s) stroke.waiting_since_s = viewer.came_s();
+        if (!stroke.waiting_since_s) stroke.waiting_since_s = context.frame.event_s;
         stroke.last = at;
     }
-    viewer.redraw();
+    context.redraw();
     if (stroke.under_way) return;
     if (stroke.waiting.empty()) {
         if (!stroke.released) return;
-        viewer.holds_handle = false;
         stroke_.reset();
         return;
     }
     stroke.under_way = true;
     stroke.sent_since_s = std::exchange(stroke.waiting_since_s, std::nullopt);
     editor::post_paint_task(
-        viewer.parts(), surface_, stroke.clip_path, stroke.subject.clip,
-        [this, &viewer, active = stroke_, waiting = std::exchange(stroke.waiting, {})](
+        context.parts(), surface_, stroke.clip_path, stroke.subject.clip,
+        [this, &context, active = stroke_, waiting = std::exchange(stroke.waiting, {})](
             editor::PaintSurface& surface, const std::shared_ptr<const render::Field>& field) -> JobQueue::Then {
             if (!active->session) {
                 active->subject.field = field;
@@ -291,59 +288,58 @@ void PaintTool::go_on(Viewer& viewer) {
             }
             for (const auto& [camera, pixels] : waiting) active->session->add_touches(surface, camera, pixels);
             const auto layer = active->session->layer();
-            return [this, &viewer, active, layer] { took(viewer, active, layer); };
+            return [this, &context, active, layer] { took(context, active, layer); };
         },
-        [this, &viewer, active = stroke_] {
+        [this, &context, active = stroke_] {
             clip_.reset();
             if (stroke_ == active) stroke_.reset();
-            viewer.holds_handle = false;
         });
 }
 
-void PaintTool::took(Viewer& viewer, const std::shared_ptr<Active>& active,
+void PaintTool::took(Context& context, const std::shared_ptr<Active>& active,
                      std::shared_ptr<const voctree::EditLayer> layer) {
     active->under_way = false;
     if (stroke_ != active) return;
-    if (viewer.editor.id() != active->document) {  // undone, saved, opened: it ends here
+    if (context.editor.id() != active->document) {  // undone, saved, opened: it ends here
         stroke_.reset();
-        viewer.holds_handle = false;
         return;
     }
     if (!layer) return;
-    if (active->sent_since_s) viewer.answers(*active->sent_since_s);
-    viewer.editor.drag(
-        [&](edit::Document& document) { return put_layer(document, active->node, active->path, layer, active->what); });
+    if (active->sent_since_s) context.requests.answered_s = active->sent_since_s;
+    context.editor.drag([&](edit::Document& document) {
+        return write_layer(document, active->node, active->path, layer, active->what);
+    });
     choice.layer = active->path;
-    active->document = viewer.editor.id();
+    active->document = context.editor.id();
 }
 
 // Where the pointer meets the surface, for the cursor.
-void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
-    const glm::dvec2 pixel = pointer_of(viewer);
+void PaintTool::look_under(Context& context, const PaintedPerformer& performer) {
+    const glm::dvec2 pixel = pointer_of(context);
     const bool same = pixel == hover_.pixel && performer.frame == hover_.frame &&
-                      viewer.camera.world_from_camera == hover_.camera.world_from_camera;
+                      context.frame.camera.world_from_camera == hover_.camera.world_from_camera;
     if (same || hover_.under_way || busy()) return;
     hover_.under_way = true;
     hover_.pixel = pixel;
     hover_.frame = performer.frame;
-    hover_.camera = viewer.camera;
+    hover_.camera = context.frame.camera;
     const bool restores = choice.tool == PaintChoice::Tool::kRestore;
     editor::post_paint_task(
-        viewer.parts(), surface_, performer.clip, clip_,
-        [this, &viewer, subject = subject_of(viewer, performer, restores), pixel, camera = viewer.camera,
+        context.parts(), surface_, performer.clip, clip_,
+        [this, &context, subject = subject_of(context, performer, restores), pixel, camera = context.frame.camera,
          world_from_performer = performer.world_from_performer](
             editor::PaintSurface& surface,
             const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
             subject.field = field;
             surface.show(subject);
             const auto place = surface.surface_at(render::in_performer(camera, glm::mat4(world_from_performer)), pixel);
-            return [this, &viewer, place, camera, world_from_performer] {
+            return [this, &context, place, camera, world_from_performer] {
                 hover_.under_way = false;
                 hover_.world.reset();
                 if (!place) return;
                 hover_.world = glm::dvec3(world_from_performer * glm::dvec4(*place, 1));
                 hover_.depth_m = editor::depth_of(camera, *hover_.world);
-                viewer.redraw(1);
+                context.redraw(1);
             };
         },
         [this] {
@@ -353,75 +349,75 @@ void PaintTool::look_under(Viewer& viewer, const PaintedPerformer& performer) {
 }
 
 // Until put().
-void PaintTool::begin_task(const Viewer& viewer) {
+void PaintTool::begin_task(const Context& context) {
     task_runs_ = true;
-    task_began_on_ = {viewer.editor.opened(), viewer.editor.node_count()};
+    task_began_on_ = {context.editor.open_count(), context.editor.node_count()};
 }
 
-void PaintTool::put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
+void PaintTool::put(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
                     const std::shared_ptr<const voctree::EditLayer>& before,
                     const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) {
     task_runs_ = false;
-    if (task_began_on_ != std::pair(viewer.editor.opened(), viewer.editor.node_count())) {
-        viewer.editor.notify("the stage is another now: nothing was painted", true);
+    if (task_began_on_ != std::pair(context.editor.open_count(), context.editor.node_count())) {
+        context.editor.notify("the stage is another now: nothing was painted", true);
         return;
     }
     if (!layer) {
-        viewer.editor.notify("nothing is there: nothing was painted", true);
+        context.editor.notify("nothing is there: nothing was painted", true);
         return;
     }
-    const auto now = layer_at(viewer, path);
+    const auto now = layer_at(context, path);
     if (now && now != before) {
-        viewer.editor.notify("the layer was painted meanwhile: it stays as it is", true);
+        context.editor.notify("the layer was painted meanwhile: it stays as it is", true);
         return;
     }
-    const bool done = viewer.editor.edit(
-        [&](edit::Document& document) { return put_layer(document, performer.node, path, layer, what); });
+    const bool done = context.editor.edit(
+        [&](edit::Document& document) { return write_layer(document, performer.node, path, layer, what); });
     if (done) choice.layer = path;
 }
 
 // In the place of the shared one that it is painted instead of, where there is one.
-std::string PaintTool::put_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
-                                 const std::shared_ptr<const voctree::EditLayer>& layer,
-                                 const std::string& what) const {
+std::string PaintTool::write_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
+                                   const std::shared_ptr<const voctree::EditLayer>& layer,
+                                   const std::string& what) const {
     const auto worn = edit::paint_layers_of(document.file, node).value_or(std::vector<edit::ListedLayer>{});
     const auto at = [&](const std::filesystem::path& of) {
         return std::find_if(worn.begin(), worn.end(), [&](const edit::ListedLayer& one) { return one.path == of; });
     };
     if (path == own_.first && at(path) == worn.end() && at(own_.second) != worn.end())
-        edit::own_paint(document, node, static_cast<size_t>(at(own_.second) - worn.begin()), path, layer);
-    return edit::put_paint(document, node, path, "paint", layer, what);
+        edit::unshare_paint(document, node, static_cast<size_t>(at(own_.second) - worn.begin()), path, layer);
+    return edit::set_paint(document, node, path, "paint", layer, what);
 }
 
 // The device is not needed: a job does it.
-void PaintTool::paint_in_box(Viewer& viewer) {
-    const auto performer = this->performer(viewer);
+void PaintTool::paint_in_box(Context& context) {
+    const auto performer = this->performer(context);
     std::filesystem::path path;
-    if (!performer || busy() || !prepare(viewer)) return;
-    const auto before = open_target(viewer, *performer, path);
+    if (!performer || busy() || !prepare(context)) return;
+    const auto before = open_target(context, *performer, path);
     if (!before) return;
-    begin_task(viewer);
+    begin_task(context);
     const editor::PaintOperation operation = operation_of(*performer, false);
     const edit::Region box = edit::box_region(glm::vec3(choice.box_low), glm::vec3(choice.box_high));
-    viewer.jobs.start("Painting in the box", [=, this, &viewer, clip = clip_, who = *performer]() -> JobQueue::Then {
+    context.jobs.start("Painting in the box", [=, this, &context, clip = clip_, who = *performer]() -> JobQueue::Then {
         editor::PaintSession session({clip}, before, operation);
         session.add_region(box);
         const auto layer = session.layer();
-        return [=, this, &viewer] {
-            put(viewer, who, path, before, layer,
+        return [=, this, &context] {
+            put(context, who, path, before, layer,
                 fmt::format("{} in a box", kDone[static_cast<size_t>(operation.kind)]));
         };
     });
 }
 
-void PaintTool::add_layer(Viewer& viewer) {
-    const auto performer = this->performer(viewer);
-    if (!performer || busy() || !prepare(viewer)) return;
-    const auto path = edit::free_paint_path(viewer.editor.document(), performer->node);
+void PaintTool::add_layer(Context& context) {
+    const auto performer = this->performer(context);
+    if (!performer || busy() || !prepare(context)) return;
+    const auto path = edit::free_paint_path(context.editor.document(), performer->node);
     const auto empty = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
     const std::string name = fmt::format("paint {}", performer->layers.size() + 1);
-    if (viewer.editor.edit([&](edit::Document& document) {
-            return edit::put_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
+    if (context.editor.edit([&](edit::Document& document) {
+            return edit::set_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
         }))
         choice.layer = path;
 }

@@ -12,11 +12,9 @@
 
 #include "edit/paint_layers.h"
 #include "editor/paint_session.h"
+#include "tools/viewer/tools/tool.h"
 
 namespace neuvv::viewer {
-
-class Viewer;
-struct Area;
 
 // What hands choose.
 struct PaintChoice {
@@ -34,8 +32,8 @@ struct PaintChoice {
     double stamp_share = 0.25;           // of the image's height that the stamp is high
     std::filesystem::path layer;         // that is painted; one that is not worn: the uppermost
 };
-constexpr double kLeastRadius_m = 0.002, kMostRadius_m = 1;
-constexpr double kLeastStamp = 0.02, kMostStamp = 2;
+constexpr double kMinRadius_m = 0.002, kMaxRadius_m = 1;
+constexpr double kMinStamp = 0.02, kMaxStamp = 2;
 
 // The performer that is painted, as the image shows it.
 struct PaintedPerformer {
@@ -49,24 +47,27 @@ struct PaintedPerformer {
     std::vector<edit::ListedLayer> layers;
 };
 
-// What of the mouse belongs to painting in this frame.
-struct PaintHands {
-    bool left = false, all = false, wheel = false;
-};
-
-class PaintTool {
+class PaintTool : public Tool {
   public:
     explicit PaintTool(const gpu::Device& device) : surface_(std::make_shared<editor::PaintSurface>(device)) {}
 
+    static const ToolMode kMode;
+    // Whether the pointer paints.
+    static bool is_current(const Context& context) { return context.view.mode == &kMode; }
+    std::span<const ToolMode> modes() const override { return {&kMode, 1}; }
+    void key(Context& context, const ui::KeyPress& press) override;
+    void pointer(Context& context, PointerUse& use) override;
+    bool has_pointer() const override { return stroke_ || box_drag_; }
+    bool edits() const override { return stroke_ != nullptr; }
+    void document_opened() override { leave_alone({}); }
+
     PaintChoice choice;
 
-    // Each frame, before the eye moves: pointer and keys in the image, its marks over it.
-    PaintHands in_image(Viewer& viewer);
     // Reads what painting needs, where it is not there yet. True: it is.
-    bool prepare(Viewer& viewer);
+    bool prepare(Context& context);
 
     // The selected performer, else the only one; nothing where there is none.
-    static std::optional<PaintedPerformer> performer(const Viewer& viewer);
+    static std::optional<PaintedPerformer> performer(const Context& context);
     // The painted layer, of performer.layers; its size: one that is to be made.
     size_t painted_layer(const PaintedPerformer& performer) const;
     // Of `frame` and the choice.
@@ -76,12 +77,16 @@ class PaintTool {
     void leave_alone(std::set<std::filesystem::path> layers) { others_ = std::move(layers); }
 
     // For the panel.
-    void paint_in_box(Viewer& viewer);
-    void fit_box(const Viewer& viewer);  // around the performer's leaves
-    void add_layer(Viewer& viewer);
-    void load_image(Viewer& viewer);
+    void paint_in_box(Context& context);
+    void fit_box(const Context& context);  // around the performer's leaves
+    void add_layer(Context& context);
+    void load_image(Context& context);
     bool stamp_loaded() const { return stamp_ && stamp_path_ == choice.image; }
     bool busy() const { return stroke_ || task_runs_; }
+
+    // For reports: whether a stroke can begin, and how far away the surface under the pointer is, where there is one.
+    bool ready() const { return ready_; }
+    std::optional<double> hover_depth_m() const { return hover_.world ? std::optional(hover_.depth_m) : std::nullopt; }
 
   private:
     struct Active;
@@ -94,31 +99,33 @@ class PaintTool {
         double depth_m = 2;  // the last that was known
     };
     editor::PaintOperation operation_of(const PaintedPerformer& performer, bool inverted) const;
-    editor::PaintSubject subject_of(const Viewer& viewer, const PaintedPerformer& performer,
+    editor::PaintSubject subject_of(const Context& context, const PaintedPerformer& performer,
                                     bool without_painted) const;
-    std::shared_ptr<const voctree::EditLayer> layer_at(const Viewer& viewer, const std::filesystem::path& path) const;
+    std::shared_ptr<const voctree::EditLayer> layer_at(const Context& context, const std::filesystem::path& path) const;
     // The layer to be painted, opened in the editor; null with a notice where it cannot be.
-    std::shared_ptr<const voctree::EditLayer> open_target(Viewer& viewer, const PaintedPerformer& performer,
+    std::shared_ptr<const voctree::EditLayer> open_target(Context& context, const PaintedPerformer& performer,
                                                           std::filesystem::path& path);
-    void take_keys(Viewer& viewer);
-    void begin_stroke(Viewer& viewer, const PaintedPerformer& performer);
-    void go_on(Viewer& viewer);
-    void took(Viewer& viewer, const std::shared_ptr<Active>& active, std::shared_ptr<const voctree::EditLayer> layer);
-    void look_under(Viewer& viewer, const PaintedPerformer& performer);
-    void take_colour(Viewer& viewer);
-    void project_stamp(Viewer& viewer, const PaintedPerformer& performer);
-    std::string put_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
-                          const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) const;
-    void begin_task(const Viewer& viewer);
+    void set_radius_by_keys(const Context& context);
+    void click_or_hover(Context& context, const PaintedPerformer& performer, PointerUse& use);
+    void begin_stroke(Context& context, const PaintedPerformer& performer);
+    void go_on(Context& context);
+    void took(Context& context, const std::shared_ptr<Active>& active, std::shared_ptr<const voctree::EditLayer> layer);
+    void look_under(Context& context, const PaintedPerformer& performer);
+    void take_colour(Context& context);
+    void project_stamp(Context& context, const PaintedPerformer& performer);
+    std::string write_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
+                            const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) const;
+    void begin_task(const Context& context);
     // The end of what was begun with `before`.
-    void put(Viewer& viewer, const PaintedPerformer& performer, const std::filesystem::path& path,
+    void put(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
              const std::shared_ptr<const voctree::EditLayer>& before,
              const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what);
-    bool drag_box(Viewer& viewer, const PaintedPerformer& performer);
+    // `pointer_used`: another tool uses it. True: this one does.
+    bool drag_box(Context& context, const PaintedPerformer& performer, bool pointer_used);
     // Of the window.
-    Area stamp_area(const Viewer& viewer) const;
-    void draw_brush(const Viewer& viewer, const PaintedPerformer& performer) const;
-    void draw_stamp(Viewer& viewer) const;
+    Area stamp_area(const Context& context) const;
+    void draw_brush(const Context& context, const PaintedPerformer& performer) const;
+    void draw_stamp(Context& context) const;
 
     std::shared_ptr<editor::PaintSurface> surface_;  // used on the render thread only
     // As read, of one clip and the layers that its performers show.
@@ -127,6 +134,7 @@ class PaintTool {
     uint64_t failed_ = 0;  // the document for which reading did not do
     std::shared_ptr<const editor::PaintClip> clip_;
     std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> read_;
+    bool ready_ = false;
     Hover hover_;
     std::shared_ptr<Active> stroke_;
     std::set<std::filesystem::path> others_;

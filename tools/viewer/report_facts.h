@@ -1,0 +1,21 @@
+// The facts that reports state, besides the places of buttons: all in one place.
+#pragma once
+
+#include "tools/viewer/context.h"
+#include "tools/viewer/frame_meter.h"
+#include "tools/viewer/tools/paint_tool.h"
+
+namespace neuvv::viewer {
+
+struct ReportedState {
+    const PaintTool& paint;
+    const FrameMeter& meter;
+    const ui::Window& window;
+    std::span<const editor::Notice> notices;
+    std::span<const std::string> validation_messages;
+    bool image_is_sharp = false;  // and nothing moves
+};
+// Does nothing where no report is written.
+void report_facts(const Context& context, const ReportedState& state);
+
+}  // namespace neuvv::viewer
