@@ -1,4 +1,5 @@
-// The optimiser inside slice_adjoint.comp and rows_adjoint.comp against the reference's, and that it learns.
+// The optimiser inside slice_adjoint.comp and rows_adjoint.comp, against that of the reference; and a test that it
+// learns.
 #include <gtest/gtest.h>
 
 #include "gradient/scene.h"
@@ -18,7 +19,7 @@ State weights_now(const gpu::Device& device, const training::TrainingStep& step)
             download_floats(device, step.moments().second, count)};
 }
 
-// A, then B, as their moments are.
+// The rows of A, then those of B, with their moments.
 State rows_now(const gpu::Device& device, const training::TrainingStep& step) {
     const size_t count = size_t{step.field().frames} * step.field().bases;
     State state{download_floats(device, step.field().sigma_basis, count),
@@ -33,8 +34,8 @@ struct Counts {
     size_t moved = 0, kept = 0;
 };
 
-// `after` is `before` moved by Adam along `gradient`; elements without a gradient are the same bits. Gradients that are
-// mostly the rounding of their atomic sums differ from run to run and are passed over.
+// Expects that `after` is `before` moved by Adam along `gradient`, and that elements without a gradient have the same
+// bits. Gradients that consist mostly of rounding errors of their atomic sums differ from run to run and are left out.
 template <typename RateOf>
 void expect_update(const State& before, const State& after, const std::vector<float>& gradient, const RateOf& rate_of,
                    const training::AdamSettings& adam, Counts& counts) {
@@ -65,7 +66,8 @@ void expect_update(const State& before, const State& after, const std::vector<fl
 
 using AdamTest = GpuTest;
 
-// Three steps on different tiles: a leaf first seen in the third is corrected for the bias of the third step.
+// Three steps on different tiles: a leaf that is first seen in the third step gets the bias correction of the third
+// step.
 TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
     const Scene all = random_scene({.tree = {.seed = 51, .leaves = 300, .bases = 5, .hh_degree = 2}});
     training::TrainingStep step(device(), all.tree, 2, 3);
@@ -75,7 +77,7 @@ TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(all.tree);
     const auto weight_rate = [&](size_t i) {
         const size_t plane = i / (size_t{4} * leaves);
-        if (plane < basis_planes) {  // against the leaf's edge
+        if (plane < basis_planes) {  // relative to the leaf's edge
             const voctree::LeafPosition& position = positions[i / 4 % leaves];
             return static_cast<double>(rates.sigma) * std::exp2(position.depth) /
                    static_cast<double>(all.tree.box_size.x);
@@ -110,7 +112,7 @@ TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
     EXPECT_GT(rows.kept, 30u);
 }
 
-// Between two frames both use a leaf; what a later step says is added.
+// At a time between two frames, both frames use a leaf. A later step adds to the use.
 TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
     Scene scene = random_scene({.tree = {.seed = 54, .leaves = 300, .bases = 5, .hh_degree = 1}});
     ASSERT_GE(scene.tree.frames, 3u);
@@ -158,7 +160,7 @@ TEST_F(AdamTest, RowsStayWhereTheyAreNotLearnt) {
     EXPECT_NE(after.weights, scene.tree.weights);
 }
 
-// Images of a random tree; another one with the same leaves learns to look like it.
+// A tree learns to look like the images of a random tree with the same leaves.
 TEST_F(AdamTest, AHundredStepsLearnAFixedBatch) {
     Scene scene = random_scene({.tree = {.seed = 61, .node_levels = 1, .leaves = 30, .bases = 5, .hh_degree = 1}});
     training::TrainingStep teacher(device(), scene.tree, 2, 7);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNudge = 1e-5;
 
-// A_t or B_t from rows in double precision.
+// A_t or B_t in double precision.
 std::vector<double> row_at(const std::vector<double>& basis, uint32_t bases, const reference::FrameRows& rows) {
     std::vector<double> row(bases);
     for (size_t i = 0; i < bases; i++)
@@ -33,7 +33,7 @@ double central_difference(double& parameter, const Loss& loss) {
     parameter = before - kNudge;
     const double below = loss();
     parameter = before;
-    loss();  // leaves everything as it was
+    loss();  // restores everything that depends on the parameter
     return (above - below) / (2 * kNudge);
 }
 
@@ -85,7 +85,7 @@ std::vector<reference::Sample> Chain::samples(const PathRay& ray) const {
     return result;
 }
 
-// The point loss of a ray: colours as they are now, blending weights as the densities were at first.
+// The point loss of a ray, with the current colours, but with blending weights by the first densities.
 double Chain::ray_point_loss(const PathRay& ray, glm::dvec4 truth) const {
     std::vector<reference::Sample> now;
     for (const reference::Segment& segment : ray.segments)
@@ -124,7 +124,7 @@ double Chain::loss() const {
     return sum;
 }
 
-// A leaf's own term, weighted: its density as it is now, its neighbours' as they were at first.
+// A leaf's term of the smoothness loss, weighted, with its current density and the first densities of its neighbours.
 double Chain::leaf_smoothness(uint32_t leaf) const {
     std::array<double, 6> neighbours{};
     const std::array<uint32_t, 6> found = reference::face_neighbours(positions_, leaf, 2 * scene_.tree.node_levels);

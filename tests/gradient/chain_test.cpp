@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kPicks = 30;
 
-// The weights of a leaf that belong together, by their numbers in the leaf.
+// Weights of a leaf that belong together, by their indices in the leaf.
 struct Group {
     std::string name;
     std::vector<uint32_t> weights;
@@ -47,7 +47,7 @@ void expect_weight_gradients(const Scene& scene, Chain& chain, const Gradients& 
             const float found = gradients.weights[index_in_planes(scene.tree, leaf, weight)];
             pairs.push_back({static_cast<double>(found), chain.by_weight(leaf, weight)});
         }
-        // Degree 0 knows no hyper angle: H_000 is constant.
+        // With degree 0, colour does not depend on the hyper angle: H_000 is constant.
         if (group.name == "w gamma" && scene.tree.hh_degree == 0) {
             for (const GradientPair& pair : pairs) EXPECT_EQ(pair.found, 0);
             continue;
@@ -56,7 +56,7 @@ void expect_weight_gradients(const Scene& scene, Chain& chain, const Gradients& 
     }
 }
 
-// Every element of the two rows that the frame lies between; the others must be 0.
+// Compares all elements of the two rows between which the frame lies; gradients of the others must be 0.
 void expect_row_gradients(const Scene& scene, Chain& chain, const Gradients& gradients) {
     const uint32_t bases = scene.tree.bases;
     const auto first = static_cast<uint32_t>(scene.frame);
@@ -75,7 +75,7 @@ void expect_row_gradients(const Scene& scene, Chain& chain, const Gradients& gra
     }
 }
 
-// Leaves without density, and those that no ray saw, get exactly nothing.
+// Expects gradients of exactly 0 for leaves without density and for leaves that no ray saw.
 void expect_nothing_elsewhere(const Scene& scene, const Chain& chain, const Gradients& gradients) {
     std::vector<bool> seen(scene.tree.leaf_count);
     for (const uint32_t leaf : chain.seen_leaves()) seen[leaf] = true;
@@ -122,8 +122,8 @@ TEST_F(ChainGradient, SmoothnessIsThatOfTheReference) {
         SCOPED_TRACE("levels " + std::to_string(levels));
         Scene scene = random_scene(
             {.tree = {.seed = 70 + levels, .node_levels = levels, .leaves = 700, .bases = 5, .hh_degree = 1}});
-        scene.weights.grad = 0;        // its |e| has kinks, which a difference over a nudge may straddle
-        scene.weights.smoothness = 2;  // so much that it shows beside the rays' losses
+        scene.weights.grad = 0;        // |e| has kinks, where central differences are wrong
+        scene.weights.smoothness = 2;  // large enough to matter beside the losses of rays
         expect_chain(device(), scene);
     }
 }
@@ -140,13 +140,13 @@ TEST_F(ChainGradient, LossAndCountAreThoseOfTheReference) {
     const double loss =
         (result.rgb_loss + static_cast<double>(scene.weights.grad) * result.grad_loss) * static_cast<double>(inside);
     Scene without = scene;
-    without.weights.point = 0;  // the device does not report it
+    without.weights.point = 0;  // the device does not report the point loss
     const double truth = Chain(without).loss();
     EXPECT_NEAR(loss, truth, 1e-5 * truth);
     EXPECT_EQ(result.overflow, 0u);
 }
 
-// What a step leaves behind must not reach the next one.
+// What a step leaves in the buffers must not change the next step.
 TEST_F(ChainGradient, ASecondStepStartsClean) {
     const Scene scene = random_scene({.tree = {.seed = 41, .leaves = 300, .bases = 5, .hh_degree = 2}});
     const Scene other = with_tiles(scene, 12, 5, 5);
@@ -159,13 +159,13 @@ TEST_F(ChainGradient, ASecondStepStartsClean) {
     for (const float value : truth.weights) largest = std::max(largest, std::abs(value));
     for (size_t i = 0; i < truth.weights.size(); i++) {
         touched += truth.weights[i] != 0;
-        ASSERT_NEAR(again.weights[i], truth.weights[i], 1e-5f * largest);  // the atomic additions' order
+        ASSERT_NEAR(again.weights[i], truth.weights[i], 1e-5f * largest);  // the order of atomic additions varies
     }
     EXPECT_GT(touched, 1000u);
     for (size_t i = 0; i < truth.rows.size(); i++) ASSERT_NEAR(again.rows[i], truth.rows[i], 1e-4f * largest);
 }
 
-// Steps at one frame keep the slice that they move, in place of slicing again.
+// Steps at the same frame update the slice to the moved weights, instead of slicing again.
 TEST_F(ChainGradient, AKeptSliceIsThatOfTheMovedWeights) {
     const Scene scene = random_scene({.tree = {.seed = 61, .leaves = 300, .bases = 5, .hh_degree = 2}});
     const auto tiles = static_cast<uint32_t>(scene.tiles.size());

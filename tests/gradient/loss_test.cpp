@@ -18,8 +18,8 @@ struct LossScene {
     std::vector<glm::vec4> radiance, target, background;  // per ray
 };
 
-// Tile 0 is whole, 1 lies at the right edge of an image, 2 at its bottom right corner. Errors keep away from the kinks
-// |P−I| = 0; a third of the pixels are dark, on the straight part of sRGB. A pixel is seen by samples² rays.
+// Tile 0 is whole, tile 1 lies at the right edge of an image, tile 2 at its bottom right corner. No error is near the
+// kink |P−I| = 0. A third of the pixels are dark, on the linear part of sRGB. A pixel has samples² rays.
 LossScene random_loss_scene(uint64_t seed, uint32_t samples = 1) {
     Random random(seed);
     const auto between = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
@@ -27,7 +27,7 @@ LossScene random_loss_scene(uint64_t seed, uint32_t samples = 1) {
     for (uint32_t i = 0; i < kTiles * kTilePixels; i++) {
         const uint32_t tile = i / kTilePixels, x = i % kTile, y = i % kTilePixels / kTile;
         const bool inside = tile == 0 || (x < 4 && (tile == 1 || y < 4));
-        const uint32_t first = i - x % samples - y % samples * kTile;  // ray of this pixel
+        const uint32_t first = i - x % samples - y % samples * kTile;  // the first ray of this ray's pixel
         const bool dark = first % 3 == 0;
         const float alpha = between(0.1, 0.95), true_alpha = between(0, 1);
         glm::vec4 seen(0, 0, 0, alpha), truth(0, 0, 0, true_alpha), behind(0);
@@ -81,7 +81,7 @@ double total_loss(const reference::Patch& patch, uint32_t samples) {
 }
 
 double by_central_difference(reference::Patch& patch, double& number, uint32_t samples) {
-    constexpr double kNudge = 1e-7;  // far below the distance to any kink
+    constexpr double kNudge = 1e-7;  // much smaller than the distance to any kink
     const double before = number;
     number = before + kNudge;
     const double above = total_loss(patch, samples);
@@ -141,7 +141,7 @@ TEST_F(LossTest, NeighboursBeyondThePictureChangeNothing) {
     EXPECT_EQ(before.sums, after.sums);
 }
 
-// |P−I| has subgradient 0 at 0.
+// At 0, |P−I| has the subgradient 0.
 TEST_F(LossTest, ARightPixelPullsNowhere) {
     LossScene scene = random_loss_scene(4);
     scene.target[9] = scene.radiance[9];

@@ -1,4 +1,4 @@
-// Ψ on the device, forwards, backwards and moved by Adam, against the reference in double precision.
+// Ψ on the device against the reference in double precision: forwards, backwards, and moved by Adam.
 #include "training/psi.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ struct PsiOptions {
     uint32_t width = 32, layers = 2, hh_degree = 1;
 };
 
-// Far from its beginning: every parameter random, σ positive in about half of the box.
+// A network unlike one before training: every parameter is random, and σ is positive in about half of the box.
 training::PsiNetwork random_psi(const Scene& scene, const PsiOptions& options) {
     const training::PsiShape shape{.frequencies = 4,
                                    .width = options.width,
@@ -40,7 +40,7 @@ training::PsiNetwork random_psi(const Scene& scene, const PsiOptions& options) {
     return network;
 }
 
-// The device's parameters in the reference's form; the encoding's filling up is left out.
+// The device's parameters in the reference's form, without the features that only fill up the encoding.
 reference::Psi reference_of(const training::PsiNetwork& network) {
     const training::PsiShape& shape = network.shape;
     const auto layer_at = [&](uint32_t first, size_t inputs, size_t padded, size_t outputs) {
@@ -74,7 +74,7 @@ training::PsiStepSettings settings_for(const Scene& scene) {
     return settings;
 }
 
-// A step of the reference on the samples that the device took.
+// A step of the reference with the samples that the device took.
 class PsiChain {
   public:
     PsiChain(const Scene& scene, const training::PsiNetwork& network, std::vector<glm::vec4> points)
@@ -170,7 +170,7 @@ double central_difference(double& parameter, const PsiChain& chain) {
     return (above - below) / (2 * nudge);
 }
 
-// Parameters that belong together: where they stand on the device and in the reference.
+// Parameters that belong together: their indices on the device, and where they are in the reference.
 struct PsiGroup {
     std::string name;
     std::vector<std::pair<uint32_t, double*>> numbers;
@@ -221,7 +221,7 @@ double random_at(uint32_t seed, uint32_t ray, uint32_t i) {
     return (pcg(pcg(pcg(seed) + ray) + i) >> 8u) / 16777216.0;
 }
 
-// Where the ray is inside the box, by hand.
+// The distances between which the ray is inside the box, computed independently of the shader.
 std::pair<double, double> box_range(const Scene& scene, const reference::Ray& ray) {
     double enter = 0, leave = 1e9;
     for (int axis = 0; axis < 3; axis++) {
@@ -235,7 +235,7 @@ std::pair<double, double> box_range(const Scene& scene, const reference::Ray& ra
     return enter < leave ? std::pair(enter, leave) : std::pair(0.0, 0.0);
 }
 
-// Both samplings of every ray, with the same random numbers: where stratified samples see σ, important ones gather.
+// Both samplings of every ray, with the same random numbers: the fine samples gather where the coarse ones found σ.
 TEST_F(PsiTest, SamplesStandWhereTheReferencePutsThem) {
     const Scene scene = psi_scene(41, 1);
     const training::PsiNetwork network = random_psi(scene, {});
@@ -334,8 +334,8 @@ TEST_P(PsiShapes, GradientsAreTheDifferencesOfTheReference) {
     }
 }
 
-// All parameters, rows included, against the reference's adjoint; rows of other times exactly 0. As in training,
-// with gradients through relu's dark side, which no difference shows.
+// The gradients of all parameters, rows included, against the adjoint of the reference; those of rows of other times
+// must be exactly 0. As in training, gradients pass relu where σ = 0, too, which central differences could not check.
 TEST_P(PsiShapes, GradientsAreTheAdjointOfTheReference) {
     const Scene scene = psi_scene(44, GetParam().hh_degree);
     const training::PsiNetwork network = random_psi(scene, GetParam());
@@ -391,7 +391,7 @@ INSTANTIATE_TEST_SUITE_P(Psi, PsiShapes,
 TEST_F(PsiTest, HiddenLayerAtAnyPlaces) {
     const Scene scene = psi_scene(45, 1);
     const training::PsiNetwork network = random_psi(scene, {});
-    training::PsiStep step(device(), network, kSampling, 2, 1);  // smaller than the places: several runs
+    training::PsiStep step(device(), network, kSampling, 2, 1);  // too small for all positions at once
     std::vector<glm::vec3> positions;
     Random random(3);
     for (size_t i = 0; i < 1000; i++)
@@ -455,7 +455,7 @@ TEST_F(PsiTest, AdamMovesWhatIsLearnt) {
     EXPECT_GT(moved, shape.parameter_count() / 2);
 }
 
-// A ramp of colours under full alpha where rays meet the box by half a metre at least: the fog becomes matter.
+// Targets are a ramp of colours, opaque where rays are in the box for at least half a metre: the fog becomes matter.
 TEST_F(PsiTest, LearnsAFixedBatch) {
     Scene scene = psi_scene(48, 1);
     for (uint32_t i = 0; i < scene.target.size(); i++) {

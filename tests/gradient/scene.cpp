@@ -9,7 +9,7 @@
 namespace neuvv::test {
 namespace {
 
-constexpr uint32_t kWidth = 21, kHeight = 19;  // tiles at the right and the bottom reach beyond the image
+constexpr uint32_t kWidth = 21, kHeight = 19;  // tiles at the right and at the bottom extend beyond the image
 
 glm::vec3 random_rgb(Random& random, double low, double high) {
     const auto next = [&] { return static_cast<float>(random.uniform(low, high)); };

@@ -1,4 +1,4 @@
-// trace_adjoint.comp alone, with both kinds of atomic addition, against the reference's.
+// trace_adjoint.comp alone, with both kinds of atomic addition, against the reference.
 #include "training/trace_adjoint.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ SlotSums scatter_on(const gpu::Device& device, const Scene& scene, const std::ve
     return sums;
 }
 
-// By leaf: ∂L/∂σ, the pull, ∂L/∂k, and the largest blending weight of a ray that has a derivative.
+// Per leaf: ∂L/∂σ, the opacity sensitivity and ∂L/∂k, and the largest blending weight of a ray that has a derivative.
 struct LeafSums {
     std::vector<std::vector<double>> gradients;
     std::vector<double> max_weight;
@@ -66,7 +66,7 @@ void add_ray(const Scene& scene, const std::vector<reference::LeafSlice>& slices
         const reference::LeafSliceGradient& part = parts[i];
         std::vector<double>& leaf = sums.gradients[part.leaf];
         leaf[0] += part.sigma;
-        // |α ∂L/∂α| by the chain rule: ∂α/∂σ = δ (1 − α), with 1 − α held above e⁻⁸ as the shader does
+        // |α ∂L/∂α| by the chain rule: ∂α/∂σ = δ (1 − α), where 1 − α is at least e⁻⁸, as in the shader
         const double delta = segments[i].t_exit - segments[i].t_enter;
         const double clear = std::exp(-std::min(slices[part.leaf].sigma * delta, 8.0));
         leaf[1] += std::abs(part.sigma) * (1 - clear) / (delta * clear);

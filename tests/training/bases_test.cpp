@@ -1,4 +1,4 @@
-// The temporal bases that training begins with, and weights for a wanted course.
+// The temporal bases with which training begins, and weights that give chosen values over time.
 #include "training/bases.h"
 
 #include <gtest/gtest.h>

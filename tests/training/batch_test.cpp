@@ -13,7 +13,7 @@
 namespace neuvv::test {
 namespace {
 
-constexpr uint32_t kSize = 44;                                     // six tiles across, the last one cut
+constexpr uint32_t kSize = 44;                                     // pixels: six tiles, the last of which is cut
 using TileKey = std::tuple<double, uint32_t, uint32_t, uint32_t>;  // time, camera, x, y
 
 const training::Dataset& capture() {
@@ -39,7 +39,7 @@ bool holds_foreground(const training::View& view, uint32_t x0, uint32_t y0) {
     return false;
 }
 
-// How often each tile was drawn until every time's epoch had ended once: batches hold whole epochs.
+// How often each tile is drawn until each time has ended one epoch.
 std::map<TileKey, uint32_t> draws_of_an_epoch(training::BatchSampler& sampler) {
     std::map<TileKey, uint32_t> draws;
     for (size_t i = 0; i < capture().times.size(); i++) {

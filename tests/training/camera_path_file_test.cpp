@@ -1,4 +1,4 @@
-// Camera paths as instant-ngp, nerfstudio and we write them.
+// Camera paths as instant-ngp, nerfstudio and NeuVV write them.
 #include "training/camera_path_file.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ struct CameraPathFile : testing::Test {
     }
 };
 
-// A level camera at `place` that looks along −Z, but for `yaw_deg` about +Y.
+// Expects a level camera at `position` that looks along −Z, turned by `yaw_deg` about +Y.
 void expect_pose(const stage::CameraPathKey& key, glm::dvec3 position, double yaw_deg) {
     EXPECT_LT(glm::distance(key.position, position), 1e-9)
         << key.position.x << " " << key.position.y << " " << key.position.z;
@@ -41,12 +41,13 @@ void expect_pose(const stage::CameraPathKey& key, glm::dvec3 position, double ya
     EXPECT_NEAR(std::abs(glm::dot(key.world_from_camera, turn)), 1, 1e-9);
 }
 
-// instant-ngp turns a camera of the data set p ↦ cycle(p · 0.33 + 0.5), (x, y, z) ↦ (y, z, x), and its y and z axes.
-// The data set has +Z up: a level camera at (1, −3, 2) that looks along +Y (ours: from (1, 2, 3) along −Z) has the axes
-// right (1, 0, 0), down (0, 0, −1), forwards (0, 1, 0) there, in the cube (0, 0, 1), (0, −1, 0), (1, 0, 0).
+// instant-ngp maps positions p of the data set to cycle(p · 0.33 + 0.5), where cycle takes (x, y, z) to (y, z, x), and
+// flips the y and z axes of cameras. The data set has +Z up. A level camera at (1, −3, 2) in it looks along +Y; with +Y
+// up it stands at (1, 2, 3) and looks along −Z. In the data set its axes are right (1, 0, 0), down (0, 0, −1), forwards
+// (0, 1, 0); in the cube they are (0, 0, 1), (0, −1, 0), (1, 0, 0).
 json ngp_file() {
     const double s = std::sqrt(0.5);
-    // The rotation with these columns: by 180° about (1, 0, 1)/√2 … x ↦ z, y ↦ −y, z ↦ x.
+    // The rotation with these columns is that by 180° about (1, 0, 1)/√2: x ↦ z, y ↦ −y, z ↦ x.
     const json r = {s, 0, s, 0};
     const auto cube = [](double x, double y, double z) { return json{y * 0.33 + 0.5, z * 0.33 + 0.5, x * 0.33 + 0.5}; };
     json path = {{"loop", false}, {"time", 0.3}, {"duration_seconds", 6.0}, {"spline_order", 3}};
@@ -67,7 +68,7 @@ TEST_F(CameraPathFile, InstantNgp) {
     EXPECT_EQ(path.interpolation, stage::Interpolation::kSmooth);
     EXPECT_FALSE(path.cyclic);
     EXPECT_EQ(path.width, 0u);
-    // A timestamp is when the next key is reached: the first is at 0, the last at the third's stamp, here 6 s.
+    // A timestamp is the time of the next key: the first key is at 0, the last at the timestamp of the third, here 6 s.
     for (size_t i = 0; i < 4; ++i) {
         EXPECT_NEAR(path.keys[i].time_s, 2.0 * static_cast<double>(i), 1e-12);
         expect_pose(path.keys[i], {1.0 + static_cast<double>(i), 2, 3}, 0);
@@ -91,7 +92,7 @@ TEST_F(CameraPathFile, InstantNgpLoopsAndOldFiles) {
     EXPECT_EQ(old.interpolation, stage::Interpolation::kSmooth);
     EXPECT_NEAR(old.keys[1].time_s, 5.0 / 3, 1e-12) << "evenly over instant-ngp's five seconds";
     EXPECT_NEAR(old.duration_s, 5, 1e-12);
-    file["scale"] = 0.5;  // as the data set's transforms.json has them, added by hand
+    file["scale"] = 0.5;  // those of the data set's transforms.json, added by hand
     file["offset"] = {0, 0, 0};
     EXPECT_NEAR(read(file).keys[0].position.x, (0.33 + 0.5) / 0.5, 1e-12);
 }
@@ -112,7 +113,7 @@ TEST_F(CameraPathFile, InstantNgpDamageIsNamed) {
     expect_bad(good, [](json& j) { j["path"][1] = 5; }, {"path[1]"});
 }
 
-// In a world of +Z up, row by row: from (x, −3, 2) along +Y.
+// A camera at (x, −3, 2) that looks along +Y in a world with +Z up; row by row.
 json nerfstudio_matrix(double x) {
     return {1, 0, 0, x, 0, 0, -1, -3, 0, 1, 0, 2, 0, 0, 0, 1};
 }
@@ -175,13 +176,13 @@ TEST_F(CameraPathFile, NerfstudioKeyframesAlone) {
     expect_input_error([&] { read(file); }, {"keyframes[0].matrix", "text"});
 }
 
-// nerfstudio's world is the data set's, transformed and scaled: undone where the file has both.
+// nerfstudio's world is that of the data set, transformed and scaled; this is undone where the file has both numbers.
 TEST_F(CameraPathFile, NerfstudioWorldsCanBeUndone) {
     json file = nerfstudio_file();
     file["scale"] = 0.5;
     file["transform"] = {{0, -1, 0, 7}, {1, 0, 0, 8}, {0, 0, 1, 9}};  // a quarter turn about Z, then moved
-    // (2, −3, 2) / 0.5 − (7, 8, 9) = (−3, −14, −5), turned back: (−14, 3, −5); +Y up: (−14, −5, −3). The view along +Y
-    // becomes one along +X: ours, turned by −90° about +Y.
+    // (2, −3, 2) / 0.5 − (7, 8, 9) = (−3, −14, −5), turned back: (−14, 3, −5); with +Y up: (−14, −5, −3). The view
+    // along +Y becomes one along +X, which is −Z turned by −90° about +Y.
     expect_pose(read(file).keys[2], {-14, -5, -3}, -90);
 }
 
@@ -244,7 +245,7 @@ TEST_F(CameraPathFile, OursRoundTrips) {
     }
 }
 
-// Any bytes may be damaged: an InputError or a path that can be followed, nothing else.
+// Whatever bytes are damaged, the result is an InputError or a path that can be followed.
 TEST_F(CameraPathFile, DamagedBytesDoNoHarm) {
     uint32_t state = 5;
     const auto below = [&](size_t end) { return (state = state * 1664525 + 1013904223) / 65536 % end; };
@@ -269,7 +270,7 @@ json transforms_key(double z) {
     return {{"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 1}, {0, 0, 1, z}, {0, 0, 0, 1}}}};
 }
 
-// As `neuvv capture` and its kind write them: views, each shown for an image.
+// Files without seconds, as `neuvv capture` writes them, have separate views, each shown for one image.
 TEST_F(CameraPathFile, FramesWithoutSecondsAreViews) {
     json document = {{"camera_angle_x", 0.8}};
     document["frames"].push_back(transforms_key(2));

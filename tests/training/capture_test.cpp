@@ -46,7 +46,7 @@ glm::dvec2 project(const stage::Camera& camera, const glm::vec3& point) {
     return {camera.cx - camera.fx * p.x / p.z, camera.cy + camera.fy * p.y / p.z};
 }
 
-// The largest alpha in the 3 × 3 pixels around a place in the image.
+// The largest alpha in the 3 × 3 pixels around a position in the image.
 int alpha_near(const media::Image& image, const glm::dvec2& pixel) {
     int largest = 0;
     for (int dy = -1; dy <= 1; ++dy)
@@ -60,7 +60,7 @@ int alpha_near(const media::Image& image, const glm::dvec2& pixel) {
     return largest;
 }
 
-// Every vertex projects onto the silhouette, and the silhouette ends where the vertices do.
+// Expects that every vertex projects onto the silhouette, and that the silhouette ends where the vertices do.
 void expect_silhouette(const training::View& view, const stage::Camera& camera, const std::vector<glm::vec3>& points) {
     glm::dvec2 low(1e9), high(-1e9), alpha_low(1e9), alpha_high(-1e9);
     int missed = 0;
@@ -228,7 +228,7 @@ TEST(Performer, TheScriptMakesTheFile) {
     EXPECT_LT(std::filesystem::file_size(kPerformer), 1500000u);
 }
 
-// The mattes that `neuvv matte` finds in a captured room against the capture's own.
+// The mattes that `neuvv matte` finds in a captured room, against those of the capture.
 TEST(Capture, MattesAreFoundInTheCheckeredRoom) {
     const TemporaryFolder folder;
     training::CaptureSettings settings = small_settings();

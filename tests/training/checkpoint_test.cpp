@@ -1,4 +1,4 @@
-// A run's state through the file and back; states that must be refused.
+// The state of a run is written and read back; damaged states are refused.
 #include "training/checkpoint.h"
 #include "training/schedule.h"
 
@@ -18,7 +18,7 @@
 namespace neuvv::test {
 namespace {
 
-// A tree whose weights half precision does not hold.
+// A tree whose weights cannot be represented in half precision.
 voctree::VOctree some_tree() {
     voctree::VOctree tree = random_tree({.seed = 5, .leaves = 200, .bases = 5, .hh_degree = 2, .frames = 6});
     Random random(6);
@@ -47,7 +47,7 @@ training::RunState some_run() {
             .program = "NeuVV of the past"};
 }
 
-// Puts recognisable numbers into every moment and the leaves' use; returns those of the weights' first moments.
+// Uploads recognisable numbers as moments and as use of the leaves; returns the first moments of the weights.
 std::vector<float> fill_moments(const gpu::Device& device, const training::TrainingStep& step) {
     Random random(8);
     const auto put = [&](const gpu::Buffer& buffer, size_t count, double low) {
@@ -142,7 +142,7 @@ TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
     EXPECT_EQ(after.use.frames, before.use.frames);
 }
 
-// Files at rest; these need no device.
+// A state file on disk. Tests with it need no device.
 struct StateFile {
     TemporaryFolder folder;
     std::filesystem::path nvv = folder.path / "scene.nvv", state = training::state_path(nvv);
@@ -159,7 +159,7 @@ struct StateFile {
         checkpoint.use.frames.resize(size_t{(tree.frames + 31) / 32} * tree.leaf_count);
         training::save_checkpoint(nvv, checkpoint);
     }
-    // Writes the state again with one chunk changed or (no bytes) left out.
+    // Writes the state again with one chunk replaced, or removed where `bytes` is null.
     void rewrite(const std::string& name, const std::vector<uint8_t>* bytes) const {
         std::vector<voctree::NvvChunk> chunks;
         const voctree::VOctree tree = voctree::read_nvv(state, &chunks);

@@ -21,7 +21,7 @@ namespace {
 using test::ColmapSample;
 using test::pixel_of;
 
-// COLMAP's models as its documentation writes them, each with its own formula. u = x, v = y on the plane z = 1.
+// The camera models of COLMAP's documentation, each with its formula. u = x, v = y on the plane z = 1.
 struct ModelCase {
     int id;
     const char* name;
@@ -29,7 +29,7 @@ struct ModelCase {
     std::function<glm::dvec2(const std::vector<double>&, double u, double v)> pixel;
 };
 
-// θ/r times the direction, and θ².
+// The direction times θ/r, and θ².
 glm::dvec3 bent(double u, double v) {
     const double r = std::hypot(u, v), theta = std::atan(r);
     return {u * theta / r, v * theta / r, theta * theta};
@@ -124,13 +124,13 @@ const std::vector<ModelCase>& model_cases() {
     return cases;
 }
 
-// Camera i stands on a circle, somehow turned.
+// The pose of camera i, which stands on a circle and is turned in some direction.
 std::array<double, 7> pose_of(int i) {
     const glm::dquat q = glm::angleAxis(0.3 + 0.5 * i, glm::normalize(glm::dvec3(0.2, 1, -0.3 * i)));
     return {q.w, q.x, q.y, q.z, 0.1 * i, -0.2, 4.0 + i};
 }
 
-// Nine cameras with one image each, all of them with a lens of its own.
+// Nine cameras with one image each, all of which have different lenses.
 ColmapSample nine_cameras() {
     ColmapSample sample;
     for (int i = 0; i < 9; ++i) {
@@ -216,7 +216,7 @@ TEST_P(ColmapTest, TheModelMayStandElsewhere) {
                        {"no sparse model"});
 }
 
-// One image a camera was calibrated, the video lies in folders.
+// One image of each camera is calibrated; the frames of its video lie in a folder.
 TEST_P(ColmapTest, FoldersOfFramesAreVideosOfStillCameras) {
     sample.images.resize(3);
     for (int camera = 0; camera < 3; ++camera)
@@ -264,7 +264,7 @@ TEST_P(ColmapTest, VideosOfCameras) {
     EXPECT_EQ(rig.shots[1].time, 0.5);
 }
 
-// Every frame was calibrated: a camera that moves.
+// Where every frame is calibrated, the camera moves.
 TEST_P(ColmapTest, ImagesOfAFolderAreHeldOutTogether) {
     sample.images.clear();
     for (int i = 0; i < 6; ++i)
@@ -283,7 +283,7 @@ TEST_P(ColmapTest, TheBoxLeavesStraysOut) {
     for (int i = 0; i < 1000; ++i) sample.points.push_back({i / 1000.0, 2 + i / 500.0, -(i % 100) / 100.0});
     for (const double stray : {-500.0, 500.0, 1e300, std::numeric_limits<double>::infinity()})
         sample.points.push_back({stray, stray, stray});
-    if (!GetParam()) sample.points.pop_back();  // text knows no infinity
+    if (!GetParam()) sample.points.pop_back();  // text cannot express infinity
     const training::Rig rig = read();
     ASSERT_TRUE(rig.box);
     EXPECT_NEAR(rig.box->first.x, -0.5, 0.05);
@@ -342,7 +342,7 @@ TEST_P(ColmapTest, TruncatedAnywhereIsNeverSilent) {
 struct ColmapBinary : ColmapTest {};
 INSTANTIATE_TEST_SUITE_P(Formats, ColmapBinary, testing::Values(true));
 
-// A count must not be believed before the bytes are there.
+// A count in the file must be checked against the file's size before memory is allocated.
 TEST_P(ColmapBinary, CountsBeyondTheFile) {
     write_images();
     sample.points.assign(120, {1, 2, 3});

@@ -1,4 +1,4 @@
-// What is taken out of a tree before it is written must not show.
+// What is removed from a tree before it is written must not be visible.
 #include "training/compact.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ TEST(Compact, NoFrameShowsADifference) {
         }
     }
     EXPECT_GT(live, 300u);
-    EXPECT_LT(largest, 0.05);  // linear light of single leaves
+    EXPECT_LT(largest, 0.05);  // the change of a leaf's colour in linear light
     EXPECT_GT(largest, 0.0);
 }
 
@@ -80,14 +80,14 @@ TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
         EXPECT_TRUE(std::equal(after.leaf(leaf), after.leaf(leaf) + after.weights_per_leaf(), tree.leaf(live[leaf])));
     }
 
-    voctree::VOctree shared = tree_of(6, 5);  // a frame between two bases sees the sum of both
+    voctree::VOctree shared = tree_of(6, 5);  // a frame between two knots has shares of both bases
     const uint32_t leaves = shared.leaf_count;
     std::fill_n(shared.leaf(0), 5, -1.0f);
     training::drop_empty_leaves(shared);
     EXPECT_EQ(shared.leaf_count, leaves);
 }
 
-// A negative weight takes part in other frames than its own: it must stay.
+// Where frames share bases, a negative weight contributes to several frames, so it must stay.
 TEST(Compact, SharedBasesKeepNegativeWeights) {
     const voctree::VOctree before = tree_of(9, 5);
     voctree::VOctree after = before;

@@ -23,7 +23,7 @@ json pose_at(double x, double y, double z) {
     return {{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}, {0, 0, 0, 1}};
 }
 
-// An image with a matte: opaque, half clear and clear columns, the colour telling images apart.
+// An image with a matte: its columns are opaque, half clear and clear; `red` makes images differ.
 media::Image matte_image(uint32_t width, uint32_t height, uint8_t red) {
     media::Image image(width, height);
     for (uint32_t y = 0; y < height; ++y)
@@ -37,7 +37,7 @@ media::Image matte_image(uint32_t width, uint32_t height, uint8_t red) {
     return image;
 }
 
-// Two cameras and three times, out of order, that load; tests damage one thing each.
+// A sound data set of two cameras and three times, out of order, in which each test damages something.
 struct DatasetTest : testing::Test {
     TemporaryFolder folder;
     json good;
@@ -110,7 +110,7 @@ TEST_F(DatasetTest, AFramesOwnFieldsWin) {
     json document = good;
     document["frames"][1]["camera_angle_x"] = 1.2;
     const training::Dataset data = load(document);
-    ASSERT_EQ(data.cameras.size(), 3u);  // another lens is another camera
+    ASSERT_EQ(data.cameras.size(), 3u);  // a different lens makes a different camera
     EXPECT_NEAR(data.cameras[1].fx, 3 / std::tan(0.6), 1e-12);
 }
 
@@ -301,12 +301,12 @@ TEST_F(DatasetTest, ForegroundWithoutAPlateIsStraightAlpha) {
     EXPECT_FLOAT_EQ(half.r, alpha * linear(120));
     EXPECT_FLOAT_EQ(half.g, alpha * linear(40));
     EXPECT_FLOAT_EQ(half.b, alpha * linear(80));
-    const media::Image truth = training::truth_over_white(data, view);  // the encoded blend of image viewers
+    const media::Image truth = training::truth_over_white(data, view);  // blends encoded values, as image viewers do
     EXPECT_NEAR(truth.at(1, 2)[0], 120 * alpha + 255 * (1 - alpha), 0.51);
     EXPECT_EQ(truth.at(3, 0)[0], 255);
 }
 
-// Images over a plate must give back the colours of the same images without one.
+// Images composited over a plate must give the same foreground colours as the images without one.
 TEST_F(DatasetTest, APlateIsTakenOutOfTheImage) {
     const training::Dataset clear = load(good);
     json document = good;
@@ -345,7 +345,7 @@ TEST_F(DatasetTest, APlateIsTakenOutOfTheImage) {
     expect_input_error([&] { load(document); }, {"background_path"});
 }
 
-// Made by other software: wrong conventions show here.
+// This data set was made by other software, so that it shows wrong conventions.
 TEST(RealData, TheMageStandsWhereItsCamerasLook) {
     const char* captures = std::getenv("NEUVV_TEST_DATA");
     if (!captures || !*captures) GTEST_SKIP() << "set NEUVV_TEST_DATA to a folder that holds the capture \"mage\"";

@@ -1,4 +1,4 @@
-// EasyMocap's layout, ZJU-MoCap included.
+// The layout of EasyMocap, in which ZJU-MoCap can be given, too.
 #include "training/easymocap.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ struct EasyMocapTest : testing::Test {
         write_text(folder.path / "extri.yml", extrinsics);
         return training::read_rig(folder.path, split);
     }
-    // With the first `from` of a file replaced.
+    // Replaces the first `from` in a file by `to` and expects an error that mentions `parts`.
     void expect_bad(std::string EasyMocapTest::*file, const std::string& from, const std::string& to,
                     std::initializer_list<std::string> parts) {
         const std::string good = this->*file;
@@ -104,7 +104,7 @@ TEST_F(EasyMocapTest, FramesMeetByName) {
     EXPECT_EQ(train.shots[3].mask.path, folder.path / "mask" / "10" / "000001.png");
 }
 
-// Of ZJU-MoCap: numbers of body parts, or 0 and 1. Of others: white.
+// Masks of ZJU-MoCap have numbers of body parts, or 0 and 1; other masks have white.
 TEST_F(EasyMocapTest, MasksOfSmallNumbersAreLabels) {
     for (const std::string key : {"D_", "dist_"})  // no distortion: every pixel stays where it is
         for (size_t at = 0; (at = intrinsics.find(key, at)) != std::string::npos;)
@@ -173,7 +173,7 @@ TEST_F(EasyMocapTest, DamageIsNamed) {
 }
 
 TEST_F(EasyMocapTest, TruncatedAnywhereIsNeverSilent) {
-    const std::string whole = intrinsics;  // distortion and size need not be there
+    const std::string whole = intrinsics;  // distortion and size are optional
     for (size_t length = 0; length < whole.find("dist_10"); length += 7) {
         intrinsics = whole.substr(0, length);
         try {
@@ -184,7 +184,7 @@ TEST_F(EasyMocapTest, TruncatedAnywhereIsNeverSilent) {
     }
 }
 
-// As published: a pickle can run any code.
+// The published data set has a pickle, which could run any code.
 TEST_F(EasyMocapTest, PicklesAreRefusedWithTheMend) {
     const TemporaryFolder zju;
     write_text(zju.path / "annots.npy", "\x93NUMPY");

@@ -1,4 +1,4 @@
-// The first guess of colours, and the frames that times stand for.
+// The first guess of colours, and the frames of times.
 #include "training/first_colours.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace neuvv::test {
 namespace {
 
-// The sphere's images, each all of one colour: that of `colours` by frame.
+// The images of the sphere, in which each frame has a single colour.
 training::Dataset painted(const SphereCapture& capture, const std::vector<std::array<uint8_t, 3>>& colours) {
     training::Dataset dataset = sphere_dataset(capture);
     for (training::View& view : dataset.views) {
@@ -29,7 +29,7 @@ TEST(FirstColours, AreWhatTheCamerasSeeInAllowedInstants) {
                     media::linear_from_srgb_byte(std::array<uint8_t, 3>{200, 100, 50}[static_cast<size_t>(c)]), 1e-4);
         EXPECT_NEAR(colours[1][c],
                     media::linear_from_srgb_byte(std::array<uint8_t, 3>{20, 30, 40}[static_cast<size_t>(c)]), 1e-4);
-        EXPECT_EQ(colours[2][c], 0.5f);  // no matte anywhere near
+        EXPECT_EQ(colours[2][c], 0.5f);  // no matte covers this position
     }
 }
 

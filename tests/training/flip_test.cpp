@@ -1,4 +1,4 @@
-// FLIP itself: values that are known, and properties that any metric has.
+// FLIP: known values, and properties that every metric has.
 #include "training/flip.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ media::Image noise_image(uint64_t seed) {
     return image;
 }
 
-// Black on the left of column `edge`, white from there.
+// An image that is black to the left of column `edge` and white from there on.
 media::Image edge_image(uint32_t edge) {
     media::Image image = uniform_image(0, 0, 0);
     for (uint32_t y = 0; y < image.height; y++)
@@ -42,13 +42,14 @@ TEST(Flip, IdenticalPicturesDoNotDiffer) {
 }
 
 TEST(Flip, UniformPicturesDifferByTheirColoursAlone) {
-    // By hand: HyAB of black and white is ΔL* = 100; (100^0.7 − 0.4·c) / (0.6·c) of the top twentieth, c = 41.276.
+    // By hand: HyAB of black and white is ΔL* = 100; the error is 0.95 plus the share (100^0.7 − 0.4·c) / (0.6·c) of
+    // the top twentieth, c = 41.276.
     for (const float error : training::flip(uniform_image(0, 0, 0), uniform_image(255, 255, 255)))
         EXPECT_NEAR(error, 0.9676, 1e-3);
-    // The two colours that the metric's largest difference is defined by.
+    // The two colours whose difference is the metric's largest by definition.
     for (const float error : training::flip(uniform_image(0, 255, 0), uniform_image(0, 0, 255)))
         EXPECT_NEAR(error, 1, 1e-6);
-    // A step of one in 255 in mid-grey: ΔL* = 0.39 → 0.39^0.7 · 0.95 / 16.51.
+    // A step of 1/255 in mid-grey: ΔL* = 0.39, which gives 0.39^0.7 · 0.95 / 16.51.
     for (const float error : training::flip(uniform_image(128, 128, 128), uniform_image(129, 129, 129)))
         EXPECT_NEAR(error, 0.030, 0.002);
 }
@@ -78,7 +79,7 @@ TEST(Flip, GrowsWithTheDifferenceAndFadesWithDistance) {
         EXPECT_GT(error, last);
         last = error;
     }
-    // From twice as far, fine noise melts into one grey.
+    // From twice the distance, fine noise looks like a uniform grey.
     EXPECT_LT(training::mean_of(training::flip(noise_image(1), noise_image(2), 2 * training::kPixelsPerDegree)),
               training::mean_of(training::flip(noise_image(1), noise_image(2))));
 }

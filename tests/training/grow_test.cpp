@@ -1,4 +1,4 @@
-// The tree of a run: how it begins, prunes and divides.
+// The tree of a run: its beginning, pruning and division.
 #include "training/grow.h"
 
 #include <gtest/gtest.h>
@@ -28,17 +28,17 @@ glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 position) {
     return glm::dvec3(tree.box_min) + position * glm::dvec3(tree.box_size);
 }
 
-// σ before relu, with as many hat bases as frames: the weight itself.
+// σ before relu: the weight itself, as the trees have as many hat bases as frames.
 float sigma_at(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
     return tree.leaf(leaf)[frame];
 }
 
-// Every frame used every leaf, with these reaches and as much pull.
+// A use in which every frame used every leaf. Opacity sensitivities equal the given maximum weights.
 training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> max_weight) {
     return {max_weight, max_weight, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
 }
 
-// Sound, and no leaf stands in another: the deepest walk to each leaf's middle ends in that leaf.
+// Expects a sound tree in which no leaf lies inside another: a search at each leaf's middle finds that leaf.
 void expect_sound(const voctree::VOctree& tree) {
     EXPECT_EQ(voctree::defect_of(tree), "");
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
@@ -55,7 +55,7 @@ TEST(Grow, DepthOfAResolution) {
 TEST(Grow, NaturalResolutionIsAPixelALeaf) {
     training::Dataset dataset = capture();
     const std::pair<glm::dvec3, glm::dvec3> box = {{-1, -0.5, -0.5}, {1, 0.5, 0.5}};
-    for (stage::Camera& camera : dataset.cameras) camera.fx = 150;  // 3 m away: a pixel is 2 cm
+    for (stage::Camera& camera : dataset.cameras) camera.fx = 150;  // at 3 m, a pixel covers 2 cm
     EXPECT_EQ(training::natural_resolution(dataset, box), 100u);
     for (stage::Camera& camera : dataset.cameras) camera.fx = 1e-3;
     EXPECT_EQ(training::natural_resolution(dataset, box), 32u);
@@ -69,7 +69,7 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
     EXPECT_EQ(tree.box_size.x, tree.box_size.y);
     EXPECT_EQ(tree.box_size.x, tree.box_size.z);
     EXPECT_EQ(tree.frames, 3u);
-    EXPECT_EQ(tree.bases, 3u);  // one a frame, however many were asked for
+    EXPECT_EQ(tree.bases, 3u);  // no more than one per frame
     EXPECT_EQ(tree.fps, 25);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     for (const voctree::LeafPosition& position : positions)
@@ -159,7 +159,7 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
                 emptied += before > 0 ? 1 : 0;
         }
     }
-    EXPECT_GT(children, tree.leaf_count);  // of 8 for each second leaf, those that the hull allows
+    EXPECT_GT(children, tree.leaf_count);  // every second leaf has those of 8 children that the hull allows
     EXPECT_GT(emptied, 0u);
 }
 
@@ -176,7 +176,8 @@ TEST(Grow, StaysWithinDepthAndLeafLimits) {
     expect_sound(grown);
     EXPECT_LE(grown.leaf_count, limited.max_leaves);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
-    for (const voctree::LeafPosition& position : positions)  // the ten of most reach, which are the last
+    for (const voctree::LeafPosition& position :
+         positions)  // the ten leaves of highest maximum weight, which are the last
         if (position.depth > 3) {
             EXPECT_GE(voctree::find_leaf(tree, middle_of(position)), tree.leaf_count - 10);
         }
@@ -192,7 +193,7 @@ TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
     const voctree::VOctree grown =
         training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .max_leaves = 21});
     expect_sound(grown);
-    EXPECT_EQ(grown.leaf_count, 21u);  // of the two alike at the bound, one
+    EXPECT_EQ(grown.leaf_count, 21u);  // one of the two equal leaves at the bound
     for (const voctree::LeafPosition& position : voctree::leaf_positions(grown))
         EXPECT_LE(voctree::find_leaf(tree, middle_of(position)), 20u);
 }
@@ -205,18 +206,18 @@ TEST(Grow, DividesWhereTheLossPullsHardest) {
     const voctree::VOctree grown =
         training::grow(capture(), tree, use, {.max_depth = 5, .min_weight_to_divide = 0.1f, .divide_share = 0.25f});
     expect_sound(grown);
-    float least_divided = 1000, most_whole = 0;
+    float min_divided = 1000, max_undivided = 0;
     size_t whole = 0;
     for (const voctree::LeafPosition& position : voctree::leaf_positions(grown)) {
         const float opacity_sensitivity = use.opacity_sensitivity[voctree::find_leaf(tree, middle_of(position))];
         if (position.depth == 4)
-            least_divided = std::min(least_divided, opacity_sensitivity);
+            min_divided = std::min(min_divided, opacity_sensitivity);
         else {
-            most_whole = std::max(most_whole, opacity_sensitivity);
+            max_undivided = std::max(max_undivided, opacity_sensitivity);
             whole++;
         }
     }
-    EXPECT_GE(least_divided, most_whole);
+    EXPECT_GE(min_divided, max_undivided);
     EXPECT_EQ(whole, tree.leaf_count - tree.leaf_count / 4);
 }
 
@@ -224,7 +225,7 @@ TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
     const voctree::VOctree tree = first_tree();
     const training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
     const double edge = static_cast<double>(tree.box_size.x) / 8;
-    const double footprint = kCapture.distance_m / capture().cameras[0].fx;  // in the middle of the ring
+    const double footprint = kCapture.distance_m / capture().cameras[0].fx;  // of a pixel in the middle of the ring
     const training::GrowSettings too_small{
         .max_depth = 5, .min_weight_to_divide = 0.1f, .min_pixels_to_divide = 2.5 * edge / footprint};
     EXPECT_EQ(training::grow(capture(), tree, use, too_small).leaf_count, tree.leaf_count);

@@ -1,4 +1,4 @@
-// Carving: matter stays, what no matte allows goes.
+// Carving keeps matter and removes what no matte allows.
 #include "training/hull.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ bool allowed(const std::vector<uint32_t>& bits, size_t words, size_t cell, uint3
     return bits[cell * words + frame / 32] >> frame % 32 & 1;
 }
 
-// Cells of a grid over [−1, 1]³ that lie in every image whole.
+// Cells of a grid over [−1, 1]³ that lie entirely inside every image.
 std::vector<training::HullCell> grid(uint32_t side) {
     std::vector<training::HullCell> cells;
     const float edge = 2.0f / static_cast<float>(side);
@@ -52,8 +52,8 @@ TEST(Hull, NeverCarvesMatterAndCarvesMostOfTheRest) {
     }
 }
 
-// Balls of all sizes that reach little more than a pixel into the sphere: their image's rectangle must not be too
-// small.
+// Balls of all sizes that overlap the sphere by little more than a pixel: the rectangles around their images must not
+// be too small.
 TEST(Hull, KeepsABallThatBarelyTouchesMatter) {
     const SphereCapture capture{
         .cameras = 4, .frames = 1, .size = 200, .radius_m = 0.3, .reach_m = 0, .distance_m = 2.5};
@@ -101,11 +101,11 @@ TEST(Hull, NeedsTwoCamerasThatSeeTheCell) {
     turned.cameras[1].world_from_camera[0] *= -1;
     turned.cameras[1].world_from_camera[2] *= -1;
     EXPECT_EQ(training::carve(turned, centre)[0], 0u);
-    dataset.views.pop_back();  // there is but one image: it decides
+    dataset.views.pop_back();  // a single image is left and decides
     EXPECT_EQ(training::carve(dataset, centre)[0], 1u);
 }
 
-// Half an image says nothing of the other half.
+// An image says nothing about a cell that lies half outside it.
 TEST(Hull, ACellAtTheImagesEdgeIsNotCarvedByIt) {
     const SphereCapture capture{.cameras = 3, .frames = 1};
     training::Dataset dataset = sphere_dataset(capture);
@@ -137,7 +137,8 @@ TEST(Hull, RefusesMattesThatFitNowhere) {
     training::Dataset mirrored = dataset;
     for (training::View& view : mirrored.views) {
         const media::Image image = view.image;
-        for (uint32_t y = 0; y < image.height; y++)  // what is seen on the left edge by some, on the right by others
+        for (uint32_t y = 0; y < image.height;
+             y++)  // mattes at the left edge for some cameras, at the right for others
             for (uint32_t x = 0; x < image.width; x++)
                 view.image.at(x, y)[3] = (view.camera % 2 ? x < 3 : x + 3 >= image.width) ? 255 : 0;
     }
@@ -155,7 +156,7 @@ TEST(Hull, RefusesCamerasThatAllLookTheSameWay) {
     expect_input_error([&] { training::hull_box(dataset); }, {"sphere", "aabb"});
 }
 
-// One camera's image is empty, but that is not to be believed: matter must stay. Believed, all would go.
+// The image of one camera is empty, but ignored, so matter must stay. Were it not ignored, everything would be carved.
 TEST(Hull, IgnoredPixelsDoNotCarve) {
     const SphereCapture capture{.frames = 1};
     const training::Dataset truth = sphere_dataset(capture);

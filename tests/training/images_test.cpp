@@ -1,4 +1,4 @@
-// What read_images makes of masks, mattes, plates, videos and lenses, on rigs by hand.
+// How read_images treats masks, mattes, plates, videos and lenses, on rigs that the tests fill in.
 #include "training/images.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ media::Image plain(uint8_t value, uint8_t alpha = 255) {
     return image;
 }
 
-// White, or opaque, in columns of x < 8.
+// A mask that is white, or opaque, where x < 8.
 media::Image half_mask(bool in_alpha, uint8_t white = 255) {
     media::Image image(kWidth, kHeight);
     for (uint32_t y = 0; y < kHeight; ++y)
@@ -32,7 +32,7 @@ media::Image half_mask(bool in_alpha, uint8_t white = 255) {
     return image;
 }
 
-// Two cameras with an image each.
+// A rig of two cameras with one image each.
 struct PicturesTest : testing::Test {
     TemporaryFolder folder;
     training::Rig rig;
@@ -144,7 +144,7 @@ TEST_F(PicturesTest, ALensIsUndoneInImagePlateAndMasks) {
     rig.masks = training::MaskMeaning::kIgnore;
     rig.shots[1].mask.path = write("ignore.png", half_mask(false));
     rig.cameras[1].lens.model = training::LensModel::kBrown;
-    rig.cameras[1].lens.k[0] = 0.6;  // a pincushion: the corners were never seen
+    rig.cameras[1].lens.k[0] = 0.6;  // pincushion distortion: the lens never saw the corners
     rig.cameras[1].plate.path = write("plate.png", plain(60));
     const training::Dataset data = load(false);
     const training::View& view = data.views[1];

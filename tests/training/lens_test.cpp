@@ -1,4 +1,4 @@
-// Lenses against values of the calibration programs' own formulas, and images made straight again.
+// Lenses against values by the formulas of calibration programs, and images whose distortion is undone.
 #include "training/lens.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ training::Lens make_lens(training::LensModel model, std::array<double, 6> k, dou
 
 constexpr double kPlaces[3][2] = {{0.3, -0.2}, {-0.5, 0.4}, {0, 0.6}};
 
-// Written out from the formulas in OpenCV's and COLMAP's documents, with other code.
+// The expected values were computed from the formulas in the documentation of OpenCV and COLMAP, with other code.
 void expect_projections(const training::Lens& lens, const double (&expected)[3][2]) {
     for (int i = 0; i < 3; ++i) {
         const glm::dvec2 at = training::project(lens, {kPlaces[i][0], kPlaces[i][1]});
@@ -85,9 +85,9 @@ TEST(Lens, FoldingIsFound) {
     EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kBrown, {-0.3}), 1), 1);
     EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kBrown, {0.3}), 2), 2);
     EXPECT_LT(training::fold_radius(make_lens(training::LensModel::kBrown, {0.3, 0, 0, -1}), 2),
-              1.01);  // a pole at r = 1
+              1.01);  // there is a pole at r = 1
     EXPECT_LT(training::fold_radius(make_lens(training::LensModel::kBrown, {}, 0.3), 2),
-              2);  // the tangential terms alone
+              2);  // by the tangential terms alone
     EXPECT_EQ(training::fold_radius(make_lens(training::LensModel::kFisheye, {}), 100), 100);
     // θ (1 − θ²/2) turns back at θ = √(2/3)
     EXPECT_NEAR(training::fold_radius(make_lens(training::LensModel::kFisheye, {-0.5}), 2),
@@ -100,7 +100,7 @@ media::Image noise(uint32_t width, uint32_t height) {
     uint32_t state = 7;
     for (uint8_t& byte : image.rgba) byte = static_cast<uint8_t>((state = state * 1664525 + 1013904223) >> 24);
     for (size_t i = 0; i < image.rgba.size(); i += 4)
-        if (image.rgba[i + 3] == 0) image.rgba[i + 3] = 1;  // clear pixels lose their colour
+        if (image.rgba[i + 3] == 0) image.rgba[i + 3] = 1;  // as clear pixels would lose their colour
     return image;
 }
 
@@ -117,12 +117,13 @@ TEST(Undistort, APinholeChangesNothing) {
     EXPECT_EQ(training::undistort_ignored(ignored, map), ignored);
 }
 
-// A board of squares in front of the camera, in normalised coordinates, its edges softened over a few pixels.
+// The brightness of a board of squares in front of the camera, in normalised coordinates. Edges are soft over a few
+// pixels.
 double board(glm::dvec2 xy) {
     return 0.5 + 0.45 * std::tanh(3 * std::sin(20 * xy.x) * std::sin(20 * xy.y));
 }
 
-// The board seen through a lens, found by searching for the direction that each pixel's centre shows.
+// The image of the board through a lens. The direction that a pixel's centre shows is found by a search.
 media::Image board_through(const training::Lens& lens) {
     media::Image image(lens.width, lens.height);
     for (uint32_t y = 0; y < lens.height; ++y)
@@ -185,7 +186,7 @@ TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
     EXPECT_LT(folded.seen_share, 0.8);
 }
 
-// Colour beside a clear pixel must not be darkened by it, in foregrounds; in captures it is light like all other.
+// In foregrounds, clear pixels must not darken the colour beside them; in captures, they count like all others.
 TEST(Undistort, ColourIsWeightedByAlpha) {
     training::Lens lens = make_lens(training::LensModel::kPinhole, {});
     lens.width = 2;

@@ -1,4 +1,4 @@
-// LPIPS on a tiny network with AlexNet's geometry, against the definition in double precision; and weights that must be
+// LPIPS with a tiny network of AlexNet's geometry, against the definition in double precision; unsound weights are
 // refused.
 #include "training/lpips.h"
 
@@ -62,7 +62,7 @@ Arrays random_network() {
     return arrays;
 }
 
-// Channels, rows, columns.
+// Numbers by channel, row and column.
 using Volume = std::vector<std::vector<std::vector<double>>>;
 
 Volume convolve(const Volume& in, const Convolution& c, const Arrays& arrays) {
@@ -116,7 +116,7 @@ Volume scaled(const media::Image& image) {
     return out;
 }
 
-// Each place's features divided by their length.
+// Scales the features of each pixel to length 1.
 void normalise(Volume& volume) {
     for (size_t y = 0; y < volume[0].size(); y++)
         for (size_t x = 0; x < volume[0][0].size(); x++) {
@@ -165,7 +165,7 @@ TEST_F(LpipsTest, IsThePlainDefinition) {
     const training::Lpips lpips(file);
     const struct {
         uint32_t width, height;
-    } sizes[] = {{32, 32}, {150, 67}, {91, 134}};  // strips of outputs that are full, cut and alone
+    } sizes[] = {{32, 32}, {150, 67}, {91, 134}};  // rows of outputs with full, cut and single strips
     for (const auto& size : sizes) {
         const media::Image a = noise_image(size.width, size.height, 1);
         media::Image b = a;

@@ -1,4 +1,4 @@
-// Mattes against ones that are known: a sphere before a noisy wall, and the files that come of it.
+// Difference mattes against known ones: a sphere in front of a noisy wall. Also the files that make_mattes writes.
 #include "training/matte.h"
 
 #include <gtest/gtest.h>
@@ -14,11 +14,11 @@
 namespace neuvv::test {
 namespace {
 
-// Seen from the side, so that no pixel shows the sphere for long.
+// The sphere is seen from the side, so that no pixel shows it in many frames.
 const SphereCapture kCapture{
     .cameras = 2, .frames = 9, .size = 96, .radius_m = 0.22, .reach_m = 0.8, .first_angle = 1.5};
 
-// A wall of stripes and checks in colours between dark and bright.
+// A wall with a pattern of stripes and checks, from dark to bright.
 media::Image wall(uint32_t side) {
     media::Image image(side, side);
     for (uint32_t y = 0; y < side; y++)
@@ -32,7 +32,8 @@ media::Image wall(uint32_t side) {
     return image;
 }
 
-// What a camera before the wall sees: mixed in linear light, noise of about `sigma` steps, brighter by `exposure`.
+// What a camera in front of the wall records: both mixed in linear light, with noise of about `sigma` steps, brighter
+// by `exposure` steps.
 media::Image seen(const media::Image& performer, const media::Image& background, double sigma, int exposure,
                   uint64_t seed) {
     Random random(seed);
@@ -42,7 +43,7 @@ media::Image seen(const media::Image& performer, const media::Image& background,
         const double alpha = performer.rgba[i | 3] / 255.0;
         const double light = alpha * media::linear_from_srgb(performer.rgba[i] / 255.0) +
                              (1 - alpha) * media::linear_from_srgb(background.rgba[i] / 255.0);
-        double noise = -6;  // twelve uniform numbers: a normal distribution, nearly
+        double noise = -6;  // the sum of twelve uniform numbers has nearly a normal distribution
         for (int k = 0; k < 12; k++) noise += static_cast<double>(random.below(1000)) / 999;
         image.rgba[i] = static_cast<uint8_t>(
             std::clamp(std::lround(255 * media::srgb_from_linear(light) + sigma * noise + exposure), 0l, 255l));
@@ -51,7 +52,7 @@ media::Image seen(const media::Image& performer, const media::Image& background,
 }
 
 struct Agreement {
-    double iou = 0;  // of what is more than half performer
+    double iou = 0;  // intersection over union of the pixels that are more than half performer
     double mae = 0;  // mean absolute error of alpha, over the image
 };
 
@@ -66,7 +67,7 @@ Agreement agreement(const std::vector<uint8_t>& matte, const media::Image& truth
     return {both / std::max(either, 1.0), error / static_cast<double>(matte.size())};
 }
 
-// The capture as cameras see it that know no mattes.
+// The capture as ordinary cameras record it: opaque, in front of the wall.
 training::Dataset opaque_capture(const training::Dataset& truth, double sigma) {
     training::Dataset dataset = truth;
     for (size_t i = 0; i < dataset.views.size(); i++)
@@ -104,7 +105,7 @@ TEST(Matte, NothingIsFoundWhereNothingIs) {
 }
 
 TEST(Matte, EdgesAreSoft) {
-    media::Image plate(40, 40), image(40, 40);  // black, with a white square whose left column is half covered
+    media::Image plate(40, 40), image(40, 40);  // black; the image has a white square whose left column is half covered
     for (uint32_t y = 10; y < 30; y++)
         for (uint32_t x = 10; x < 30; x++)
             std::fill_n(image.at(x, y), 3,
@@ -123,9 +124,9 @@ TEST(Matte, SpecksAreDroppedAndHolesClosed) {
             for (uint32_t x = left; x < left + side; x++) std::fill_n(image.at(x, y), 3, value);
     };
     paint(30, 30, 40, 200);
-    paint(45, 45, 4, 0);   // a button like the background: 16 pixels of 10,000
-    paint(55, 55, 10, 0);  // between arm and body one sees through
-    paint(5, 5, 2, 200);   // a fly
+    paint(45, 45, 4, 0);   // a button in the background's colour: 16 of 10,000 pixels
+    paint(55, 55, 10, 0);  // a gap between arm and body
+    paint(5, 5, 2, 200);   // an insect
     const std::vector<uint8_t> matte = training::difference_matte(image, plate, {});
     EXPECT_EQ(matte[46 * 100 + 46], 255);
     EXPECT_EQ(matte[60 * 100 + 60], 0);
@@ -151,7 +152,7 @@ struct MatteFiles : ::testing::Test {
         write_capture(what.dataset, opaque_capture(truth, 1));
         std::filesystem::create_directories(what.output);
     }
-    // The worst agreement of all images as load_dataset sees them.
+    // The worst agreement of all images that load_dataset reads.
     Agreement loaded_agreement() const {
         Agreement worst{1, 0};
         const training::Dataset loaded = training::load_dataset(what.dataset, training::Split::kTrain);
@@ -198,7 +199,7 @@ TEST_F(MatteFiles, AreTakenFromAnotherProgram) {
     training::make_mattes(what, {});
     EXPECT_EQ(loaded_agreement().iou, 1);
     EXPECT_EQ(loaded_agreement().mae, 0);
-    media::Image grey(96, 96);  // without alpha, brightness counts
+    media::Image grey(96, 96);  // its brightness counts, as it has no alpha
     for (uint8_t& byte : grey.rgba) byte = 255;
     for (uint32_t x = 0; x < 50; x++) std::fill_n(grey.at(x, 0), 3, uint8_t{77});
     for (const training::View& view : truth.views) media::write_png(what.from / (view.name + ".png"), grey);

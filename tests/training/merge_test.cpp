@@ -1,4 +1,4 @@
-// Sibling leaves that look alike become one, and only those.
+// Sibling leaves that look alike become one leaf; others do not.
 #include "training/merge.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,9 @@ namespace {
 
 constexpr uint32_t kFrames = 3;
 
-// Families of leaves at depth 3, side by side along x, the last without its last sibling; one leaf of depth 1 far away.
-// Leaf 8·f + i is sibling i of family f. All opaque by half over an edge, and of one colour.
+// A tree of families of leaves at depth 3, side by side along x, the last of which lacks its last sibling, and a leaf
+// of depth 1 far away. Leaf 8·f + i is sibling i of family f. All leaves of depth 3 are half opaque over an edge and
+// have the same colour.
 voctree::VOctree families_tree(uint32_t families) {
     voctree::VOctree tree;
     tree.node_levels = 2;
@@ -32,7 +33,7 @@ voctree::VOctree families_tree(uint32_t families) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
         for (uint32_t c = 0; c < kFrames; c++) {
-            weights[c] = 4 * std::log(2.0f);  // an edge is 1/4 m
+            weights[c] = 4 * std::log(2.0f);  // as an edge is 1/4 m
             weights[kFrames + c] = 0.3f * static_cast<float>(c);
         }
         for (uint32_t w = 2 * kFrames; w < tree.weights_per_leaf(); w++)
@@ -62,7 +63,7 @@ TEST(Merge, AWholeFamilyThatAgreesBecomesItsParent) {
     training::LeafUse use = use_of(tree);
     EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
     EXPECT_EQ(voctree::defect_of(tree), "");
-    ASSERT_EQ(tree.leaf_count, before.leaf_count - 7);  // the second family lacks one: it cannot
+    ASSERT_EQ(tree.leaf_count, before.leaf_count - 7);  // the second family is not complete, so it cannot merge
     ASSERT_EQ(use.max_weight.size(), tree.leaf_count);
 
     const uint32_t parent = leaf_at(tree, {0, 0, 0, 2});
@@ -100,7 +101,7 @@ TEST(Merge, AFamilyThatDiffersInOneFrameStays) {
     EXPECT_TRUE(merged([](float* leaf) { leaf[2 * kFrames + 1] += 0.1f; }));
 }
 
-// Colour that nobody sees may differ.
+// Colours of transparent leaves may differ.
 TEST(Merge, ClearLeavesMayDifferInColour) {
     voctree::VOctree tree = families_tree(2);
     for (uint32_t i = 0; i < 8; i++) {
@@ -111,7 +112,8 @@ TEST(Merge, ClearLeavesMayDifferInColour) {
     EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
 }
 
-// What a frame did not use may differ in it: all of it where it used none of the family, colours where it used others.
+// In a frame that used no leaf of a family, the leaves may differ in everything; leaves that a frame did not use while
+// it used others may differ in colour.
 TEST(Merge, OnlyWhatFramesUsedMustAgree) {
     const auto merged = [](uint32_t frames_of_all, uint32_t frames_of_one, const std::function<void(float*)>& change) {
         voctree::VOctree tree = families_tree(2);
@@ -127,7 +129,7 @@ TEST(Merge, OnlyWhatFramesUsedMustAgree) {
     const auto other_colour = [](float* leaf) { leaf[kFrames + 2] -= 6; };
     EXPECT_TRUE(merged(3, 3, other_colour));
     EXPECT_FALSE(merged(7, 7, other_colour));
-    EXPECT_TRUE(merged(3, 7, other_colour));  // alone in its frame, it gives the parent its colour
+    EXPECT_TRUE(merged(3, 7, other_colour));  // the only leaf that the frame used gives the parent its colour
     EXPECT_TRUE(merged(7, 3, other_colour));
 
     // The parent has the colour that was seen.
@@ -140,7 +142,7 @@ TEST(Merge, OnlyWhatFramesUsedMustAgree) {
     EXPECT_FLOAT_EQ(tree.leaf(leaf_at(tree, {0, 0, 0, 2}))[kFrames + 2], seen);
 }
 
-// Two ways to say one course of colour, whose mean says another.
+// Two sets of weights can give the same colours over time while their mean gives others.
 TEST(Merge, WeightsThatMeanTheSameButHaveNoMeanStay) {
     voctree::VOctree tree = families_tree(2);
     for (uint32_t i = 0; i < 8; i++)
@@ -154,7 +156,7 @@ TEST(Merge, WeightsThatMeanTheSameButHaveNoMeanStay) {
     EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 0u);
 }
 
-// The one leaf that was seen gives its colour, whatever the hidden ones have.
+// The only leaf that was seen gives the parent its colour, whatever the colours of the hidden ones.
 TEST(Merge, HiddenLeavesGiveNoColour) {
     voctree::VOctree tree = families_tree(2);
     for (uint32_t i = 0; i < 8; i++) tree.leaf(i)[2 * kFrames] = i == 2 ? 10.0f : -10.0f;
@@ -164,7 +166,7 @@ TEST(Merge, HiddenLeavesGiveNoColour) {
     EXPECT_FLOAT_EQ(tree.leaf(leaf_at(tree, {0, 0, 0, 2}))[2 * kFrames], 10);
 }
 
-// A leaf that was used and is clear now does not make room for dense ones.
+// A leaf that was used and is transparent does not merge with dense ones.
 TEST(Merge, ClearAndDenseLeavesStay) {
     voctree::VOctree tree = families_tree(2);
     for (uint32_t c = 0; c < kFrames; c++) tree.leaf(0)[c] = -1;
@@ -173,7 +175,7 @@ TEST(Merge, ClearAndDenseLeavesStay) {
     EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 0u);
 }
 
-// Fewer bases than frames, and more frames than fit a word.
+// There may be fewer bases than frames, and more frames than bits in a word.
 TEST(Merge, ManyFramesThatShareBases) {
     constexpr uint32_t kMany = 40;
     const auto merged = [](uint32_t frame_used) {

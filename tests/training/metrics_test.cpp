@@ -25,7 +25,7 @@ media::Image random_image(uint32_t width, uint32_t height, uint32_t seed) {
     return image;
 }
 
-// The image, blurred by its neighbours and with noise: a plausible render of it.
+// The image, blurred and with noise: a plausible render of it.
 media::Image degraded(const media::Image& image, uint32_t seed, int noise) {
     std::mt19937 random(seed);
     media::Image result = image;
@@ -37,7 +37,7 @@ media::Image degraded(const media::Image& image, uint32_t seed, int noise) {
     return result;
 }
 
-// Wang et al. 2004 as written: means, variances and covariance about the means, over each whole window.
+// SSIM as Wang et al. 2004 define it: means, variances about them and covariance, over each whole window.
 double plain_ssim(const media::Image& a, const media::Image& b) {
     constexpr int kSide = 11;
     double weights[kSide][kSide], sum = 0;
@@ -82,10 +82,10 @@ TEST(Metrics, ByHand) {
     const training::Quality shifted = training::compare(grey, filled(16, 12, 151));  // 51/255 = 0.2
     EXPECT_NEAR(shifted.mae, 0.2, 1e-12);
     EXPECT_NEAR(shifted.psnr, -10 * std::log10(0.04), 1e-12);
-    const double a = 100 / 255.0, b = 151 / 255.0;  // no variance: only the luminance term is left
+    const double a = 100 / 255.0, b = 151 / 255.0;  // without variance, only the luminance term is left
     EXPECT_NEAR(shifted.ssim, (2 * a * b + 1e-4) / (a * a + b * b + 1e-4), 1e-12);
 
-    media::Image one = grey;  // one channel of one of 192 pixels
+    media::Image one = grey;  // will differ in one channel of one of 192 pixels
     one.at(3, 4)[1] = 202;
     const training::Quality single = training::compare(grey, one);
     EXPECT_NEAR(single.mae, 0.4 / (3 * 192), 1e-12);
@@ -159,7 +159,7 @@ TEST(Metrics, ContactSheetPlacesAndScales) {
     EXPECT_EQ(rgb(0, 0), (std::vector<int>{255, 0, 0}));
     EXPECT_EQ(rgb(3, 3), (std::vector<int>{255, 0, 0}));
     EXPECT_EQ(rgb(5, 1), white);  // clear over white
-    EXPECT_EQ(rgb(0, 5), black);  // 9×3 by a third: 3×1, in the cell's middle
+    EXPECT_EQ(rgb(0, 5), black);  // 9×3 pixels divided by three are 3×1, in the cell's middle
     EXPECT_EQ(rgb(2, 5), black);
     EXPECT_EQ(rgb(3, 5), white);
     EXPECT_EQ(rgb(0, 4), white);
@@ -171,7 +171,7 @@ TEST(Metrics, ContactSheetEnlargesSmallPictures) {
     media::Image small(2, 1);
     small.at(0, 0)[3] = small.at(1, 0)[3] = 255;
     small.at(1, 0)[1] = 200;
-    const media::Image sheet = training::contact_sheet({small}, 1, 7);  // by 3: 6×3, at (0, 2)
+    const media::Image sheet = training::contact_sheet({small}, 1, 7);  // scaled by 3 to 6×3 pixels, at (0, 2)
     const uint8_t expected[] = {0, 0, 0, 0, 0, 0, 255}, top = 2;
     for (uint32_t x = 0; x < 7; ++x) EXPECT_EQ(sheet.at(x, top)[0], expected[x]) << x;
     EXPECT_EQ(sheet.at(2, top)[1], 0);

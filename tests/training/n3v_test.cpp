@@ -1,4 +1,4 @@
-// poses_bounds.npy with videos, as Neural 3D Video has them; and the .npy format.
+// poses_bounds.npy with videos, as in Neural 3D Video; and the .npy format.
 #include "training/n3v.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,8 @@ struct N3vTest : testing::Test {
     void SetUp() override {
         for (int i = 0; i < 3; ++i) {
             write_video("cam0" + std::to_string(i) + ".mp4", 32, 24, i == 2 ? kFrames + 1 : kFrames);
-            // From (i, 2, 3), level along −Z: down, right, backwards, place, (H, W, focal); nearest, farthest.
+            // A level camera at (i, 2, 3) that looks along −Z: down, right, backwards, position, (H, W, focal); nearest
+            // and farthest depth.
             const std::vector<double> row = {0, 1, 0, 1.0 * i, 48, -1, 0, 0, 2, 64, 0, 0, 1, 3, 50.0 + 2 * i, 0.5, 9};
             rows.insert(rows.end(), row.begin(), row.end());
         }
@@ -152,7 +153,7 @@ TEST_F(N3vTest, WhatDoesNotFitIsNamed) {
         expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain); }, parts);
     };
     const std::vector<double> good = rows;
-    rows[17] = 0.5;  // of row 1
+    rows[17] = 0.5;  // in row 1
     write_rows(3);
     expect_bad({"poses_bounds.npy", "row 1", "rigid"});
     rows = good;

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-// Ten pixels by eight, opaque on the left, its red telling images apart.
+// An image of 10×8 pixels, opaque on the left; `red` makes images differ.
 media::Image image(uint8_t red) {
     media::Image image(10, 8);
     for (uint32_t y = 0; y < 8; ++y)
@@ -28,7 +28,7 @@ media::Image image(uint8_t red) {
     return image;
 }
 
-// In a world of +Z up: from (x, −3, 1) along +Y, that is, level.
+// A level camera at (x, −3, 1) that looks along +Y in a world with +Z up.
 json z_up_pose(double x) {
     return {{1, 0, 0, x}, {0, 0, -1, -3}, {0, 1, 0, 1}, {0, 0, 0, 1}};
 }
@@ -50,7 +50,7 @@ struct NerfTest : testing::Test {
     }
 };
 
-// The camera of z_up_pose(x), y up: from (x, 1, 3) along −Z.
+// Expects the camera of z_up_pose(x) in a world with +Y up: at (x, 1, 3), looking along −Z.
 void expect_level(const glm::dmat4& pose, double x) {
     const glm::dmat4 expected(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 1, 0),
                               glm::dvec4(x, 1, 3, 1));
@@ -58,7 +58,7 @@ void expect_level(const glm::dmat4& pose, double x) {
         for (int row = 0; row < 4; ++row) EXPECT_NEAR(pose[column][row], expected[column][row], 1e-12);
 }
 
-// One camera that moves, an image a time; file_path without ending, and a folder that bears an image's name.
+// One camera that moves, with one image per time. file_path has no extension, and a folder has the name of an image.
 TEST_F(NerfTest, DNerf) {
     for (const char* split : {"train", "val", "test"}) {
         json document = {{"camera_angle_x", 0.7}};
@@ -215,7 +215,7 @@ TEST_F(NerfTest, InstantNgp) {
                "\"aabb_scale\": 4, \"scale\": 0.25, \"offset\": [0.5, 0.25, 0.75], \"aabb\": [[0, 0, 0], [1, 1, 1]],\n"
                "/* frames */ \"frames\": [" +
                    frames + "]}");
-    put("other.json", json{{"frames", json::array({1})}});  // not every JSON is a data set
+    put("other.json", json{{"frames", json::array({1})}});  // this JSON is no data set
     const training::Rig rig = training::read_rig(folder.path, training::Split::kTrain);
     ASSERT_EQ(rig.shots.size(), 3u);
     expect_level(rig.cameras[1].world_from_camera, 2);
@@ -223,8 +223,8 @@ TEST_F(NerfTest, InstantNgp) {
     EXPECT_EQ(rig.cameras[1].lens.fy, 22);
     EXPECT_EQ(rig.cameras[1].lens.k[0], 0.02);
     EXPECT_EQ(rig.masks, training::MaskMeaning::kIgnore);
-    // instant-ngp: p ↦ cycle(p · scale + offset), (x, y, z) ↦ (y, z, x). Its cube's corners are (−½, −¼, −¾) / scale
-    // and (½, ¾, ¼) / scale, then turned y up.
+    // instant-ngp maps p to cycle(p · scale + offset), where cycle takes (x, y, z) to (y, z, x). The corners of its
+    // cube are (−½, −¼, −¾) / scale and (½, ¾, ¼) / scale, which are then turned to +Y up.
     ASSERT_TRUE(rig.box);
     EXPECT_EQ(rig.box->first, glm::dvec3(-2, -3, -3));
     EXPECT_EQ(rig.box->second, glm::dvec3(2, 1, 1));

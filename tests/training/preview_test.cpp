@@ -1,4 +1,4 @@
-// What a run shows of itself: the preview image and the log of its numbers.
+// How a run can be watched: by the preview image and the log of its numbers.
 #include "training/preview.h"
 
 #include <gtest/gtest.h>
@@ -39,14 +39,14 @@ TEST_F(PreviewTest, ShowsTruthRenderAndErrorSideBySide) {
     EXPECT_EQ(part(2).rgba, training::error_image(truth, part(1)).rgba);
     EXPECT_EQ(training::compare(truth, part(1)).psnr, quality.psnr);
     const training::Evaluation evaluation =
-        training::evaluate(device(), tree, dataset, 2);  // of the same view, weights in half precision
+        training::evaluate(device(), tree, dataset, 2);  // of the same view, with weights in half precision
     EXPECT_NEAR(evaluation.views[0].psnr, quality.psnr, 0.1);
     EXPECT_LT(quality.psnr, 30) << "a random tree is no sphere";
 }
 
 TEST(PreviewDataset, IsTheFirstCamerasInstantInTheMiddle) {
     training::Dataset dataset = sphere_dataset({.cameras = 3, .frames = 5, .size = 8});
-    std::reverse(dataset.views.begin(), dataset.views.end());  // the first view is now the last camera's
+    std::reverse(dataset.views.begin(), dataset.views.end());  // the first view is now that of the last camera
     const training::Dataset cut = training::preview_dataset(dataset);
     ASSERT_EQ(cut.views.size(), 1u);
     EXPECT_EQ(cut.views[0].name, "c02_f002");

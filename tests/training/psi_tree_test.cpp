@@ -1,5 +1,5 @@
-// From Ψ to a tree: which leaves stay and what they hold, for a network whose answers are known; and the whole way on a
-// capture of a moving sphere.
+// From Ψ to a tree: which leaves stay and which weights they have, for a network whose outputs are known; and training
+// Ψ on captures of a sphere.
 #include "training/psi_tree.h"
 
 #include <gtest/gtest.h>
@@ -27,13 +27,14 @@ const voctree::VOctree& hull() {
     return tree;
 }
 
-// Affine in x: raw σ of frame t is density · (x − 0.1 t) · A_tt in the network's coordinates, everything else constant.
+// A network that is affine in x: in its coordinates, σ of frame t before relu is density · (x − 0.1 t) · A_tt.
+// Everything else is constant.
 training::PsiNetwork ramp_network() {
     const training::PsiShape shape{.frequencies = 2, .width = 32, .layers = 1, .bases = 3, .hh_degree = 1, .frames = 3};
     training::PsiNetwork network = training::initial_psi(shape, hull().box_min, hull().box_size, 1);
     network.density = 4;
     std::fill(network.parameters.begin(), network.parameters.end(), 0.0f);
-    network.parameters[0] = 1;  // hidden 0 = relu(x + 2), never at its kink
+    network.parameters[0] = 1;  // hidden number 0 is relu(x + 2), which is never at relu's kink
     network.parameters[shape.inputs() * shape.width] = 2;
     float* output = &network.parameters[shape.output_offset()];
     float* bias = output + size_t{shape.width} * shape.outputs();
@@ -68,7 +69,7 @@ TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
     };
     size_t kept = 0;
     for (const voctree::LeafPosition& position : before) {
-        const double x = x_at(position, 0.875);  // the centre of its last finest cell along x
+        const double x = x_at(position, 0.875);  // the centre of the leaf's last finest cell along x
         double sum = 0;
         for (int t = 0; t < 3; t++) sum += 0.5 * 4 * std::max(x - 0.1 * t, 0.0);
         const bool found = std::any_of(after.begin(), after.end(), [&](const voctree::LeafPosition& other) {
@@ -82,7 +83,7 @@ TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
     EXPECT_GT(kept, before.size() / 10);
     EXPECT_LT(kept, before.size() * 9 / 10);
     for (uint32_t leaf = 0; leaf < after.size(); leaf++) {
-        // Five standard deviations of a mean of 256 points spread evenly over the leaf.
+        // Five standard deviations of the mean of 256 random points in the leaf.
         const double spread = 4 * (x_at(after[leaf], 1) - x_at(after[leaf], 0)) / std::sqrt(12.0 * 256);
         for (uint32_t t = 0; t < 3; t++)
             ASSERT_NEAR(static_cast<double>(tree.leaf(leaf)[t]), 4 * (x_at(after[leaf], 0.5) - 0.1 * t), 5 * spread);
@@ -110,8 +111,8 @@ training::PsiSettings small_run(uint64_t steps) {
     return settings;
 }
 
-// The network learns a sphere at rest, and the tree that is read off it looks more like it than that of a network that
-// has not learnt yet.
+// The network learns a sphere at rest. The tree that is made of it looks more like the sphere than the tree of a
+// network that has not learnt.
 TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
     const training::Dataset still = sphere_dataset({.cameras = 8, .frames = 1, .size = 40});
     const auto tree_after = [&](uint64_t steps, double& loss) {
@@ -129,7 +130,7 @@ TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
     const double learnt_psnr = training::evaluate(device(), learnt, still, 1).mean.psnr;
     EXPECT_GT(learnt_psnr, training::evaluate(device(), fog, still, 1).mean.psnr + 2);
 
-    // A run takes it from there.
+    // A training run can begin with this tree.
     training::TrainSettings settings;
     settings.steps = 30;
     settings.shape = kShape;

@@ -1,4 +1,4 @@
-// The run's settings over its budget.
+// How a run's settings change over its budget.
 #include "training/schedule.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ TEST(Schedule, StagesBeginInOrder) {
         EXPECT_GT(training::kPhases[i].begins, training::kPhases[i - 1].begins);
     EXPECT_LT(training::kPhases[training::kPhaseCount - 1].begins, 1);
     EXPECT_GE(training::kPhaseCount,
-              training::kLevelsAbovePixel + 2);  // each level above once, and at least one pruning of the finest leaves
+              training::kLevelsAbovePixel + 2);  // one phase per level above, and at least one pruning of finest leaves
 }
 
 }  // namespace

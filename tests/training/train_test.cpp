@@ -1,4 +1,4 @@
-// A run from end to end on a capture of a moving sphere, and what is left of a run that was killed.
+// Whole runs on a capture of a moving sphere, and what runs leave behind that are killed.
 #include "training/train.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ media::Image over_white(const media::Image& image) {
     return media::composite_over(image, white);
 }
 
-// What cameras between those of the capture see of a field, every frame.
+// Renders of a field in every frame, by cameras between those of the capture.
 std::vector<media::Image> held_out_renders(const gpu::Device& device, const render::Field& field) {
     SphereCapture between = kCapture;
     between.first_angle += std::numbers::pi / kCapture.cameras;
@@ -86,18 +86,18 @@ TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
     EXPECT_EQ(last.step, 150u);
     EXPECT_EQ(last.fraction, 1);
     EXPECT_GT(last.leaves, 100u);
-    EXPECT_EQ(last.depth, 7u);  // one level finer than a pixel where the loss pulls
+    EXPECT_EQ(last.depth, 7u);  // one level finer than a pixel where the opacity sensitivity is high
     const std::vector<media::Image> truths = held_out_truths();
     EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), 32);  // 40.8 measured
     EXPECT_EQ(folder.entries(), 2u);
 
-    // The comparison can fail: the sphere at the wrong time.
+    // The comparison can fail: it does with the sphere at a wrong time.
     std::vector<media::Image> shifted(truths.begin() + 1, truths.end());
     shifted.push_back(truths[0]);
     EXPECT_LT(mean_psnr(truths, shifted), 25);
 }
 
-// Moments, batches, phases and use go on where they stood: the two runs differ as two runs of one seed do.
+// Moments, batches, phases and use go on from where they were, so the two runs differ only as two runs of one seed do.
 TEST_F(TrainTest, AnInterruptedRunEndsAsAWholeOne) {
     const TemporaryFolder folder;
     const std::filesystem::path whole = folder.path / "whole.nvv", parts = folder.path / "parts.nvv";
@@ -184,7 +184,7 @@ TEST_F(TrainTest, ACallbackStopsTheRunAfterACheckpoint) {
             calls++;
             return false;
         });
-    EXPECT_EQ(calls, 2u);  // the one that stopped it, and the one at the end
+    EXPECT_EQ(calls, 2u);  // the call that stopped the run, and the one at the end
     EXPECT_GT(last.step, 0u);
     EXPECT_LT(last.fraction, 1);
     EXPECT_EQ(training::load_checkpoint(nvv).run.step, last.step);
@@ -199,7 +199,7 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     const double before = mean_psnr(truths, held_out_renders(device(), nvv));
     training::TrainSettings settings = small_run(70);
     settings.resume = true;
-    settings.shape.hh_degree = 3;  // the run's own shape stays, and its losses and batches
+    settings.shape.hh_degree = 3;  // a resumed run keeps its shape, losses and batches, whatever the settings are
     settings.weights.grad = 50;
     settings.tiles_per_step = 1;
     std::vector<media::Image> seen_in_callback;
@@ -212,7 +212,7 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     EXPECT_EQ(last.step, 70u);
     EXPECT_EQ(last.field, nullptr);
     EXPECT_GT(last.epochs, 0);
-    // The last call came after the last step: what it saw is what the file holds, up to rounding to half precision.
+    // The last call came after the last step, so its field is that of the file up to rounding to half precision.
     EXPECT_GT(mean_psnr(held_out_renders(device(), nvv), seen_in_callback), 50);
     EXPECT_EQ(voctree::read_nvv(nvv).hh_degree, 1u);
     const training::RunState run = training::load_checkpoint(nvv).run;
@@ -228,7 +228,8 @@ TEST_F(TrainTest, AnotherDataSetIsRefused) {
     training::train(device(), capture(), small_run(2), nvv, go_on);
     training::Dataset other = capture();
     for (training::View& view : other.views)
-        for (size_t i = 3; i < view.image.rgba.size() / 2; i += 4) view.image.rgba[i] = 0;  // half the matte is gone
+        for (size_t i = 3; i < view.image.rgba.size() / 2; i += 4)
+            view.image.rgba[i] = 0;  // half of the matte is clear
     training::TrainSettings settings = small_run(4);
     settings.resume = true;
     try {
@@ -250,7 +251,7 @@ class KilledRun : public ::testing::Test {
         if (resume) words.push_back("--resume");
         return words;
     }
-    // Three more steps than the state has seen.
+    // Resumes the run for three more steps than its state has.
     void expect_resumes() {
         const uint64_t step = training::load_checkpoint(nvv_).run.step;
         ChildProcess child(command(step + 3, true), log_);
@@ -279,7 +280,7 @@ TEST_F(KilledRun, LeavesAVolumeThatLoadsAndResumesAtAnyMoment) {
     }
 }
 
-// Killed between the two files of the first checkpoint: the state is enough.
+// A run that is killed between writing the two files of its first checkpoint can go on from the state alone.
 TEST_F(KilledRun, ResumesFromTheStateAlone) {
     ChildProcess child(command(10000000, false), log_);
     ASSERT_TRUE(child.until([&] { return std::filesystem::exists(training::state_path(nvv_)); })) << read_text(log_);
@@ -289,7 +290,7 @@ TEST_F(KilledRun, ResumesFromTheStateAlone) {
     expect_resumes();
 }
 
-// Ctrl-C saves; a kill in the midst of that saving leaves the checkpoint before or the new one.
+// Ctrl-C saves a checkpoint; a kill during that saving leaves the old checkpoint or the new one.
 TEST_F(KilledRun, SurvivesAKillWhileItSaves) {
     ChildProcess child(command(10000000, false), log_);
     ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
@@ -306,7 +307,7 @@ TEST_F(KilledRun, SurvivesAKillWhileItSaves) {
 TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
     ChildProcess child(command(10000000, false), log_);
     ASSERT_TRUE(child.until([&] { return std::filesystem::exists(nvv_); })) << read_text(log_);
-    for (int i = 0; i < 3; i++) {  // as `timeout` does, to the program and to its group
+    for (int i = 0; i < 3; i++) {  // `timeout`, too, sends several signals: to the program and to its group
         child.send(SIGINT);
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
@@ -317,7 +318,7 @@ TEST_F(KilledRun, CtrlCSavesAndExitsWell) {
     expect_resumes();
 }
 
-// --preview and --metrics, over an interruption: the log has the steps of both parts in order, the image is there.
+// --preview and --metrics of a run that is interrupted: the log has the steps of both parts in order, the image exists.
 TEST_F(KilledRun, ShowsItselfWhileItRuns) {
     const std::filesystem::path preview = out_.path / "live/preview.png", metrics = out_.path / "live/run.jsonl";
     const std::vector<std::string> live = {"--preview", preview.string(), "--metrics", metrics.string()};
