@@ -73,9 +73,9 @@ void gather_points(const stage::GltfPrimitive& primitive, const stage::PosedVert
     }
 }
 
-// Calls `visit` with the world positions of each primitive at each of these times.
+// Calls `use_points` with the world positions of each primitive at each of these times.
 void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::vector<double>& times,
-                   const std::function<void(const std::vector<glm::vec3>&)>& visit) {
+                   const std::function<void(const std::vector<glm::vec3>&)>& use_points) {
     stage::PosedVertices vertices;
     std::vector<glm::vec3> points;
     for (size_t i = 0; i < times.size(); ++i) {
@@ -87,7 +87,7 @@ void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::
                  scene.meshes[static_cast<size_t>(scene.nodes[n].mesh)].primitives) {
                 stage::pose_vertices(scene, pose, n, primitive, vertices);
                 gather_points(primitive, vertices, points);
-                visit(points);
+                use_points(points);
             }
         }
     }

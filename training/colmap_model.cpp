@@ -108,8 +108,8 @@ struct BinaryFile {
     explicit BinaryFile(const std::filesystem::path& path)
         : file(path.string()), bytes(read_file(path, kMaxFileBytes)) {}
 
-    void expect(uint64_t wanted) const {
-        if (wanted > bytes.size() - at)
+    void expect(uint64_t count) const {
+        if (count > bytes.size() - at)
             throw InputError(file, place, fmt::format("ends after {} bytes, in the middle", bytes.size()),
                              "copy the sparse model again");
     }

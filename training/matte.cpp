@@ -70,12 +70,12 @@ std::vector<float> differences_in_noise(const media::Image& image, const media::
     return result;
 }
 
-template <typename Visit>
-void for_neighbours(const Mask& mask, size_t at, Visit visit) {
+template <typename Action>
+void for_neighbours(const Mask& mask, size_t at, Action action) {
     const int x = static_cast<int>(at) % mask.width, y = static_cast<int>(at) / mask.width;
     for (int v = -1; v <= 1; ++v)
         for (int u = -1; u <= 1; ++u)
-            if ((u != 0 || v != 0) && mask.inside(x + u, y + v)) visit(mask.index(x + u, y + v));
+            if ((u != 0 || v != 0) && mask.inside(x + u, y + v)) action(mask.index(x + u, y + v));
 }
 
 // The pixels that differ by more than `high`, and those connected to them that differ by more than `low`.

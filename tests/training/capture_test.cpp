@@ -237,11 +237,11 @@ TEST(Capture, MattesAreFoundInTheCheckeredRoom) {
     run(folder.path, settings);
     const training::Dataset truth = training::load_dataset(folder.path, training::Split::kTrain);
     std::filesystem::create_directories(folder.path / "mattes");
-    const training::MatteSummary made =
+    const training::MatteSummary summary =
         training::make_mattes({.dataset = folder.path, .output = folder.path / "mattes"}, {});
-    EXPECT_EQ(made.images, 18u);
-    EXPECT_EQ(made.cameras_with_plate, 6u);
-    EXPECT_EQ(made.missing_split, "");
+    EXPECT_EQ(summary.images, 18u);
+    EXPECT_EQ(summary.cameras_with_plate, 6u);
+    EXPECT_EQ(summary.missing_split, "");
     const training::Dataset found = training::load_dataset(folder.path, training::Split::kTrain);
     double both = 0, either = 0, error = 0, pixels = 0;
     for (size_t i = 0; i < truth.views.size(); ++i)

@@ -322,9 +322,9 @@ TEST_F(DatasetTest, APlateIsTakenOutOfTheImage) {
         for (uint32_t y = 0; y < 4; ++y)
             for (uint32_t x = 0; x < 6; ++x)
                 for (int c = 0; c < 3; ++c) {
-                    const glm::vec4 own = training::foreground(clear, view, x, y);
+                    const glm::vec4 alone = training::foreground(clear, view, x, y);
                     const double behind = media::linear_from_srgb(plate.at(x, y)[c] / 255.0);
-                    const double light = own[c] + (1 - own.a) * behind;
+                    const double light = alone[c] + (1 - alone.a) * behind;
                     captured.at(x, y)[c] = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(light)));
                 }
         media::write_png(folder.path / "train" / (view.name + ".png"), captured);

@@ -145,17 +145,17 @@ TEST(Matte, TheMedianForgetsWhoPassesBy) {
 struct MatteFiles : ::testing::Test {
     TemporaryFolder folder;
     training::Dataset truth = sphere_dataset(kCapture);
-    training::MatteJob what{.dataset = folder.path / "data", .output = folder.path / "data/mattes"};
+    training::MatteJob job{.dataset = folder.path / "data", .output = folder.path / "data/mattes"};
 
     void SetUp() override {
-        write_text(what.dataset / "readme", "");
-        write_capture(what.dataset, opaque_capture(truth, 1));
-        std::filesystem::create_directories(what.output);
+        write_text(job.dataset / "readme", "");
+        write_capture(job.dataset, opaque_capture(truth, 1));
+        std::filesystem::create_directories(job.output);
     }
     // The worst agreement of all images that load_dataset reads.
     Agreement loaded_agreement() const {
         Agreement worst{1, 0};
-        const training::Dataset loaded = training::load_dataset(what.dataset, training::Split::kTrain);
+        const training::Dataset loaded = training::load_dataset(job.dataset, training::Split::kTrain);
         EXPECT_EQ(loaded.views.size(), truth.views.size());
         for (size_t i = 0; i < loaded.views.size(); i++) {
             std::vector<uint8_t> alpha;
@@ -169,57 +169,57 @@ struct MatteFiles : ::testing::Test {
 };
 
 TEST_F(MatteFiles, AreWhatTrainingReads) {
-    std::filesystem::remove(what.output);
-    expect_input_error([&] { training::load_dataset(what.dataset, training::Split::kTrain); }, {"matte"});
-    EXPECT_EQ(training::count_existing_mattes(what), 0u);
-    std::filesystem::create_directories(what.output);
+    std::filesystem::remove(job.output);
+    expect_input_error([&] { training::load_dataset(job.dataset, training::Split::kTrain); }, {"matte"});
+    EXPECT_EQ(training::count_existing_mattes(job), 0u);
+    std::filesystem::create_directories(job.output);
     uint64_t calls = 0;
-    const training::MatteSummary made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
+    const training::MatteSummary summary = training::make_mattes(job, [&](uint64_t done, uint64_t total) {
         calls++;
         EXPECT_LE(done, total);
         EXPECT_EQ(total, 18u);
         return true;
     });
-    EXPECT_EQ(made.images, 18u);
-    EXPECT_EQ(made.cameras, 2u);
-    EXPECT_EQ(made.cameras_with_plate, 0u);
-    EXPECT_NE(made.missing_split.find("transforms_test.json"), std::string::npos) << made.missing_split;
+    EXPECT_EQ(summary.images, 18u);
+    EXPECT_EQ(summary.cameras, 2u);
+    EXPECT_EQ(summary.cameras_with_plate, 0u);
+    EXPECT_NE(summary.missing_split.find("transforms_test.json"), std::string::npos) << summary.missing_split;
     EXPECT_GE(calls, 2u);
-    EXPECT_EQ(training::count_existing_mattes(what), 18u);
+    EXPECT_EQ(training::count_existing_mattes(job), 18u);
     EXPECT_GT(loaded_agreement().iou, 0.95);
     EXPECT_LT(loaded_agreement().mae, 0.003);
-    EXPECT_EQ(media::read_png(what.output / "contact_sheet.png").width, 3u * 320u);
+    EXPECT_EQ(media::read_png(job.output / "contact_sheet.png").width, 3u * 320u);
 }
 
 TEST_F(MatteFiles, AreTakenFromAnotherProgram) {
-    what.from = folder.path / "foreign";
-    std::filesystem::create_directories(what.from);
-    expect_input_error([&] { training::make_mattes(what, {}); }, {"foreign", "c00_f000"});
-    for (const training::View& view : truth.views) media::write_png(what.from / (view.name + ".png"), view.image);
-    training::make_mattes(what, {});
+    job.from = folder.path / "foreign";
+    std::filesystem::create_directories(job.from);
+    expect_input_error([&] { training::make_mattes(job, {}); }, {"foreign", "c00_f000"});
+    for (const training::View& view : truth.views) media::write_png(job.from / (view.name + ".png"), view.image);
+    training::make_mattes(job, {});
     EXPECT_EQ(loaded_agreement().iou, 1);
     EXPECT_EQ(loaded_agreement().mae, 0);
     media::Image grey(96, 96);  // its brightness counts, as it has no alpha
     for (uint8_t& byte : grey.rgba) byte = 255;
     for (uint32_t x = 0; x < 50; x++) std::fill_n(grey.at(x, 0), 3, uint8_t{77});
-    for (const training::View& view : truth.views) media::write_png(what.from / (view.name + ".png"), grey);
-    training::make_mattes(what, {});
-    EXPECT_EQ(media::read_png(what.output / "c00_f000.png").at(49, 0)[0], 77);
-    EXPECT_EQ(media::read_png(what.output / "c00_f000.png").at(50, 0)[0], 255);
-    media::write_png(what.from / "c01_f003.png", media::Image(96, 95));
-    expect_input_error([&] { training::make_mattes(what, {}); }, {"c01_f003", "96×95"});
+    for (const training::View& view : truth.views) media::write_png(job.from / (view.name + ".png"), grey);
+    training::make_mattes(job, {});
+    EXPECT_EQ(media::read_png(job.output / "c00_f000.png").at(49, 0)[0], 77);
+    EXPECT_EQ(media::read_png(job.output / "c00_f000.png").at(50, 0)[0], 255);
+    media::write_png(job.from / "c01_f003.png", media::Image(96, 95));
+    expect_input_error([&] { training::make_mattes(job, {}); }, {"c01_f003", "96×95"});
 }
 
 TEST_F(MatteFiles, TooFewPicturesAreRefused) {
     training::Dataset few = opaque_capture(truth, 1);
     few.views.resize(4);
-    write_capture(what.dataset, few);
-    expect_input_error([&] { training::make_mattes(what, {}); }, {"clean plate", "4 images"});
+    write_capture(job.dataset, few);
+    expect_input_error([&] { training::make_mattes(job, {}); }, {"clean plate", "4 images"});
     expect_input_error([&] { training::make_mattes({.dataset = folder.path / "none"}, {}); }, {"none"});
 }
 
 TEST_F(MatteFiles, StopWhereTheyAreTold) {
-    EXPECT_EQ(training::make_mattes(what, [](uint64_t, uint64_t) { return false; }).images, 9u);
+    EXPECT_EQ(training::make_mattes(job, [](uint64_t, uint64_t) { return false; }).images, 9u);
 }
 
 }  // namespace

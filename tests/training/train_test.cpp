@@ -139,13 +139,13 @@ TEST_F(TrainTest, ATreeNeverHasMoreLeavesThanAsked) {
     const TemporaryFolder folder;
     training::TrainSettings settings = small_run(60);
     settings.max_leaves = 1500;
-    uint32_t most = 0;
+    uint32_t max_leaves = 0;
     training::train(device(), capture(), settings, folder.path / "sphere.nvv", [&](const training::TrainProgress& now) {
-        most = std::max(most, now.leaves);
+        max_leaves = std::max(max_leaves, now.leaves);
         return true;
     });
-    EXPECT_LE(most, 1500u);
-    EXPECT_GT(most, 500u);
+    EXPECT_LE(max_leaves, 1500u);
+    EXPECT_GT(max_leaves, 500u);
 }
 
 TEST_F(TrainTest, UniformLeavesStayOfOneSize) {
