@@ -36,16 +36,16 @@ uint32_t count_pairs(const gpu::Device& device, const render::Field& field, cons
 
 // The rays as an image over white.
 media::Image image_of(const gpu::Device& device, const render::RayBatch& rays, uint32_t width, uint32_t height) {
-    const gpu::Buffer image(device, "rival's image", uint64_t{4} * width * height, gpu::MemoryKind::kDevice,
-                            VK_FORMAT_R32_UINT);
-    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, rays, image);
+    const gpu::Buffer pixels(device, "rival's image", uint64_t{4} * width * height, gpu::MemoryKind::kDevice,
+                             VK_FORMAT_R32_UINT);
+    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, rays, pixels);
     render::ResolveSettings settings;
     settings.background = {1, 1, 1, 1};
     gpu::run_once(device, "resolve", [&](gpu::Commands& commands) {
         render::record_resolve(commands, resolver, {width, height}, settings);
     });
     media::Image image(width, height);
-    gpu::download(device, image, image.rgba.data(), image.rgba.size());
+    gpu::download(device, pixels, image.rgba.data(), image.rgba.size());
     return image;
 }
 
