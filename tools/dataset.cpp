@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "tools/commands.h"
-#include "tools/drawing.h"
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/rig_drawing.h"
@@ -103,31 +102,11 @@ std::optional<double> matte_share(const training::Dataset& dataset) {
     return opaque / pixels;
 }
 
-const char* text_of(training::LensModel model) {
-    switch (model) {
-        case training::LensModel::kBrown:
-            return "radial and tangential distortion";
-        case training::LensModel::kFisheye:
-            return "fisheye";
-        case training::LensModel::kFov:
-            return "FOV";
-        default:
-            return "pinhole";
-    }
-}
-
-const char* text_of(training::MaskMeaning meaning) {
-    switch (meaning) {
-        case training::MaskMeaning::kLabels:
-            return "pixels of any value but 0 are the performer; they become the images' mattes";
-        case training::MaskMeaning::kUsable:
-            return "white pixels are trained on, black ones are ignored";
-        case training::MaskMeaning::kIgnore:
-            return "black pixels are trained on, white ones are ignored";
-        default:
-            return "white is the performer, black the background; they become the images' mattes";
-    }
-}
+constexpr const char* kLensTexts[] = {"pinhole", "radial and tangential distortion", "fisheye", "FOV"};  // by LensModel
+constexpr const char* kMaskTexts[] = {"white is the performer, black the background; they become the images' mattes",
+                                      "pixels of any value but 0 are the performer; they become the images' mattes",
+                                      "white pixels are trained on, black ones are ignored",
+                                      "black pixels are trained on, white ones are ignored"};  // by MaskMeaning
 
 std::string range_text(double low, double high, int digits) {
     const std::string a = fmt::format("{:.{}f}", low, digits), b = fmt::format("{:.{}f}", high, digits);
@@ -150,7 +129,7 @@ void print_lenses(const training::Rig& rig, const training::Dataset& sample) {
     std::set<std::string> models, sizes;
     double shortest = 1e30, longest = 0, widest = 0, narrowest = 180;
     for (const training::RigCamera& camera : rig.cameras) {
-        models.insert(camera.lens.distorts() ? text_of(camera.lens.model) : text_of(training::LensModel::kPinhole));
+        models.insert(kLensTexts[camera.lens.distorts() ? static_cast<size_t>(camera.lens.model) : 0]);
         shortest = std::min({shortest, camera.lens.fx, camera.lens.fy});
         longest = std::max({longest, camera.lens.fx, camera.lens.fy});
     }
@@ -181,7 +160,8 @@ void print_layers(const training::Rig& rig, const DatasetOptions& options, const
                                      [](const training::Shot& shot) { return !shot.mask.path.empty(); });
     const auto plates = std::count_if(rig.cameras.begin(), rig.cameras.end(),
                                       [](const training::RigCamera& camera) { return !camera.plate.path.empty(); });
-    print_field("masks", masks == 0 ? "none" : fmt::format("{}; {}", masks, text_of(rig.masks)));
+    print_field("masks",
+                masks == 0 ? "none" : fmt::format("{}; {}", masks, kMaskTexts[static_cast<size_t>(rig.masks)]));
     print_field("plates", plates == 0 ? "none" : fmt::format("of {} cameras", plates));
     print_field("mattes",
                 matte ? fmt::format("yes; the performer fills {:.1f} % of an image", 100 * *matte)

@@ -177,9 +177,9 @@ std::string all_tables(const training::Dataset& dataset, const training::Evaluat
         of_views += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td>{}</tr>\n", html_text(dataset.views[i].name),
                                 html_text(cameras[dataset.views[i].camera]),
                                 training::frame_of_view(dataset, dataset.views[i]), cells(evaluation.views[i]));
-    return "<div class=\"tables\">\n" + table("Cameras", "<th>camera</th><th>pictures</th>", of_cameras) +
-           table("Frames", "<th>frame</th><th>time</th><th>pictures</th>", of_frames) +
-           table("All images", "<th>picture</th><th>camera</th><th>frame</th>", of_views) + "</div>\n";
+    return "<div class=\"tables\">\n" + table("Cameras", "<th>camera</th><th>images</th>", of_cameras) +
+           table("Frames", "<th>frame</th><th>time</th><th>images</th>", of_frames) +
+           table("All images", "<th>image</th><th>camera</th><th>frame</th>", of_views) + "</div>\n";
 }
 
 std::string layer(const media::Image& image, const char* name) {

@@ -4,7 +4,7 @@
 namespace neuvv {
 namespace {
 
-// The table of a bench, and what it must say.
+// Expects that the table of a measurement contains these words.
 void expect_words(const std::vector<std::string>& command, std::initializer_list<const char*> words) {
     const ProgramResult table = run_neuvv(command);
     EXPECT_EQ(table.code, 0) << table.err;

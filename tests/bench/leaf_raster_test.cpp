@@ -1,4 +1,4 @@
-// Leaves as sparse voxels against the reference's march, and the order in which each tile has them.
+// The rasteriser of leaves against the reference, and the order of the leaves in each tile.
 #include "tools/bench/leaf_raster.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 namespace neuvv::test {
 namespace {
 
-constexpr uint32_t kWidth = 45, kHeight = 35;  // no multiples of a tile
+constexpr uint32_t kWidth = 45, kHeight = 35;  // not multiples of a tile's side
 constexpr uint32_t kPairs = 1u << 18;
 constexpr float kFrame = 1.3f;
 
@@ -27,7 +27,7 @@ struct Rays {
     std::vector<float> depth;
 };
 
-// A tree of one time, drawn both ways.
+// A tree at one time, rasterised and traced.
 class Drawn {
   public:
     Drawn(const gpu::Device& device, const voctree::VOctree& tree, uint32_t width, uint32_t height,
@@ -67,7 +67,7 @@ class Drawn {
         });
     }
 
-    // Leaves of a tile in the order in which they are composited.
+    // The leaves of a tile in the order in which they are composited.
     std::vector<std::vector<uint32_t>> leaves_of_tiles() const {
         const uint32_t sorted = bench::sorted_buffer(rasterizer.key_bits);
         std::vector<glm::uvec2> bounds(tiles.size());
@@ -122,7 +122,7 @@ size_t ray_of_pixel(uint32_t x, uint32_t y, uint32_t width) {
     return (size_t{y / kTile} * across + x / kTile) * kTilePixels + y % kTile * kTile + x % kTile;
 }
 
-// Rays beyond the image's edges see nothing.
+// Rays beyond the edges of the image are empty.
 Rays shade_by_reference(const voctree::VOctree& tree, const stage::Camera& camera, size_t rays) {
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, kFrame);
     const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
@@ -141,8 +141,8 @@ Rays shade_by_reference(const voctree::VOctree& tree, const stage::Camera& camer
 }
 
 struct Difference {
-    double light = 0;    // of colour and alpha, linear
-    double depth_m = 0;  // where the truth's alpha shows
+    double light = 0;    // greatest difference of colour and alpha, linear
+    double depth_m = 0;  // greatest difference where the reference has alpha
     double alpha_mean = 0;
 };
 
@@ -162,10 +162,10 @@ Difference difference(const Rays& drawn, const Rays& truth) {
     return worst;
 }
 
-// σ and colours are fp16, of 11 bits: α and sums of colours are off by up to 1/2000 of themselves.
+// σ and colours are fp16 with 11 significant bits, so α and sums of colours differ by up to 1/2000 of their value.
 constexpr double kHalfLight = 5e-4;
-// Against the trace of the same numbers rounding alone is left: places err by 1e-7 of the box, and a ray at 1/100 to a
-// face meets it 1e-5 m sooner or later, where σ is some 30/m.
+// The trace reads the same numbers, so only rounding differs: positions by 1e-7 of the box, which for a ray at a slope
+// of 1/100 to a face is 1e-5 m along the ray, where σ is about 30/m.
 constexpr double kSameLight = 3e-4;
 constexpr double kDepth_m = 1e-3;
 
@@ -173,7 +173,7 @@ glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 place) {
     return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
 }
 
-// Looks along world −Z: the middle column's and row's rays lie in planes.
+// A camera that looks along world −Z: the rays of its middle column and row lie in planes between cells.
 stage::Camera axis_camera(glm::dvec3 eye) {
     stage::Camera camera = look_at(eye, eye - glm::dvec3(0, 0, 1), kWidth, kHeight);
     camera.fx = camera.fy = 64;
@@ -230,7 +230,7 @@ TEST_F(LeafRasterTest, EveryRayIsTheReferences) {
     }
 }
 
-// Also where rays end early, and where a pixel has several.
+// Also where rays end early, and where a pixel has several rays.
 TEST_F(LeafRasterTest, EveryRayIsTheTraces) {
     voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 3000});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
@@ -247,7 +247,7 @@ TEST_F(LeafRasterTest, EveryRayIsTheTraces) {
     }
 }
 
-// Every ray finds all of its leaves in its tile's list, near to far.
+// The list of a tile has all leaves that its rays meet, near to far along every ray.
 TEST_F(LeafRasterTest, TilesHaveTheirLeavesFrontToBack) {
     for (const RandomTreeOptions& options : kTrees) {
         const voctree::VOctree tree = random_tree(options);
@@ -271,7 +271,8 @@ TEST_F(LeafRasterTest, TilesHaveTheirLeavesFrontToBack) {
                     size_t next = 0;
                     for (const reference::Segment& part :
                          reference::intersect(tree, reference::camera_ray(view.camera, x, y))) {
-                        // Thinner parts are a corner that rounding may leave out, or a plane that a ray lies in.
+                        // A shorter part of a ray is at a corner, which rounding may leave out, or in a plane in which
+                        // the ray lies.
                         if (!(slices[part.leaf].sigma > 0) || part.t_exit - part.t_enter < 1e-5) continue;
                         const auto found = ranks.find(part.leaf);
                         ASSERT_NE(found, ranks.end()) << "a leaf is missing at " << x << ' ' << y;

@@ -20,7 +20,7 @@ struct SortedPairs {
     std::vector<uint32_t> values;
 };
 
-// Values are the keys' numbers. A pair's key is (low, high) in memory, as a Key is on this host.
+// The values are the indices of the keys. A key on the device is (low word, high word), as a Key is on this host.
 SortedPairs sort_on_device(const gpu::Device& device, const std::vector<Key>& keys, uint32_t capacity,
                            uint32_t key_bits) {
     const bench::SortPairs pairs(device, capacity);
@@ -42,7 +42,7 @@ SortedPairs sort_on_device(const gpu::Device& device, const std::vector<Key>& ke
 void expect_sorted(const gpu::Device& device, const std::vector<Key>& keys, uint32_t capacity, uint32_t key_bits) {
     SCOPED_TRACE(std::to_string(keys.size()) + " pairs, " + std::to_string(key_bits) + " bits");
     const uint32_t digits = (key_bits + kSortDigitBits - 1) / kSortDigitBits;
-    const Key mask = ~Key{0} >> (64 - std::min(64u, digits * kSortDigitBits));  // digits are whole
+    const Key mask = ~Key{0} >> (64 - std::min(64u, digits * kSortDigitBits));  // keys are sorted by whole digits
     std::vector<uint32_t> order(keys.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(),
@@ -73,7 +73,7 @@ TEST_F(PairSortTest, PairsOfEqualKeysStayInOrder) {
 }
 
 TEST_F(PairSortTest, ManyPairsHaveManyBlocks) {
-    const uint32_t count = 300 * kSortBlock + 13;  // more blocks than the scan takes at once
+    const uint32_t count = 300 * kSortBlock + 13;  // more blocks than the scan handles in one round
     expect_sorted(device(), random_keys(2, count, 20), count, 16);
 }
 

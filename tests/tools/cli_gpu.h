@@ -63,7 +63,7 @@ struct CliGpu : test::GpuTest {
         voctree::write_nvv(scene, tree);
     }
     std::string file(const char* name) const { return (folder.path / name).string(); }
-    // What write_own_dataset makes of own_tree(), in "data". Its images are rendered once for all cases.
+    // Writes the data set of own_tree() into "data". Its images are rendered once for all tests.
     void write_own_data() const {
         static const TemporaryFolder made;
         static const bool written = (write_own_dataset(device(), own_tree(), made.path), true);

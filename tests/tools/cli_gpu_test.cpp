@@ -1,4 +1,4 @@
-// The command line with a device: what render and eval write, and that a scene measured against itself is perfect.
+// The command line with a device: the files of render and eval, and that a scene compared with itself is perfect.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -84,7 +84,7 @@ TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
     }
     EXPECT_EQ(colour.rgba[3], 0);
     EXPECT_EQ(std::vector<uint8_t>(green.rgba.begin(), green.rgba.begin() + 4), (std::vector<uint8_t>{0, 255, 0, 255}));
-    EXPECT_EQ(depth.rgba[0], 0);  // nothing there: far
+    EXPECT_EQ(depth.rgba[0], 0);  // the background, which is far
     EXPECT_GT(*std::max_element(depth.rgba.begin(), depth.rgba.end() - 1), 60);
     const media::Image level = image({"--level"}), cost = image({"--cost"}),
                        cheap = image({"--cost", "--cost-max", "4"});
@@ -127,10 +127,10 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
     ASSERT_EQ(all.cameras.size(), 2u);
     EXPECT_EQ(all.cameras[1].images, 3u);
 
-    voctree::VOctree other = tree;  // the comparison must be able to fail
+    voctree::VOctree other = tree;  // proves that the comparison can fail
     for (float& weight : other.weights) weight = -weight;
     EXPECT_LT(training::evaluate(device(), other, dataset, 1).mean.psnr, 30);
-    training::Dataset blind = dataset;  // pixels that nobody looks at do not count
+    training::Dataset blind = dataset;  // pixels that are ignored do not count
     for (training::View& view : blind.views) {
         view.ignored.assign(view.image.rgba.size() / 4, true);
         std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
@@ -216,7 +216,7 @@ TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
     EXPECT_FALSE(std::filesystem::exists(file("small.nvv")));
 }
 
-// The same image from the file itself, from it on a stage and from what it is converted to.
+// The same image from the PlenOctree itself, from the PlenOctree on a stage, and from the .nvv that it is converted to.
 TEST_F(CliGpu, PlenoctreesAreClips) {
     const std::string tree_npz = file("tree.npz");
     std::filesystem::copy(NEUVV_SOURCE_DIR "/tests/fuzz/corpus/plenoctree/tiny/scene.npz", tree_npz);
@@ -320,7 +320,7 @@ TEST_F(CliGpu, ALinkStaysAndItsTargetIsReplaced) {
     EXPECT_EQ(media::read_png(folder.path / "target.png").width, 16u);
 
     std::filesystem::create_directory(folder.path / "videos");
-    std::filesystem::create_symlink("videos/turn.mp4", folder.path / "link.mp4");  // of a target that is not there yet
+    std::filesystem::create_symlink("videos/turn.mp4", folder.path / "link.mp4");  // the target does not exist yet
     const ProgramResult video =
         run_neuvv({"render", scene, "-o", file("link.mp4"), "--frames", "0", "--size", "16x16", "--fps", "1"});
     ASSERT_EQ(video.code, 0) << video.err;
@@ -336,7 +336,7 @@ TEST_F(CliGpu, OddVideosAreReportedAsEncoded) {
     EXPECT_NE(result.out.find("\"height\": 32"), std::string::npos) << result.out;
 }
 
-// Copies share their clip: they take nothing more.
+// Copies share their clip, so they take no further memory.
 TEST_F(CliGpu, StageInfoMeasuresEachClipOnce) {
     const std::string show = file("show.gltf");
     test::write_stage(show, scene, "anna");

@@ -1,4 +1,4 @@
-// neuvv paint, and what render --paint shows of it.
+// neuvv paint, and the images of render --paint.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace neuvv {
 namespace {
 
-// The verb comes first, and then what is painted.
+// The verb comes first, then the scene and the layer.
 std::vector<std::string> paint_call(std::vector<std::string> arguments, const std::string& scene,
                                     const std::string& layer) {
     arguments.insert(arguments.begin() + 1, {scene, layer});
@@ -113,8 +113,8 @@ TEST_F(CliPaint, WrongUseIsRefused) {
     expect_refused({"paint", "erase", scene, layer, "--sphere", "0,0,0,1"}, 2, {"another scene"});
 }
 
-// A stage with two copies of a solid performer: "anna" is sheared, stretched, mirrored and turns, "anna 2" stands
-// aside.
+// A stage with two copies of a solid performer. "anna" is sheared, stretched, mirrored and spins; "anna 2" stands
+// beside it.
 struct CliStagePaint : CliPaint {
     std::string show = file("show.gltf");
     const std::vector<std::string> anna = {"--node", "anna", "--time", "0.5"};
@@ -163,8 +163,8 @@ struct CliStagePaint : CliPaint {
     }
 };
 
-// What became of the performer's pixels: those of the right colour, and others, where leaves that straddle the middle
-// may have any.
+// Counts the performer's pixels that have the right colour, and the others. Leaves across the middle may have either
+// colour.
 struct Halves {
     uint32_t left = 0, right = 0, wrong = 0;
 };
@@ -245,7 +245,7 @@ TEST_F(CliStagePaint, ABrushColoursThePixelThatItIsPutOn) {
     const media::Image before = still();
     project({});
     const media::Image painted = still();
-    glm::uvec2 at(0);  // of the performer, well within it
+    glm::uvec2 at(0);  // a pixel of the performer, well inside its outline
     for (uint32_t x = 8; x < 88 && at.x == 0; x++) {
         bool within = true;
         for (uint32_t dx = 0; dx < 9; dx++)
@@ -265,7 +265,8 @@ TEST_F(CliStagePaint, ABrushColoursThePixelThatItIsPutOn) {
     EXPECT_GT(after.at(at.x, at.y)[2], 2 * std::max(after.at(at.x, at.y)[0], after.at(at.x, at.y)[1]));
 }
 
-// What another layer took away is not hit, unless that layer is hidden; the one that is painted counts as well.
+// The brush does not meet leaves that another layer has erased, unless that layer is hidden. Leaves that the painted
+// layer itself has erased are not met either.
 TEST_F(CliStagePaint, TheOtherLayersShow) {
     write_halves();
     const std::string mask = file("mask.nvpaint");

@@ -1,4 +1,4 @@
-// neuvv render: camera paths, linear images, and renders that are interrupted and gone on with.
+// neuvv render: camera paths, linear images, and renders that are interrupted and resumed.
 #include <gtest/gtest.h>
 
 #include "media/exr.h"
@@ -37,7 +37,7 @@ struct CliRender : CliGpu {
         words.insert(words.end(), more);
         return words;
     }
-    // Runs until image `last` is there, and stops it.
+    // Runs the program until image `last` is written, and stops it.
     void interrupt(const std::vector<std::string>& words, const std::filesystem::path& last, int signal, int code) {
         std::vector<std::string> all = {NEUVV_PROGRAM};
         all.insert(all.end(), words.begin(), words.end());
@@ -53,14 +53,15 @@ TEST_F(CliRender, PathsAreFollowed) {
     const ProgramResult result = run_neuvv(command("o_%02d.png", {"--camera", path, "--fps", "2", "--json"}));
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(nlohmann::json::parse(result.out).at("pictures"), 5);
-    // Its keys are the orbit's views.
+    // The keys of the path are the views of the orbit.
     ASSERT_EQ(run_neuvv(command("orbit_%02d.png", {})).code, 0);
     for (int i = 0; i < 3; ++i) {
         const media::Image seen = media::read_png(folder.path / ("o_0" + std::to_string(2 * i) + ".png"));
         const media::Image truth = media::read_png(folder.path / ("orbit_0" + std::to_string(2 * i) + ".png"));
         size_t off = 0;
         for (size_t p = 0; p < seen.rgba.size(); ++p) off += std::abs(seen.rgba[p] - truth.rgba[p]) > 1;
-        EXPECT_LT(off, seen.rgba.size() / 200) << i;  // poses differ by rounding, which decides rays at leaves' edges
+        EXPECT_LT(off, seen.rgba.size() / 200)
+            << i;  // transforms differ by rounding, which matters to rays at the edges of leaves
     }
     EXPECT_NE(media::read_png(file("o_01.png")).rgba, media::read_png(file("o_00.png")).rgba);
     expect_refused(command("o.png", {"--camera", path}), 2, {"--output", "is one file for"});
@@ -68,7 +69,7 @@ TEST_F(CliRender, PathsAreFollowed) {
     expect_refused(command("o_%d.png", {"--camera", file("other.json")}), 2, {"other.json", "no camera path"});
 }
 
-// nerfstudio's paths have a rate of their own; clips and stages show both ends of a path.
+// A path of nerfstudio has its own rate; a clip and a stage show both ends of a path.
 TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
     nlohmann::json path = {{"camera_type", "perspective"},
                            {"render_width", 48},
@@ -124,7 +125,7 @@ TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
     size_t seen = 0;
     for (size_t p = 0; p < linear.depth_m.size(); ++p) {
         const float alpha = linear.rgba[4 * p + 3];
-        EXPECT_NEAR(image.rgba[4 * p + 3], 255 * alpha, 0.75);  // half a step, and a half's rounding
+        EXPECT_NEAR(image.rgba[4 * p + 3], 255 * alpha, 0.75);  // half a step of 8 bits, and the rounding of an fp16
         EXPECT_EQ(std::isfinite(linear.depth_m[p]), alpha > 0);
         seen += alpha > 0.2f;
         for (size_t c = 0; c < 3 && alpha > 0.2f; ++c)
@@ -138,8 +139,8 @@ TEST_F(CliRender, LinearPicturesAreThePicturesBeforeTheyBecomeSrgb) {
     expect_refused(command("one.exr", {"--frames", "1", "--scale", "0.5"}), 2, {"--scale", "not linear"});
 }
 
-// Stopped by Ctrl-C's signal, and killed: what is gone on with is byte for byte what an uninterrupted run writes, and
-// nothing is rendered twice.
+// A render is stopped by Ctrl-C's signal, then killed. Resumed, it writes the same bytes as a run without interruption,
+// and renders no image twice.
 TEST_F(CliRender, PassesAreListedAndShown) {
     const ProgramResult list = run_neuvv({"render", "--pass", "list"});
     EXPECT_EQ(list.code, 0) << list.err;

@@ -1,4 +1,4 @@
-// neuvv render of a stage, as its user types it.
+// neuvv render of a stage, on the command line.
 #include <gtest/gtest.h>
 
 #include "media/exr.h"
@@ -61,7 +61,7 @@ TEST_F(CliStage, EveryEditAndSwitchShows) {
     EXPECT_NE(pair.rgba, still({"--blend", "paper"}).rgba) << "they stand in each other";
 }
 
-// A backdrop of one's own stands in the environment's place, whose light stays.
+// A --background replaces the image of the environment, but not its light.
 TEST_F(CliStage, ABackgroundReplacesTheEnvironment) {
     media::Image sky(16, 8);
     std::fill(sky.rgba.begin(), sky.rgba.end(), uint8_t{255});
@@ -70,7 +70,7 @@ TEST_F(CliStage, ABackgroundReplacesTheEnvironment) {
     const media::Image without = still({"--background", "#00ff00"});
     done({"stage", "set", show, "--environment", file("sky.png")});
     const media::Image with = still({"--background", "#00ff00"});
-    const size_t top = 4 * 32, floor = 4 * (64 * 46 + 32);  // above the floor's end; in front
+    const size_t top = 4 * 32, floor = 4 * (64 * 46 + 32);  // pixels above the end of the floor, and in front
     EXPECT_NEAR(still().rgba[top], 40, 1);
     for (size_t c = 0; c < 3; ++c) EXPECT_EQ(with.rgba[top + c], c == 1 ? 255 : 0);
     EXPECT_GT(with.rgba[floor + 2], without.rgba[floor + 2]) << "it shines";
@@ -91,7 +91,7 @@ TEST_F(CliStage, LightsBeyondTheLimitsAreToldOf) {
     EXPECT_EQ(all.err.find("shadows"), std::string::npos) << "none are wanted";
 }
 
-// The stage's own path, in its time; by default the first camera is seen.
+// --camera path follows the stage's own path in stage time; the default is the first camera.
 TEST_F(CliStage, TheStagesPathIsFollowed) {
     const media::Image first = still();
     expect_refused({"render", show, "-o", file("x.png"), "--camera", "path"}, 2, {"path", "camera"});
@@ -123,7 +123,7 @@ TEST_F(CliStage, WhatIsHiddenIsNotDrawn) {
     EXPECT_EQ(before.rgba, still().rgba);
 }
 
-// Without a camera that is drawn, the stage is seen on a turn around it.
+// A stage without a camera is rendered on an orbit around it.
 TEST_F(CliStage, OrthographicCamerasAreAsNone) {
     std::string text = read_text(show);
     const auto begin = text.find("\"type\": \"perspective\""), end = text.find('}', begin);
@@ -134,7 +134,7 @@ TEST_F(CliStage, OrthographicCamerasAreAsNone) {
     EXPECT_EQ(seen.rgba, still({"--orbit"}).rgba);
 }
 
-// Paint that does not fit its clip any more is named with its node and its place in the list.
+// The error for paint that no longer fits its clip names the node and the index in its list.
 TEST_F(CliStage, PaintThatDoesNotFitIsNamed) {
     voctree::write_paint(file("red.nvpaint"), {voctree::painted_field(tree), {}});
     done({"stage", "paint", show, "anna", "--add", file("red.nvpaint")});

@@ -110,7 +110,7 @@ TEST_F(Cli, DamagedFilesAreBadInput) {
     write_text(file("foreign.nvv"), "PK\x03\x04 not one of ours");
     write_text(file("empty.nvv"), "");
     std::string flipped = whole;
-    flipped[whole.size() - 100] ^= 1;  // in the last weights: only --check reads so far
+    flipped[whole.size() - 100] ^= 1;  // in the last weights, which only --check reads
     write_text(file("flipped.nvv"), flipped);
 
     for (const char* name : {"cut.nvv", "foreign.nvv", "empty.nvv", "missing.nvv"})

@@ -1,4 +1,4 @@
-// `neuvv dataset`: what it says of data sets, and its drawings.
+// `neuvv dataset`: its report on data sets, and its drawings.
 #include <gtest/gtest.h>
 
 #include <cmath>

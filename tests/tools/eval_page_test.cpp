@@ -97,7 +97,7 @@ TEST_F(EvalPage, HostileNamesStayText) {
 
 TEST_F(EvalPage, LargePicturesAreShrunk) {
     test::Random random(5);
-    media::Image noise(4000, 20);  // cannot be compressed, so that the page's size tells
+    media::Image noise(4000, 20);  // cannot be compressed, so that the size of the page shows how large the image is
     for (uint8_t& byte : noise.rgba) byte = static_cast<uint8_t>(random.below(256));
     const std::string html = tools::comparison_page({}, dataset, evaluation, {{0, noise, noise}});
     EXPECT_LT(html.size(), noise.rgba.size() / 2);
@@ -107,7 +107,8 @@ TEST_F(EvalPage, LargePicturesAreShrunk) {
 TEST(CameraLabels, AreWhatTheNamesBeginWith) {
     training::Dataset dataset = test::sphere_dataset({.cameras = 3, .frames = 4, .size = 2});
     EXPECT_EQ(training::camera_labels(dataset), (std::vector<std::string>{"c00", "c01", "c02"}));
-    for (training::View& view : dataset.views) view.name = "r_" + view.name.substr(5);  // all alike: numbers
+    for (training::View& view : dataset.views)
+        view.name = "r_" + view.name.substr(5);  // all alike: cameras get their numbers
     EXPECT_EQ(training::camera_labels(dataset), (std::vector<std::string>{"0", "1", "2"}));
     dataset.views.resize(1);
     dataset.views[0].name = "only_one";

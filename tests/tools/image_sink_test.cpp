@@ -1,4 +1,4 @@
-// Where images go, and going on where a render stopped.
+// Where the images of a render are written, and how a render is resumed.
 #include "tools/image_sink.h"
 
 #include <gtest/gtest.h>
@@ -34,8 +34,8 @@ TEST_F(Sink, NumberedPicturesGoOnWhereTheyStopped) {
         for (uint32_t i = 0; i < 3; ++i) first.add(i, image_of(static_cast<uint8_t>(10 * i)));
     }  // interrupted
     EXPECT_TRUE(there("o_render.json"));
-    media::write_png(folder.path / "o_03.png", image_of(99));  // of some other render
-    std::filesystem::remove(folder.path / "o_01.png");         // and one was thrown away
+    media::write_png(folder.path / "o_03.png", image_of(99));  // an image of another render
+    std::filesystem::remove(folder.path / "o_01.png");         // an image that was deleted
     tools::ImageSink second = sink("o_%02d.png", true);
     EXPECT_TRUE(second.has(0));
     EXPECT_FALSE(second.has(1));
@@ -64,7 +64,7 @@ TEST_F(Sink, TwoRendersAreNotMixed) {
                        {"o_render.json", "--size", "16x8", "32x16", "without --resume"});
     facts["--size"] = "16x8";
     facts["scene"] = "xxh3:4567";
-    facts["pictures"] = "12";  // which follows from it
+    facts["pictures"] = "12";  // which follows from the change
     expect_input_error([&] { sink("o_%d.png", true); }, {"o_render.json", "scene: was changed since"});
     facts["scene"] = "xxh3:0123";
     facts.erase("pictures");

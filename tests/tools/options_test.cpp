@@ -80,7 +80,7 @@ TEST(Options, OutputsAreCheckedBeforeWork) {
     tools::prepare_output_file("--json", folder.path / "a/b/c.json");
     EXPECT_TRUE(std::filesystem::is_directory(folder.path / "a/b"));
     EXPECT_FALSE(std::filesystem::exists(folder.path / "a/b/c.json"));
-    tools::prepare_output_file("--json", "c.json");  // in the working folder
+    tools::prepare_output_file("--json", "c.json");  // in the working directory
     expect_input_error([&] { tools::prepare_output_file("--json", folder.path / "a/b"); }, {"--json", "a/b"});
     expect_input_error([&] { tools::prepare_output_file("--json", folder.path / "a/"); }, {"--json", "a/"});
     write_text(folder.path / "wall", "a file where a folder should be");

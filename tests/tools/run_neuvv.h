@@ -1,4 +1,4 @@
-// The built program, NEUVV_PROGRAM, as a user runs it: arguments in, exit code and both streams out.
+// Runs the built program, NEUVV_PROGRAM, as a user does.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace neuvv {
 
 struct ProgramResult {
-    int code = -1;  // of exit; -1 where a signal ended it
+    int code = -1;  // the exit code; -1 where a signal ended the program
     std::string out, err;
 };
 
@@ -35,7 +35,7 @@ inline ProgramResult run_neuvv(const std::vector<std::string>& arguments, const 
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
 }
 
-// Refused with this code and one line on stderr that holds every part.
+// Expects that the program ends with this code and one line on stderr, which contains every part.
 inline void expect_refused(const std::vector<std::string>& arguments, int code, const std::vector<std::string>& parts) {
     const ProgramResult result = run_neuvv(arguments);
     EXPECT_EQ(result.code, code) << result.err;

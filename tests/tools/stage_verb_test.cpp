@@ -1,4 +1,4 @@
-// `neuvv stage` as its user types it.
+// `neuvv stage` on the command line.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -89,7 +89,7 @@ TEST_F(StageVerb, AShowFromNothing) {
     EXPECT_EQ(stage::load_stage(file("other/copy.gltf")).clips.at(0).path, std::filesystem::canonical(clip));
 }
 
-// Sixteen lights shine and four cast shadows; which do not is said.
+// Sixteen lights shine and four cast shadows; `info` names those that do not.
 TEST_F(StageVerb, LightsBeyondTheLimitsAreNamed) {
     stage::StageFile file = edit::new_stage(show);
     edit::LightEdit point;
@@ -101,7 +101,7 @@ TEST_F(StageVerb, LightsBeyondTheLimitsAreNamed) {
     ASSERT_EQ(lights.size(), 18u);
     for (size_t i = 0; i < 18; ++i) {
         const bool spot = i != 1;
-        const bool shadow = spot && i < 5;  // the key, three more after the bulb
+        const bool shadow = spot && i < 5;  // the light "key", and three more after the point light
         EXPECT_EQ(lights[i]["shines"], i < 16) << i;
         EXPECT_EQ(lights[i]["casts_shadow"], shadow) << i;
         EXPECT_EQ(lights[i]["limited"], spot && !shadow) << i;
@@ -184,7 +184,7 @@ TEST_F(StageVerb, NodesAreHiddenAndLocked) {
     EXPECT_EQ(json["locked"].size(), 0u);
 }
 
-// Another program's stage: after an edit every byte but those of the edit is as it was.
+// A stage of another program: an edit changes no bytes but its own.
 TEST_F(StageVerb, AnotherProgramsBytesStay) {
     show = test::put_foreign_stage(folder.path).string();
     const std::string before = read_text(show);
@@ -201,7 +201,7 @@ TEST_F(StageVerb, AnotherProgramsBytesStay) {
     ASSERT_NE(end, std::string::npos) << after;
     replace("\"ACME_fog\" : { \"off\" : true } } }",
             "\"ACME_fog\" : { \"off\" : true } },\n\t\t  \"translation\" : [0.0, 1.0, 0.0] }");
-    // The separator of the new member is that of its neighbours, whichever of them.
+    // The new member has the white space of one of its neighbours, so white space is not compared.
     const auto bare = [](std::string text) {
         std::erase_if(text, [](char c) { return c == ' ' || c == '\n' || c == '\t'; });
         return text;
@@ -283,7 +283,7 @@ TEST_F(StageVerb, NamesThatAreTakenAreNumbered) {
     expect_done({"set", show, "floor 2", "--name", "floor 2"}, "named \"floor 2\"\n");
 }
 
-// The wrong kind of file is told from its content, before anything is written.
+// A file of the wrong kind is recognised by its content, before anything is written.
 TEST_F(StageVerb, FilesOfAnotherKindAreNamed) {
     expect_done({"new", show});
     expect_done({"add", show, clip, "--name", "anna"});
@@ -325,7 +325,7 @@ TEST_F(StageVerb, InfoIsOneForClipsAndStages) {
     expect_refused({"info", clip, "--memory"}, 2, {"--memory", "stages"});
 }
 
-// A performer whose .nvv went away: the stage says so, and can be fixed.
+// A performer whose .nvv is missing: the error names it, and the performer can be removed.
 TEST_F(StageVerb, AMissingClipIsNamedAndCanBeRemoved) {
     expect_done({"new", show});
     expect_done({"add", show, clip, "--name", "anna"});

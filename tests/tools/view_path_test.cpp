@@ -14,7 +14,7 @@ namespace {
 
 using Box = std::pair<glm::dvec3, glm::dvec3>;
 
-// Where a world position falls in the image, in pixels.
+// The pixel that shows a world position.
 glm::dvec2 project(const stage::Camera& camera, glm::dvec3 position) {
     const glm::dvec3 p = glm::dvec3(glm::inverse(camera.world_from_camera) * glm::dvec4(position, 1));
     EXPECT_LT(p.z, 0) << "behind the camera";
@@ -96,7 +96,7 @@ TEST(ViewPath, FasterOutputFallsBetweenFrames) {
     const std::vector<tools::ViewStep> path = tools::orbit_path({{0, 0, 0}, {1, 1, 1}}, {{2, 4.5}, 10, 40}, {8, 8});
     for (size_t i = 0; i < 14; ++i)
         EXPECT_NEAR(path[i].frame, std::min(4.5, 2 + 0.25 * static_cast<double>(i)), 1e-9) << i;
-    EXPECT_NEAR(path[14].frame, 2, 1e-9);  // again
+    EXPECT_NEAR(path[14].frame, 2, 1e-9);  // the clip repeats
 }
 
 TEST(ViewPath, TooManyPicturesAreRefused) {
@@ -120,7 +120,7 @@ TEST(ViewPath, ViewsAreAPictureEach) {
     EXPECT_EQ(timed[0].camera.height, 80u);
     EXPECT_NEAR(timed[0].camera.fx, 100, 1e-9);
 
-    for (const size_t count : {3, 50, 1000}) {  // whatever i / 25 rounds to
+    for (const size_t count : {3, 50, 1000}) {  // however i / 25 is rounded
         const auto playing = tools::path_steps(views_of(count, 10, 8), playback, 11, {}, {7, 7});
         ASSERT_EQ(playing.size(), count);
         EXPECT_EQ(playing[2].frame, 2);
@@ -174,7 +174,7 @@ TEST(ViewPath, KeysWithoutASizeTakeTheFallback) {
     EXPECT_EQ(path[0].camera.cy, 50);
 }
 
-// Rates as .nvv files and users give them: no image may drift off the clip's frames.
+// Rates as .nvv files and as users write them: no image may drift off the frames of the clip.
 TEST(ViewPath, PicturesAtAMultipleOfTheClipsRateHitItsFrames) {
     const Box box{{0, 0, 0}, {1, 1, 1}};
     const double clip_fps = double{29.97f};

@@ -1,16 +1,35 @@
-#include "tools/bench/cpu_marcher.h"
+#include "tools/bench/rivals.h"
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <mutex>
 
 #include "base/parallel.h"
 #include "shared/trace.h"
+#include "voctree/half.h"
 
 namespace neuvv::bench {
 
 namespace {
+
+// A shaded slice tree on the host (shared/slice_tree.h).
+struct HostSlice {
+    struct Entry {
+        float sigma = 0;             // 1/m
+        glm::vec3 colour{0};         // linear RGB
+        uint32_t node = UINT32_MAX;  // the child node, where the entry has one
+    };
+    std::vector<glm::uvec4> nodes;
+    std::vector<Entry> entries;
+    glm::vec3 box_min{0}, box_size{1};
+    uint32_t node_levels = 1, top_levels = 0;
+};
+
+// Smallest and largest distance of leaves in metres for each tile of 8×8 pixels, row by row; x > y where a tile sees
+// none.
+using HostTileRanges = std::vector<glm::vec2>;
 
 uint64_t bits_of(uint32_t lo, uint32_t hi) {
     return uint64_t{hi} << 32 | lo;
@@ -121,16 +140,11 @@ class Marcher {
     int shift_ = 0;
     uint32_t first_ = 0, wide_ = 0;
     bool in_node_ = false;
-    MarchCounts counts_;
+    MarchCounts counts_{.rays = 1};
 };
 
-}  // namespace
-
-uint64_t MarchCounts::bytes() const {
-    constexpr uint64_t kGrid = 4, kNode = 16, kEntry = 8, kResult = 20;
-    return nodes * (kGrid + kNode) + descents * (kEntry + kNode) + entries * kEntry + 2 * rays * kResult;
-}
-
+// Marches one ray per pixel. Returns premultiplied linear RGB and alpha, row by row. Rays end where their transmittance
+// falls below `stop`. Adds to `counts`.
 std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRanges& ranges, const stage::Camera& camera,
                                      float stop, MarchCounts& counts) {
     std::vector<glm::vec4> rays(size_t{camera.width} * camera.height);
@@ -148,18 +162,81 @@ std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRange
                                      (camera.cy - static_cast<double>(row) - 0.5) / camera.fy, -1};
                 Marcher marcher(slice, eye, glm::normalize(rotation * line), range);
                 rays[row * camera.width + x] = marcher.trace(stop);
-                sum.rays++;
-                sum.nodes += marcher.counts().nodes;
-                sum.descents += marcher.counts().descents;
-                sum.entries += marcher.counts().entries;
+                sum.add(marcher.counts());
             }
         const std::lock_guard lock(adding);
-        counts.rays += sum.rays;
-        counts.nodes += sum.nodes;
-        counts.descents += sum.descents;
-        counts.entries += sum.entries;
+        counts.add(sum);
     });
     return rays;
+}
+
+// The first slice of the cache.
+HostSlice host_slice(const gpu::Device& device, const render::Field& field, const render::Performer& performer) {
+    const render::SliceTrees& trees = performer.slices()->trees();
+    HostSlice slice;
+    LiveCount count;
+    gpu::download(device, trees.counts, &count, sizeof(count));
+    std::vector<glm::uvec2> words(std::min(count.slots, trees.capacity));
+    slice.nodes.resize(field.node_count());
+    gpu::download(device, trees.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
+    gpu::download(device, *performer.passes().shaded(), words.data(), words.size() * sizeof(glm::uvec2));
+    const auto number = [](uint32_t word, int shift) {
+        return voctree::float_from_half(static_cast<uint16_t>(word >> shift));
+    };
+    for (const glm::uvec2 word : words) {
+        if (word.x & kEntryIsNode)
+            slice.entries.push_back({0, {}, word.y});
+        else
+            slice.entries.push_back({number(word.x, 0), {number(word.x, 16), number(word.y, 0), number(word.y, 16)}});
+    }
+    slice.box_min = field.box_min;
+    slice.box_size = field.box_size;
+    slice.node_levels = field.node_levels;
+    slice.top_levels = field.top_levels;
+    return slice;
+}
+
+HostTileRanges host_ranges(const gpu::Device& device, const render::TileRanges& of, size_t tiles) {
+    std::vector<glm::uvec2> words(tiles);
+    gpu::download(device, of.ranges, words.data(), words.size() * sizeof(glm::uvec2));
+    HostTileRanges ranges;
+    for (const glm::uvec2 word : words)
+        ranges.push_back(word.x == kNoTile ? glm::vec2(1, 0)
+                                           : glm::vec2(std::bit_cast<float>(word.x), std::bit_cast<float>(~word.y)));
+    return ranges;
+}
+
+}  // namespace
+
+void MarchCounts::add(const MarchCounts& other) {
+    rays += other.rays;
+    nodes += other.nodes;
+    descents += other.descents;
+    entries += other.entries;
+}
+
+uint64_t MarchCounts::bytes() const {
+    constexpr uint64_t kGrid = 4, kNode = 16, kEntry = 8, kResult = 20;
+    return nodes * (kGrid + kNode) + descents * (kEntry + kNode) + entries * kEntry + 2 * rays * kResult;
+}
+
+void measure_host(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
+                  const stage::Camera& camera, uint32_t repeats, HostTimes& host) {
+    const HostSlice slice = host_slice(device, field, *renderer.performer());
+    const size_t tiles = size_t{(camera.width + kTile - 1) / kTile} * ((camera.height + kTile - 1) / kTile);
+    const HostTileRanges ranges = host_ranges(device, renderer.ranges(), tiles);
+    std::vector<glm::vec4> rays;
+    for (uint32_t i = 0; i < repeats; i++) {
+        const auto start = std::chrono::steady_clock::now();
+        rays = march_on_host(slice, ranges, camera, render::kStopTransmittance, host.counts);
+        host.images++;
+        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+        host.ms.push_back(took.count());
+    }
+    const std::vector<glm::vec4> truth = renderer.radiance();
+    for (size_t i = 0; i < rays.size(); i++)
+        for (int c = 0; c < 4; c++)
+            host.worst_difference = std::max(host.worst_difference, std::abs(double{rays[i][c]} - truth[i][c]));
 }
 
 }  // namespace neuvv::bench

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -10,6 +11,7 @@
 #include "edit/operations.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "training/metrics.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::bench {
@@ -108,6 +110,16 @@ double mean(const std::vector<double>& values) {
     double sum = 0;
     for (const double value : values) sum += value;
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+void Differences::add(const media::Image& truth, const media::Image& image) {
+    const training::Quality quality = training::compare(truth, image);
+    absolute.push_back(quality.mae);
+    squared.push_back(std::pow(10, -quality.psnr / 10));
+}
+
+double Differences::psnr() const {
+    return -10 * std::log10(std::max(mean(squared), 1e-10));
 }
 
 double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, const gpu::Buffer& to) {

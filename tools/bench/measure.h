@@ -76,6 +76,14 @@ double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, con
 // Bytes read and written per second by a copy of the field's weights: the median of five copies.
 double copied_bytes_per_second(const gpu::Device& device, const render::Field& field);
 
+// How much images of several views differ from their truth.
+struct Differences {
+    std::vector<double> absolute, squared;  // means over the pixels of each view, of values in [0,1]
+    void add(const media::Image& truth, const media::Image& image);
+    double mean_of_255() const { return 255 * mean(absolute); }
+    double psnr() const;  // of all views together, dB
+};
+
 // Of all passes together.
 double milliseconds(const std::vector<gpu::PassTime>& passes);
 // What a pass took in every image.

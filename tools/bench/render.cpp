@@ -1,7 +1,6 @@
 // neuvv-bench render: compares the paths of the renderer, the paper's included, in time and in their images.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -9,13 +8,9 @@
 
 #include "base/platform.h"
 #include "render/reference_paths.h"
-#include "tools/bench/cpu_marcher.h"
-#include "tools/bench/measure.h"
-#include "tools/bench/rival.h"
+#include "tools/bench/rivals.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
-#include "training/metrics.h"
-#include "voctree/half.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::bench {
@@ -47,79 +42,17 @@ double milliseconds(const std::vector<gpu::PassTime>& passes, bool of_slice) {
     return sum;
 }
 
-struct HostTimes {
-    std::vector<double> ms;       // of the rays alone
-    double worst_difference = 0;  // between host and device, in alpha or colour of a ray
-    MarchCounts counts;
-    uint32_t images = 0;  // in `counts`
-};
-
 struct Result {
     std::vector<Path> paths;
     std::vector<PassSum> passes;  // of the shaded images
     HostTimes host;
     RivalTimes rival;
-    std::vector<double> trace_ms;                       // of the device for the same rays as the host
-    double copy_gb_s = 0;                               // bytes read and written
-    double covered = 0, mean_difference = 0, psnr = 0;  // shaded images compared with the paper's
+    std::vector<double> trace_ms;  // of the device for the same rays as the host
+    double copy_gb_s = 0;          // bytes read and written
+    double covered = 0;            // share of the pixels
+    Differences differences;       // of the shaded images from the paper's
     uint64_t rays = 0;
 };
-
-// The first slice of the cache.
-HostSlice host_slice(const gpu::Device& device, const render::Field& field, const render::Performer& performer) {
-    const render::SliceTrees& trees = performer.slices()->trees();
-    HostSlice slice;
-    LiveCount count;
-    gpu::download(device, trees.counts, &count, sizeof(count));
-    std::vector<glm::uvec2> words(std::min(count.slots, trees.capacity));
-    slice.nodes.resize(field.node_count());
-    gpu::download(device, trees.nodes, slice.nodes.data(), slice.nodes.size() * sizeof(glm::uvec4));
-    gpu::download(device, *performer.passes().shaded(), words.data(), words.size() * sizeof(glm::uvec2));
-    const auto number = [](uint32_t word, int shift) {
-        return voctree::float_from_half(static_cast<uint16_t>(word >> shift));
-    };
-    for (const glm::uvec2 word : words) {
-        if (word.x & kEntryIsNode)
-            slice.entries.push_back({0, {}, word.y});
-        else
-            slice.entries.push_back({number(word.x, 0), {number(word.x, 16), number(word.y, 0), number(word.y, 16)}});
-    }
-    slice.box_min = field.box_min;
-    slice.box_size = field.box_size;
-    slice.node_levels = field.node_levels;
-    slice.top_levels = field.top_levels;
-    return slice;
-}
-
-HostTileRanges host_ranges(const gpu::Device& device, const render::TileRanges& of, size_t tiles) {
-    std::vector<glm::uvec2> words(tiles);
-    gpu::download(device, of.ranges, words.data(), words.size() * sizeof(glm::uvec2));
-    HostTileRanges ranges;
-    for (const glm::uvec2 word : words)
-        ranges.push_back(word.x == kNoTile ? glm::vec2(1, 0)
-                                           : glm::vec2(std::bit_cast<float>(word.x), std::bit_cast<float>(~word.y)));
-    return ranges;
-}
-
-// Traces the rays of the image that the renderer has just shaded again on the host.
-void measure_host(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
-                  const stage::Camera& camera, uint32_t repeats, HostTimes& host) {
-    const HostSlice slice = host_slice(device, field, *renderer.performer());
-    const size_t tiles = size_t{(camera.width + kTile - 1) / kTile} * ((camera.height + kTile - 1) / kTile);
-    const HostTileRanges ranges = host_ranges(device, renderer.ranges(), tiles);
-    std::vector<glm::vec4> rays;
-    for (uint32_t i = 0; i < repeats; i++) {
-        const auto start = std::chrono::steady_clock::now();
-        rays = march_on_host(slice, ranges, camera, render::kStopTransmittance, host.counts);
-        host.images++;
-        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-        host.ms.push_back(took.count());
-    }
-    const std::vector<glm::vec4> truth = renderer.radiance();
-    for (size_t i = 0; i < rays.size(); i++)
-        for (int c = 0; c < 4; c++)
-            host.worst_difference = std::max(host.worst_difference, std::abs(double{rays[i][c]} - truth[i][c]));
-}
 
 struct Renderers {
     Renderers(const gpu::Device& device, const render::Field& field, media::ImageSize size)
@@ -180,7 +113,6 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     Renderers renderers(device, field, size);
     const render::FrameRenderer& renderer = renderers.frames;
     tools::Progress progress("bench", options.views * result.paths.size());
-    double squares = 0;
     for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
         const tools::ViewStep& view = orbit[i * orbit.size() / options.views];
         media::Image truth;
@@ -189,9 +121,7 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
             const media::Image image = measure(renderers, result.paths[p], view, repeats, result);
             if (p == 0) truth = image;
             if (p + 1 == result.paths.size()) {
-                const training::Quality quality = training::compare(truth, image);
-                result.mean_difference += quality.mae / options.views;
-                squares += std::pow(10, -quality.psnr / 10) / options.views;
+                result.differences.add(truth, image);
                 if (!options.rival.empty())
                     measure_rival(device, field, renderer, view.camera, image, options.repeats, result.rival);
             }
@@ -203,7 +133,6 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
         measure_host(device, field, renderer, view.camera, options.repeats, result.host);
     }
     result.copy_gb_s = 1e-9 * copied_bytes_per_second(device, field);
-    result.psnr = -10 * std::log10(std::max(squares, 1e-10));
     return result;
 }
 
@@ -258,7 +187,7 @@ void print(const Result& result, const gpu::Device& device, const RenderOptions&
         work.nodes, work.descents, work.entries, work.bytes, work.gb_s, 100 * work.gb_s / result.copy_gb_s,
         result.copy_gb_s);
     fmt::print("shaded against the paper's: {:.3f}/255 apart in the mean, PSNR {:.1f} dB\n",
-               255 * result.mean_difference, result.psnr);
+               result.differences.mean_of_255(), result.differences.psnr());
     if (!options.rival.empty()) fmt::print("{}\n", rival_text(result.rival, ranges_and_trace_ms(result)));
 }
 
@@ -286,8 +215,8 @@ nlohmann::ordered_json json_of(const Result& result, const RenderOptions& option
                                    {"bytes_a_ray", work.bytes},
                                    {"trace_gb_s", work.gb_s},
                                    {"copy_gb_s", result.copy_gb_s},
-                                   {"mean_difference_of_255", 255 * result.mean_difference},
-                                   {"psnr_db", result.psnr}};
+                                   {"mean_difference_of_255", result.differences.mean_of_255()},
+                                   {"psnr_db", result.differences.psnr()}};
     if (!options.rival.empty()) json["rival"] = rival_json(result.rival, ranges_and_trace_ms(result));
     return json;
 }
