@@ -36,7 +36,7 @@ Rigs read_rigs(const MatteJob& job) {
             rigs.all.push_back(read_rig(job.dataset, split, job.format));
         } catch (const InputError& error) {
             if (!first) first = error;
-            rigs.missing = error.job();
+            rigs.missing = error.what();
         }
     if (rigs.all.empty()) throw *first;
     return rigs;
