@@ -19,7 +19,7 @@ namespace neuvv::test {
 namespace {
 
 using nlohmann::json;
-constexpr auto kLook = std::chrono::milliseconds(10);
+constexpr auto kPollInterval = std::chrono::milliseconds(10);
 constexpr int kDragSteps = 12;
 
 bool is_installed(const std::string& program) {
@@ -34,7 +34,7 @@ bool wait_for(const ChildProcess& process, const std::function<bool()>& conditio
     const auto end = std::chrono::steady_clock::now() + kTimeout;
     while (!condition()) {
         if (process.ended() || std::chrono::steady_clock::now() > end) return condition();
-        std::this_thread::sleep_for(kLook);
+        std::this_thread::sleep_for(kPollInterval);
     }
     return true;
 }
@@ -106,18 +106,18 @@ Hands::Hands(const VirtualScreen& screen, const std::filesystem::path& folder,
       screenshots_(folder / "screenshots"),
       log_(folder / "viewer.log") {
     std::filesystem::remove(report_);
-    std::vector<std::string> words{"/usr/bin/env",
-                                   "DISPLAY=" + display_,
-                                   "XDG_CONFIG_HOME=" + (folder / "config").string(),
-                                   "XDG_STATE_HOME=" + (folder / "state").string(),
-                                   NEUVV_PROGRAM,
-                                   "view"};
-    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<std::string> command{"/usr/bin/env",
+                                     "DISPLAY=" + display_,
+                                     "XDG_CONFIG_HOME=" + (folder / "config").string(),
+                                     "XDG_STATE_HOME=" + (folder / "state").string(),
+                                     NEUVV_PROGRAM,
+                                     "view"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
     for (const std::string& word : {std::string("--report"), report_.string(), std::string("--screenshots"),
                                     screenshots_.string(), std::string("--ui-scale"), std::string("1")})
-        words.push_back(word);
-    if (validate) words.emplace_back("--validate");
-    program_ = std::make_unique<ChildProcess>(words, log_);
+        command.push_back(word);
+    if (validate) command.emplace_back("--validate");
+    program_ = std::make_unique<ChildProcess>(command, log_);
     until("a window", [](const json&) { return true; });
     const std::filesystem::path found = folder / "window.txt";
     if (ChildProcess({"/usr/bin/env", "DISPLAY=" + display_, "xdotool", "search", "--sync", "--name", "NeuVV"}, found)
@@ -136,7 +136,7 @@ json Hands::seen() const {
     return report.is_discarded() ? json() : report;
 }
 
-std::string Hands::despair(const std::string& what) const {
+std::string Hands::failure_text(const std::string& what) const {
     json report = seen();
     std::string items;
     if (report.contains("items"))
@@ -152,7 +152,7 @@ json Hands::until(const std::string& what, const Condition& condition) const {
         report = seen();
         return report.is_object() && condition(report);
     };
-    if (!wait_for(*program_, holds)) throw std::runtime_error(despair(what));
+    if (!wait_for(*program_, holds)) throw std::runtime_error(failure_text(what));
     return report;
 }
 
@@ -183,11 +183,11 @@ Spot Hands::in_image(double x, double y) const {
     return {std::round(place[0] + x * place[2]), std::round(place[1] + y * place[3])};
 }
 
-void Hands::xdotool(const std::vector<std::string>& words) const {
+void Hands::xdotool(const std::vector<std::string>& arguments) const {
     std::vector<std::string> all{"/usr/bin/env", "DISPLAY=" + display_, "xdotool"};
-    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), arguments.begin(), arguments.end());
     const std::filesystem::path log = folder_ / "xdotool.log";
-    if (ChildProcess(all, log).wait() != 0) throw std::runtime_error("xdotool " + words[0] + ": " + read_text(log));
+    if (ChildProcess(all, log).wait() != 0) throw std::runtime_error("xdotool " + arguments[0] + ": " + read_text(log));
 }
 
 // Acts, and waits until the program has counted so many more, or has ended by what it was told.
@@ -199,7 +199,7 @@ void Hands::after(const char* counter, int more, const std::function<void()>& ac
         return report.is_object() && report["handled"][counter] >= wanted && report["handled"]["all"] == true;
     };
     if (!wait_for(*program_, taken) && !program_->ended())
-        throw std::runtime_error(despair(std::string("input to be taken (") + counter + ")"));
+        throw std::runtime_error(failure_text(std::string("input to be taken (") + counter + ")"));
 }
 
 void Hands::point(Spot at) {
@@ -290,7 +290,7 @@ media::Image Hands::window() {
 }
 
 int Hands::wait_for_end() {
-    if (!wait_for(*program_, [&] { return program_->ended(); })) throw std::runtime_error(despair("its end"));
+    if (!wait_for(*program_, [&] { return program_->ended(); })) throw std::runtime_error(failure_text("its end"));
     return program_->wait();
 }
 

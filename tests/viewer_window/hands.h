@@ -92,10 +92,10 @@ class Hands {
     bool ended() const { return !program_ || program_->ended(); }
 
   private:
-    void xdotool(const std::vector<std::string>& words) const;
+    void xdotool(const std::vector<std::string>& arguments) const;
     void after(const char* counter, int more, const std::function<void()>& act) const;
     media::Image new_screenshot(const std::string& keys);
-    std::string despair(const std::string& what) const;
+    std::string failure_text(const std::string& what) const;
 
     std::string display_, window_;
     std::filesystem::path folder_, report_, screenshots_, log_;

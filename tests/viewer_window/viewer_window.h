@@ -62,11 +62,11 @@ struct ViewerWindow : testing::Test {
     }
     // What `neuvv render` makes of the stage through its camera, as large as the image.
     media::Image rendered(const media::Image& as, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> words{"render", stage,
-                                       "-o",     file("rendered.png"),
-                                       "--size", std::to_string(as.width) + "x" + std::to_string(as.height)};
-        words.insert(words.end(), more.begin(), more.end());
-        done(words);
+        std::vector<std::string> arguments{"render", stage,
+                                           "-o",     file("rendered.png"),
+                                           "--size", std::to_string(as.width) + "x" + std::to_string(as.height)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        done(arguments);
         return media::read_png(file("rendered.png"));
     }
     nlohmann::json saved() const { return nlohmann::json::parse(read_text(stage)); }

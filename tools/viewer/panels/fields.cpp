@@ -46,21 +46,21 @@ void FieldGroup::report_last(const char* name) {
     context_.report.item(name_ + "/" + name);
 }
 
-bool FieldGroup::number(const char* name, double& value, const Numbers& look) {
+bool FieldGroup::number(const char* name, double& value, const NumberOptions& options) {
     label(name);
     ImGui::PushID(name);
-    const bool changed = ImGui::DragScalar("##", ImGuiDataType_Double, &value, static_cast<float>(look.step), &look.low,
-                                           &look.high, look.format, ImGuiSliderFlags_AlwaysClamp);
+    const bool changed = ImGui::DragScalar("##", ImGuiDataType_Double, &value, static_cast<float>(options.step),
+                                           &options.low, &options.high, options.format, ImGuiSliderFlags_AlwaysClamp);
     ImGui::PopID();
     report_last(name);
     return changed;
 }
 
-bool FieldGroup::number(const char* name, glm::dvec3& value, const Numbers& look) {
+bool FieldGroup::number(const char* name, glm::dvec3& value, const NumberOptions& options) {
     label(name);
     ImGui::PushID(name);
-    const bool changed = ImGui::DragScalarN("##", ImGuiDataType_Double, &value.x, 3, static_cast<float>(look.step),
-                                            &look.low, &look.high, look.format, ImGuiSliderFlags_AlwaysClamp);
+    const bool changed = ImGui::DragScalarN("##", ImGuiDataType_Double, &value.x, 3, static_cast<float>(options.step),
+                                            &options.low, &options.high, options.format, ImGuiSliderFlags_AlwaysClamp);
     ImGui::PopID();
     report_last(name);
     return changed;
@@ -137,16 +137,16 @@ bool FieldGroup::slider(const char* name, double& value, double low, double high
     return changed;
 }
 
-bool icon_button(Context& context, const char* name, const char* sign, const char* explained, bool on, bool enabled) {
+bool icon_button(Context& context, const char* name, const char* icon, const char* tooltip, bool on, bool enabled) {
     ImGui::BeginDisabled(!enabled);
     if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyle().Colors[ImGuiCol_ButtonActive]);
     ImGui::PushID(name);
     const float side = ImGui::GetFrameHeight();
-    const bool pressed = ImGui::Button(sign, {std::round(1.25f * side), side});
+    const bool pressed = ImGui::Button(icon, {std::round(1.25f * side), side});
     ImGui::PopID();
     if (on) ImGui::PopStyleColor();
     context.report.item(name);
-    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explained);
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", tooltip);
     ImGui::EndDisabled();
     return pressed;
 }

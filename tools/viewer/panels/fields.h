@@ -21,14 +21,14 @@ class FieldGroup {
     FieldGroup(const FieldGroup&) = delete;
     FieldGroup& operator=(const FieldGroup&) = delete;
 
-    struct Numbers {
+    struct NumberOptions {
         double low = -1e9, high = 1e9;
         double step = 0.01;           // a pixel of a drag
         const char* format = "%.3f";  // with its unit: "%.2f m"
     };
-    bool number(const char* name, double& value, const Numbers& look);
-    bool number(const char* name, glm::dvec3& value, const Numbers& look);  // three in a row
-    bool colour(const char* name, glm::dvec3& linear);                      // 0 and more; shown as sRGB
+    bool number(const char* name, double& value, const NumberOptions& options);
+    bool number(const char* name, glm::dvec3& value, const NumberOptions& options);  // three in a row
+    bool colour(const char* name, glm::dvec3& linear);                               // 0 and more; shown as sRGB
     bool toggle(const char* name, bool& value);
     bool choice(const char* name, size_t& value, std::span<const char* const> of);
     bool text(const char* name, std::string& value);  // changed with Enter, or when the field is left
@@ -42,8 +42,8 @@ class FieldGroup {
     std::string name_;
 };
 
-// A button of a sign, with a text that explains it; `on`: it is the chosen one. Reported by `name`.
-bool icon_button(Context& context, const char* name, const char* sign, const char* explained, bool on = false,
+// A button of a icon, with a text that explains it; `on`: it is the chosen one. Reported by `name`.
+bool icon_button(Context& context, const char* name, const char* icon, const char* tooltip, bool on = false,
                  bool enabled = true);
 
 }  // namespace neuvv::viewer

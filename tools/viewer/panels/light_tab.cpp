@@ -28,7 +28,7 @@ const char* unit_of(stage::GltfLightKind kind) {
 }
 
 // Dragged as fast as it is bright.
-FieldGroup::Numbers look_of_intensity(const edit::LightValues& light) {
+FieldGroup::NumberOptions intensity_options(const edit::LightValues& light) {
     return {0, 1e9, std::max(0.01, light.intensity / 200), unit_of(light.kind)};
 }
 
@@ -38,8 +38,8 @@ void row_of_light(Context& context, const StageRow& row) {
     const bool selected = context.editor.selected() == row.node;
     const float width = ImGui::GetContentRegionAvail().x, side = ImGui::GetFrameHeight();
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
-    bool on = row.shown;
-    ImGui::BeginDisabled(!row.shown_above);
+    bool on = row.visible;
+    ImGui::BeginDisabled(!row.ancestors_visible);
     if (ImGui::Checkbox("##on", &on))
         context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, on); });
     context.report.item(report + "/on");
@@ -60,9 +60,9 @@ void row_of_light(Context& context, const StageRow& row) {
     ImGui::SameLine(0, gap);
     ImGui::SetNextItemWidth(-FLT_MIN);
     double intensity = light.intensity;
-    const FieldGroup::Numbers look = look_of_intensity(light);
-    if (ImGui::DragScalar("##intensity", ImGuiDataType_Double, &intensity, static_cast<float>(look.step), &look.low,
-                          &look.high, look.format, ImGuiSliderFlags_AlwaysClamp))
+    const FieldGroup::NumberOptions options = intensity_options(light);
+    if (ImGui::DragScalar("##intensity", ImGuiDataType_Double, &intensity, static_cast<float>(options.step),
+                          &options.low, &options.high, options.format, ImGuiSliderFlags_AlwaysClamp))
         drag(context, row.node, {.intensity = intensity});
     if (ImGui::IsItemActivated()) context.editor.end_drag();
     context.report.item(report + "/intensity");
@@ -137,7 +137,7 @@ void selected_light(Context& context, FieldGroup& group, const StageTree& tree) 
     glm::dvec3 color = light->color;
     if (group.colour("colour", color)) drag(context, *node, {.color = color});
     double intensity = light->intensity;
-    if (group.number("intensity", intensity, look_of_intensity(*light))) drag(context, *node, {.intensity = intensity});
+    if (group.number("intensity", intensity, intensity_options(*light))) drag(context, *node, {.intensity = intensity});
     if (light->kind != stage::GltfLightKind::kDirectional) {
         double range_m = light->range_m;
         if (group.number("range", range_m, {0, 1e4, 0.05, range_m > 0 ? "%.2f m" : "endless"})) {

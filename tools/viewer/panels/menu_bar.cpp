@@ -2,8 +2,8 @@
 
 #include "tools/ui/icons.h"
 #include "tools/viewer/panels/panels.h"
-#include "tools/viewer/tools/overlay.h"
 #include "tools/viewer/panels/stage_tree.h"
+#include "tools/viewer/tools/overlay.h"
 
 namespace neuvv::viewer {
 
@@ -37,7 +37,7 @@ void file_menu(Context& context, const MenuBar& uses) {
     if (item(context, "Open…", "Ctrl+O")) uses.files.ask_to_open();
     if (item(context, "Add to the stage…", "", context.editor.is_open()))
         uses.files.ask_path("Add a clip, paint or environment", {".nvv", ".npz", ".nvpaint", ".png"}, false, "",
-                            [files = &uses.files](const std::filesystem::path& path) { files->take(path); });
+                            [files = &uses.files](const std::filesystem::path& path) { files->open_or_add(path); });
     recent_menu(context, uses);
     ImGui::Separator();
     if (item(context, "Save", "Ctrl+S", context.editor.is_open())) uses.files.save();

@@ -10,9 +10,9 @@ namespace neuvv::viewer {
 
 namespace {
 
-void line(unsigned colour, const char* sign, const std::string& text) {
+void line(unsigned colour, const char* icon, const std::string& text) {
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextUnformatted(sign);
+    ImGui::TextUnformatted(icon);
     ImGui::PopStyleColor();
     ImGui::SameLine();
     ImGui::TextWrapped("%s", text.c_str());
@@ -22,7 +22,7 @@ void line(unsigned colour, const char* sign, const std::string& text) {
 
 // At the bottom of the image.
 void notices_panel(Context& context, std::span<const editor::Notice> notices) {
-    const editor::RenderThreadState& drawn = context.frame.drawn;
+    const editor::RenderThreadState& drawn = context.frame.rendered;
     const auto jobs = context.jobs.under_way();
     const bool nothing = !context.editor.is_open() && jobs.empty();
     if (notices.empty() && jobs.empty() && drawn.loading.empty() && drawn.problem.empty() && !nothing) return;

@@ -81,10 +81,10 @@ void try_time(Context& context, PropertyFields::Time& time, uint32_t node, const
 // Each tries another map; what is wrong with it is shown as if it had been typed.
 void time_buttons(Context& context, FieldGroup& group, PropertyFields::Time& time, uint32_t node,
                   const stage::StageClip* clip, const stage::TimeMap& map) {
-    const auto button = [&](const char* name, const char* explained) {
+    const auto button = [&](const char* name, const char* tooltip) {
         const bool pressed = ImGui::Button(name);
         group.report_last(name);
-        explain(explained);
+        explain(tooltip);
         ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
         return pressed;
     };

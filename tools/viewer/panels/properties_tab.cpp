@@ -26,24 +26,24 @@ void rotation_field(Context& context, FieldGroup& group, PropertyFields::Angles&
     shown = {node, deg};
     if (!group.number("rotation", deg, {-3600, 3600, 0.5, "%.1f°"})) return;
     shown.deg = deg;
-    transform.rotation = turn_of(deg);
+    transform.rotation = rotation_of(deg);
     drag_transform(context, node, transform);
 }
 
-// Its three numbers beside a sign that ties them together.
+// Its three numbers beside a icon that ties them together.
 void scale_field(Context& context, FieldGroup& group, bool& evenly, uint32_t node, edit::NodeTransform transform) {
     group.label("scale");
     const glm::dvec3 before = transform.scale;
     const double low = -1e4, high = 1e4;
-    const float sign = std::round(1.25f * ImGui::GetFrameHeight());
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - sign - ImGui::GetStyle().ItemInnerSpacing.x);
+    const float icon = std::round(1.25f * ImGui::GetFrameHeight());
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - icon - ImGui::GetStyle().ItemInnerSpacing.x);
     const bool changed =
         ImGui::DragScalarN("##scale", ImGuiDataType_Double, &transform.scale.x, 3, 0.005f, &low, &high, "%.3f");
     group.report_last("scale");
     ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
     if (icon_button(context, "properties/evenly", ICON_LINK, "All three alike", evenly)) evenly = !evenly;
     if (!changed) return;
-    const glm::dvec3 kept = kept_off_zero(transform.scale, before);
+    const glm::dvec3 kept = nonzero_scale(transform.scale, before);
     double factor = 1;
     for (int axis = 0; axis < 3; axis++)
         if (kept[axis] != before[axis] && before[axis] != 0) factor = kept[axis] / before[axis];

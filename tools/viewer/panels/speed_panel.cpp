@@ -14,7 +14,7 @@ void speed_panel(Context& context, const gpu::Device& device, const FrameMeter& 
     ImGui::Begin("Speed", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
-    const editor::DisplayedImage& shown = context.frame.drawn.displayed;
+    const editor::DisplayedImage& shown = context.frame.rendered.displayed;
     const std::string text = fmt::format(
         "{}\n{:.1f} images a second, {:.0f} ms from hand to image\n{:.1f} ms an image of {:.0f} % of its "
         "rays\n{:.2f} "

@@ -74,23 +74,23 @@ void menu_of(Context& context, StageTree& tree, const StageRow& row) {
     if (item("Rename", "F2")) begin_renaming(tree, row.node);
     if (item("Duplicate", "Ctrl+D")) duplicate_once(context, row.node);
     if (item("Duplicate…", "")) ask_duplicate(context, tree.copies, row.node);
-    if (item(row.shown ? "Hide" : "Show", ""))
-        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.shown); });
+    if (item(row.visible ? "Hide" : "Show", ""))
+        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.visible); });
     if (item(row.locked ? "Unlock" : "Lock", ""))
         context.editor.edit([&](edit::Document& d) { return edit::lock_node(d.file, row.node, !row.locked); });
     ImGui::Separator();
     if (item("Delete", "Del")) delete_node(context, tree, row.node);
 }
 
-// A sign at a row's end, faint where it says nothing unusual and the row is not under the pointer.
+// A icon at a row's end, faint where it says nothing unusual and the row is not under the pointer.
 bool mark(Context& context, const char* id, const std::string& report, const char* icon, bool strong, bool seen,
-          const char* explained) {
+          const char* tooltip) {
     const float side = ImGui::GetFrameHeight();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const bool pressed = ImGui::InvisibleButton(id, {side, side});
     context.report.item(report);
     const bool hovered = ImGui::IsItemHovered();
-    if (hovered) ImGui::SetTooltip("%s", explained);
+    if (hovered) ImGui::SetTooltip("%s", tooltip);
     if (seen || hovered || strong) {
         const ImVec2 size = ImGui::CalcTextSize(icon);
         ImGui::GetWindowDrawList()->AddText(
@@ -149,7 +149,7 @@ RowArea area_of_row(const StageRow& row) {
 
 // Opens and closes what hangs on the row.
 void draw_caret(Context& context, StageTree& tree, const StageRow& row, const RowArea& area) {
-    if (row.below == 0) return;
+    if (row.descendants == 0) return;
     std::set<std::string>& closed = tree.closed;
     const bool is_closed = closed.contains(row.title);
     const float width = std::round(0.7f * area.side);
@@ -195,9 +195,9 @@ void draw_marks(Context& context, const StageRow& row, const RowArea& area, bool
              row.locked ? "Locked: is not moved or deleted by mistake" : "Lock, so that it is not moved by mistake"))
         context.editor.edit([&](edit::Document& d) { return edit::lock_node(d.file, row.node, !row.locked); });
     ImGui::SetCursorScreenPos({area.right - area.side, area.at.y});
-    if (mark(context, "eye", report + "/eye", row.shown ? ICON_EYE : ICON_EYE_OFF, !row.shown, true,
-             row.shown ? "Hide, with all that hangs on it" : "Show"))
-        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.shown); });
+    if (mark(context, "eye", report + "/eye", row.visible ? ICON_EYE : ICON_EYE_OFF, !row.visible, true,
+             row.visible ? "Hide, with all that hangs on it" : "Show"))
+        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.visible); });
 }
 
 void draw_row(Context& context, StageTree& tree, const StageRow& row) {
@@ -205,7 +205,7 @@ void draw_row(Context& context, StageTree& tree, const StageRow& row) {
     const ImVec2 end(area.right, area.at.y + area.side);
     const bool selected = context.editor.selected() == row.node;
     const bool under = ImGui::IsWindowHovered() && ImGui::IsMouseHoveringRect(area.at, end);
-    const bool dim = !row.shown || !row.shown_above;
+    const bool dim = !row.visible || !row.ancestors_visible;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     if (selected || under)
         list.AddRectFilled(area.at, end, ImGui::GetColorU32(selected ? ImGuiCol_Header : ImGuiCol_HeaderHovered),
@@ -230,8 +230,8 @@ void scroll_to_selected(const Context& context, StageTree& tree, float row_heigh
     if (selected && !row) return;  // it is added in this frame
     tree.scrolled_selected = selected;
     if (!row) return;
-    open_above(tree.rows, *row, tree.closed);
-    const std::vector<uint32_t> open = open_rows(tree.rows, tree.closed);
+    open_ancestors(tree.rows, *row, tree.closed);
+    const std::vector<uint32_t> open = listed_rows(tree.rows, tree.closed);
     const auto index = std::find(open.begin(), open.end(), *row) - open.begin();
     const float top = static_cast<float>(index) * row_height, bottom = top + row_height;
     const float seen = ImGui::GetWindowHeight();
@@ -244,7 +244,7 @@ void draw_tree(Context& context, StageTree& tree) {
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {ImGui::GetStyle().ItemSpacing.x, 0});
     ImGui::BeginChild("tree");
     scroll_to_selected(context, tree, row_height);
-    const std::vector<uint32_t> open = open_rows(tree.rows, tree.closed);
+    const std::vector<uint32_t> open = listed_rows(tree.rows, tree.closed);
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(open.size()), row_height);
     while (clipper.Step())

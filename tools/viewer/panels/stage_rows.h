@@ -20,7 +20,7 @@ struct StageRow {
     NodeKind kind = NodeKind::kGroup;
     std::string title;  // its name, or "node 3"
     bool shown = true;  // as it says itself
-    bool shown_above = true;
+    bool ancestors_visible = true;
     bool locked = false;  // itself
 };
 
@@ -28,13 +28,13 @@ struct StageRow {
 std::vector<StageRow> stage_rows(const stage::StageFile& file);
 
 // The rows, by index, that are seen where these are closed, by title.
-std::vector<uint32_t> open_rows(const std::vector<StageRow>& rows, const std::set<std::string>& closed);
+std::vector<uint32_t> listed_rows(const std::vector<StageRow>& rows, const std::set<std::string>& closed);
 
 // The index of a node's row; nothing where the scene does not hold it.
 std::optional<uint32_t> row_of(const std::vector<StageRow>& rows, uint32_t node);
 
 // Opens all above a row.
-void open_above(const std::vector<StageRow>& rows, uint32_t row, std::set<std::string>& closed);
+void open_ancestors(const std::vector<StageRow>& rows, uint32_t row, std::set<std::string>& closed);
 
 // The title of what keeps a row's node from being removed: itself, or the first below it, where that is locked.
 std::optional<std::string> locked_within(const std::vector<StageRow>& rows, uint32_t row);

@@ -31,7 +31,7 @@ void begin_renaming(StageTree& tree, uint32_t node) {
     const std::vector<StageRow>& rows = tree.rows;
     const auto row = row_of(rows, node);
     if (!row) return;
-    open_above(rows, *row, tree.closed);
+    open_ancestors(rows, *row, tree.closed);
     tree.renaming = node;
     tree.typed = rows[*row].title;
     tree.begin_typing = true;
@@ -87,7 +87,7 @@ void add_camera_in_view(Context& context) {
     });
 }
 
-void take_node_keys(Context& context, StageTree& tree) {
+void handle_node_keys(Context& context, StageTree& tree) {
     const auto node = context.editor.selected();
     if (!node) return;
     for (const ui::KeyPress& press : context.frame.presses) {

@@ -43,7 +43,7 @@ void add_light_in_view(Context& context, stage::GltfLightKind kind);
 void add_camera_in_view(Context& context);
 
 // H, F2, Ctrl-D and Del, for the selected node. No text may be typed meanwhile.
-void take_node_keys(Context& context, StageTree& tree);
+void handle_node_keys(Context& context, StageTree& tree);
 
 // Many copies: asks how many, where, and how much later each begins.
 void ask_duplicate(const Context& context, CopyQuestion& question, uint32_t node);

@@ -27,7 +27,7 @@ size_t nearest_key(const stage::CameraPath& path, double time_s) {
     return static_cast<size_t>(std::min_element(path.keys.begin(), path.keys.end(), farther) - path.keys.begin());
 }
 
-stage::CameraPath made_cyclic(stage::CameraPath path, bool cyclic) {
+stage::CameraPath with_cyclic(stage::CameraPath path, bool cyclic) {
     const double first_s = path.keys.front().time_s, last_s = path.keys.back().time_s;
     const size_t ways = path.keys.size() - 1;
     const double mean_s = ways > 0 ? (last_s - first_s) / static_cast<double>(ways) : 1;

@@ -15,7 +15,7 @@ Eye eye_on(const stage::CameraPath& path, double time_s, double distance_m);
 size_t nearest_key(const stage::CameraPath& path, double time_s);
 // A cycle comes back to its first key in the time that it takes from key to key, one of a single key in a second; a
 // path that is none any more ends with its last key.
-stage::CameraPath made_cyclic(stage::CameraPath path, bool cyclic);
+stage::CameraPath with_cyclic(stage::CameraPath path, bool cyclic);
 
 // What a line through all places of a path joins: `steps` points from key to key. Nothing for cuts.
 constexpr size_t kMaxLinePoints = 4096;

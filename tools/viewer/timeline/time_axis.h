@@ -16,11 +16,11 @@ struct TimeAxis {
 };
 
 // What an axis may show: from 0 to `extent_s` with so many pixels free on both sides; at the closest an image is
-// kWidestImage times `margin_px` wide.
+// kMaxFrameWidth times `margin_px` wide.
 struct TimeLimits {
     double extent_s = 1, fps = 25, margin_px = 8;
 };
-constexpr double kWidestImage = 10;
+constexpr double kMaxFrameWidth = 10;
 
 // All that there is. An extent of 0 is shown as one image.
 TimeAxis fitted(TimeAxis axis, const TimeLimits& limits);
@@ -34,15 +34,15 @@ TimeAxis scrolled(TimeAxis axis, double moved_px, const TimeLimits& limits);
 struct TimeMarks {
     double major_s = 1;
     int parts = 1;
-    bool images = false;  // labelled by the image's number, else by time
+    bool frames = false;  // labelled by the image's number, else by time
 };
 // So that labels are at least `label_px` apart, smaller marks at least `mark_px`. Below a second they are at whole
-// images.
+// frames.
 TimeMarks marks_for(double s_per_px, double fps, double label_px, double mark_px);
 // "3 s", "1:05", "31 f" of the mark at major_s · number; nothing left of 0.
 std::string label_of(const TimeMarks& marks, int64_t number, double fps);
 
 // The nearest time at which an image begins.
-double at_image(double time_s, double fps);
+double nearest_frame_time(double time_s, double fps);
 
 }  // namespace neuvv::viewer

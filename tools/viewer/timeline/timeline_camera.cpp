@@ -13,8 +13,8 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr float kKey = 6;  // half a diamond, at scale 1
-constexpr unsigned kLane = 0xff2f2b29, kKeyColour = 0xffd8d2cb, kWay = 0x60d8d2cb;
+constexpr float kKeySize = 6;  // half a diamond, at scale 1
+constexpr unsigned kLane = 0xff2f2b29, kKeyColour = 0xffd8d2cb, kPathColour = 0x60d8d2cb;
 
 double frame_s(const Context& context) {
     return 1 / context.view.clock.fps();
@@ -63,23 +63,23 @@ void key_items(Context& context, const stage::CameraPath& path, size_t key) {
 }
 
 void path_items(Context& context, stage::CameraPath path) {
-    constexpr std::pair<const char*, const char*> kWays[] = {
+    constexpr std::pair<const char*, const char*> kInterpolations[] = {
         {"smooth", "Smooth"}, {"linear", "Straight from key to key"}, {"cut", "Cut from key to key"}};
     const auto item = [&](const char* name, const char* text, bool on) {
         const bool chosen = ImGui::MenuItem(text, nullptr, on);
         context.report.item(fmt::format("timeline/path/{}", name));
         return chosen;
     };
-    for (const stage::Interpolation way :
+    for (const stage::Interpolation interpolation :
          {stage::Interpolation::kSmooth, stage::Interpolation::kLinear, stage::Interpolation::kCut})
-        if (item(kWays[static_cast<size_t>(way)].first, kWays[static_cast<size_t>(way)].second,
-                 path.interpolation == way)) {
-            path.interpolation = way;
+        if (item(kInterpolations[static_cast<size_t>(interpolation)].first,
+                 kInterpolations[static_cast<size_t>(interpolation)].second, path.interpolation == interpolation)) {
+            path.interpolation = interpolation;
             edit_path(context, path);
         }
     ImGui::Separator();
     if (item("cyclic", "Round and round, back to the first key", path.cyclic))
-        edit_path(context, made_cyclic(path, !path.cyclic));
+        edit_path(context, with_cyclic(path, !path.cyclic));
     if (item("remove", "Remove the path", false))
         context.editor.edit([](edit::Document& d) { return edit::set_camera_path(d.file, std::nullopt); });
 }
@@ -104,7 +104,7 @@ void move_key(Context& context, const TimelineView& view, KeyDrag& drag) {
 // Whether the pointer is over it.
 bool key_button(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& path,
                 size_t key, double time_s, float middle) {
-    const float x = std::round(view.x_at(time_s)), half = context.ui(kKey);
+    const float x = std::round(view.x_at(time_s)), half = context.ui(kKeySize);
     const bool dragged = drag && drag->key == key;
     if (!dragged && (x < view.left() - half || x > view.right() + half)) return false;
     ImGui::PushID(static_cast<int>(key));
@@ -114,25 +114,25 @@ bool key_button(Context& context, const TimelineView& view, std::optional<KeyDra
     if (ImGui::IsItemActivated()) drag = KeyDrag{key, false, view.axis.s_at(ImGui::GetIO().MousePos.x), time_s, path};
     if (drag && (ImGui::IsItemActive() || ImGui::IsItemDeactivated())) move_key(context, view, *drag);
     if (ImGui::IsItemDeactivated()) drag.reset();
-    const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
-    if (lit)
+    const bool highlighted = ImGui::IsItemHovered() || ImGui::IsItemActive();
+    if (highlighted)
         ImGui::SetTooltip("camera at %s%s", text_of_time(time_s).c_str(),
                           ImGui::IsItemActive() ? "" : "\nDrag: earlier, later; right click: more");
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("key_menu");
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const bool now = std::abs(time_s - context.view.clock.time_s()) < frame_s(context) / 2;
     list.AddQuadFilled({x - half, middle}, {x, middle - half}, {x + half, middle}, {x, middle + half},
-                       lit || now ? ui::kAccent : kKeyColour);
+                       highlighted || now ? ui::kAccent : kKeyColour);
     if (ImGui::BeginPopup("key_menu")) {
         key_items(context, path, key);
         path_items(context, path);
         ImGui::EndPopup();
     }
     ImGui::PopID();
-    return lit;
+    return highlighted;
 }
 
-// The way, from its first key to its end, and its keys; whether the pointer is over one.
+// The interpolation, from its first key to its end, and its keys; whether the pointer is over one.
 bool draw_keys(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& now,
                float middle) {
     const bool released = !ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseReleased(ImGuiMouseButton_Left);
@@ -142,7 +142,7 @@ bool draw_keys(Context& context, const TimelineView& view, std::optional<KeyDrag
     const float low = std::clamp(view.x_at(now.keys.front().time_s), view.left(), view.right());
     const float high = std::clamp(view.x_at(end_s), view.left(), view.right());
     if (now.interpolation != stage::Interpolation::kCut)
-        ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kWay, context.ui(2));
+        ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kPathColour, context.ui(2));
     ImGui::PushClipRect({view.left(), middle - view.row_height}, {view.right(), middle + view.row_height}, true);
     bool over_key = false;
     for (size_t i = 0; i < path.keys.size(); i++)

@@ -42,7 +42,7 @@ double extent_of(const TimelineState& state, const editor::StageClock& clock) {
     return extent_s;
 }
 
-void place_view(TimelineState& state, const Context& context) {
+void lay_out(TimelineState& state, const Context& context) {
     TimelineView& view = state.view;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x;
@@ -113,7 +113,7 @@ void rows(TimelineState& state, Context& context) {
 double snapped_time(const Context& context, const TimelineView& view, double time_s) {
     const double clock_s = context.view.clock.time_s();
     if (std::abs(time_s - clock_s) < context.ui(5) * view.axis.s_per_px) return clock_s;
-    return at_image(time_s, context.view.clock.fps());
+    return nearest_frame_time(time_s, context.view.clock.fps());
 }
 
 bool is_dragged(const Context& context) {
@@ -124,7 +124,7 @@ bool is_dragged(const Context& context) {
 }
 
 bool small_button(Context& context, const TimelineView& view, const std::string& name, const char* icon,
-                  const char* explained, bool on, bool enabled) {
+                  const char* tooltip, bool on, bool enabled) {
     ImGui::BeginDisabled(!enabled);
     ImGui::PushID(name.c_str());
     if (!on) ImGui::PushStyleColor(ImGuiCol_Button, 0);
@@ -134,7 +134,7 @@ bool small_button(Context& context, const TimelineView& view, const std::string&
     if (!on) ImGui::PopStyleColor();
     ImGui::PopID();
     context.report.item(name);
-    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explained);
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", tooltip);
     ImGui::EndDisabled();
     return pressed;
 }
@@ -146,7 +146,7 @@ void timeline_panel(Context& context, const Area& area, TimelineState& state) {
     if (state.path && context.view.show_path && !context.view.along_path)
         draw_camera_path(context, *state.path, state.path_line);
     transport_row(context);
-    place_view(state, context);
+    lay_out(state, context);
     const float top = ImGui::GetCursorScreenPos().y;
     ruler_row(context, state.view);
     camera_row(context, state.view, state.key_drag, state.path);

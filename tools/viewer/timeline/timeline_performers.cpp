@@ -30,7 +30,7 @@ BarArea area_of(const Context& context, const TimelineView& view, const edit::Pe
     return {left, right, top + context.ui(2), top + view.row_height - context.ui(2)};
 }
 
-void edit_now(Context& context, uint32_t node, edit::TimeEdit edit) {
+void edit_time_map(Context& context, uint32_t node, edit::TimeEdit edit) {
     context.editor.edit(
         [node, edit = std::move(edit)](edit::Document& d) { return edit::edit_time(d.file, node, edit); });
 }
@@ -55,14 +55,14 @@ void draw_curve(const Context& context, const TimelineView& view, const stage::T
 }
 
 void draw_bar(const Context& context, const TimelineView& view, const edit::PerformerTrack& track, const BarArea& bar,
-              bool lit) {
+              bool highlighted) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float round = context.ui(3);
     const bool selected = context.editor.selected() == track.node;
     list.AddRectFilled({view.left(), bar.top}, {view.right(), bar.bottom}, kOutsideBar, round);
     list.AddRectFilled({bar.left, bar.top}, {bar.right, bar.bottom}, selected ? kBarSelected : kBar, round);
     draw_curve(context, view, track.timeline, bar);
-    if (lit || selected) list.AddRect({bar.left, bar.top}, {bar.right, bar.bottom}, ui::kAccent, round);
+    if (highlighted || selected) list.AddRect({bar.left, bar.top}, {bar.right, bar.bottom}, ui::kAccent, round);
 }
 
 void time_tooltip(const Context& context, const TimelineView& view, const edit::PerformerTrack& track) {
@@ -113,11 +113,11 @@ bool drag_part(Context& context, const TimelineView& view, BarDrag& drag, const 
     }
     if (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) follow(context, view, drag, track);
     if (ImGui::IsItemDeactivated() && !is_dragged(context)) context.editor.select(track.node);
-    const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
-    if (lit) ImGui::SetMouseCursor(part == BarPart::kBody ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_ResizeEW);
-    if (lit) time_tooltip(context, view, track);
+    const bool highlighted = ImGui::IsItemHovered() || ImGui::IsItemActive();
+    if (highlighted) ImGui::SetMouseCursor(part == BarPart::kBody ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_ResizeEW);
+    if (highlighted) time_tooltip(context, view, track);
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("time");
-    return lit;
+    return highlighted;
 }
 
 bool menu_item(Context& context, const edit::PerformerTrack& track, const char* name, const char* text,
@@ -146,14 +146,15 @@ void repeat_items(Context& context, const edit::PerformerTrack& track) {
     for (const edit::Repeat repeat : {edit::Repeat::kOnce, edit::Repeat::kLoop, edit::Repeat::kPingPong}) {
         const auto [name, text] = kItems[static_cast<size_t>(repeat)];
         if (menu_item(context, track, name, text, edit::repeat_of(track.map) == repeat))
-            edit_now(context, track.node, [repeat](const stage::TimeMap& map) { return edit::repeated(map, repeat); });
+            edit_time_map(context, track.node,
+                          [repeat](const stage::TimeMap& map) { return edit::repeated(map, repeat); });
     }
 }
 
-void here_items(Context& context, const edit::PerformerTrack& track) {
+void items_at_time(Context& context, const edit::PerformerTrack& track) {
     const double now_s = context.view.clock.displayed_s();
     const edit::ClipRate rate = track.rate;
-    const auto now = [&](edit::TimeEdit edit) { edit_now(context, track.node, std::move(edit)); };
+    const auto now = [&](edit::TimeEdit edit) { edit_time_map(context, track.node, std::move(edit)); };
     if (menu_item(context, track, "start_here", "Begin here"))
         now([=, by_s = now_s - track.bar.start_s](const stage::TimeMap& map) { return edit::moved(map, rate, by_s); });
     if (menu_item(context, track, "trim_start", "Cut off what is before"))
@@ -173,15 +174,15 @@ void time_menu(Context& context, const edit::PerformerTrack& track) {
     ImGui::Separator();
     speed_field(context, track);
     if (menu_item(context, track, "reverse", "Backwards", edit::is_reversed(track.map)))
-        edit_now(context, track.node,
-                 [rate = track.rate](const stage::TimeMap& map) { return edit::reversed(map, rate); });
+        edit_time_map(context, track.node,
+                      [rate = track.rate](const stage::TimeMap& map) { return edit::reversed(map, rate); });
     ImGui::Separator();
     repeat_items(context, track);
     ImGui::Separator();
-    here_items(context, track);
+    items_at_time(context, track);
     ImGui::Separator();
     if (menu_item(context, track, "reset", "As the clip is"))
-        edit_now(context, track.node, [](const stage::TimeMap&) { return stage::TimeMap(); });
+        edit_time_map(context, track.node, [](const stage::TimeMap&) { return stage::TimeMap(); });
     ImGui::EndPopup();
 }
 
@@ -215,19 +216,19 @@ void performer_row(Context& context, const TimelineView& view, BarDrag& drag, co
     name_cell(context, view, track);
     const BarArea bar = area_of(context, view, track, at.y);
     const float grip = context.ui(kGrip), height = bar.bottom - bar.top;
-    bool lit = false;
+    bool highlighted = false;
     const auto part = [&](const char* name, BarPart which, float left, float width) {
         ImGui::SetCursorScreenPos({left, bar.top});
         ImGui::InvisibleButton(name, {std::max(width, 1.0f), height});
         const std::string row = "timeline/" + track.name;
         context.report.item(which == BarPart::kBody ? row : row + "/" + name);
-        lit |= drag_part(context, view, drag, track, which);
+        highlighted |= drag_part(context, view, drag, track, which);
     };
     part("start", BarPart::kStart, bar.left, grip);
     part("end", BarPart::kEnd, bar.right - grip, grip);
     part("body", BarPart::kBody, bar.left + grip, bar.right - bar.left - 2 * grip);
     if (ImGui::IsRectVisible({view.left(), at.y}, {view.right(), at.y + view.row_height}))
-        draw_bar(context, view, track, bar, lit);
+        draw_bar(context, view, track, bar, highlighted);
     time_menu(context, track);
     ImGui::SetCursorScreenPos({at.x, at.y + view.row_height + context.ui(kRowGap)});
     ImGui::PopID();

@@ -18,7 +18,7 @@ double snapped_time(const Context& context, const TimelineView& view, double tim
 bool is_dragged(const Context& context);
 // A button as high as a row, without a ground until it is `on`.
 bool small_button(Context& context, const TimelineView& view, const std::string& name, const char* icon,
-                  const char* explained, bool on = false, bool enabled = true);
+                  const char* tooltip, bool on = false, bool enabled = true);
 
 // The time line: transport, ruler, camera path, a row of each performer.
 void timeline_panel(Context& context, const Area& area, TimelineState& state);

@@ -28,7 +28,8 @@ void select_at(Context& context, glm::vec2 at) {
     context.render_thread.post([&context, pixel, camera = frame.camera, time_s = context.view.clock.displayed_s(),
                                 id = context.editor.id(), drawn = frame.stage](editor::OnDevice& on_device) {
         if (&on_device.stage != drawn.get()) return;  // its nodes may have other numbers
-        const editor::PickedPoint seen = editor::pick_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
+        const editor::PickedPoint seen =
+            editor::pick_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
         context.jobs.post([&context, seen, id] {
             if (context.editor.id() == id) context.editor.select(seen.node);
             context.redraw();
@@ -41,7 +42,7 @@ void scroll(Context& context) {
     if (!context.frame.pointer_in_image || (io.MouseWheel == 0 && io.MouseWheelH == 0)) return;
     context.view.eye = scrolled(context.view.eye, {{io.MouseWheelH, io.MouseWheel}, io.KeyShift, io.KeyCtrl},
                                 context.frame.image_area.height);
-    context.moves();
+    context.mark_motion();
 }
 
 void fly(Context& context) {
@@ -54,12 +55,12 @@ void fly(Context& context) {
         scene_m = glm::length(high - low);
     }
     context.view.eye = flown(context.view.eye, keys, context.frame.dt_s, scene_m);
-    context.moves();
+    context.mark_motion();
 }
 
 class NavigateTool : public Tool {
   public:
-    bool has_pointer() const override { return drag_.has_value(); }
+    bool captures_pointer() const override { return drag_.has_value(); }
 
     void key(Context& context, const ui::KeyPress& press) override {
         const auto side = [&](EyeSide one, EyeSide other) {
@@ -76,7 +77,7 @@ class NavigateTool : public Tool {
         if (!use.all) begin(context, use);
         if (drag_) {
             use.left = true;
-            if (!use.all) go_on(context);
+            if (!use.all) continue_drag(context);
             if (!ImGui::IsMouseDown(drag_->button)) end(context);
         }
         if (!use.wheel) scroll(context);
@@ -99,7 +100,7 @@ class NavigateTool : public Tool {
         }
     }
 
-    void go_on(Context& context) {
+    void continue_drag(Context& context) {
         const ImGuiIO& io = ImGui::GetIO();
         const ImVec2 total = ImGui::GetMouseDragDelta(drag_->button, 0);
         if (std::abs(total.x) + std::abs(total.y) > context.ui(kClick_px)) drag_->moved = true;
@@ -108,7 +109,7 @@ class NavigateTool : public Tool {
         constexpr decltype(&orbited) kMotions[] = {orbited, panned, turned};  // by Motion
         context.view.eye =
             kMotions[static_cast<size_t>(drag_->motion)](context.view.eye, step, context.frame.image_area.height);
-        context.moves();
+        context.mark_motion();
     }
 
     void end(Context& context) {

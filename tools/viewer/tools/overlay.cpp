@@ -103,7 +103,7 @@ std::pair<glm::dvec3, glm::dvec3> box_of_node(const Context& context, uint32_t n
     };
     for (const stage::EvaluatedPerformer& performer : context.frame.evaluated.performers) {
         if (!hangs_on(context.frame.stage->performers[performer.performer].node)) continue;
-        const auto& [from, to] = context.frame.drawn.leaf_boxes[performer.clip];
+        const auto& [from, to] = context.frame.rendered.leaf_boxes[performer.clip];
         take_box(performer.world_from_performer, from, to);
     }
     const stage::GltfScene& scene = context.frame.stage->scene;

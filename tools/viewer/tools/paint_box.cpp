@@ -54,12 +54,12 @@ void draw_edges(const Context& context, const Box& box, const glm::dmat4& world_
 void PaintTool::fit_box(const Context& context) {
     const auto performer = this->performer(context);
     if (!performer || !clip_ || clip_path_ != performer->clip) return;
-    std::tie(choice.box_low, choice.box_high) = tools::occupied_box(clip_->tree);
+    std::tie(settings.box_low, settings.box_high) = tools::occupied_box(clip_->tree);
 }
 
 bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bool pointer_used) {
-    if (choice.box_low == choice.box_high) fit_box(context);
-    Box box{choice.box_low, choice.box_high};
+    if (settings.box_low == settings.box_high) fit_box(context);
+    Box box{settings.box_low, settings.box_high};
     const ImVec2 mouse = ImGui::GetIO().MousePos;
     const Area& area = context.frame.image_area;
     const glm::dvec2 pointer(mouse.x - area.left, mouse.y - area.top);
@@ -76,11 +76,11 @@ bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bo
             const double to = box_drag_->grabbed + *s - box_drag_->s;
             const int axis = box_drag_->axis;
             if (box_drag_->high)
-                choice.box_high[axis] = std::max(to, box.low[axis] + kMinSide_m);
+                settings.box_high[axis] = std::max(to, box.low[axis] + kMinSide_m);
             else
-                choice.box_low[axis] = std::min(to, box.high[axis] - kMinSide_m);
+                settings.box_low[axis] = std::min(to, box.high[axis] - kMinSide_m);
         }
-        box = {choice.box_low, choice.box_high};
+        box = {settings.box_low, settings.box_high};
     }
     draw_edges(context, box, performer.world_from_performer);
     std::optional<int> over;
@@ -98,8 +98,8 @@ bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bo
                             active ? 0xffffffff : kAxisColours[i % 3], context.ui(1));
         list->AddRect({middle.x - half, middle.y - half}, {middle.x + half, middle.y + half}, 0xc0000000,
                       context.ui(1));
-        context.report.place(std::string("paint/box/") + kSides[i], middle.x - half, middle.y - half, 2 * half,
-                             2 * half);
+        context.report.area(std::string("paint/box/") + kSides[i], middle.x - half, middle.y - half, 2 * half,
+                            2 * half);
     }
     if (over && !box_drag_ && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
         const int axis = *over % 3;

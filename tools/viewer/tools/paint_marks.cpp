@@ -54,23 +54,23 @@ stage::Camera part_of(stage::Camera camera, const Area& part, uint32_t width, ui
 void PaintTool::draw_brush(const Context& context, const PaintedPerformer& performer) const {
     const glm::dmat3 axes(performer.world_from_performer);
     const double scale = (glm::length(axes[0]) + glm::length(axes[1]) + glm::length(axes[2])) / 3;
-    const auto radius = static_cast<float>(choice.radius_m * scale * context.frame.camera.fy /
+    const auto radius = static_cast<float>(settings.radius_m * scale * context.frame.camera.fy /
                                            std::max(hover_.depth_m, editor::kMinDepth_m));
     const ImGuiIO& io = ImGui::GetIO();
     const bool erases =
-        choice.tool == PaintChoice::Tool::kErase || (choice.tool == PaintChoice::Tool::kColour && io.KeyCtrl);
-    const glm::dvec3 own = glm::clamp(media::srgb_from_linear(choice.colour), 0.0, 1.0);
+        settings.tool == PaintSettings::Tool::kErase || (settings.tool == PaintSettings::Tool::kColour && io.KeyCtrl);
+    const glm::dvec3 own = glm::clamp(media::srgb_from_linear(settings.colour), 0.0, 1.0);
     unsigned colour = 0xffffffff;
     if (erases) colour = ui::kWarning;
-    if (!erases && choice.tool == PaintChoice::Tool::kColour)
+    if (!erases && settings.tool == PaintSettings::Tool::kColour)
         colour = ImGui::ColorConvertFloat4ToU32(
             {static_cast<float>(own.r), static_cast<float>(own.g), static_cast<float>(own.b), 1});
     const bool beside = !hover_.world && !stroke_;
     if (beside) colour = (colour & 0xffffff) | 0x70000000;
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     ring(list, io.MousePos, std::max(radius, 2.0f), colour, context.ui(1.5f));
-    if (choice.hardness < 0.99 && radius > context.ui(12))
-        list->AddCircle(io.MousePos, radius * static_cast<float>(choice.hardness), (colour & 0xffffff) | 0x60000000);
+    if (settings.hardness < 0.99 && radius > context.ui(12))
+        list->AddCircle(io.MousePos, radius * static_cast<float>(settings.hardness), (colour & 0xffffff) | 0x60000000);
 }
 
 // As it is seen, light included.
@@ -92,12 +92,12 @@ void PaintTool::take_colour(Context& context) {
         const uint8_t* rgba = taken.as<uint8_t>();
         const glm::dvec3 linear(media::linear_from_srgb_byte(rgba[0]), media::linear_from_srgb_byte(rgba[1]),
                                 media::linear_from_srgb_byte(rgba[2]));
-        context.jobs.post([this, linear] { choice.colour = linear; });
+        context.jobs.post([this, linear] { settings.colour = linear; });
     });
 }
 
 void PaintTool::load_image(Context& context) {
-    context.jobs.start("Reading an image", [this, &context, path = choice.image]() -> JobQueue::Then {
+    context.jobs.start("Reading an image", [this, &context, path = settings.image]() -> JobQueue::Then {
         const auto image = std::make_shared<const media::Image>(media::read_png(path));
         const auto preview =
             std::make_shared<const media::Image>(editor::downscaled(*image, factor_for(*image, kPreviewCells)));
@@ -114,7 +114,7 @@ void PaintTool::load_image(Context& context) {
 Area PaintTool::stamp_area(const Context& context) const {
     const ImVec2 at = ImGui::GetIO().MousePos;
     Area area;
-    area.height = static_cast<float>(choice.stamp_share) * context.frame.image_area.height;
+    area.height = static_cast<float>(settings.stamp_share) * context.frame.image_area.height;
     area.width = area.height * static_cast<float>(stamp_->width) / static_cast<float>(stamp_->height);
     area.left = at.x - 0.5f * area.width;
     area.top = at.y - 0.5f * area.height;
@@ -131,7 +131,7 @@ void PaintTool::draw_stamp(Context& context) const {
         for (uint32_t y = 0; y < cells.height; y++)
             for (uint32_t x = 0; x < cells.width; x++) {
                 ImVec4 colour = colour_of(cells.at(x, y));
-                colour.w *= 0.75f * static_cast<float>(choice.opacity);
+                colour.w *= 0.75f * static_cast<float>(settings.opacity);
                 const ImVec2 low(area.left + width * static_cast<float>(x), area.top + height * static_cast<float>(y));
                 list->AddRectFilled(low, {low.x + width, low.y + height}, ImGui::ColorConvertFloat4ToU32(colour));
             }
@@ -140,7 +140,7 @@ void PaintTool::draw_stamp(Context& context) const {
     } else {
         list->AddText({area.left, area.top}, 0xffffffff, "Projecting…");
     }
-    context.report.place("paint/stamp-area", area.left, area.top, area.width, area.height);
+    context.report.area("paint/stamp-area", area.left, area.top, area.width, area.height);
 }
 
 void PaintTool::project_stamp(Context& context, const PaintedPerformer& performer) {
@@ -155,9 +155,9 @@ void PaintTool::project_stamp(Context& context, const PaintedPerformer& performe
     area.top -= context.frame.image_area.top;
     const stage::Camera camera = render::in_performer(context.frame.camera, glm::mat4(performer.world_from_performer));
     editor::PaintOperation operation;
-    operation.opacity = static_cast<float>(choice.opacity);
+    operation.opacity = static_cast<float>(settings.opacity);
     operation.frames = frames_of(performer);
-    const bool every_frame = choice.every_frame && choice.frames != PaintChoice::Frames::kThis;
+    const bool every_frame = settings.every_frame && settings.frames != PaintSettings::Frames::kThis;
     auto session = std::make_shared<std::optional<editor::PaintSession>>();
     editor::post_paint_task(
         context.parts(), surface_, performer.clip, clip_,
@@ -174,7 +174,7 @@ void PaintTool::project_stamp(Context& context, const PaintedPerformer& performe
             }
             if ((*session)->add_projection(surface)) return {};
             const auto layer = (*session)->layer();
-            return [=, this, &context] { put(context, performer, path, before, layer, "image projected"); };
+            return [=, this, &context] { write_result(context, performer, path, before, layer, "image projected"); };
         },
         [this] {
             clip_.reset();

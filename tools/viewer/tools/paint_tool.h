@@ -17,7 +17,7 @@
 namespace neuvv::viewer {
 
 // What hands choose.
-struct PaintChoice {
+struct PaintSettings {
     enum class Tool { kColour, kErase, kShift, kRestore, kStamp } tool = Tool::kColour;
     bool in_box = false;  // all that is in the box at once, instead of what a brush touches
     double radius_m = 0.05, hardness = 0.7, opacity = 1;
@@ -57,11 +57,11 @@ class PaintTool : public Tool {
     std::span<const ToolMode> modes() const override { return {&kMode, 1}; }
     void key(Context& context, const ui::KeyPress& press) override;
     void pointer(Context& context, PointerUse& use) override;
-    bool has_pointer() const override { return stroke_ || box_drag_; }
-    bool edits() const override { return stroke_ != nullptr; }
-    void document_opened() override { leave_alone({}); }
+    bool captures_pointer() const override { return stroke_ || box_drag_; }
+    bool is_editing() const override { return stroke_ != nullptr; }
+    void document_opened() override { protect_layers({}); }
 
-    PaintChoice choice;
+    PaintSettings settings;
 
     // Reads what painting needs, where it is not there yet. True: it is.
     bool prepare(Context& context);
@@ -70,18 +70,18 @@ class PaintTool : public Tool {
     static std::optional<PaintedPerformer> performer(const Context& context);
     // The painted layer, of performer.layers; its size: one that is to be made.
     size_t painted_layer(const PaintedPerformer& performer) const;
-    // Of `frame` and the choice.
+    // Of `frame` and the settings.
     edit::EditFrames frames_of(const PaintedPerformer& performer) const;
 
     // Layers whose files another stage wears, too: they stay as they are, and what is painted is a copy. None: so far.
-    void leave_alone(std::set<std::filesystem::path> layers) { others_ = std::move(layers); }
+    void protect_layers(std::set<std::filesystem::path> layers) { protected_layers_ = std::move(layers); }
 
     // For the panel.
     void paint_in_box(Context& context);
     void fit_box(const Context& context);  // around the performer's leaves
     void add_layer(Context& context);
     void load_image(Context& context);
-    bool stamp_loaded() const { return stamp_ && stamp_path_ == choice.image; }
+    bool stamp_loaded() const { return stamp_ && stamp_path_ == settings.image; }
     bool busy() const { return stroke_ || task_runs_; }
 
     // For reports: whether a stroke can begin, and how far away the surface under the pointer is, where there is one.
@@ -89,7 +89,7 @@ class PaintTool : public Tool {
     std::optional<double> hover_depth_m() const { return hover_.world ? std::optional(hover_.depth_m) : std::nullopt; }
 
   private:
-    struct Active;
+    struct Stroke;
     struct Hover {
         bool under_way = false;
         glm::dvec2 pixel{-1e9};
@@ -108,18 +108,19 @@ class PaintTool : public Tool {
     void set_radius_by_keys(const Context& context);
     void click_or_hover(Context& context, const PaintedPerformer& performer, PointerUse& use);
     void begin_stroke(Context& context, const PaintedPerformer& performer);
-    void go_on(Context& context);
-    void took(Context& context, const std::shared_ptr<Active>& active, std::shared_ptr<const voctree::EditLayer> layer);
-    void look_under(Context& context, const PaintedPerformer& performer);
+    void continue_stroke(Context& context);
+    void apply_result(Context& context, const std::shared_ptr<Stroke>& active,
+                      std::shared_ptr<const voctree::EditLayer> layer);
+    void update_hover(Context& context, const PaintedPerformer& performer);
     void take_colour(Context& context);
     void project_stamp(Context& context, const PaintedPerformer& performer);
     std::string write_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
                             const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) const;
     void begin_task(const Context& context);
     // The end of what was begun with `before`.
-    void put(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
-             const std::shared_ptr<const voctree::EditLayer>& before,
-             const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what);
+    void write_result(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
+                      const std::shared_ptr<const voctree::EditLayer>& before,
+                      const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what);
     // `pointer_used`: another tool uses it. True: this one does.
     bool drag_box(Context& context, const PaintedPerformer& performer, bool pointer_used);
     // Of the window.
@@ -136,12 +137,12 @@ class PaintTool : public Tool {
     std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> read_;
     bool ready_ = false;
     Hover hover_;
-    std::shared_ptr<Active> stroke_;
-    std::set<std::filesystem::path> others_;
+    std::shared_ptr<Stroke> stroke_;
+    std::set<std::filesystem::path> protected_layers_;
     // A layer that is to become the performer's own, and the one that it shares with others.
     std::pair<std::filesystem::path, std::filesystem::path> own_;
     bool task_runs_ = false;                     // in a box, or a projection
-    std::pair<uint64_t, size_t> task_began_on_;  // the document, and how many nodes it had: else numbers mean others
+    std::pair<uint64_t, size_t> task_document_;  // the document, and how many nodes it had: else numbers mean others
     std::string stamp_path_;
     std::shared_ptr<const media::Image> stamp_, stamp_preview_;
     struct BoxDrag {

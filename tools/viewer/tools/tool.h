@@ -16,8 +16,8 @@ namespace neuvv::viewer {
 struct ToolMode {
     const char* name;  // of the button in reports: "tool/move"
     const char* icon;
-    const char* explained;  // the tooltip
-    int key;                // of GLFW, chooses the mode; 0: none
+    const char* tooltip;  // the tooltip
+    int key;              // of GLFW, chooses the mode; 0: none
 };
 
 // What of the pointer is in use, so that later tools leave it alone.
@@ -41,9 +41,9 @@ class Tool {
     // Each frame: the pointer in the image. `use` is what tools before this one use of it; adds what this one uses.
     virtual void pointer(Context& context, PointerUse& use) = 0;
     // A button is down that this tool answers, wherever the pointer goes: it comes before all other tools.
-    virtual bool has_pointer() const { return false; }
+    virtual bool captures_pointer() const { return false; }
     // It changes the document: until that is over, keys do nothing and the drag of the document does not end.
-    virtual bool edits() const { return false; }
+    virtual bool is_editing() const { return false; }
     // Another document was opened: whatever is dragged is dropped.
     virtual void document_opened() {}
     // Draws over the image, after all tools have seen the pointer.

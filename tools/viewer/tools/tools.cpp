@@ -31,14 +31,14 @@ void Tools::key(Context& context, const ui::KeyPress& press) {
 void Tools::pointer(Context& context) {
     PointerUse use;
     std::vector<Tool*> order = all_;
-    std::stable_partition(order.begin(), order.end(), [](const Tool* tool) { return tool->has_pointer(); });
+    std::stable_partition(order.begin(), order.end(), [](const Tool* tool) { return tool->captures_pointer(); });
     for (Tool* tool : order) tool->pointer(context, use);
     draw_scene_overlay(context);
     for (Tool* tool : all_) tool->overlay(context);
 }
 
-bool Tools::edit() const {
-    return std::any_of(all_.begin(), all_.end(), [](const Tool* tool) { return tool->edits(); });
+bool Tools::is_editing() const {
+    return std::any_of(all_.begin(), all_.end(), [](const Tool* tool) { return tool->is_editing(); });
 }
 
 void Tools::document_opened() {
@@ -63,13 +63,13 @@ void Tools::toolbar(Context& context) const {
     ImGui::BeginGroup();
     for (const Tool* tool : all_)
         for (const ToolMode& mode : tool->modes())
-            if (icon_button(context, mode.name, mode.icon, mode.explained, view.mode == &mode)) view.mode = &mode;
+            if (icon_button(context, mode.name, mode.icon, mode.tooltip, view.mode == &mode)) view.mode = &mode;
     if (one_column) ImGui::Separator();
     ImGui::EndGroup();
     if (!one_column) ImGui::SameLine();
     ImGui::BeginGroup();
-    const auto toggle = [&](const char* name, const char* icon, const char* explained, bool& on) {
-        if (icon_button(context, name, icon, explained, on)) on = !on;
+    const auto toggle = [&](const char* name, const char* icon, const char* tooltip, bool& on) {
+        if (icon_button(context, name, icon, tooltip, on)) on = !on;
     };
     toggle("tool/snap", ICON_MAGNET, "In steps of 0.1 m, 15°, 0.1 (Ctrl turns it round)", view.snap);
     toggle("tool/local", ICON_BOX, "Along the node's own axes", view.local_axes);
