@@ -2,17 +2,18 @@
 #ifndef NEUVV_BOX_PIXELS_GLSL
 #define NEUVV_BOX_PIXELS_GLSL
 
-const float kNearest = 1e-3;  // metres before the eye's plane: boxes that reach behind it are cut there
+const float kNearest = 1e-3;  // metres before the eye's plane: boxes that extend behind it are cut there
 
-// Adds to the least and largest pixel coordinates those of the place where the edge from a to b passes kNearest.
+// Extends `bounds` by the pixel coordinates of the point where the edge from a to b crosses kNearest, if it does.
 void add_cut(inout vec4 bounds, vec3 a, vec3 b) {
     if ((a.z < kNearest) == (b.z < kNearest)) return;
     const vec2 cut = mix(a, b, (kNearest - a.z) / (b.z - a.z)).xy / kNearest;
     bounds = vec4(min(bounds.xy, cut), max(bounds.zw, cut));
 }
 
-// Least and largest pixel coordinates of the part of a box before the eye; none (x > z) where there is none. The box by its
-// low corner, relative to the eye, and its edges, each as z (x, y, 1) of the pixel x, y that sees it.
+// The smallest (xy) and largest (zw) pixel coordinates of the part of a box that lies before the eye; x > z where there
+// is none. The box is given by its low corner, relative to the eye, and its edges, each as z (x, y, 1) for the pixel
+// (x, y) onto which it is projected.
 vec4 box_pixels(vec3 low, mat3 edges) {
     vec4 bounds = vec4(1e30, 1e30, -1e30, -1e30);
     bool behind = false;

@@ -1,5 +1,5 @@
-// Prints and assertions of compute shaders, on any device. Include this file in a shader and call debug_print or
-// debug_assert: the program binds the buffer by itself, and `neuvv render` and the tests report what was appended.
+// Printing and assertions for compute shaders, on any device. Include this file in a shader and call debug_print or
+// debug_assert: the program then binds the buffer, and `neuvv render` and the tests report what was appended.
 //
 //   debug_print(__LINE__, uvec4(node, floatBitsToUint(sigma), 0, 0));
 //   debug_assert(leaf < leaf_count, __LINE__, uvec4(leaf, 0, 0, 0));

@@ -1,7 +1,8 @@
-// The paper's rendering: every number of a leaf evaluated at every sample, no slice. Reference for speed and correctness;
-// where kInto is not
-// kIntoRay, of the tiles where an instance may be seen that has no slice.
-// Reads topology, weights and rows; writes as store_instance.glsl says. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes a sample.
+// The paper's rendering without a slice: all weights of a leaf are evaluated at every sample. This is the reference for
+// speed and correctness. Where kRayOutput is not kOutputRay, it traces an instance that has no slice, in the tiles that
+// the instance may cover.
+// Reads topology, weights and rows; writes as store_instance.glsl describes. One workgroup per tile, one thread per
+// ray. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/lights.h"
@@ -15,7 +16,7 @@ layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
 layout(constant_id = 5) const bool kRestart = false;
-layout(constant_id = 6) const uint kInto = kIntoRay;
+layout(constant_id = 6) const uint kRayOutput = kOutputRay;
 const bool kFromRoot = kRestart, kCoalesce = true, kExpensive = true;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;

@@ -1,5 +1,5 @@
-// What a ray meets in a field without a slice: march_wants stops the walk at leaves with density, sample_colour is theirs
-// along the ray. The includer binds what weights.glsl asks for, has `push.leaf_count`, and calls
+// Samples of a field without a slice: march_wants stops the walk at leaves with σ > 0, and sample_colour is the colour
+// of such a leaf along the ray. The includer binds what weights.glsl needs, has `push.leaf_count`, and calls
 // sample_begin for its ray.
 #ifndef NEUVV_DIRECT_SAMPLE_GLSL
 #define NEUVV_DIRECT_SAMPLE_GLSL
@@ -13,7 +13,7 @@ float sigma;  // its density
 
 void sample_begin(vec3 direction, uint view) { sh_y = sh_basis(direction); }
 
-// Σ_nm w_nlm H_nlm(d, γ) over one l
+// Σ_nm w_nlm H_nlm(d, γ) for one l
 vec3 band(uint leaf, uint l, vec4 radial) {
     vec3 raw = vec3(0.0);
     for (uint n = l; n <= kHhDegree; n++)

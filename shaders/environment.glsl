@@ -1,5 +1,5 @@
-// The image around a stage: equirectangular, its middle towards −Z, its top +Y, turned about +Y. Level i of the mips is
-// blurred as a surface of roughness i / last mirrors it. The includer declares
+// The environment of a stage: an equirectangular image whose middle is towards −Z and whose top is +Y, rotated about
+// +Y. Mip level i is blurred as a surface of roughness i / last mirrors the image. The includer declares
 //   uniform Lights { ShaderLights lights; };  uniform sampler2D environment;
 #ifndef NEUVV_ENVIRONMENT_GLSL
 #define NEUVV_ENVIRONMENT_GLSL

@@ -1,8 +1,8 @@
-// Every tile of the batch has a workgroup, and its rays have no end (ray.glsl).
+// For ray.glsl, where each tile of the batch has a workgroup and rays have no end.
 #ifndef NEUVV_EVERY_TILE_GLSL
 #define NEUVV_EVERY_TILE_GLSL
 
-// A dispatch of very many tiles rounds their number up: check it against the buffers' end.
+// The dispatch rounds a very large number of tiles up, so the result must be checked against the buffers' size.
 uint tile_group() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
 
 vec2 tile_range(uint tile) { return vec2(0.0, 1e30); }

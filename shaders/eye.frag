@@ -1,8 +1,8 @@
-// Eye: a stage's images of both eyes to a headset's images, linear (an image's format encodes), with how near things are,
-// so that hands and panels are hidden by what stands before them: of performers where the ray's alpha is a half or more
-// (errata 12), else of the set.
-// Reads image and rays; writes premultiplied light and depth near / metres along the axis. One invocation a pixel of both
-// eyes; bound by memory, 28 bytes a pixel.
+// Eye: copies the images of both eyes to a headset's images, in linear light, as the format of these encodes. It also
+// writes depth, so that hands and panels are hidden by what is before them: the depth of performers where the ray's
+// alpha is at least one half (errata 12), else that of the set.
+// Reads image and rays; writes premultiplied light, and as depth near_m / metres along the axis. One invocation per
+// pixel of both eyes. Bound by memory: 28 bytes per pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/eye.h"
@@ -22,8 +22,8 @@ layout(location = 0) out vec4 light;
 
 float metres_at(uvec2 pixel, int texel) {
     const vec2 at = vec2(pixel) + 0.5;
-    const vec2 place = vec2(ray_of_pixel(camera_axis(view, 0u), at.x), ray_of_pixel(camera_axis(view, 1u), at.y));
-    const uvec2 cell = uvec2(clamp(place, vec2(0.0), vec2(push.tiles_across, push.tiles_down) * float(kTile) - 1.0));
+    const vec2 rays = vec2(ray_of_pixel(camera_axis(view, 0u), at.x), ray_of_pixel(camera_axis(view, 1u), at.y));
+    const uvec2 cell = uvec2(clamp(rays, vec2(0.0), vec2(push.tiles_across, push.tiles_down) * float(kTile) - 1.0));
     const uvec2 tile = cell / kTile, inner = cell % kTile;
     const int ray =
         int(((view * push.tiles_down + tile.y) * push.tiles_across + tile.x) * kTilePixels + inner.y * kTile + inner.x);
@@ -31,8 +31,8 @@ float metres_at(uvec2 pixel, int texel) {
     return texelFetch(depth, ray).x / length(camera_line(view, at));
 }
 
-// Dark from the edge inwards, about the middle of the image.
-float veil(vec2 at) {
+// The darkness of the vignette at a position of the image, 0 to 1; it grows from the middle to the edge.
+float vignette(vec2 at) {
     const float from_middle = length(at / vec2(push.width, push.height) - 0.5) * 2.0;
     return push.vignette * smoothstep(1.1 - 0.7 * push.vignette, 1.3 - 0.6 * push.vignette, from_middle);
 }
@@ -40,8 +40,8 @@ float veil(vec2 at) {
 void main() {
     const uvec2 pixel = uvec2(gl_FragCoord.xy);
     const int texel = int((view * push.height + pixel.y) * push.width + pixel.x);
-    const vec4 shown = unpackUnorm4x8(texelFetch(image, texel).x);
-    light = vec4(srgb_decode(shown.rgb) * shown.a, shown.a);
-    if (push.vignette > 0.0) light = mix(light, vec4(0.0, 0.0, 0.0, 1.0), veil(gl_FragCoord.xy));
+    const vec4 colour = unpackUnorm4x8(texelFetch(image, texel).x);
+    light = vec4(srgb_decode(colour.rgb) * colour.a, colour.a);
+    if (push.vignette > 0.0) light = mix(light, vec4(0.0, 0.0, 0.0, 1.0), vignette(gl_FragCoord.xy));
     gl_FragDepth = clamp(push.near_m / metres_at(pixel, texel), 0.0, 1.0);
 }

@@ -1,4 +1,4 @@
-// Eye: one triangle over each eye's image; an instance an eye.
+// Eye: one triangle that covers an eye's image, drawn as one instance per eye.
 #version 460
 #extension GL_ARB_shader_viewport_layer_array : require
 

@@ -1,5 +1,5 @@
-// Where rays stand in an image: along each axis as many a pixel as the camera says, of one density inside an inset and of
-// others beside it. The includer binds textureBuffer `cameras`.
+// The positions of rays in an image. Along each axis the camera defines how many rays there are per pixel: one density
+// inside an inset, others beside it (GridAxis). The includer binds textureBuffer `cameras`.
 #ifndef NEUVV_GRID_GLSL
 #define NEUVV_GRID_GLSL
 
@@ -21,7 +21,7 @@ float ray_of_pixel(GridAxis axis, float pixel) {
                        : pixel <= k.w ? k.x + (pixel - k.z) / axis.slopes.y : k.y + (pixel - k.w) / axis.slopes.z;
 }
 
-// What a camera sees at a place of its image; one metre long along its axis.
+// The direction through a position of a camera's image, of length 1 along the camera's axis.
 vec3 camera_line(uint camera, vec2 at) {
     const int first = int(kCameraTexels * camera);
     return texelFetch(cameras, first + 3).xyz + at.x * texelFetch(cameras, first + 1).xyz +

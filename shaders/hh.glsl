@@ -41,7 +41,7 @@ HhRadial hh_radial_adjoint(float gamma) {
     return r;
 }
 
-// Index of H_n·· 's first function (errata 5 and shared/hh_counts.h): H_nlm stands at hh_base(n) + l² + l + m.
+// The index of the first function of degree n (errata 5, shared/hh_counts.h): H_nlm has index kHhBase[n] + l² + l + m.
 const uint kHhBase[4] = uint[](0u, 1u, 5u, 14u);
 
 #endif

@@ -1,22 +1,24 @@
-// Lists the tiles of the images that any ray with an instance before it adds to, so that only those are resolved.
-// Reads some words a tile; writes one for each that sees. One thread a tile of all images; trivial work.
+// Image list: lists the tiles of the images that use rays of a tile that an instance may cover, so that only these are
+// resolved.
+// Reads a word for each tile of rays that a tile of an image uses; writes one word per listed tile. One thread per tile
+// of all images; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/image_list.h"
 
 layout(local_size_x = kSliceGroup) in;
-layout(binding = kListSeen) uniform utextureBuffer seen;
+layout(binding = kListCovered) uniform utextureBuffer covered;
 layout(binding = kListCameras) uniform textureBuffer cameras;
 layout(binding = kListImages, r32ui) writeonly uniform uimageBuffer image_list;
 layout(binding = kListCount, std430) buffer Count { LiveCount count; };
 layout(push_constant) uniform Push { ImageListPush push; };
 #include "grid.glsl"
 
-// The first and the last tile of rays along an axis that pixels of the image's tile `at` take from.
+// The first and the last tile of rays along an axis that pixels of the image's tile `at` use.
 uvec2 ray_tiles(uint view, uint axis, uint at, uint tiles) {
     const GridAxis grid = camera_axis(view, axis);
     const float pixel = float(push.samples * kTile * at), end = pixel + float(push.samples * kTile);
-    const ivec2 rays = ivec2(floor(ray_of_pixel(grid, pixel)) - push.reach, ceil(ray_of_pixel(grid, end)) - 1.0 + push.reach);
+    const ivec2 rays = ivec2(floor(ray_of_pixel(grid, pixel)) - push.radius, ceil(ray_of_pixel(grid, end)) - 1.0 + push.radius);
     return uvec2(clamp(rays / int(kTile), ivec2(0), ivec2(tiles - 1u)));
 }
 
@@ -30,7 +32,7 @@ void main() {
     bool any = false;
     for (uint row = y.x; row <= y.y; row++)
         for (uint column = x.x; column <= x.y; column++)
-            any = any || texelFetch(seen, int((view * push.tiles_down + row) * push.tiles_across + column)).x != 0u;
+            any = any || texelFetch(covered, int((view * push.tiles_down + row) * push.tiles_across + column)).x != 0u;
     if (!any) return;
     const uint listed = atomicAdd(count.slots, 1u);
     imageStore(image_list, int(listed), uvec4(tile));

@@ -8,7 +8,7 @@
 // in loops keep the lanes of a SIMD device together: all of them step over empty cells until each has a leaf or has left
 // its node, then all shade, then all descend. lavapipe does not even branch around an `if` that no lane takes: a descent
 // or a sample inside the stepping would be paid at every empty cell. On the left a sample is paid once more for every node,
-// on the right a descent for every sample: that is for samples that are dearer than a descent.
+// on the right a descent for every sample: that is for samples that cost more than a descent.
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
 // exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter: one,

@@ -1,8 +1,9 @@
-// Merge: what several instances put along a ray (shared/segments.h), blended in depth order; where they overlap, densities
-// add and colours weigh by density. The exact answer that the paper's Algorithm 1 approaches (errata 11).
-// Reads pages; writes radiance and depth under what nearer instances left there. One workgroup a tile of rays, one
-// thread a ray; tiles that see nothing end at once. Bound by memory and its latency: a header and a segment for each list at
-// each border.
+// Merge: blends the segments of several instances along a ray (shared/segments.h) in depth order. Where they overlap,
+// densities add up and colours are weighted by density. This is the exact result that the paper's Algorithm 1
+// approximates (errata 11).
+// Reads pages; writes radiance and depth, blended under those of nearer instances. One workgroup per tile of rays, one
+// thread per ray; tiles that no instance covers end at once. Bound by memory and its latency: a header and a segment of
+// each list at each end of a segment.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/segments.h"
@@ -11,7 +12,7 @@
 layout(local_size_x = kTilePixels) in;
 layout(binding = kMergePages, std430) buffer Pages { uvec4 pages[]; };
 layout(binding = kMergeHeads, std430) buffer Heads { uint heads[]; };
-layout(binding = kMergeSeen) uniform utextureBuffer seen;
+layout(binding = kMergeCovered) uniform utextureBuffer covered;
 layout(binding = kMergeRadiance, rgba32f) uniform imageBuffer radiance;
 layout(binding = kMergeDepth, r32f) uniform imageBuffer depth;
 layout(push_constant) uniform Push { MergePush push; };
@@ -19,23 +20,23 @@ layout(push_constant) uniform Push { MergePush push; };
 #include "layers.glsl"
 #include "light_bits.glsl"
 
-const float kEnd = 1e30;  // metres: no border follows
+const float kEnd = 1e30;  // metres: no segment begins or ends any more
 
-// What all lists together have behind a place of the ray, up to the next border of any.
+// The sum of all lists' segments from a position on the ray to where the next segment begins or ends.
 struct Stretch {
     float end;    // metres
     float sigma;  // 1/m
     vec3 light;   // Σ σ c
 };
 
-// The segment after another one of the same list; 0: there is none.
+// The texel of the next segment of the same list, or 0 at its end.
 uint segment_after(uint at) {
     const uint next = pages[at - at % kPageWords].x;
     if ((next & kLastPage) == 0u) return at % kPageWords < kPageSegments ? at + 1u : next * kPageWords + 1u;
     return at % kPageWords < (next & ~kLastPage) ? at + 1u : 0u;
 }
 
-// Adds a list's part, and moves its cursor over what lies behind.
+// Adds the list's segment at `begin` metres to the stretch; moves the list's cursor (header.w) over a segment that has ended.
 void add_list(uint list, float begin, inout Stretch stretch) {
     const uvec4 header = pages[list * kPageWords];
     uint at = header.w;
@@ -60,7 +61,7 @@ void add_list(uint list, float begin, inout Stretch stretch) {
 
 void main() {
     const uint tile = push.first_tile + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    if (tile >= push.end_tile || texelFetch(seen, int(tile)).x == 0u) return;
+    if (tile >= push.end_tile || texelFetch(covered, int(tile)).x == 0u) return;
     const uint ray = tile * kTilePixels + gl_LocalInvocationID.x;
     const uint first = heads[kFirstHead + ray];
     if (first == 0u) return;

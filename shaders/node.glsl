@@ -1,25 +1,25 @@
-// A node of the octree (shared/tree.h) in registers: which of its cells live, and where a cell's child stands.
+// A node of the octree (shared/tree.h) in registers: its live cells, and the indices of its cells' children.
 #ifndef NEUVV_NODE_GLSL
 #define NEUVV_NODE_GLSL
 
 struct Node {
-    uvec2 live;   // (mask_lo, mask_hi): cells that may hold anything
-    uvec2 cells;  // those that have a child
+    uvec2 live;   // (mask_lo, mask_hi) of the cells that may contain live leaves
+    uvec2 cells;  // the mask of the cells that have a child
     uint first_child;
-    uint wide;  // bit for each octant: one leaf fills it, its eight cells share one child
+    uint wide;  // a bit for each octant that one leaf fills, so that its eight cells share one child
 };
 
 bool node_lives(Node node, uint bit) { return ((bit < 32u ? node.live.x : node.live.y) >> (bit & 31u) & 1u) != 0u; }
 
 bool node_wide(Node node, uint bit) { return (node.wide >> (bit >> 3u) & 1u) != 0u; }
 
-// Masks with one bit a child.
+// A mask of cells with the first cell alone of each wide octant, so that each child has one bit.
 uvec2 node_runs(uvec2 cells, uint wide) {
     const uvec2 nibbles = uvec2(wide, wide >> 4u) & 15u;
     return cells & ~((nibbles * 0x204081u & 0x01010101u) * 0xfeu);
 }
 
-// Index of a cell's child.
+// The index of a cell's child.
 uint node_child(Node node, uint bit) {
     const uvec2 runs = node_runs(node.cells, node.wide);
     const uint at = node_wide(node, bit) ? bit & 56u : bit;

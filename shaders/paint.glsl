@@ -1,12 +1,12 @@
-// The colour of a leaf under paint (errata 14). What is painted is the leaf's mean colour c = sigmoid(k_00 Y_00): each
-// layer takes it a part w = opacity · alpha of the way to
+// The colour of a leaf under paint (errata 14). Paint changes the leaf's mean colour c = sigmoid(k_00 Y_00). Each layer
+// mixes c, with weight w = opacity · alpha, with
 //   normal    g, the target
 //   multiply  c g
-//   tint      c g, made as bright as c: as if lit by g
-//   recolour  g, made as bright as c: hue and saturation are the target's
-// and it goes back into k_00 as its logit. The coefficients of higher degree, by which the leaf looks different from
-// different sides, are multiplied by `keep` (the rest of 1 that normal layers leave), and of `grey` of each its
-// luminance stands for all channels: tints and recolours leave light and shade, but no hue that turns.
+//   tint      c g, with the luminance of c: as if lit by g
+//   recolour  g, with the luminance of c: hue and saturation are the target's
+// and the logit of the result replaces k_00 Y_00. The coefficients of higher degree, which let the colour depend on the
+// direction of view, are multiplied by `keep`, the product of 1 − w over normal layers, and each is mixed with its
+// luminance by the weight `grey`: a tint or recolour keeps changes of brightness with direction, but not those of hue.
 #ifndef NEUVV_PAINT_GLSL
 #define NEUVV_PAINT_GLSL
 
@@ -20,13 +20,13 @@ struct Painted {
 
 float luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
-// A colour of `wanted` luminance (0 to 1) with the hue of c and its saturation, or as much of it as there is room for.
-vec3 with_luminance(vec3 c, float wanted) {
-    const float own = luminance(c);
-    if (own < 1e-6) return vec3(wanted);
-    const vec3 scaled = c * (wanted / own);
-    const float most = max(scaled.r, max(scaled.g, scaled.b));
-    return most > 1.0 ? wanted + (scaled - wanted) * ((1.0 - wanted) / (most - wanted)) : scaled;
+// The colour c scaled to a luminance (0 to 1); its saturation is reduced where a channel would exceed 1.
+vec3 with_luminance(vec3 c, float target) {
+    const float current = luminance(c);
+    if (current < 1e-6) return vec3(target);
+    const vec3 scaled = c * (target / current);
+    const float largest = max(scaled.r, max(scaled.g, scaled.b));
+    return largest > 1.0 ? target + (scaled - target) * ((1.0 - target) / (largest - target)) : scaled;
 }
 
 vec3 blend(uint mode, vec3 c, vec3 target) {
@@ -38,7 +38,7 @@ vec3 blend(uint mode, vec3 c, vec3 target) {
     }
 }
 
-// One layer over what those below made of the leaf.
+// Applies a layer to the leaf as the layers below have left it; `part` is w.
 void paint_over(inout Painted leaf, uint mode, float part, vec3 target) {
     leaf.colour = mix(leaf.colour, blend(mode, leaf.colour, target), part);
     if (mode == kPaintNormal) leaf.keep *= 1.0 - part;

@@ -1,6 +1,6 @@
 // Paint on a slice, second half: the colours, in the entries of the slice tree (paint.glsl).
-// Reads edits and the nodes that their leaves stand in; reads and writes (n_max+1)² texels of an entry. One thread a
-// painted leaf. Bound by memory: 20 bytes an edit, 16·(n_max+1)² + 32 a leaf whose colour changes.
+// Reads edits and the nodes of their leaves; reads and writes (n_max+1)² texels of an entry. One thread per painted
+// leaf. Bound by memory: 20 bytes per edit, 16·(n_max+1)² + 32 per leaf whose colour changes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/paint.h"
@@ -20,11 +20,11 @@ layout(push_constant) uniform Push { PaintPush push; };
 #include "paint.glsl"
 #include "paint_edits.glsl"
 
-// The first texel of the leaf's entry; false where the leaf is dead.
+// Finds the first texel of the leaf's entry; false where the leaf is not live.
 bool entry_of(uint leaf, out int first) {
     const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
-    const uvec4 own = texelFetch(nodes, int(push.node_base + (cells.x >> 1u)));
-    const Node node = Node(own.xy, own.xy, own.z, own.w);
+    const uvec4 words = texelFetch(nodes, int(push.node_base + (cells.x >> 1u)));
+    const Node node = Node(words.xy, words.xy, words.z, words.w);
     const uint bit = 32u * (cells.x & 1u) + uint(findLSB(cells.y));
     first = int(node_child(node, bit) * sh_count(kHhDegree));
     return node_lives(node, bit);
@@ -42,16 +42,16 @@ void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     const uint at = group * kSliceGroup + gl_LocalInvocationID.x;
     if (at >= push.leaves) return;
-    const uvec2 own = texelFetch(painted_leaves, int(at)).xy;
+    const uvec2 painted = texelFetch(painted_leaves, int(at)).xy;  // the leaf, its first edit
     const uint end = texelFetch(painted_leaves, int(at + 1u)).y;
     int first;
-    if (!entry_of(own.x, first)) return;
+    if (!entry_of(painted.x, first)) return;
     const uvec2 mean = imageLoad(entries, first).xy;
     Painted leaf = Painted(1.0 / (1.0 + exp(-kShConstant * coefficient(mean))), 1.0, 0.0);
     bool changed = false;
-    for (uint i = own.y; i < end; i++) {
+    for (uint i = painted.y; i < end; i++) {
         Edit edit;
-        if (!edit_holds(i, edit) || edit.alpha * edit.opacity == 0.0) continue;
+        if (!edit_applies(i, edit) || edit.alpha * edit.opacity == 0.0) continue;
         paint_over(leaf, edit.blend, edit.alpha * edit.opacity, edit.target);
         changed = true;
     }

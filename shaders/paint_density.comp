@@ -1,8 +1,8 @@
-// Paint on a slice, first half: the densities. After σ of all leaves is there, leaves whose edits hold at this
-// time get theirs; one that was dead and gets a density takes a slot, one that gets none dies: its cells are taken
-// out of the live ones, and its slot is passed over.
+// Paint on a slice, first half: the densities. It runs after slice_density.comp has computed σ of all leaves, and
+// changes σ of leaves with edits that apply at this time. A leaf that becomes live by paint takes a slot. A leaf whose
+// σ becomes 0 is taken out of the masks of live cells; its slot is then ignored.
 // Reads edits (20 bytes each, those of a leaf one after the other); reads and writes head, live cells and count. One
-// thread a painted leaf. Bound by memory: 16 bytes an edit, 60 a leaf whose density changes.
+// thread per painted leaf. Bound by memory: 16 bytes per edit, 60 per leaf whose density changes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/paint.h"
@@ -21,7 +21,7 @@ layout(binding = kPaintNodeLive, std430) buffer NodeLive { uint node_live[]; };
 layout(push_constant) uniform Push { PaintPush push; };
 #include "paint_edits.glsl"
 
-// False: there is no room.
+// Takes a slot for a leaf; false where there is no room.
 bool take_slot(uint leaf, out uint slot) {
     slot = atomicAdd(live.slots, 1u);
     if (slot >= push.capacity) {
@@ -34,10 +34,10 @@ bool take_slot(uint leaf, out uint slot) {
 }
 
 void set_sigma(uint leaf, float sigma) {
-    const uvec2 was = imageLoad(head, int(leaf)).xy;
-    const bool lived = uintBitsToFloat(was.x) > 0.0, lives = sigma > 0.0;
+    const uvec2 before = imageLoad(head, int(leaf)).xy;
+    const bool lived = uintBitsToFloat(before.x) > 0.0, lives = sigma > 0.0;
     const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
-    uint slot = was.y;
+    uint slot = before.y;
     if (lives && !lived) {
         if (!take_slot(leaf, slot)) return;
         atomicOr(node_live[cells.x], cells.y);
@@ -50,16 +50,16 @@ void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     const uint at = group * kSliceGroup + gl_LocalInvocationID.x;
     if (at >= push.leaves) return;
-    const uvec2 own = texelFetch(painted_leaves, int(at)).xy;
+    const uvec2 painted = texelFetch(painted_leaves, int(at)).xy;  // the leaf, its first edit
     const uint end = texelFetch(painted_leaves, int(at + 1u)).y;
     float sigma = 0.0;
     bool changed = false;
-    for (uint i = own.y; i < end; i++) {
+    for (uint i = painted.y; i < end; i++) {
         Edit edit;
-        if (!edit_holds(i, edit) || edit.sigma < 0.0) continue;
-        if (!changed) sigma = uintBitsToFloat(imageLoad(head, int(own.x)).x);
+        if (!edit_applies(i, edit) || edit.sigma < 0.0) continue;
+        if (!changed) sigma = uintBitsToFloat(imageLoad(head, int(painted.x)).x);
         sigma = mix(sigma, edit.sigma, edit.opacity);
         changed = true;
     }
-    if (changed) set_sigma(own.x, sigma);
+    if (changed) set_sigma(painted.x, sigma);
 }

@@ -1,18 +1,18 @@
-// The edits of one leaf (shared/paint.h). The includer binds the utextureBuffers `painted_leaves`, `edits`,
-// `edit_sigmas` and `layers`, and pushes a PaintPush.
+// Reads edits of leaves (shared/paint.h). The includer binds the utextureBuffers `painted_leaves`, `edits`,
+// `edit_sigmas` and `layers`, and has a PaintPush as `push`.
 #ifndef NEUVV_PAINT_EDITS_GLSL
 #define NEUVV_PAINT_EDITS_GLSL
 
 struct Edit {
     vec3 target;
     float alpha;
-    float sigma;  // 1/m; below 0: stays
+    float sigma;  // 1/m; below 0: the density stays
     uint blend;
     float opacity;
 };
 
-// Whether the edit holds now, and what it says.
-bool edit_holds(uint index, out Edit edit) {
+// Reads an edit; false where it does not apply at push.frame.
+bool edit_applies(uint index, out Edit edit) {
     const uvec4 words = texelFetch(edits, int(index));
     const vec2 frames = uintBitsToFloat(words.xy);
     if (!(frames.x <= push.frame && push.frame <= frames.y)) return false;

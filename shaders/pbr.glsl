@@ -1,5 +1,5 @@
-// glTF 2.0's metallic-roughness material (specification, appendix B): what a surface sends to the eye of light from one
-// direction, and of light from around.
+// glTF 2.0's metallic-roughness material (specification, appendix B): how much a surface reflects to the eye of light
+// from one direction, and of ambient light.
 #ifndef NEUVV_PBR_GLSL
 #define NEUVV_PBR_GLSL
 #include "shared/set.h"
@@ -8,7 +8,7 @@ const float kPi = 3.14159265358979;
 
 struct Surface {
     vec3 diffuse;     // reflectance
-    vec3 f0;          // specular reflectance seen from straight above
+    vec3 f0;          // specular reflectance along the normal
     float roughness;  // perceptual: α is its square
     vec3 normal;      // world, unit, towards the eye
 };
@@ -18,7 +18,7 @@ Surface surface_of(vec3 base_colour, float metallic, float roughness, vec3 norma
                    max(roughness, kMinRoughness), normal);
 }
 
-// Light sent to the eye for each unit of light that falls on a surface facing `to_light`:
+// Light reflected to the eye for each unit of light that falls on a surface facing `to_light`:
 //   ((1 − F) c_diff / π + F D V) · N·L,   F = f0 + (1 − f0)(1 − V·H)⁵
 //   D = α² / (π ((N·H)²(α² − 1) + 1)²)                                                        GGX
 //   V = 1 / (2 (N·L √((N·V)²(1 − α²) + α²) + N·V √((N·L)²(1 − α²) + α²)))                     Smith, height-correlated
@@ -37,9 +37,9 @@ vec3 reflect_light(Surface s, vec3 to_eye, vec3 to_light) {
     return ((1.0 - f) * s.diffuse / kPi + f * (d * v)) * nl;
 }
 
-// What the surface reflects of a uniform light of 1 by its specular lobe: the split sum's second factor (Karis, Real
-// Shading in Unreal Engine 4), as f0 · white + (1 − f0) · black with both fitted to the integral of the lobe above; they are
-// 0.042 off at most, where a smooth surface is seen from the side (tests/render/environment_test.cpp).
+// How much of a uniform light of 1 the surface reflects by its specular lobe: the split sum's second factor (Karis,
+// Real Shading in Unreal Engine 4). It is f0 · white + (1 − f0) · black, where both are fits to the integral of the
+// lobe above with an error of at most 0.042, at grazing angles on a smooth surface (tests/render/environment_test.cpp).
 vec3 specular_albedo(Surface s, float nv) {
     const float r = s.roughness, x = nv, y2 = (1.0 - x) * (1.0 - x);
     const float white = 0.96705 + r * (-0.41489 + r * (0.80682 - 0.45898 * r)) +
@@ -49,8 +49,9 @@ vec3 specular_albedo(Surface s, float nv) {
     return clamp(s.f0 * white + (1.0 - s.f0) * black, vec3(0.0), vec3(1.0));
 }
 
-// Light from around: `irradiance` is what a white diffuse surface returns, `mirrored` what comes along the mirrored ray,
-// blurred by roughness. What is not mirrored is left to the diffuse part, so that white stays white.
+// The ambient light reflected to the eye. `irradiance` is what a white diffuse surface would reflect, `mirrored` the
+// light from the mirrored direction, blurred by roughness. The diffuse part gets what the specular lobe does not
+// reflect, so that a white surface stays white.
 vec3 reflect_ambient(Surface s, vec3 to_eye, vec3 irradiance, vec3 mirrored) {
     const vec3 albedo = specular_albedo(s, clamp(abs(dot(s.normal, to_eye)), 1e-4, 1.0));
     return (1.0 - albedo) * s.diffuse * irradiance + albedo * mirrored;

@@ -1,7 +1,7 @@
-// Pick: for each ray the leaf of a slice tree in which its transmittance first falls to what is asked for, and how
-// far that is: T exp(−σ s) = T_wanted inside the leaf (errata 14).
-// Reads nodes and first entries; writes a Pick a ray. One thread a ray. Bound by the walk: two dependent fetches a
-// node, one a sample.
+// Pick: for each ray the leaf of a slice tree in which its transmittance T falls to a threshold, and the distance where
+// it does: T exp(−σ s) = T_threshold after s metres inside the leaf (errata 14).
+// Reads nodes and first entries; writes a Pick per ray. One thread per ray. Bound by the walk: two dependent fetches
+// per node, one per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/pick.h"
@@ -26,8 +26,8 @@ void main() {
     if (ray >= push.rays) return;
     const vec3 origin = texelFetch(rays, int(2u * ray)).xyz, direction = texelFetch(rays, int(2u * ray + 1u)).xyz;
     sample_begin(direction, 0u);
-    const float wanted = push.box_min.w;
-    float left = -log(wanted);  // optical depth that is still to come
+    const float threshold = push.box_min.w;
+    float left = -log(threshold);  // the optical depth that is still missing
     uvec2 pick = uvec2(kNoLeaf, floatBitsToUint(0.0));
     March march = march_begin((origin - push.box_min.xyz) / push.box_size.xyz, direction / push.box_size.xyz,
                               vec2(0.0, 1e30));

@@ -1,5 +1,6 @@
 // Raster: the base colour of glTF (factor × vertex colour × texture), linear and premultiplied. There are no lights:
-// unlit materials show their colour, others get a soft sky. Bound by texture fetches.
+// unlit materials have their plain colour, others are lit by a soft sky. One invocation per fragment. Bound by texture
+// fetches.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/raster.h"

@@ -1,18 +1,17 @@
-// Resolve: traced rays to an image. Colour over a background (blended in linear light), alpha, or depth.
-// A pixel is the mean of its samples × samples rays, each with the set behind it, colour and alpha premultiplied and
-// linear, depth by alpha.
-// Reads radiance and depth in tile order; writes straight-alpha sRGB, 8 bits a channel, in rows. One thread a pixel, one
-// workgroup 8×8 pixels. Bound by memory: 20 bytes a ray and 4 a pixel, with a set 40
-// a ray. Images of several views stand behind each other,
-// each with all its tiles of rays.
+// Resolve: turns traced rays into an image of colour over a background (blended in linear light), alpha, or depth. A
+// pixel is the mean of its samples × samples rays, each blended with the set: colour and alpha are premultiplied and
+// linear, depth is weighted by alpha.
+// Reads radiance and depth in tile order; writes straight-alpha sRGB, 8 bits per channel, in rows. One thread per
+// pixel, one workgroup per 8×8 pixels. Bound by memory: 20 bytes per ray (40 with a set) and 4 per pixel. The images of
+// several views are stored behind each other, and so are their tiles of rays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/resolve.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
-layout(constant_id = 0) const bool kListed = false;  // only some of the image's tiles
-layout(constant_id = 1) const bool kSet = false;     // the set is behind and before the rays
+layout(constant_id = 0) const bool kListed = false;  // only listed tiles of the images are resolved
+layout(constant_id = 1) const bool kSet = false;     // there is a set
 layout(binding = kResolveRadiance) uniform textureBuffer radiance;
 layout(binding = kResolveDepth) uniform textureBuffer depth;
 layout(binding = kResolveImage, r32ui) writeonly uniform uimageBuffer image;
@@ -30,12 +29,12 @@ void main() {
     uvec2 pixel;
     if (kListed) group = texelFetch(image_tiles, int(group)).x;
     if (group == kNoTile || !pixel_of_thread(group, view, pixel)) return;
-    Shown sum = Shown(vec4(0.0), 0.0, 0.0);
+    WeightedSum sum = WeightedSum(vec4(0.0), 0.0, 0.0);
     for (uint i = 0u; i < push.samples * push.samples; i++) {
         const uvec2 texel = push.samples * pixel + uvec2(i % push.samples, i / push.samples);
         const int ray = ray_at(view, texel);
-        const Shown one = with_set(view, texel, texelFetch(radiance, ray), texelFetch(depth, ray).x);
-        sum = Shown(sum.light + one.light, sum.metres + one.metres, sum.weight + one.weight);
+        const WeightedSum one = with_set(view, texel, texelFetch(radiance, ray), texelFetch(depth, ray).x);
+        sum = WeightedSum(sum.light + one.light, sum.metres + one.metres, sum.weight + one.weight);
     }
     const float metres = sum.weight > 0.0 ? sum.metres / sum.weight : uintBitsToFloat(0x7f800000u);
     store_pixel(view, pixel, sum.light / float(push.samples * push.samples), metres);

@@ -1,5 +1,6 @@
-// Set: opaque pieces, hidden ones not shaded. Reads the material's textures, lights, shadow maps; writes linear premultiplied light and
-// metres along the camera's axis. One invocation a texel and triangle; bound by fetches (set_surface.glsl).
+// Set: opaque pieces; the depth test comes before shading. Reads the material's textures, lights and shadow maps;
+// writes linear premultiplied light and metres along the camera's axis. One invocation per texel and triangle. Bound by
+// fetches (set_surface.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "set_surface.glsl"

@@ -1,5 +1,5 @@
-// Set: a posed vertex to clip space. Reads position, normal, tangent (world, metres), UVs, colour (linear); one
-// invocation a vertex. Bound by fetches.
+// Set: transforms a posed vertex to clip space. Reads position, normal, tangent (world, metres), UVs and colour
+// (linear). One invocation per vertex. Bound by fetches.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/set.h"

@@ -1,4 +1,4 @@
-// Hidden parts of the set's image: no light, at the eye, so that rays end where they begin.
+// Hidden parts of the set's image: writes no light and a distance of 0, so that rays end where they begin.
 #version 460
 
 layout(location = 0) out vec4 light;

@@ -1,5 +1,5 @@
-// Set: masked pieces, as set.frag; fragments below the material's alpha cutoff leave nothing. A shader of its own, since
-// what may discard is shaded before its depth is known to count.
+// Set: masked pieces, as set.frag, but fragments below the material's alpha cutoff are discarded. It is a separate
+// shader, because a shader that may discard is run before the depth test.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "set_surface.glsl"

@@ -1,4 +1,4 @@
-// Shadow of the set: depth alone, without what a masked material cuts out. Bound by texture fetches.
+// Shadow of the set: writes depth alone; discards what a masked material cuts out. Bound by texture fetches.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/set.h"

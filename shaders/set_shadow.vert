@@ -1,4 +1,4 @@
-// Shadow of the set: a posed vertex as the light sees it. One invocation a vertex; bound by fetches.
+// Shadow of the set: projects a posed vertex into the light's shadow map. One invocation per vertex. Bound by fetches.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/set.h"

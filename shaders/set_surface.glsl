@@ -1,5 +1,6 @@
-// What a fragment of the set sends to the eye: its glTF material under all lights, with the shadows of set and
-// performers. Declares the bindings that opaque and blended pieces share. Bound by texture and shadow-map fetches.
+// The light of a fragment of the set: its glTF material under all lights, with the shadows of set and performers.
+// Declares the bindings that the shaders of opaque, masked and blended pieces share. Bound by fetches from textures and
+// shadow maps.
 #ifndef NEUVV_SET_SURFACE_GLSL
 #define NEUVV_SET_SURFACE_GLSL
 #include "shared/set.h"
@@ -39,13 +40,13 @@ vec3 unit_or_up(vec3 v) {
     return square > 1e-20 ? v * inversesqrt(square) : vec3(0.0, 1.0, 0.0);
 }
 
-// Of the geometry, on the side that is seen.
+// The geometric normal on the visible side.
 vec3 facing_normal() {
     const vec3 n = unit_or_up(shaded_normal);
     return gl_FrontFacing ? n : -n;
 }
 
-// glTF 2.0, 3.9.3. Without a normal map the tangent's w is 0. Of a back face all three axes turn around.
+// glTF 2.0, 3.9.3. The tangent's w is 0 where there is no normal map. On a back face all three axes are reversed.
 vec3 mapped_normal(vec3 geometric, float scale) {
     if (shaded_tangent.w == 0.0) return geometric;
     const vec3 along = shaded_tangent.xyz - dot(shaded_tangent.xyz, geometric) * geometric;
@@ -69,22 +70,22 @@ vec3 lit_surface(SetMaterial material, vec3 base_colour) {
     for (uint i = 0u; i < lights.count; i++) {
         vec3 to_light;
         const vec3 arriving = light_at(lights.light[i], shaded_position, to_light);
-        const vec3 sent = arriving * reflect_light(surface, to_eye, to_light);
-        if (max(sent.r, max(sent.g, sent.b)) > 0.0)
-            light += sent * set_shadow(i, shaded_position, geometric) * performer_shadow(i, shaded_position, 0.0);
+        const vec3 reflected = arriving * reflect_light(surface, to_eye, to_light);
+        if (max(reflected.r, max(reflected.g, reflected.b)) > 0.0)
+            light += reflected * set_shadow(i, shaded_position, geometric) * performer_shadow(i, shaded_position, 0.0);
     }
     const vec3 mirrored = reflect(-to_eye, surface.normal);
-    vec3 from_there = lights.ambient.rgb;
-    if (lights.environment.x > 0.0) from_there += environment_at(mirrored, surface.roughness);
+    vec3 mirrored_light = lights.ambient.rgb;
+    if (lights.environment.x > 0.0) mirrored_light += environment_at(mirrored, surface.roughness);
     const float open = 1.0 + material.surface.w * (texture(occlusion_map, shaded_map_uvs_b.xy).r - 1.0);
-    return light + open * reflect_ambient(surface, to_eye, ambient_at(lights.irradiance, surface.normal), from_there);
+    return light + open * reflect_ambient(surface, to_eye, ambient_at(lights.irradiance, surface.normal), mirrored_light);
 }
 
 vec4 base_colour(SetMaterial material) {
     return material.base_colour * shaded_colour * texture(base_texture, shaded_uv);
 }
 
-// Linear premultiplied.
+// The fragment's light, linear and premultiplied.
 vec4 shade_fragment(SetMaterial material, vec4 base) {
     const vec3 light = material.emissive.w > 0.0 ? base.rgb : lit_surface(material, base.rgb);
     const float alpha = mix(clamp(base.a, 0.0, 1.0), 1.0, material.alpha.y);

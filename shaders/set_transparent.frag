@@ -1,6 +1,7 @@
-// Set: blended pieces, drawn far to near. What lies behind the volume of its texel goes over the opaque set, what lies
-// before it into a layer of its own. Reads as set.frag and the volume's depth (metres along the axis, infinity without);
-// writes linear premultiplied light, 0 into the other layer, which leaves that as it is.
+// Set: blended pieces, drawn from far to near. A fragment behind the volume at its texel is blended over the opaque
+// set, a fragment before the volume into a separate layer. Reads what set.frag reads, and the volume's depth (metres
+// along the axis, infinity where there is none). Writes linear premultiplied light to one layer and 0 to the other,
+// which blending then does not change.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "set_surface.glsl"

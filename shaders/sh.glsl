@@ -2,7 +2,7 @@
 #ifndef NEUVV_SH_GLSL
 #define NEUVV_SH_GLSL
 
-// Functions beyond kHhDegree are left 0.
+// Functions of degrees beyond kHhDegree are 0.
 float[kMaxShCount] sh_basis(vec3 d) {
     float y[kMaxShCount];
     for (uint i = 0u; i < kMaxShCount; i++) y[i] = 0.0;

@@ -1,7 +1,7 @@
-// Shade: the colour of every live leaf as seen from one eye, its SH taken along the line from the eye to the leaf's middle
-// and not along each ray: a sample is one fetch then.
-// Reads entries of a slice tree and their leaves; writes one shaded entry each. One thread an entry, dispatched indirectly.
-// Bound by memory: 8·(n_max+1)² + 20 bytes an entry.
+// Shade: evaluates the SH of every live leaf once for an eye, in the direction from the eye to the leaf's middle
+// instead of along each ray, so that a sample needs only one fetch.
+// Reads entries of a slice tree and their leaves; writes one shaded entry each. One thread per entry, dispatched
+// indirectly. Bound by memory: 8·(n_max+1)² + 20 bytes per entry.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"
@@ -10,16 +10,16 @@ layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(binding = kShadeEntries) uniform utextureBuffer entries;
 layout(binding = kShadeLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kShadePlaces) uniform utextureBuffer leaf_positions;
+layout(binding = kShadePositions) uniform utextureBuffer leaf_positions;
 layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount counts[]; };
 layout(binding = kShadeOut, rg32ui) writeonly uniform uimageBuffer shaded;
 layout(push_constant) uniform Push { ShadePush push; };
 #include "sh.glsl"
 
-// Unit, world space, from the eye to the middle of a leaf.
-vec3 direction_of(uvec2 place) {
-    const float edge = 1.0 / float(1u << (place.y >> 16u));
-    const vec3 middle = (vec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu) + 0.5) * edge;
+// The unit direction, in the performer's space, from the eye to the middle of a leaf (Field::leaf_positions).
+vec3 direction_of(uvec2 position) {
+    const float edge = 1.0 / float(1u << (position.y >> 16u));
+    const vec3 middle = (vec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu) + 0.5) * edge;
     const vec3 line = push.box_min.xyz + middle * push.box_size.xyz - push.eye.xyz;
     return line * inversesqrt(max(dot(line, line), 1e-20));
 }

@@ -1,7 +1,7 @@
-// Shadow blur: what a light sees of the performers, low-passed by a Gaussian, first along rows, then along columns (errata
-// 15): coarse maps show no steps then, and shadows have a penumbra.
-// Reads alpha and metres of rays, or of the first pass alpha and alpha · metres; writes these, then alpha and metres. One thread
-// a texel. Bound by its 11 fetches; trivial work.
+// Shadow blur: blurs the image of the performers as a light sees them by a Gaussian, first along rows, then along
+// columns (errata 15), so that the coarse map shows no steps and shadows have a penumbra.
+// The first pass reads alpha and metres of rays and writes alpha and alpha · metres; the second reads these and writes
+// alpha and metres. One thread per texel. Bound by its 11 fetches; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/shadow_blur.h"
@@ -17,8 +17,8 @@ layout(push_constant) uniform Push { ShadowBlurPush push; };
 
 const int kSide = int(kPerformerShadowSide);
 
-// Alpha, and alpha · metres. Beyond the edge nothing is seen.
-vec2 seen_at(ivec2 texel) {
+// Alpha and alpha · metres of a texel; 0 beyond the edge.
+vec2 source_texel(ivec2 texel) {
     if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(kSide)))) return vec2(0.0);
     if (kSecond) return texelFetch(rows, texel.y * kSide + texel.x).xy;
     const uvec2 tile = uvec2(texel) / kTile, inner = uvec2(texel) % kTile;
@@ -34,9 +34,9 @@ void main() {
     const ivec2 texel = ivec2(thread % kSide, thread / kSide), step = kSecond ? ivec2(0, 1) : ivec2(1, 0);
     vec2 sum = vec2(0.0);
     float weights = 0.0;
-    for (int i = -int(kBlurReach); i <= int(kBlurReach); i++) {
+    for (int i = -int(kBlurRadius); i <= int(kBlurRadius); i++) {
         const float weight = exp(-0.5 * float(i * i) / (kBlurSigma * kBlurSigma));
-        sum += weight * seen_at(texel + i * step);
+        sum += weight * source_texel(texel + i * step);
         weights += weight;
     }
     sum /= weights;

@@ -1,5 +1,5 @@
-// What a pixel shows of the rays that it takes from and of the set, and where these stand. The includer pushes a
-// ResolvePush, says by kSet whether there is a set, and binds uimageBuffer `image` and textureBuffers `cameras`,
+// Blends rays with the set and stores pixels; resolve.comp and upscale.comp share it. The includer has a ResolvePush as
+// `push`, says by kSet whether there is a set, and binds uimageBuffer `image` and textureBuffers `cameras`,
 // `set_colour`, `set_front` and `set_depth`.
 #ifndef NEUVV_SHOW_GLSL
 #define NEUVV_SHOW_GLSL
@@ -17,33 +17,34 @@ vec4 show_depth(float metres) {
     return vec4(vec3(isinf(metres) ? 0.0 : clamp(grey, 0.0, 1.0)), 1.0);
 }
 
-// Light and depth as they are summed: premultiplied, linear; metres times their weight, and weights.
-struct Shown {
-    vec4 light;
-    float metres, weight;
+// Sums of rays: depth is metres / weight.
+struct WeightedSum {
+    vec4 light;    // premultiplied, linear
+    float metres;  // times their weight
+    float weight;
 };
 
-// What is seen at a texel of the set's image where `light` is before it, `metres` away.
-Shown with_set(uint view, uvec2 texel, vec4 light, float metres) {
-    Shown shown = Shown(light, light.a > 0.0 ? light.a * metres : 0.0, light.a);
-    if (!kSet) return shown;
+// A ray blended with the set at a texel of the set's image. `light` is the ray's, `metres` its depth.
+WeightedSum with_set(uint view, uvec2 texel, vec4 light, float metres) {
+    WeightedSum sum = WeightedSum(light, light.a > 0.0 ? light.a * metres : 0.0, light.a);
+    if (!kSet) return sum;
     const int at = int((view * push.samples * push.height + texel.y) * push.samples * push.width + texel.x);
     const float set_metres = texelFetch(set_depth, at).x;
     if (!isinf(set_metres)) {
-        shown.metres += (1.0 - light.a) * set_metres * length(camera_line(view, vec2(texel) + 0.5));
-        shown.weight += 1.0 - light.a;
+        sum.metres += (1.0 - light.a) * set_metres * length(camera_line(view, vec2(texel) + 0.5));
+        sum.weight += 1.0 - light.a;
     }
     const vec4 front = texelFetch(set_front, at);
-    shown.light = front + (1.0 - front.a) * (light + (1.0 - light.a) * texelFetch(set_colour, at));
-    return shown;
+    sum.light = front + (1.0 - front.a) * (light + (1.0 - light.a) * texelFetch(set_colour, at));
+    return sum;
 }
 
-// Premultiplied linear light, and depth in metres.
+// Stores colour, alpha or depth, as push.show says, of premultiplied linear light and depth in metres.
 void store_pixel(uint view, uvec2 pixel, vec4 light, float metres) {
-    vec4 shown = show_colour(light);
-    if (push.show == kShowAlpha) shown = vec4(light.aaa, 1.0);
-    if (push.show == kShowDepth) shown = show_depth(metres);
-    imageStore(image, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(shown)));
+    vec4 colour = show_colour(light);
+    if (push.show == kShowAlpha) colour = vec4(light.aaa, 1.0);
+    if (push.show == kShowDepth) colour = show_depth(metres);
+    imageStore(image, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(colour)));
 }
 
 #endif

@@ -1,6 +1,6 @@
 // Slice, second half: the SH coefficients of every live leaf.
-// Reads w^γ and w^HH of the slot's leaf; writes (n_max+1)² texels (R, G, B) a slot. One thread per slot, dispatched
-// indirectly. Bound by memory: 16·(⌈C/4⌉ + N_HH + (n_max+1)²) bytes a live leaf.
+// Reads w^γ and w^HH of the slot's leaf; writes (n_max+1)² texels (R, G, B) per slot. One thread per slot, dispatched
+// indirectly. Bound by memory: 16·(⌈C/4⌉ + N_HH + (n_max+1)²) bytes per live leaf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice.h"

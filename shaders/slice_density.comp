@@ -1,8 +1,8 @@
 // Slice, first half: σ(t) of every leaf; leaves with σ > 0 get a slot.
-// Reads w^σ (⌈C/4⌉ texels a leaf); writes head (σ 1/m, slot) a leaf, leaf a slot, which
-// cells of a node walks need to enter, and the live count with the group count of
-// the passes that run over slots. One thread per kLeavesPerThread leaves, so that the workgroup's barriers and its one atomic
-// addition count for many. Bound by memory: 16·⌈C/4⌉ + 8 bytes a leaf.
+// Reads w^σ (⌈C/4⌉ texels per leaf); writes per leaf its head (σ in 1/m, slot), per slot its leaf, per node the mask of
+// live cells, and the live count, which has the group counts of passes that run over slots. One thread per
+// kLeavesPerThread leaves, so that the cost of the workgroup's barriers and its one atomic addition is shared by many
+// leaves. Bound by memory: 16·⌈C/4⌉ + 8 bytes per leaf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice.h"
@@ -47,7 +47,7 @@ void main() {
         sigma[i] = leaf < push.end_leaf ? leaf_sigma(leaf, push.leaf_count) : 0.0;
         live_leaves += sigma[i] > 0.0 ? 1u : 0u;
     }
-    const uint place = live_leaves > 0u ? atomicAdd(group_count, live_leaves) : 0u;
+    const uint offset = live_leaves > 0u ? atomicAdd(group_count, live_leaves) : 0u;
     barrier();
     if (gl_LocalInvocationID.x == 0u && group_count > 0u) {
         group_first = atomicAdd(live.slots, group_count);
@@ -56,7 +56,7 @@ void main() {
     }
     barrier();
 
-    uint slot = group_first + place;
+    uint slot = group_first + offset;
     for (uint i = 0u; i < kLeavesPerThread; i++) {
         const uint leaf = first_leaf + i;
         if (leaf < push.end_leaf) store_leaf(leaf, sigma[i], slot);

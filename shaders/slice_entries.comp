@@ -1,6 +1,6 @@
-// Slice tree, second half: σ and SH coefficients of every live leaf, where a walk finds them.
-// Reads the leaf's σ, w^γ and w^HH; writes 8·(n_max+1)² + 4 bytes an entry. One thread per slot of the live leaves,
-// dispatched indirectly. Bound by memory: 8·(⌈C/4⌉ + N_HH + (n_max+1)²) bytes a live leaf.
+// Slice tree, second half: the entry of every live leaf, with its σ and SH coefficients.
+// Reads the leaf's σ, w^γ and w^HH; writes 8·(n_max+1)² + 4 bytes per entry. One thread per slot of the live leaves,
+// dispatched indirectly. Bound by memory: 8·(⌈C/4⌉ + N_HH + (n_max+1)²) bytes per live leaf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"
@@ -36,10 +36,10 @@ void main() {
     if (slot >= min(live.slots, push.capacity)) return;
     const uint leaf = texelFetch(slot_leaf, int(slot)).x;
     const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
-    const uvec4 own = texelFetch(nodes, int(push.node_base + (cells.x >> 1u)));
-    const Node node = Node(own.xy, own.xy, own.z, own.w);
+    const uvec4 words = texelFetch(nodes, int(push.node_base + (cells.x >> 1u)));
+    const Node node = Node(words.xy, words.xy, words.z, words.w);
     const uint bit = 32u * (cells.x & 1u) + uint(findLSB(cells.y));
-    if (!node_lives(node, bit)) return;  // the node found no room
+    if (!node_lives(node, bit)) return;  // there was no room for the node's entries
     const uint entry = node_child(node, bit);
     sigma = uintBitsToFloat(texelFetch(head, int(leaf)).x);
     imageStore(entry_leaf, int(entry), uvec4(leaf));

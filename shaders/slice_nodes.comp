@@ -1,7 +1,8 @@
-// Slice tree, first half: the nodes of one level, pruned to live cells, finest level first. A node with live cells takes
-// entries for them, points those of child nodes at these, and lives in its parent.
-// Reads the tree's nodes and the live masks; writes nodes and entries of nodes. One thread a node. Bound by memory: some
-// 64 bytes a node, and by one atomic addition a workgroup.
+// Slice tree, first half: the nodes of one level, pruned to live cells. It is dispatched once per level, finest level
+// first. A node with live cells takes entries for them, writes the entries of its child nodes, and marks its own cell
+// in the parent as live.
+// Reads the tree's nodes and the live masks; writes nodes, and the entries of child nodes. One thread per node. Bound
+// by memory, about 64 bytes per node, and by one atomic addition per workgroup.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"
@@ -23,7 +24,7 @@ layout(push_constant) uniform Push { SliceNodesPush push; };
 shared uint group_count;
 shared uint group_first;
 
-// The entries of the child nodes among 32 cells.
+// Writes the entries of the child nodes among 32 cells.
 void store_child_nodes(Node in_tree, Node in_slice, uint word, uint cells) {
     while (cells != 0u) {
         const uint bit = 32u * word + uint(findLSB(cells));
@@ -42,11 +43,11 @@ void main() {
     if (gl_LocalInvocationID.x == 0u) group_count = 0u;
     barrier();
 
-    const uvec4 own = at < push.nodes ? texelFetch(tree_nodes, int(node)) : uvec4(0u);
+    const uvec4 words = at < push.nodes ? texelFetch(tree_nodes, int(node)) : uvec4(0u);
     uvec2 live = at < push.nodes ? uvec2(node_live[2u * node], node_live[2u * node + 1u]) : uvec2(0u);
-    const uvec2 runs = node_runs(live, own.w);
-    const uint wanted = bitCount(runs.x) + bitCount(runs.y);
-    const uint place = wanted > 0u ? atomicAdd(group_count, wanted) : 0u;
+    const uvec2 runs = node_runs(live, words.w);
+    const uint count = bitCount(runs.x) + bitCount(runs.y);
+    const uint offset = count > 0u ? atomicAdd(group_count, count) : 0u;
     barrier();
     if (gl_LocalInvocationID.x == 0u && group_count > 0u) {
         group_first = atomicAdd(counts[push.slice].slots, group_count);
@@ -56,18 +57,18 @@ void main() {
     barrier();
 
     if (at >= push.nodes) return;
-    const uint first = group_first + place;
-    if (wanted > 0u && first + wanted > push.capacity) {
-        atomicAdd(counts[push.slice].overflow, wanted);
+    const uint first = group_first + offset;
+    if (count > 0u && first + count > push.capacity) {
+        atomicAdd(counts[push.slice].overflow, count);
         live = uvec2(0u);
     }
     const uint first_entry = push.slice * push.capacity + first;
-    imageStore(nodes, int(push.node_base + node), uvec4(live, first_entry, own.w));
+    imageStore(nodes, int(push.node_base + node), uvec4(live, first_entry, words.w));
     if (live == uvec2(0u)) return;
     const uvec2 parent = texelFetch(node_cells, int(node)).xy;
     atomicOr(node_live[parent.x], parent.y);
     const uvec2 inner = live & texelFetch(inner_cells, int(node)).xy;
-    const Node in_tree = Node(live, own.xy, own.z, own.w), in_slice = Node(live, live, first_entry, own.w);
+    const Node in_tree = Node(live, words.xy, words.z, words.w), in_slice = Node(live, live, first_entry, words.w);
     store_child_nodes(in_tree, in_slice, 0u, inner.x);
     store_child_nodes(in_tree, in_slice, 1u, inner.y);
 }

@@ -1,6 +1,6 @@
-// What a ray meets in a slice: march_wants stops the walk at live leaves, sample_colour is theirs along the ray. The
-// includer binds utextureBuffers `node_live` and `head` and textureBuffer `slice_sh`, and calls sample_begin for
-// its ray.
+// Samples of a slice with slots: march_wants stops the walk at live leaves, and sample_colour is the colour of such a
+// leaf along the ray. The includer binds utextureBuffers `tree_nodes`, `tree_children`, `node_live` and `head` and
+// textureBuffer `slice_sh`, and calls sample_begin for its ray.
 #ifndef NEUVV_SLICE_SAMPLE_GLSL
 #define NEUVV_SLICE_SAMPLE_GLSL
 #include "march.glsl"

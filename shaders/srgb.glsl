@@ -1,4 +1,4 @@
-// The sRGB transfer function (IEC 61966-2-1) on linear values ≥ 0; the power law goes on above 1.
+// The sRGB transfer function (IEC 61966-2-1) for linear values ≥ 0; above 1 the power law continues.
 #ifndef NEUVV_SRGB_GLSL
 #define NEUVV_SRGB_GLSL
 
@@ -7,7 +7,7 @@ vec3 srgb_encode(vec3 linear) {
     return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
 }
 
-// Its inverse, 0 to 1.
+// The inverse of srgb_encode for 0 to 1.
 vec3 srgb_decode(vec3 encoded) {
     return mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
 }

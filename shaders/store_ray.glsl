@@ -1,4 +1,4 @@
-// A ray's result as it is, of a field alone (trace_rays.glsl).
+// Stores a ray's result where a field is traced alone (trace_rays.glsl).
 #ifndef NEUVV_STORE_RAY_GLSL
 #define NEUVV_STORE_RAY_GLSL
 

@@ -1,5 +1,7 @@
-// Lists the tiles where an instance may be seen (tile_range.comp), so that only those are traced, and remembers them.
-// Reads a word a tile; writes two for each that sees. One thread a tile of all views; trivial work.
+// Tile list: lists the tiles that an instance may cover (tile_range.comp), so that only these are traced, and marks
+// them as covered.
+// Reads one word per tile; writes two words, or three where instances are counted, per covered tile. One thread per
+// tile of all views; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"
@@ -8,7 +10,7 @@ layout(local_size_x = kSliceGroup) in;
 layout(binding = kRangeTiles) uniform utextureBuffer tile_ranges;
 layout(binding = kRangeList, r32ui) writeonly uniform uimageBuffer tile_list;
 layout(binding = kRangeCount, std430) buffer Count { LiveCount count; };
-layout(binding = kRangeSeen, r32ui) writeonly uniform uimageBuffer seen;
+layout(binding = kRangeCovered, r32ui) writeonly uniform uimageBuffer covered;
 layout(binding = kRangeSharing, r32ui) uniform uimageBuffer sharing;
 layout(push_constant) uniform Push { TileRangePush push; };
 
@@ -17,7 +19,7 @@ void main() {
     const uint tile = group * kSliceGroup + gl_LocalInvocationID.x;
     if (tile >= push.views * push.tiles_across * push.tiles_down) return;
     if (texelFetch(tile_ranges, int(tile)).x == kNoTile) return;
-    imageStore(seen, int(tile), uvec4(1u));
+    imageStore(covered, int(tile), uvec4(1u));
     if (push.counted != 0u) imageStore(sharing, int(tile), imageLoad(sharing, int(tile)) + 1u);
     const uint at = atomicAdd(count.slots, 1u);
     imageStore(tile_list, int(at), uvec4(tile));

@@ -1,9 +1,9 @@
-// How far an instance is from each tile of the images that may see it: the live leaves of every node, boxed, go to the
-// tiles that their box covers. Rays start at the least distance of their tile and end at the largest; tiles that no box covers
-// have no rays.
-// Reads nodes, down to a level whose nodes look smaller than a tile; takes the minimum in two words a covered tile. One thread
-// a node, for all views. Bound by arithmetic, some 300
-// operations a live node and view, and where the eye is close by atomics, one pair for each covered tile.
+// Tile range: the smallest and largest distance of an instance in each tile that it may cover. The box around the live
+// leaves of each node is projected onto tiles. Rays start at the smallest distance of their tile and end at the
+// largest; a tile that no box covers has no rays.
+// Reads nodes, down to a level whose nodes look smaller than a tile; updates two words of each covered tile by atomic
+// minima. One thread per node, for all views. Bound by arithmetic, about 300 operations per live node and view, and,
+// where the eye is near, by atomics, two for each covered tile.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"
@@ -11,7 +11,7 @@
 layout(local_size_x = kSliceGroup) in;
 layout(binding = kRangeNodes) uniform utextureBuffer nodes;
 layout(binding = kRangeInner) uniform utextureBuffer inner_cells;
-layout(binding = kRangePlaces) uniform utextureBuffer node_places;
+layout(binding = kRangePositions) uniform utextureBuffer node_positions;
 layout(binding = kRangeViews) uniform textureBuffer range_views;
 layout(binding = kRangeCameras) uniform textureBuffer cameras;
 layout(binding = kRangeTiles, std430) buffer Tiles { uint tile_ranges[]; };
@@ -19,20 +19,21 @@ layout(push_constant) uniform Push { TileRangePush push; };
 #include "box_pixels.glsl"
 #include "grid.glsl"
 
-const float kSlack = 1e-4;    // relative, of distances: for rounding
+const float kSlack = 1e-4;  // relative tolerance of distances, for rounding
 
 struct Box {
     vec3 low, high;
 };
 
-// The first and the last layer of cells along an axis that hold any, given the cells of each layer.
+// The first and the last layer of cells along an axis that is not empty, given the occupied cells of each layer.
 uvec2 first_and_last(uint layer0, uint layer1, uint layer2, uint layer3) {
     const uint any = (layer0 != 0u ? 1u : 0u) | (layer1 != 0u ? 2u : 0u) | (layer2 != 0u ? 4u : 0u) |
                      (layer3 != 0u ? 8u : 0u);
     return uvec2(findLSB(any), findMSB(any));
 }
 
-// Around some of a node's cells, in these: 0..4 on each axis. Bits of a cell in its word: y1 x1 z0 y0 x0 (shared/tree.h).
+// The box around some of a node's cells, in units of cells: 0..4 on each axis. The bits of a cell's number in its word
+// are y1 x1 z0 y0 x0 (shared/tree.h).
 Box cells_box(uvec2 cells) {
     const uint any = cells.x | cells.y;
     const uvec2 x = first_and_last(any & 0x00550055u, any & 0x00aa00aau, any & 0x55005500u, any & 0xaa00aa00u);
@@ -48,16 +49,16 @@ RangeView view_of(uint view) {
                      texelFetch(range_views, first + 3));
 }
 
-// z (x, y, 1) of the pixel that sees a place, relative to the eye
+// z (x, y, 1) for the pixel (x, y) onto which a position is projected; `from_eye` is relative to the eye.
 vec3 homogeneous(RangeView view, vec3 from_eye) {
     return vec3(dot(view.row_x.xyz, from_eye), dot(view.row_y.xyz, from_eye), dot(view.row_z.xyz, from_eye));
 }
 
-// To the tiles that a box covers in one view.
-void store_range(uint v, Box place) {
+// Updates the tiles that a box (performer's space, metres) covers in one view.
+void store_range(uint v, Box performer_box) {
     const RangeView view = view_of(push.first_view + v);
     const GridAxis across = camera_axis(v, 0u), down = camera_axis(v, 1u);
-    const Box box = Box(place.low - view.eye.xyz, place.high - view.eye.xyz);
+    const Box box = Box(performer_box.low - view.eye.xyz, performer_box.high - view.eye.xyz);
     const float near = length(max(max(box.low, -box.high), 0.0)) * (1.0 - kSlack);
     const float far = length(max(abs(box.low), abs(box.high))) * (1.0 + kSlack);
     const vec2 tiles = vec2(push.tiles_across, push.tiles_down);
@@ -67,8 +68,8 @@ void store_range(uint v, Box place) {
     const vec4 pixels = box_pixels(homogeneous(view, box.low), edges);
     vec4 covered = vec4(ray_of_pixel(across, pixels.x), ray_of_pixel(down, pixels.y), ray_of_pixel(across, pixels.z),
                         ray_of_pixel(down, pixels.w)) / float(kTile);
-    if (near < 1.01 * kNearest * view.eye.w) covered = vec4(0.0, 0.0, tiles);  // around the eye
-    // Half a thousandth of a tile for rounding.
+    if (near < 1.01 * kNearest * view.eye.w) covered = vec4(0.0, 0.0, tiles);  // the eye is in or at the box
+    // Boxes are extended by half a thousandth of a tile, for rounding.
     const ivec2 first = ivec2(clamp(floor(covered.xy - 5e-4), vec2(0.0), tiles));
     const ivec2 last = ivec2(clamp(floor(covered.zw + 5e-4), vec2(-1.0), tiles - 1.0));
     for (int y = first.y; y <= last.y; y++)
@@ -86,9 +87,9 @@ void main() {
     const uvec2 live = texelFetch(nodes, int(push.node_base + node)).xy;
     const uvec2 leaves = node < push.whole_from ? live & ~texelFetch(inner_cells, int(node)).xy : live;
     if (leaves == uvec2(0u)) return;
-    const uvec2 place = texelFetch(node_places, int(node)).xy;
-    const vec3 corner = 4.0 * vec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu);
-    const vec3 cell = push.box_size.xyz / float(4u << (2u * (place.y >> 16u)));
+    const uvec2 position = texelFetch(node_positions, int(node)).xy;
+    const vec3 corner = 4.0 * vec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu);
+    const vec3 cell = push.box_size.xyz / float(4u << (2u * (position.y >> 16u)));
     const Box cells = cells_box(leaves);
     const Box box = Box(push.box_min.xyz + (corner + cells.low) * cell, push.box_min.xyz + (corner + cells.high) * cell);
     for (uint v = 0u; v < push.views; v++) store_range(v, box);

@@ -1,7 +1,8 @@
-// The rays of 8×8 pixel tiles, front to back; main() of trace.comp, trace_tree.comp and direct.comp, which differ in what a
-// ray samples (slice_sample.glsl, tree_sample.glsl, direct_sample.glsl), and say by kExpensive whether that is dearer than a
-// descent (march.glsl). One workgroup a tile, one thread a pixel. What becomes of a ray's premultiplied linear RGB and alpha,
-// and its depth, the includer says: store_ray.glsl or store_instance.glsl, which it includes after composite.glsl and ray.glsl.
+// Traces the rays of a tile of 8×8 pixels, front to back: main() of trace.comp, trace_tree.comp and direct.comp. These
+// differ in what a ray samples (slice_sample.glsl, tree_sample.glsl, direct_sample.glsl), and set kExpensive where a
+// sample costs more than a descent (march.glsl). One workgroup per tile, one thread per ray. The ray's premultiplied
+// linear RGB, alpha and depth are stored by store_ray.glsl or store_instance.glsl, which the includer includes after
+// composite.glsl and ray.glsl.
 
 void main() {
     if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
@@ -15,7 +16,7 @@ void main() {
         while (sum.transmittance >= push.box_min.w && (kExpensive ? march_next(march, part) : march_leaf(march, part))) {
             const vec3 colour = sample_colour();
             const float before = sum.transmittance;
-            part.t_out = max(part.t_in, min(part.t_out, ray.range.y));  // nothing within the set
+            part.t_out = max(part.t_in, min(part.t_out, ray.range.y));  // end at the set
             composite_add(sum, sigma, part.t_out - part.t_in, colour, 0.5 * (part.t_in + part.t_out));
             store_segment(ray, part, before, sum.transmittance, colour);
         }

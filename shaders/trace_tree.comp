@@ -1,6 +1,6 @@
-// Trace of an instance by its slice tree, shaded or not: the rays of those 8×8 pixel tiles where it may be seen.
-// Reads nodes and entries; writes as store_instance.glsl says. Dispatched indirectly. Bound by the walk: two dependent fetches for
-// each node, and one a sample.
+// Trace tree: traces an instance through its slice tree, shaded or not, in the tiles of 8×8 pixels that it may cover.
+// Reads nodes and entries; writes as store_instance.glsl describes. One workgroup per tile, one thread per ray,
+// dispatched indirectly. Bound by the walk: two dependent fetches per node and one per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/lights.h"
@@ -15,7 +15,7 @@ layout(constant_id = 3) const bool kShaded = true;
 layout(constant_id = 4) const bool kRestart = false;
 layout(constant_id = 5) const bool kFromRoot = false;
 layout(constant_id = 6) const bool kCoalesce = true;
-layout(constant_id = 7) const uint kInto = kIntoLayer;
+layout(constant_id = 7) const uint kRayOutput = kOutputLayer;
 layout(constant_id = 8) const bool kColourless = false;
 const bool kExpensive = false;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;

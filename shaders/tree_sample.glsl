@@ -1,6 +1,6 @@
-// What a ray meets in a slice tree (shared/slice_tree.h): sample_colour is the leaf's along the ray, where kShaded is set
-// as its entry has it, and where kColourless is set none. The includer binds utextureBuffers `nodes` and `entries`, and calls sample_begin for
-// its ray.
+// Samples of a slice tree (shared/slice_tree.h): sample_colour is the colour of the leaf along the ray, with kShaded
+// the one that its entry has, and with kColourless 0. The includer binds utextureBuffers `nodes` and `entries`, and
+// calls sample_begin for its ray.
 #ifndef NEUVV_TREE_SAMPLE_GLSL
 #define NEUVV_TREE_SAMPLE_GLSL
 #include "march.glsl"
@@ -10,7 +10,7 @@ float sh_y[kMaxShCount];
 float sigma;  // 1/m, of the leaf that the walk stopped at
 uint entry;
 uvec2 entry_words;
-uint view_entries;  // shaded ones of the views before this one, less the slice's first
+uint view_entries;  // from an entry's index to that of the view's shaded entry
 
 void sample_begin(vec3 direction, uint view) {
     sh_y = sh_basis(direction);

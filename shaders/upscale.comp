@@ -1,7 +1,9 @@
-// Upscale: rays that are fewer than pixels (grid.glsl) to an image. Catmull-Rom over 4×4 rays, rows first, each result held
-// between its two nearest, so that no edge gets a halo; where a ray stands at each pixel's centre it is that ray.
-// Reads radiance and depth in tile order; writes as resolve.comp does. One thread a pixel, one workgroup 8×8 pixels,
-// of the listed tiles or with a set of all. Bound by its 20 fetches a pixel, most of them from cache.
+// Upscale: turns rays into an image where there are fewer rays than pixels (grid.glsl). The filter is Catmull-Rom over
+// 4×4 rays, rows first; each result is clamped to the range of its two nearest inputs, so that edges get no halo. Where
+// a ray is at a pixel's centre, the pixel is that ray.
+// Reads radiance and depth in tile order; writes as resolve.comp does. One thread per pixel, one workgroup per 8×8
+// pixels, of the listed tiles, or of all where there is a set. Bound by its 20 fetches per pixel, most of them from
+// cache.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/resolve.h"
@@ -21,25 +23,26 @@ layout(binding = kResolveSetDepth) uniform textureBuffer set_depth;
 layout(push_constant) uniform Push { ResolvePush push; };
 #include "show.glsl"
 
-// Of the rays at −1, 0, 1 and 2 for a place between those at 0 and 1.
+// The weights of the rays at −1, 0, 1 and 2 for a position between those at 0 and 1.
 vec4 catmull_rom(float at) {
     const float a = at, a2 = a * a, a3 = a2 * a;
     return 0.5 * vec4(2.0 * a2 - a - a3, 2.0 - 5.0 * a2 + 3.0 * a3, a + 4.0 * a2 - 3.0 * a3, a3 - a2);
 }
 
-struct Seen {
+struct Filtered {
     vec4 light;  // premultiplied, linear
     float metres;
 };
 
-// Between b and c, weighted; held between these.
+// The weighted sum, clamped to the range of b and c.
 vec4 between(vec4 weights, vec4 a, vec4 b, vec4 c, vec4 d) {
     return clamp(weights.x * a + weights.y * b + weights.z * c + weights.w * d, min(b, c), max(b, c));
 }
 
-Seen light_between(uint view, vec2 place, ivec2 last) {
-    const ivec2 first = ivec2(floor(place - 0.5));
-    const vec2 part = place - 0.5 - vec2(first);
+// The filtered rays at a position in the view's grid of rays, whose last ray is `last`. Depth is filtered bilinearly.
+Filtered filtered_at(uint view, vec2 position, ivec2 last) {
+    const ivec2 first = ivec2(floor(position - 0.5));
+    const vec2 part = position - 0.5 - vec2(first);
     const vec4 across = catmull_rom(part.x);
     vec4 rows[4];
     float metres = 0.0, weight = 0.0;
@@ -49,14 +52,14 @@ Seen light_between(uint view, vec2 place, ivec2 last) {
             const int ray = ray_at(view, uvec2(clamp(first + ivec2(x, y) - 1, ivec2(0), last)));
             row[x] = texelFetch(radiance, ray);
             if (x == 0 || x == 3 || y == 0 || y == 3) continue;
-            const float near = row[x].a * (x == 1 ? 1.0 - part.x : part.x) * (y == 1 ? 1.0 - part.y : part.y);
-            if (near > 0.0) metres += near * texelFetch(depth, ray).x;
-            weight += near;
+            const float share = row[x].a * (x == 1 ? 1.0 - part.x : part.x) * (y == 1 ? 1.0 - part.y : part.y);
+            if (share > 0.0) metres += share * texelFetch(depth, ray).x;
+            weight += share;
         }
         rows[y] = between(across, row[0], row[1], row[2], row[3]);
     }
-    return Seen(between(catmull_rom(part.y), rows[0], rows[1], rows[2], rows[3]),
-                weight > 0.0 ? metres / weight : uintBitsToFloat(0x7f800000u));
+    return Filtered(between(catmull_rom(part.y), rows[0], rows[1], rows[2], rows[3]),
+                    weight > 0.0 ? metres / weight : uintBitsToFloat(0x7f800000u));
 }
 
 void main() {
@@ -66,10 +69,9 @@ void main() {
     if (group == kNoTile || !pixel_of_thread(group, view, pixel)) return;
     const int camera = int(kCameraTexels * view);
     const ivec2 last = ivec2(texelFetch(cameras, camera + 1).w, texelFetch(cameras, camera + 2).w) - 1;
-    const vec2 place = vec2(ray_of_pixel(camera_axis(view, 0u), float(pixel.x) + 0.5),
-                            ray_of_pixel(camera_axis(view, 1u), float(pixel.y) + 0.5));
-    const Seen seen = light_between(view, place, last);
-    const Shown shown = with_set(view, pixel, seen.light, seen.metres);
-    store_pixel(view, pixel, shown.light,
-                shown.weight > 0.0 ? shown.metres / shown.weight : uintBitsToFloat(0x7f800000u));
+    const vec2 position = vec2(ray_of_pixel(camera_axis(view, 0u), float(pixel.x) + 0.5),
+                               ray_of_pixel(camera_axis(view, 1u), float(pixel.y) + 0.5));
+    const Filtered ray = filtered_at(view, position, last);
+    const WeightedSum sum = with_set(view, pixel, ray.light, ray.metres);
+    store_pixel(view, pixel, sum.light, sum.weight > 0.0 ? sum.metres / sum.weight : uintBitsToFloat(0x7f800000u));
 }

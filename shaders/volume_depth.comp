@@ -1,6 +1,7 @@
-// Volume depth: expected termination depth of the rays (errata 12) as metres along the camera's axis, at each texel of the
-// set's image; infinity where they see nothing.
-// Reads radiance and depth in tile order; writes rows. One thread a texel of all views. Bound by memory, 24 bytes a texel.
+// Volume depth: the rays' expected depth of termination (errata 12), in metres along the camera's axis, at each texel
+// of the set's image; infinity where alpha is 0.
+// Reads radiance and depth in tile order; writes rows. One thread per texel of all views. Bound by memory: 24 bytes per
+// texel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/trace.h"
@@ -20,8 +21,8 @@ void main() {
     const uint view = thread / texels;
     if (view >= push.views) return;
     const vec2 at = vec2(thread % texels % push.width, thread % texels / push.width) + 0.5;
-    const vec2 place = vec2(ray_of_pixel(camera_axis(view, 0u), at.x), ray_of_pixel(camera_axis(view, 1u), at.y));
-    const uvec2 cell = uvec2(min(place, vec2(push.tiles_across, push.tiles_down) * float(kTile) - 1.0));
+    const vec2 rays = vec2(ray_of_pixel(camera_axis(view, 0u), at.x), ray_of_pixel(camera_axis(view, 1u), at.y));
+    const uvec2 cell = uvec2(min(rays, vec2(push.tiles_across, push.tiles_down) * float(kTile) - 1.0));
     const uvec2 tile = cell / kTile, inner = cell % kTile;
     const int ray = int(((view * push.tiles_down + tile.y) * push.tiles_across + tile.x) * kTilePixels + inner.y * kTile + inner.x);
     float metres = uintBitsToFloat(0x7f800000u);

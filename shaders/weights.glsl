@@ -1,5 +1,6 @@
-// Accessors of a leaf's weights and the field's value from them. The includer binds textureBuffer `leaf_weights` and
-// uniform block member `rows` (BasisRows), and has kHhDegree, kBasisPlanes, kBusyPlanes as specialisation constants.
+// Accessors of a leaf's weights, and σ, γ and SH coefficients computed from them. The includer binds textureBuffer
+// `leaf_weights` and uniform block member `rows` (BasisRows), and has kHhDegree, kBasisPlanes and kBusyPlanes as
+// specialisation constants.
 #ifndef NEUVV_WEIGHTS_GLSL
 #define NEUVV_WEIGHTS_GLSL
 #include "hh.glsl"

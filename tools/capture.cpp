@@ -1,3 +1,4 @@
+// neuvv capture: renders an animated model into a multi-view data set.
 #include <fmt/format.h>
 
 #include <memory>
@@ -7,7 +8,7 @@
 #include "gpu/device.h"
 #include "tools/commands.h"
 #include "tools/options.h"
-#include "tools/progress.h"
+#include "tools/report.h"
 #include "training/capture.h"
 
 namespace neuvv::tools {
@@ -15,12 +16,12 @@ namespace neuvv::tools {
 namespace {
 
 constexpr const char* kFooter = R"(
-Pictures go to DIR/images/cNN_fNNN.png, cameras to DIR/transforms_train.json and transforms_test.json, written last.
-Frame i shows the animation at i / fps seconds; an animation that ends before holds its last pose, a model without
+Images go to DIR/images/cNN_fNNN.png, cameras to DIR/transforms_train.json and transforms_test.json, written last.
+Frame i shows the animation at i / fps seconds; an animation that ends earlier keeps its last pose, a model without
 animation shows its rest pose. There are no lights: unlit materials show their base colour, others get a soft sky.
 
---background clear    straight-alpha pictures: the performer alone
---background checker  the picture as a camera in a checkered room sees it, alpha the matte, plus DIR/plates/cNN.png
+--background clear    straight-alpha images: the performer alone
+--background checker  the image as a camera in a checkered room sees it, alpha the matte, plus DIR/plates/cNN.png
 
 Examples (from the repository's root):
   neuvv capture tools/performer/performer.glb -o build/performer
@@ -44,14 +45,14 @@ void run_capture(Options& options, const CommonOptions& common) {
     prepare_output_folder("--output", options.folder);
     catch_stop_signals();
     const gpu::Device device(common.device);
-    std::unique_ptr<Progress> progress;
+    Progress progress("capture");
     const training::CaptureResult result =
         training::capture(device, options.model, options.folder, settings, [&](uint64_t done, uint64_t total) {
-            if (!progress) progress = std::make_unique<Progress>("capture", total);
-            progress->update(done, "pictures");
+            progress.set_total(total);
+            progress.update(done, "images");
             return done == total || !stop_requested();
         });
-    progress.reset();
+    progress.finish();
     if (!result.complete)
         throw RuntimeFailure(
             fmt::format("stopped; {} has images but no transforms: run capture again", options.folder));
@@ -68,8 +69,8 @@ void add_capture(CLI::App& app, CommonOptions& common) {
     verb->add_option("MODEL", options->model, "the model, .glb or .gltf")->required();
     verb->add_option("-o,--output", options->folder, "the data set's folder; created")->required();
     verb->add_option("--cameras", settings.cameras, "cameras of the dome, in four rings")->capture_default_str();
-    verb->add_option("--frames", settings.frames, "instants to capture")->capture_default_str();
-    verb->add_option("--fps", settings.fps, "instants a second")->capture_default_str();
+    verb->add_option("--frames", settings.frames, "frames to capture")->capture_default_str();
+    verb->add_option("--fps", settings.fps, "frames a second")->capture_default_str();
     verb->add_option("--size", options->size, "of the images, WxH pixels")->capture_default_str();
     verb->add_option("--animation", settings.animation, "its name or index; default: the first");
     verb->add_option("--holdout", settings.holdout, "share of the cameras kept for the test")->capture_default_str();

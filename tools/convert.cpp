@@ -1,4 +1,4 @@
-// neuvv convert: a scene as a smaller file, its weights in steps as coarse as its images allow.
+// neuvv convert: writes a scene as a smaller file, its weights rounded as coarsely as the quality of its images allows.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,6 @@
 #include "base/platform.h"
 #include "render/frame.h"
 #include "tools/commands.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/compact.h"
@@ -34,20 +33,19 @@ struct ConvertOptions {
     bool json = false;
 };
 
-// What a leaf may be off by, finest first: four strengths double it.
+// The error that rounding may make in a leaf grows with its strength: four more double it.
 constexpr int kStrengths = 48;
 float error_of(int strength) {
     return std::exp2(static_cast<float>(strength - kStrengths) / 4);
 }
 
-// Images of one tree after the other, from the same views.
+// Renders one tree after the other from the same views.
 class Views {
   public:
     Views(const gpu::Device& device, const voctree::VOctree& tree, const ConvertOptions& options)
         : device_(device), size_(parse_size(options.size)) {
-        const std::vector<ViewStep> path =
-            orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size_);
-        for (size_t i = 0; i < options.views; i++)  // the middles of equal parts
+        const std::vector<ViewStep> path = orbit_path(tree, size_);
+        for (size_t i = 0; i < options.views; i++)  // in the middles of equal parts of the orbit
             views_.push_back(path[(2 * i + 1) * path.size() / (size_t{2} * options.views)]);
     }
 
@@ -86,18 +84,20 @@ voctree::VOctree rounded(const voctree::VOctree& tree, int strength) {
     return result;
 }
 
-struct Choice {
+// How strongly the weights are rounded, and the lowest PSNR in dB that an image then has.
+struct Rounding {
     int strength = 0;
     double psnr = 0;
 };
 
-// Bisection for the coarsest strength whose images keep the quality. Throws InputError where none does.
-Choice choose(const voctree::VOctree& tree, const Views& views, const ConvertOptions& options) {
+// Searches by bisection for the greatest strength whose images keep the quality. Throws InputError where none does.
+Rounding find_rounding(const voctree::VOctree& tree, const Views& views, const ConvertOptions& options) {
     const std::vector<media::Image> truth = views.render(tree);
     Progress progress("convert", std::bit_width(static_cast<unsigned>(kStrengths)));
-    Choice best, last;
+    Rounding best, last;
     uint64_t done = 0;
-    for (int low = 0, high = kStrengths; low < high;) {  // below `low` all keep it, from `high` none does
+    for (int low = 0, high = kStrengths;
+         low < high;) {  // strengths below `low` keep the quality, those from `high` on do not
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options.output));
         last.strength = (low + high) / 2;
         last.psnr = worst_psnr(truth, views.render(rounded(tree, last.strength)));
@@ -114,15 +114,15 @@ Choice choose(const voctree::VOctree& tree, const Views& views, const ConvertOpt
 }
 
 struct Outcome {
-    Choice choice;
+    Rounding rounding;
     uint32_t leaves_before = 0, leaves = 0;
     uint64_t bytes_before = 0, bytes = 0;
 };
 
 Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     prepare_output_file("--output", options.output);
-    std::error_code none;  // either may be missing
-    if (std::filesystem::equivalent(options.scene, options.output, none))
+    std::error_code ignored;  // of a file that is missing
+    if (std::filesystem::equivalent(options.scene, options.output, ignored))
         throw InputError("--output", options.output, "is the scene itself, of which it would keep less",
                          "name another file");
     const voctree::VOctree tree = voctree::read_clip(options.scene);
@@ -130,8 +130,8 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     const gpu::Device device(common.device);
     catch_stop_signals();
     const Views views(device, tree, options);
-    Outcome outcome{choose(tree, views, options), tree.leaf_count, 0, bytes_before, 0};
-    const voctree::VOctree result = rounded(tree, outcome.choice.strength);
+    Outcome outcome{find_rounding(tree, views, options), tree.leaf_count, 0, bytes_before, 0};
+    const voctree::VOctree result = rounded(tree, outcome.rounding.strength);
     voctree::write_nvv(options.output, result, {}, options.compression, voctree::coarse_tree(result));
     outcome.leaves = result.leaf_count;
     outcome.bytes = std::filesystem::file_size(options.output);
@@ -140,12 +140,12 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
 
 void run(const ConvertOptions& options, const CommonOptions& common) {
     const Outcome outcome = convert(options, common);
-    const float error = error_of(outcome.choice.strength);
+    const float error = error_of(outcome.rounding.strength);
     if (options.json)
         fmt::print("{}", json_text({{"input", options.scene},
                                     {"output", options.output},
                                     {"quality_db", options.quality},
-                                    {"psnr_db", outcome.choice.psnr},
+                                    {"psnr_db", outcome.rounding.psnr},
                                     {"error", error},
                                     {"bytes_before", outcome.bytes_before},
                                     {"bytes", outcome.bytes},
@@ -155,7 +155,7 @@ void run(const ConvertOptions& options, const CommonOptions& common) {
         fmt::print("{}: {} instead of {} ({:.0f} %), {} leaves instead of {}; the worst of {} images has {:.1f} dB\n",
                    options.output, size_text(outcome.bytes), size_text(outcome.bytes_before),
                    100 * static_cast<double>(outcome.bytes) / static_cast<double>(outcome.bytes_before), outcome.leaves,
-                   outcome.leaves_before, options.views, outcome.choice.psnr);
+                   outcome.leaves_before, options.views, outcome.rounding.psnr);
     if (outcome.bytes >= outcome.bytes_before)
         fmt::print(stderr, "{} was packed as well already: a lower --quality makes it smaller\n", options.scene);
 }

@@ -1,4 +1,4 @@
-// neuvv dataset: what a folder of images is to the program, before hours of training go into it.
+// neuvv dataset: what the program finds in a data set, to be looked at before hours of training.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include "tools/report.h"
 #include "tools/rig_drawing.h"
 #include "training/contact_sheet.h"
+#include "training/formats.h"
 #include "training/hull.h"
 #include "training/images.h"
 
@@ -21,9 +22,9 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr size_t kSampleCameras = 64, kSampleTimes = 3;  // whose images are looked at
-constexpr size_t kNamesShown = 40;
-constexpr uint32_t kSheetCell = 200;
+constexpr size_t kSampleCameras = 64, kSampleTimes = 3;  // whose images are read
+constexpr size_t kMaxPrintedNames = 40;
+constexpr uint32_t kSheetCell = 200;  // pixels a side, of the contact sheet
 
 struct DatasetOptions {
     std::string folder, format = training::kAnyFormat, split = "train", output;
@@ -31,51 +32,53 @@ struct DatasetOptions {
 
 using Box = std::pair<glm::dvec3, glm::dvec3>;
 
-// A finding where it is there, else why not: what is amiss with a data set is what this verb is asked for.
+// What was found, or the message of the InputError that says why it was not: users run this verb to learn what is wrong
+// with a data set.
 template <typename T>
 struct Finding {
     std::optional<T> found;
     std::string missing;
 };
 
-template <typename Look>
-auto look_for(Look look) -> Finding<decltype(look())> {
+template <typename Find>
+auto try_to_find(Find find) -> Finding<decltype(find())> {
     try {
-        return {look(), ""};
+        return {find(), ""};
     } catch (const InputError& error) {
         return {{}, error.what()};
     }
 }
 
-// Evenly spread, first and last included.
+// At most `count` of the values, evenly spread, the first and the last included.
 template <typename T>
 std::vector<T> spread(const std::vector<T>& all, size_t count) {
     if (all.size() <= count) return all;
-    std::vector<T> chosen;
-    for (size_t i = 0; i < count; ++i) chosen.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
-    return chosen;
+    std::vector<T> some;
+    for (size_t i = 0; i < count; ++i) some.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
+    return some;
 }
 
-// Some cameras at some times; a camera without any of those times shows its first.
-training::Rig sample(const training::Rig& rig) {
+// The rig with some of its cameras at some of its times; of a camera that has none of these times, its first image.
+training::Rig sample_of(const training::Rig& rig) {
     std::set<double> times;
     std::map<uint32_t, std::vector<const training::Shot*>> shots;
     for (const training::Shot& shot : rig.shots) {
         times.insert(shot.time);
         shots[shot.camera].push_back(&shot);
     }
-    const std::vector<double> instants = spread(std::vector<double>(times.begin(), times.end()), kSampleTimes);
+    const std::vector<double> sample_times = spread(std::vector<double>(times.begin(), times.end()), kSampleTimes);
     std::vector<uint32_t> cameras;
     for (const auto& [camera, of_camera] : shots) cameras.push_back(camera);
     training::Rig result = rig;
     result.cameras.clear();
     result.shots.clear();
     for (const uint32_t camera : spread(cameras, kSampleCameras)) {
-        std::vector<const training::Shot*> chosen;
+        std::vector<const training::Shot*> selected;
         for (const training::Shot* shot : shots[camera])
-            if (std::find(instants.begin(), instants.end(), shot->time) != instants.end()) chosen.push_back(shot);
-        if (chosen.empty()) chosen.push_back(shots[camera][0]);
-        for (const training::Shot* shot : chosen) {
+            if (std::find(sample_times.begin(), sample_times.end(), shot->time) != sample_times.end())
+                selected.push_back(shot);
+        if (selected.empty()) selected.push_back(shots[camera][0]);
+        for (const training::Shot* shot : selected) {
             result.shots.push_back(*shot);
             result.shots.back().camera = static_cast<uint32_t>(result.cameras.size());
         }
@@ -84,7 +87,7 @@ training::Rig sample(const training::Rig& rig) {
     return result;
 }
 
-// Share of the pixels that are performer; nothing where no image has a matte.
+// The share of the pixels that show the performer; nothing where no image has a matte.
 std::optional<double> matte_share(const training::Dataset& dataset) {
     double opaque = 0, pixels = 0;
     bool clear = false;
@@ -116,13 +119,13 @@ const char* text_of(training::LensModel model) {
 const char* text_of(training::MaskMeaning meaning) {
     switch (meaning) {
         case training::MaskMeaning::kLabels:
-            return "any value but 0 is the performer: they become the images' mattes";
+            return "pixels of any value but 0 are the performer; they become the images' mattes";
         case training::MaskMeaning::kUsable:
-            return "white pixels are looked at, black ones teach nothing";
+            return "white pixels are trained on, black ones are ignored";
         case training::MaskMeaning::kIgnore:
-            return "black pixels are looked at, white ones teach nothing";
+            return "black pixels are trained on, white ones are ignored";
         default:
-            return "white is the performer, black the background: they become the images' mattes";
+            return "white is the performer, black the background; they become the images' mattes";
     }
 }
 
@@ -133,17 +136,17 @@ std::string range_text(double low, double high, int digits) {
 
 std::string names_text(const std::vector<training::RigCamera>& cameras) {
     std::string text;
-    for (size_t i = 0; i < std::min(cameras.size(), kNamesShown); ++i) text += " " + cameras[i].name;
-    if (cameras.size() > kNamesShown) text += fmt::format(" and {} more", cameras.size() - kNamesShown);
+    for (size_t i = 0; i < std::min(cameras.size(), kMaxPrintedNames); ++i) text += " " + cameras[i].name;
+    if (cameras.size() > kMaxPrintedNames) text += fmt::format(" and {} more", cameras.size() - kMaxPrintedNames);
     return text;
 }
 
-// Fields of a report: a word, and what there is to say about it.
+// A line of the report.
 void print_field(const char* field, const std::string& text) {
     fmt::print("{:<9} {}\n", field, text);
 }
 
-void print_lenses(const training::Rig& rig, const training::Dataset& seen) {
+void print_lenses(const training::Rig& rig, const training::Dataset& sample) {
     std::set<std::string> models, sizes;
     double shortest = 1e30, longest = 0, widest = 0, narrowest = 180;
     for (const training::RigCamera& camera : rig.cameras) {
@@ -151,7 +154,7 @@ void print_lenses(const training::Rig& rig, const training::Dataset& seen) {
         shortest = std::min({shortest, camera.lens.fx, camera.lens.fy});
         longest = std::max({longest, camera.lens.fx, camera.lens.fy});
     }
-    for (const stage::Camera& camera : seen.cameras) {
+    for (const stage::Camera& camera : sample.cameras) {
         sizes.insert(fmt::format("{}×{}", camera.width, camera.height));
         const double angle = 2 * std::atan(0.5 * camera.width / camera.fx) * 180 / std::numbers::pi;
         widest = std::max(widest, angle);
@@ -168,10 +171,9 @@ void print_frames(const training::Rig& rig) {
     const size_t whole = times.size() * rig.cameras.size();
     print_field("frames", fmt::format("{}{}", times.size(),
                                       rig.fps > 0 ? fmt::format(" at {:g} fps", rig.fps) : ", frame rate not given"));
-    print_field("pictures",
-                rig.shots.size() == whole
-                    ? fmt::format("{}, every camera at every instant", rig.shots.size())
-                    : fmt::format("{}, {} fewer than cameras × frames", rig.shots.size(), whole - rig.shots.size()));
+    print_field("images", rig.shots.size() == whole ? fmt::format("{}, every camera at every time", rig.shots.size())
+                                                    : fmt::format("{}, {} fewer than cameras × frames",
+                                                                  rig.shots.size(), whole - rig.shots.size()));
 }
 
 void print_layers(const training::Rig& rig, const DatasetOptions& options, const std::optional<double>& matte) {
@@ -192,22 +194,23 @@ void print_box(const std::optional<Box>& given, const Finding<Box>& hull) {
         return fmt::format("({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, {:.3f})", a.x, a.y, a.z, b.x, b.y, b.z);
     };
     print_field("box", given ? text(*given) + ", given by the files" : "not given");
-    print_field("hull",
-                hull.found ? text(*hull.found) + ", what the mattes leave at the instants looked at" : hull.missing);
+    print_field("hull", hull.found ? text(*hull.found) + ", what the mattes leave at the sampled times" : hull.missing);
 }
 
 void print_memory(const training::Rig& rig) {
-    print_field("memory", fmt::format("{} for these images in training, next to the model; half of what is free is {}",
-                                      size_text(training::image_need(rig).bytes), size_text(training::image_budget())));
+    print_field("memory",
+                fmt::format("{} for these images in training, next to the model; half of what is free is {}",
+                            size_text(training::image_memory(rig).bytes), size_text(training::image_budget())));
 }
 
 void draw(const std::filesystem::path& folder, const training::Rig& rig, const std::vector<training::RigCamera>& train,
-          const std::vector<training::RigCamera>& test, const training::Dataset& seen, const std::optional<Box>& box) {
+          const std::vector<training::RigCamera>& test, const training::Dataset& sample,
+          const std::optional<Box>& box) {
     media::write_png(folder / "rig.png", draw_rig(train, test, box));
     std::vector<media::Image> images;
     std::vector<std::string> names;
-    for (const training::View& view : seen.views) {
-        if (view.camera != images.size()) continue;  // the first of each
+    for (const training::View& view : sample.views) {
+        if (view.camera != images.size()) continue;  // only the first image of each camera
         images.push_back(view.image);
         names.push_back(rig.cameras[view.camera].name);
     }
@@ -223,26 +226,26 @@ void draw(const std::filesystem::path& folder, const training::Rig& rig, const s
 void run(const DatasetOptions& options) {
     if (!options.output.empty()) prepare_output_folder("--output", options.output);
     const auto read = [&](training::Split split) {
-        return look_for([&] { return training::read_rig(options.folder, split, options.format); });
+        return try_to_find([&] { return training::read_rig(options.folder, split, options.format); });
     };
     const Finding<training::Rig> train = read(training::Split::kTrain), test = read(training::Split::kTest);
-    const Finding<training::Rig>& wanted = options.split == "train" ? train : test;
-    if (!wanted.found)
+    const Finding<training::Rig>& requested = options.split == "train" ? train : test;
+    if (!requested.found)  // throws its InputError again
         training::read_rig(options.folder, options.split == "train" ? training::Split::kTrain : training::Split::kTest,
                            options.format);
-    const training::Rig& rig = *wanted.found;
-    const training::Rig looked_at = sample(rig);
-    const training::Dataset seen = training::read_images(looked_at, {.mattes_needed = false});
-    const std::optional<double> matte = matte_share(seen);
+    const training::Rig& rig = *requested.found;
+    const training::Rig sample = sample_of(rig);
+    const training::Dataset images = training::read_images(sample, {.mattes_needed = false});
+    const std::optional<double> matte = matte_share(images);
     const auto hull =
-        matte ? look_for([&] { return training::hull_box(seen); }) : Finding<Box>{{}, "not known without mattes"};
+        matte ? try_to_find([&] { return training::hull_box(images); }) : Finding<Box>{{}, "not known without mattes"};
     fmt::print("{}: {}, calibrated by {}\n", options.folder, rig.format, rig.file);
     for (const auto& [name, split] : {std::pair("train", &train), std::pair("test", &test)})
         print_field(name, split->found ? fmt::format("{} cameras:{}", split->found->cameras.size(),
                                                      names_text(split->found->cameras))
                                        : "none: " + split->missing);
     fmt::print("of the {} split:\n", options.split);
-    print_lenses(rig, seen);
+    print_lenses(rig, images);
     print_frames(rig);
     print_layers(rig, options, matte);
     print_box(rig.box, hull);
@@ -251,7 +254,7 @@ void run(const DatasetOptions& options) {
     const auto cameras = [](const Finding<training::Rig>& split) {
         return split.found ? split.found->cameras : std::vector<training::RigCamera>();
     };
-    draw(options.output, looked_at, cameras(train), cameras(test), seen, hull.found ? hull.found : rig.box);
+    draw(options.output, sample, cameras(train), cameras(test), images, hull.found ? hull.found : rig.box);
 }
 
 }  // namespace
@@ -261,14 +264,14 @@ void add_dataset(CLI::App& app, CommonOptions&) {
     const auto options = std::make_shared<DatasetOptions>();
     verb->add_option("dataset", options->folder, "The data set's folder")->required();
     add_format_option(*verb, options->format);
-    verb->add_option("--split", options->split, "Whose images are looked at")
+    verb->add_option("--split", options->split, "Whose images are read")
         ->check(CLI::IsMember({"train", "test"}))
         ->capture_default_str();
     verb->add_option("-o,--output", options->output,
                      "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "
                      "orange) and contact_sheet.png (an image of each camera) into this folder");
     verb->footer(
-        "Reads the calibration whole, and of the images those of at most 64 cameras at 3 instants.\n"
+        "Reads the calibration whole, and of the images those of at most 64 cameras at 3 times.\n"
         "training/README.md describes the layouts.\n\n"
         "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
         "  neuvv dataset build/performer\n"

@@ -1,4 +1,4 @@
-// neuvv devices: every Vulkan device of this machine and what each lacks.
+// neuvv devices: lists the Vulkan devices of this machine, and what each lacks.
 #include <fmt/format.h>
 
 #include <memory>
@@ -29,7 +29,7 @@ nlohmann::ordered_json json_of(const std::vector<gpu::DeviceSummary>& devices) {
                         {"memory_bytes", device.memory_bytes},
                         {"usable", device.missing.empty()},
                         {"missing", device.missing},
-                        {"lacks", device.lacks}});
+                        {"lacks", device.missing_optional}});
     return list;
 }
 
@@ -40,7 +40,7 @@ void print(const std::vector<gpu::DeviceSummary>& devices) {
                    size_text(device.memory_bytes), device.driver);
         fmt::print("   {}\n", device.missing.empty() ? "usable" : "not usable");
         for (const std::string& feature : device.missing) fmt::print("   missing: {}\n", feature);
-        for (const std::string& feature : device.lacks) fmt::print("   does without: {}\n", feature);
+        for (const std::string& feature : device.missing_optional) fmt::print("   does without: {}\n", feature);
     }
 }
 

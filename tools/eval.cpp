@@ -1,4 +1,4 @@
-// neuvv eval: a scene measured against the images of a data set.
+// neuvv eval: measures a scene against the images of a data set.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,10 +13,10 @@
 #include "tools/commands.h"
 #include "tools/eval_page.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "training/contact_sheet.h"
 #include "training/evaluate.h"
+#include "training/formats.h"
 #include "training/lpips.h"
 #include "voctree/clip.h"
 
@@ -24,7 +24,7 @@ namespace neuvv::tools {
 
 namespace {
 
-// A measure is of the recording, not of the renderer's edges: more rays than a video needs.
+// More rays per pixel than a video needs, so that the numbers measure the scene and not the aliasing of its edges.
 constexpr uint32_t kMeasureSamples = 4;
 constexpr size_t kSheetRows = 8, kPageImages = 12;
 constexpr uint32_t kSheetCell = 320;
@@ -46,7 +46,14 @@ double mean_lpips(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(std::max<size_t>(values.size(), 1));
 }
 
-// `lpips` by view, or empty.
+// Adds the numbers of a camera's or a frame's images to the JSON that names it.
+nlohmann::ordered_json group_json(nlohmann::ordered_json json, const training::Evaluation::Group& group) {
+    json.update(json_of(group.quality));
+    json["images"] = group.images;
+    return json;
+}
+
+// `lpips`: one distance per view, or empty.
 nlohmann::ordered_json json_of(const EvalOptions& options, const training::Dataset& dataset,
                                const training::Evaluation& evaluation, const std::vector<double>& lpips) {
     nlohmann::ordered_json json = json_of(evaluation.mean);
@@ -57,18 +64,10 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const training::Datas
     json["samples"] = options.samples;
     json["cameras"] = json["frames"] = json["images"] = nlohmann::ordered_json::array();
     const std::vector<std::string> labels = training::camera_labels(dataset);
-    for (size_t i = 0; i < evaluation.cameras.size(); ++i) {
-        nlohmann::ordered_json camera = {{"camera", i}, {"name", labels[i]}};
-        camera.update(json_of(evaluation.cameras[i].quality));
-        camera["images"] = evaluation.cameras[i].images;
-        json["cameras"].push_back(camera);
-    }
-    for (size_t i = 0; i < evaluation.frames.size(); ++i) {
-        nlohmann::ordered_json frame = {{"frame", i}, {"time", dataset.times[i]}};
-        frame.update(json_of(evaluation.frames[i].quality));
-        frame["images"] = evaluation.frames[i].images;
-        json["frames"].push_back(frame);
-    }
+    for (size_t i = 0; i < evaluation.cameras.size(); ++i)
+        json["cameras"].push_back(group_json({{"camera", i}, {"name", labels[i]}}, evaluation.cameras[i]));
+    for (size_t i = 0; i < evaluation.frames.size(); ++i)
+        json["frames"].push_back(group_json({{"frame", i}, {"time", dataset.times[i]}}, evaluation.frames[i]));
     for (size_t i = 0; i < evaluation.views.size(); ++i) {
         const training::View& view = dataset.views[i];
         nlohmann::ordered_json image = {{"name", view.name},
@@ -82,10 +81,10 @@ nlohmann::ordered_json json_of(const EvalOptions& options, const training::Datas
     return json;
 }
 
-// Writes each view's three images as they come, and the contact sheet in the end.
+// Writes each view's three images as they come, and the contact sheet at the end.
 struct ImageFolder {
     std::filesystem::path folder;
-    std::vector<size_t> on_sheet;
+    std::vector<size_t> sheet_views;
     std::vector<media::Image> sheet = {};
 
     void add(size_t view, const std::string& name, const media::Image& truth, const media::Image& render) {
@@ -93,7 +92,7 @@ struct ImageFolder {
         media::write_png(folder / (name + "_truth.png"), truth);
         media::write_png(folder / (name + "_render.png"), render);
         media::write_png(folder / (name + "_error.png"), error);
-        if (std::binary_search(on_sheet.begin(), on_sheet.end(), view))
+        if (std::binary_search(sheet_views.begin(), sheet_views.end(), view))
             sheet.insert(sheet.end(), {truth, render, error});
     }
     void finish() const {
@@ -101,21 +100,23 @@ struct ImageFolder {
     }
 };
 
-// Keeps the images that the page shows: some spread over cameras and times, and the worst of all.
+// Keeps the images that the page shows: selected views, spread over cameras and times, and the worst of all.
 struct PageCollector {
-    std::vector<size_t> chosen;
+    std::vector<size_t> selected_views;
     std::vector<PageImage> images = {};
     PageImage worst = {};
     double worst_psnr = 1e9;
 
     void add(size_t view, const media::Image& truth, const media::Image& render, double psnr) {
-        if (std::binary_search(chosen.begin(), chosen.end(), view)) images.push_back({view, truth, render});
+        if (std::binary_search(selected_views.begin(), selected_views.end(), view))
+            images.push_back({view, truth, render});
         if (psnr >= worst_psnr) return;
         worst_psnr = psnr;
         worst = {view, truth, render};
     }
     void finish() {
-        if (!std::binary_search(chosen.begin(), chosen.end(), worst.view)) images.push_back(std::move(worst));
+        if (!std::binary_search(selected_views.begin(), selected_views.end(), worst.view))
+            images.push_back(std::move(worst));
     }
 };
 
@@ -133,15 +134,11 @@ void print(const training::Evaluation& evaluation, const training::Dataset& data
     print_row("mean", evaluation.views.size(), evaluation.mean);
 }
 
-// Fails before any work is done where a result could not be written.
+// Throws InputError, before any work is done, where a result could not be written.
 void prepare_outputs(const EvalOptions& options) {
     if (!options.json.empty() && options.json != "-") prepare_output_file("--json", options.json);
     if (!options.html.empty()) prepare_output_file("--html", options.html);
     if (!options.images.empty()) prepare_output_folder("--images", options.images);
-}
-
-void write_text_file(const std::string& path, const std::string& text) {
-    write_file_atomically(path, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {
@@ -150,7 +147,8 @@ void run(const EvalOptions& options, const CommonOptions& common) {
         training::load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     prepare_outputs(options);
     if (tree.frames != dataset.times.size())
-        fmt::print(stderr, "neuvv: {} has {} frames, {} {} instants: each is compared with the scene at its time\n",
+        fmt::print(stderr,
+                   "neuvv: {} has {} frames, {} has images of {} times: each is compared with the scene at its time\n",
                    options.scene, tree.frames, options.dataset, dataset.times.size());
     std::optional<training::Lpips> network;
     if (!options.lpips.empty()) network.emplace(options.lpips);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <map>
 
 #include "base/text.h"
 #include "training/contact_sheet.h"
@@ -14,7 +15,7 @@ namespace neuvv::tools {
 
 namespace {
 
-// Only what the page itself holds may load or run.
+// The page may load and run only what it contains itself.
 constexpr const char* kHead = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy"
@@ -44,7 +45,7 @@ svg text { font: 11px system-ui, sans-serif; fill: currentColor; }
 figure { margin: 0; } figure[hidden] { display: none; }
 </style>)";
 
-// Layers are chosen by number: no name of a file ever becomes code.
+// Layers are selected by number, so that no file name ever becomes code.
 constexpr const char* kScript = R"(<script>
 'use strict';
 const figures = [...document.querySelectorAll('figure')], pick = document.getElementById('pick');
@@ -133,7 +134,7 @@ std::string table(const std::string& title, const std::string& first, const std:
         title, first, head, rows);
 }
 
-// Curves of one number over the clip: the mean over cameras.
+// A curve of one number over the frames of the clip, as the mean over cameras.
 std::string plot(const Metric& metric, const std::vector<training::Evaluation::Group>& frames) {
     constexpr double kWidth = 420, kHeight = 170, kLeft = 48, kBottom = 22, kTop = 10, kRight = 10;
     double low = 1e30, high = -1e30;
@@ -185,9 +186,9 @@ std::string layer(const media::Image& image, const char* name) {
     return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", name, base64(media::encode_png(image)));
 }
 
-// Smaller by a whole factor where it is larger than the page shows.
+// The image, scaled down by a whole factor where it is larger than the page shows.
 media::Image page_sized(const media::Image& image) {
-    return std::max(image.width, image.height) > kPageSide ? training::scaled_to_fit(image, kPageSide) : image;
+    return std::max(image.width, image.height) > kMaxPageSide ? training::scaled_to_fit(image, kMaxPageSide) : image;
 }
 
 std::string figure(const training::Dataset& dataset, const training::Evaluation& evaluation, const PageImage& image) {
@@ -210,11 +211,12 @@ std::string controls(const training::Dataset& dataset, const training::Evaluatio
     for (const PageImage& image : images)
         names += fmt::format("<option>{} ({:.2f} dB)</option>", html_text(dataset.views[image.view].name),
                              evaluation.views[image.view].psnr);
-    const auto layers = [](size_t chosen) {
+    const auto layers = [](size_t selected) {
         constexpr const char* kNames[] = {"truth", "render", "error", "FLIP"};
         std::string options;
         for (size_t i = 0; i < std::size(kNames); ++i)
-            options += fmt::format("<option value=\"{}\"{}>{}</option>", i, i == chosen ? " selected" : "", kNames[i]);
+            options +=
+                fmt::format("<option value=\"{}\"{}>{}</option>", i, i == selected ? " selected" : "", kNames[i]);
         return options;
     };
     return fmt::format(
@@ -231,26 +233,16 @@ std::string controls(const training::Dataset& dataset, const training::Evaluatio
 }  // namespace
 
 std::string html_text(const std::string& text) {
+    static const std::map<char, const char*> kEntities = {
+        {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
     std::string safe;
-    for (const char c : text) switch (c) {
-            case '<':
-                safe += "&lt;";
-                break;
-            case '>':
-                safe += "&gt;";
-                break;
-            case '&':
-                safe += "&amp;";
-                break;
-            case '"':
-                safe += "&quot;";
-                break;
-            case '\'':
-                safe += "&#39;";
-                break;
-            default:
-                safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-        }
+    for (const char c : text) {
+        const auto entity = kEntities.find(c);
+        if (entity != kEntities.end())
+            safe += entity->second;
+        else
+            safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
     return safe;
 }
 

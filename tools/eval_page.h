@@ -1,4 +1,4 @@
-// What `neuvv eval --html` writes: one HTML file that holds its images and opens without a server or a network.
+// The page of `neuvv eval --html`: one HTML file that contains its images, and opens without a server or a network.
 #pragma once
 
 #include <string>
@@ -8,20 +8,20 @@
 
 namespace neuvv::tools {
 
-// An image of the page, kept while the evaluation goes on.
+// An image of the page.
 struct PageImage {
     size_t view = 0;  // index into Dataset::views
     media::Image truth, render;
 };
 
+// What the page says it compares, and the device that rendered.
 struct PageFacts {
     std::string scene, dataset, split, device;
 };
 
-// The page: means, curves over the clip's times, tables of cameras, times and images, and `images` with
-// truth, render, error and FLIP to slide over each other or to blink between; scaled down to at most kPageSide pixels.
-// All names are escaped.
-constexpr uint32_t kPageSide = 1280;
+// The page has means, curves over the clip's frames, and tables of cameras, frames and images. Truth, render, error and
+// FLIP of each of `images` slide over each other or blink. All names are escaped.
+constexpr uint32_t kMaxPageSide = 1280;  // pixels a side of an image; larger ones are scaled down
 std::string comparison_page(const PageFacts& facts, const training::Dataset& dataset,
                             const training::Evaluation& evaluation, const std::vector<PageImage>& images);
 

@@ -1,24 +1,109 @@
 #include "tools/image_sink.h"
 
-#include <cassert>
+#include <fmt/format.h>
+#include <xxhash.h>
 
+#include <cassert>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include "base/error.h"
+#include "base/json.h"
 #include "base/platform.h"
+#include "tools/report.h"
 
 namespace neuvv::tools {
 
 namespace {
 
-constexpr char kRecordWord[] = "render";  // out_%04d.png has out_render.json beside it
+constexpr char kRecordName[] = "render";  // the record of out_%04d.png is out_render.json
 
 bool is_file(const std::filesystem::path& path) {
     std::error_code ignored;
     return std::filesystem::is_regular_file(path, ignored);
 }
 
+constexpr size_t kBlockBytes = size_t{1} << 20;
+constexpr double kMaxFinished = 1e9;
+constexpr char kAnew[] = "render anew without --resume, or choose another --output";
+
+struct RenderRecord {
+    RenderFacts facts;
+    uint32_t finished = 0;  // images, from the first
+};
+
+RenderRecord read_record(const std::filesystem::path& path) {
+    const JsonFile file = read_json(path, "the record of a render");
+    const JsonNode root = file.root();
+    RenderRecord record;
+    if (!root.has("render") || !root["render"].value.is_object() || !root.has("finished"))
+        root.fail("is not the record of a render", kAnew);
+    for (const auto& [name, value] : root["render"].value.items())
+        record.facts[name] = json_string(JsonNode{value, file.name, "render." + name});
+    record.finished =
+        static_cast<uint32_t>(json_number(root["finished"], 0, kMaxFinished, "a number of finished images"));
+    return record;
+}
+
+constexpr char kContent[] = "xxh3:";
+
+bool is_content(const std::string& fact) {
+    return fact.starts_with(kContent);
+}
+
+// A fact as an error message shows it.
+std::string shown_fact(const std::string& fact) {
+    return is_content(fact) ? "a file" : fact;
+}
+
+std::string fact(const RenderFacts& facts, const std::string& name) {
+    const auto found = facts.find(name);
+    return found == facts.end() ? "none" : found->second;
+}
+
+void write_record(const std::filesystem::path& file, const RenderFacts& facts, uint32_t finished) {
+    write_text_file(file, json_text({{"render", facts}, {"finished", finished}}));
+}
+
+// How many images are finished of a render with these facts; 0 where there is no record. Throws InputError for a
+// record of another render, naming what differs, and for a damaged one.
+uint32_t finished_images(const std::filesystem::path& file, const RenderFacts& facts) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) return 0;
+    const RenderRecord record = read_record(file);
+    RenderFacts names = facts;
+    names.insert(record.facts.begin(), record.facts.end());
+    std::string differing;  // a file that differs, rather than another fact that follows from it
+    for (const auto& [name, value] : names)
+        if (fact(facts, name) != fact(record.facts, name) &&
+            (differing.empty() || (is_content(value) && !is_content(names[differing]))))
+            differing = name;
+    if (differing.empty()) return record.finished;
+    const std::string now = fact(facts, differing), then = fact(record.facts, differing);
+    throw InputError(
+        file.string(), differing,
+        is_content(now) && is_content(then)
+            ? "was changed since the images that are there were rendered"
+            : fmt::format("was {} for the images that are there, and is {} now", shown_fact(then), shown_fact(now)),
+        kAnew);
+}
+
 }  // namespace
 
+std::string content_fact(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+    XXH3_64bits_reset(state.get());
+    std::vector<char> block(kBlockBytes);
+    while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)
+        XXH3_64bits_update(state.get(), block.data(), static_cast<size_t>(file.gcount()));
+    if (!file.eof() || file.bad()) throw InputError(path.string(), "", "cannot be read");
+    return fmt::format("{}{:016x}", kContent, XXH3_64bits_digest(state.get()));
+}
+
 ImageSink::ImageSink(ImageOutput output, media::ImageSize size, double fps, RenderFacts facts, bool resume)
-    : output_(std::move(output)), size_(size), fps_(fps), record_{std::move(facts)} {
+    : output_(std::move(output)), size_(size), fps_(fps), facts_(std::move(facts)) {
     using Kind = ImageOutput::Kind;
     if (output_.kind == Kind::kVideo && resume) {
         video_path_ = output_.path;
@@ -28,23 +113,23 @@ ImageSink::ImageSink(ImageOutput output, media::ImageSize size, double fps, Rend
     }
     if (output_.kind == Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
     if (output_.kind != Kind::kNumberedImages) return;
-    record_path_ = output_.file(kRecordWord).replace_extension(".json");
-    if (resume) record_.finished = finished_images(record_path_, record_.facts);
-    write_render_record(record_path_, record_);
+    record_path_ = output_.file(kRecordName).replace_extension(".json");
+    if (resume) finished_ = finished_images(record_path_, facts_);
+    write_record(record_path_, facts_, finished_);
 }
 
 bool ImageSink::has(uint32_t i) const {
-    return i < record_.finished && is_file(output_.file(i));
+    return i < finished_ && is_file(output_.file(i));
 }
 
 void ImageSink::record_finished(uint32_t i) {
-    if (record_path_.empty() || i < record_.finished) return;
-    record_.finished = i + 1;
-    write_render_record(record_path_, record_);
+    if (record_path_.empty() || i < finished_) return;
+    finished_ = i + 1;
+    write_record(record_path_, facts_, finished_);
 }
 
 void ImageSink::add(uint32_t i, const media::Image& image) {
-    assert(!output_.exr && "this output wants linear images");
+    assert(!output_.exr && "this output takes linear images");
     if (video_)
         video_->add(image);
     else
@@ -53,7 +138,7 @@ void ImageSink::add(uint32_t i, const media::Image& image) {
 }
 
 void ImageSink::add(uint32_t i, const media::LinearImage& image) {
-    assert(output_.exr && "this output wants sRGB images");
+    assert(output_.exr && "this output takes sRGB images");
     media::write_exr(output_.file(i), image);
     record_finished(i);
 }
@@ -65,7 +150,7 @@ void ImageSink::finish(uint32_t images) {
     }
     if (video_) video_->finish();
     if (video_path_.empty()) return;
-    std::error_code ignored;  // what was kept is not needed any more; a folder with other files in it stays
+    std::error_code ignored;  // the kept images are not needed any more; a folder with other files in it stays
     for (uint32_t i = 0; i < images; ++i) std::filesystem::remove(output_.file(i), ignored);
     std::filesystem::remove(record_path_, ignored);
     std::filesystem::remove(record_path_.parent_path(), ignored);

@@ -1,33 +1,41 @@
-// Where the images of a render go, one after the other: into a video, or files of their own.
+// Where the images of a render go, one after the other: into a video, or files of their own. A record beside numbered
+// images says all that they depend on, and how many are finished: an interrupted render goes on by it, and two
+// different renders are not mixed.
 #pragma once
 
+#include <map>
 #include <optional>
 
 #include "media/exr.h"
 #include "media/image.h"
 #include "media/video.h"
 #include "tools/options.h"
-#include "tools/render_record.h"
 
 namespace neuvv::tools {
+
+// What images depend on, by the name that a user knows it by: an option, or the scene.
+using RenderFacts = std::map<std::string, std::string>;
+
+// "xxh3:…" of a file's content: the same wherever the file lies and whenever it was written. Throws InputError.
+std::string content_fact(const std::filesystem::path& file);
 
 // Numbered images have a record beside them ("out_render.json" for out_%04d.png), so that `resume` goes on with those
 // that an interrupted render left. A video can only go on where it was begun with `resume`: its images are then kept
 // as PNGs in "out.mp4.frames/", which takes disk space and their encoding (some ms each), and they become the video at
-// the end; without, they are encoded as they come, and nothing is kept of a render that is interrupted.
+// the end. Without `resume` they are encoded as they come, and nothing is kept of a render that is interrupted.
 class ImageSink {
   public:
     // Throws InputError where `resume` would mix two renders.
     ImageSink(ImageOutput output, media::ImageSize size, double fps, RenderFacts facts, bool resume);
 
-    // LabImage i is finished: an earlier run left it.
+    // Whether an earlier run has finished image i.
     bool has(uint32_t i) const;
-    // What is finished when the render stops now can be gone on with.
+    // Whether a render that stops now can be resumed.
     bool resumable() const { return !record_path_.empty(); }
     // Whether the images are to be linear.
     bool exr() const { return output_.exr; }
 
-    // In order, each that it has not.
+    // Adds an image that the sink does not have yet; call it in order of i.
     void add(uint32_t i, const media::Image& image);
     void add(uint32_t i, const media::LinearImage& image);
     // After the last of `images`.
@@ -38,10 +46,11 @@ class ImageSink {
     ImageOutput output_;  // of kept images where the video is made of them at the end
     media::ImageSize size_;
     double fps_;
-    std::filesystem::path video_path_;  // likewise; else empty
+    std::filesystem::path video_path_;  // of a video that is made at the end; else empty
     std::optional<media::VideoWriter> video_;
     std::filesystem::path record_path_;  // empty: nothing is recorded
-    RenderRecord record_;
+    RenderFacts facts_;
+    uint32_t finished_ = 0;  // images, from the first
 };
 
 }  // namespace neuvv::tools

@@ -1,4 +1,4 @@
-// neuvv info: what a clip holds, or a stage.
+// neuvv info: what a clip or a stage holds.
 #include <fmt/format.h>
 
 #include <memory>
@@ -9,7 +9,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
-#include "tools/stage_info.h"
+#include "tools/stage_verbs.h"
 #include "voctree/clip.h"
 #include "voctree/nvv.h"
 
@@ -30,7 +30,7 @@ double clip_seconds(const voctree::NvvHead& head) {
     return head.frames / static_cast<double>(head.fps);
 }
 
-// Of a PlenOctree, which has no version and no chunks, as the clip that it is played as.
+// A PlenOctree as the clip that it is played as; it has no version and no chunks.
 voctree::NvvSummary summary_of_plenoctree(const std::string& file) {
     const voctree::VOctree tree = voctree::read_clip(file);
     voctree::NvvSummary summary;
@@ -103,7 +103,7 @@ void run(const InfoOptions& options, const CommonOptions& common) {
     if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
     const voctree::NvvSummary summary = voctree::is_plenoctree(options.file) ? summary_of_plenoctree(options.file)
                                                                              : voctree::summarise_nvv(options.file);
-    if (options.check && is_nvv(summary)) {  // a PlenOctree has been read whole
+    if (options.check && is_nvv(summary)) {  // a PlenOctree has been read whole already
         voctree::read_nvv_coarse(options.file);
         voctree::read_nvv(options.file);
     }

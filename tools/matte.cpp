@@ -1,4 +1,4 @@
-// neuvv matte: which part of each image is the performer, for captures that do not say so.
+// neuvv matte: finds the part of each image that shows the performer, for captures without mattes.
 #include <fmt/format.h>
 
 #include <memory>
@@ -7,7 +7,6 @@
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "training/make_mattes.h"
 
@@ -16,25 +15,25 @@ namespace neuvv::tools {
 namespace {
 
 struct MatteOptions {
-    training::MakeMattes what;
+    training::MatteJob what;
     bool overwrite = false;
 };
 
 void run_matte(MatteOptions options) {
-    training::MakeMattes& what = options.what;
+    training::MatteJob& what = options.what;
     if (what.output.empty()) what.output = what.dataset / "mattes";
     if (!options.overwrite && training::count_existing_mattes(what) > 0)
         throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
                          "--overwrite replaces them");
     prepare_output_folder("--output", what.output);
     catch_stop_signals();
-    std::unique_ptr<Progress> progress;
-    const training::MattesMade made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
-        if (!progress) progress = std::make_unique<Progress>("matte", total);
-        progress->update(done);
+    Progress progress("matte");
+    const training::MatteSummary made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
+        progress.set_total(total);
+        progress.update(done);
         return !stop_requested();
     });
-    progress.reset();
+    progress.finish();
     if (!made.missing_split.empty())
         fmt::print(stderr, "one split alone has mattes now, the other cannot be read: {}\n", made.missing_split);
     fmt::print("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
@@ -46,7 +45,7 @@ void run_matte(MatteOptions options) {
 
 void add_matte(CLI::App& app, CommonOptions&) {
     auto options = std::make_shared<MatteOptions>();
-    training::MakeMattes& what = options->what;
+    training::MatteJob& what = options->what;
     CLI::App* verb = app.add_subcommand("matte", "Find the performer in images that have no alpha");
     verb->add_option("dataset", what.dataset, "The data set's folder (see training/README.md)")->required();
     add_format_option(*verb, what.format);

@@ -1,24 +1,14 @@
-// neuvv: one program, one verb each for capture, training, measuring and rendering of volumetric video.
-#include "tools/program.h"
+// neuvv: one program, with a verb each for capture, training, measuring and rendering of volumetric video.
+#include "tools/commands.h"
 
 int main(int argc, char** argv) {
-    using namespace neuvv;
+    using namespace neuvv::tools;
     CLI::App app{"Neural volumetric video: capture, train, measure, render.", "neuvv"};
-    tools::CommonOptions common;
-    tools::set_up_program(app, common);
-    tools::add_devices(app, common);
-    tools::add_info(app, common);
-    tools::add_capture(app, common);
-    tools::add_dataset(app, common);
-    tools::add_matte(app, common);
-    tools::add_train(app, common);
-    tools::add_eval(app, common);
-    tools::add_convert(app, common);
-    tools::add_render(app, common);
-    tools::add_stage(app, common);
-    tools::add_paint(app, common);
-    tools::add_view(app, common);
-    tools::add_xr(app, common);
+    CommonOptions common;
+    set_up_program(app, common);
+    for (const auto add : {add_devices, add_info, add_capture, add_dataset, add_matte, add_train, add_eval, add_convert,
+                           add_render, add_stage, add_paint, add_view, add_xr})
+        add(app, common);
     app.footer(
         "Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"
         "Examples (from the repository's root):\n"
@@ -29,5 +19,5 @@ int main(int argc, char** argv) {
         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json\n"
         "  neuvv render build/performer.nvv -o build/turn.mp4\n"
         "  neuvv view build/performer.nvv");
-    return tools::run_program(app, argc, argv);
+    return run_program(app, argc, argv);
 }

@@ -19,7 +19,7 @@ namespace neuvv::tools {
 namespace {
 
 constexpr int kMaxDigits = 9;       // of a numbered file name
-constexpr double kMaxNumber = 1e9;  // of a list of them
+constexpr double kMaxNumber = 1e9;  // in a list of numbers
 
 // CSS's basic colours.
 constexpr std::pair<const char*, const char*> kColours[] = {
@@ -41,13 +41,13 @@ std::string lower(std::string text) {
     return text;
 }
 
-// A printf pattern's one number: where it stands, and how wide it is padded with zeros.
+// The number in a printf pattern: its first character, the one after its last, and its minimum number of digits.
 struct NumberField {
     size_t begin = 0, end = 0;
     int digits = 1;
 };
 
-// %d or %0Nd at `begin`; anything else that starts with % is refused, "%%" included.
+// %d or %0Nd at `begin`; nothing where anything else follows the %, for instance in "%%".
 std::optional<NumberField> number_field(const std::string& text, size_t begin) {
     NumberField field{begin, begin + 1, 1};
     if (field.end < text.size() && text[field.end] == '0') {
@@ -79,15 +79,16 @@ std::vector<double> parse_numbers(const std::string& option, const std::string& 
     for (const std::string& part : split(text, ',')) {
         double number = NAN;
         const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), number);
-        if (error == std::errc::result_out_of_range) number = std::strtod(part.c_str(), nullptr);  // all or nothing
+        if (error == std::errc::result_out_of_range)
+            number = std::strtod(part.c_str(), nullptr);  // huge, or so small that it is 0
         if (stop != part.data() + part.size()) number = NAN;
         if (std::abs(number) > kMaxNumber)
             throw InputError(option, text, fmt::format("is too large: {} is the most", kMaxNumber), fix);
         numbers.push_back(number);
     }
-    bool sound = numbers.size() == count;
-    for (const double number : numbers) sound = sound && std::isfinite(number);
-    if (!sound)
+    bool valid = numbers.size() == count;
+    for (const double number : numbers) valid = valid && std::isfinite(number);
+    if (!valid)
         throw InputError(option, text, count == 1 ? "is no number" : fmt::format("is not {} numbers", count), fix);
     return numbers;
 }
@@ -117,12 +118,12 @@ FrameRange parse_frame_range(const std::string& text, uint32_t frames) {
     if (text.empty()) return range;
     const size_t colon = text.find(':');
     const std::string_view whole = text, first = whole.substr(0, colon);
-    bool sound = first.empty() ? colon != std::string::npos : read_number(first, range.first);
+    bool valid = first.empty() ? colon != std::string::npos : read_number(first, range.first);
     if (colon == std::string::npos)
         range.last = range.first;
     else if (colon + 1 < text.size())
-        sound = sound && read_number(whole.substr(colon + 1), range.last);
-    if (!sound || !(range.first >= 0) || !(range.first <= range.last) || !(range.last <= end))
+        valid = valid && read_number(whole.substr(colon + 1), range.last);
+    if (!valid || !(range.first >= 0) || !(range.first <= range.last) || !(range.last <= end))
         throw InputError("--frames", text, "is not a part of the clip",
                          fmt::format("write FIRST:LAST within 0:{}, as in 0:{}", end, end));
     return range;
@@ -143,11 +144,11 @@ ImageOutput parse_output(const std::string& text) {
     return {ImageOutput::Kind::kNumberedImages, text, exr};
 }
 
-std::filesystem::path ImageOutput::file(const std::string& word) const {
+std::filesystem::path ImageOutput::file(const std::string& in_place_of_number) const {
     if (kind != Kind::kNumberedImages) return path;
     const std::string text = path.string();
     const NumberField field = number_field(text, text.rfind('%')).value();
-    return text.substr(0, field.begin) + word + text.substr(field.end);
+    return text.substr(0, field.begin) + in_place_of_number + text.substr(field.end);
 }
 
 std::filesystem::path ImageOutput::file(uint32_t i) const {
@@ -173,6 +174,10 @@ void prepare_output_file(const std::string& option, const std::filesystem::path&
     if (!is_replaceable(file))
         throw InputError(option, file.string(), "is no regular file, and would be replaced", "choose another");
     prepare_output_folder(option, link_target(file).parent_path());
+}
+
+void write_text_file(const std::filesystem::path& file, const std::string& text) {
+    write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
 }  // namespace neuvv::tools

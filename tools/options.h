@@ -1,4 +1,5 @@
-// What a user writes on the command line, as values. Everything here throws InputError naming the option and the fix.
+// Values of what a user writes on the command line. All functions that parse throw InputError, which names the option
+// and the fix.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +12,25 @@
 
 namespace neuvv::tools {
 
-// Of a clip and of a stage, where nobody says otherwise.
+// Sizes of the images of a clip and of a stage where the user gives none.
 constexpr media::ImageSize kClipSize{720, 720}, kStageSize{1280, 720};
 
-// "1280x720".
+// "1280x720"; each side from 1 to media::kMaxImageSide pixels.
 media::ImageSize parse_size(const std::string& text);
 
-// "1,-2.5,3e-2": so many numbers of at most 1e9. `fix` says how they are written.
+// "1,-2.5,3e-2": `count` numbers of at most 1e9. `fix` is for the error: how the numbers are written.
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
                                   const std::string& fix);
 
-// Linear RGB and opacity of one of CSS's sixteen basic names, "grey", "clear", "#rrggbb" or "rrggbb" (sRGB). `option`
-// is for the error.
+// Linear RGB and opacity of a colour: "#rrggbb" or "rrggbb" (sRGB), one of CSS's sixteen basic names, "grey" or
+// "clear". `option` is for the error.
 glm::vec4 parse_colour(const std::string& option, const std::string& text);
 
-// First and last frame of the clip, fractions allowed.
+// First and last frame of a clip that are shown; fractions lie between two frames.
 struct FrameRange {
     double first = 0, last = 0;
 };
-// "a:b", "a:", ":b", "a" or empty for the whole clip of `frames` frames.
+// "a:b", "a:", ":b" or "a"; an empty text is the whole clip, which has `frames` frames.
 FrameRange parse_frame_range(const std::string& text, uint32_t frames);
 
 // Where the images of a render go.
@@ -40,15 +41,18 @@ struct ImageOutput {
 
     // The file of image i.
     std::filesystem::path file(uint32_t i) const;
-    // The pattern's file with a word in place of the number; the path itself where there is no number.
-    std::filesystem::path file(const std::string& word) const;
+    // The pattern's file with this text in place of the number; the path itself where it is no pattern.
+    std::filesystem::path file(const std::string& in_place_of_number) const;
 };
 // "out.mp4", "out_%04d.png", "out.png", or the same as .exr.
 ImageOutput parse_output(const std::string& text);
 
-// Called before any work, so that it is not done in vain: makes the folder (or the file's folder, which may be the
-// working one) where it is missing, and expects that it can be written into. `option` is for the error.
+// Both are called before any work, so that no work is lost where its results could not be written. They make the folder
+// (or the file's folder) where it is missing, and throw InputError where it cannot be written into; an empty folder is
+// the working directory. `option` is for the error.
 void prepare_output_folder(const std::string& option, const std::filesystem::path& folder);
 void prepare_output_file(const std::string& option, const std::filesystem::path& file);
+// Writes a whole file, atomically. Throws RuntimeFailure.
+void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace neuvv::tools

@@ -1,4 +1,4 @@
-// neuvv paint: layers of paint on a performer, made and changed by command.
+// neuvv paint: makes and changes layers of paint on a performer.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,8 +10,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "tools/commands.h"
-#include "tools/painted_scene.h"
-#include "tools/progress.h"
+#include "tools/paint.h"
 #include "tools/report.h"
 #include "voctree/nvpaint.h"
 
@@ -19,14 +18,13 @@ namespace neuvv::tools {
 
 namespace {
 
-// The performer on the device, to be painted on.
+// The performer on the device, ready to be painted.
 struct DeviceScene {
     DeviceScene(const PaintedScene& scene, const CommonOptions& common)
         : device(common.device),
           field(std::make_shared<const render::Field>(
               render::upload_field(device, scene.clip->tree, render::WeightPrecision::kHalf))),
           surface(device) {}
-    // A session on what the scene shows.
     editor::PaintSession session(const PaintedScene& scene, editor::PaintOperation operation,
                                  editor::PaintArea area) const {
         editor::PaintSubject subject = scene.subject();
@@ -38,7 +36,7 @@ struct DeviceScene {
     editor::PaintSurface surface;
 };
 
-// Each returns the layer as it is painted; null where no leaf was met.
+// Each of the functions that paint returns the painted layer, or null where there was no leaf to paint.
 using Layer = std::shared_ptr<const voctree::EditLayer>;
 
 Layer projected(const PaintedScene& scene, const PaintOptions& options, const edit::EditFrames& frames,
@@ -81,19 +79,19 @@ Layer brushed(const PaintedScene& scene, const PaintOptions& options, const edit
     return session.layer();
 }
 
-// No device is needed.
+// Needs no device.
 Layer filled(const PaintedScene& scene, const PaintOptions& options, const editor::PaintOperation& operation) {
     editor::PaintSession session(scene.subject(), scene.layer, operation);
     session.add_region(region_of(options));
     return session.layer();
 }
 
-// Where the layer lies on its stage.
+// The stage, and the layer's entry there.
 nlohmann::ordered_json stage_json(const StagedPerformer& staged) {
-    const bool listed = staged.layer < staged.who().settings.paint.size();
+    const bool listed = staged.layer < staged.performer().settings.paint.size();
     return {{"file", staged.stage.file.path.string()},
-            {"node", staged.who().node},
-            {"name", staged.who().name},
+            {"node", staged.performer().node},
+            {"name", staged.performer().name},
             {"layer", listed ? nlohmann::ordered_json(staged.layer) : nlohmann::ordered_json()},
             {"added", !staged.change.empty()}};
 }
@@ -125,7 +123,7 @@ void print_layer(const PaintOptions& options, const PaintedScene& scene) {
     fmt::print("{}", json_text(json));
 }
 
-// Saves, and says what there is now.
+// Saves the scene and prints what the layer holds now.
 void finish(const PaintOptions& options, const PaintedScene& scene) {
     scene.save(options);
     print_layer(options, scene);
@@ -133,7 +131,7 @@ void finish(const PaintOptions& options, const PaintedScene& scene) {
         fmt::print("{}: {}\n", options.scene, scene.staged->change);
 }
 
-// What a verb makes of the layer.
+// A function that paints.
 using Painting = std::function<Layer(const PaintedScene&, const edit::EditFrames&)>;
 
 void paint(const PaintOptions& options, const Painting& painting) {
@@ -143,7 +141,7 @@ void paint(const PaintOptions& options, const Painting& painting) {
     const Layer painted = painting(scene, frames);
     if (!painted) {
         fmt::print(stderr, "no leaf is there: nothing is painted, and nothing written\n");
-        scene.leave();
+        scene.drop_new_layer();
         print_layer(options, scene);
         return;
     }

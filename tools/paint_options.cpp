@@ -1,9 +1,8 @@
-#include "tools/paint_options.h"
+#include "tools/paint.h"
 
 #include "base/error.h"
 #include "stage/stage_settings.h"
 #include "tools/commands.h"
-#include "tools/options.h"
 
 namespace neuvv::tools {
 
@@ -28,24 +27,24 @@ void add_scene_options(CLI::App& paint, PaintOptions& options) {
         ->required();
     paint.add_option("layer", options.layer, "The .nvpaint to add to; made where there is none")->required();
     paint.add_option("--node", options.node, "Of a stage: the performer, by name or index; not needed where it is one");
-    paint.add_option("--time", options.time_s, "Of a stage: the time at which it is looked at, seconds (default: 0)")
+    paint.add_option("--time", options.time_s, "Of a stage: the time at which it is seen, seconds (default: 0)")
         ->check(number_between(-stage::kMaxStageSeconds, stage::kMaxStageSeconds));
     paint.add_flag("--json", options.json, "Print JSON: edits, leaves, colours, densities, erased; the stage's layer");
 }
 
 void add_frame_options(CLI::App& verb, PaintOptions& options) {
-    verb.add_option("--frames", options.frames, "FIRST:LAST frame of the clip at which it holds (default: all of it)");
+    verb.add_option("--frames", options.frames,
+                    "FIRST:LAST frame of the clip at which the edits hold (default: all of it)");
     verb.add_option("--at", options.at,
-                    "The frame that is looked at (default: 0; on a stage, the one that shows at --time)");
+                    "The frame that is seen (default: 0; on a stage, the one that shows at --time)");
 }
 
 CLI::Option* add_follow_option(CLI::App& verb, PaintOptions& options) {
-    return verb
-        .add_option("--follow", options.follow,
-                    "not: at --frames, whatever leaves show then; run: as long as a leaf stays opaque around --at (or "
-                    "--frames); all: whenever it is opaque")
-        ->check(CLI::IsMember({"not", "run", "all"}))
-        ->capture_default_str();
+    static constexpr const char* kNames[] = {"not", "run", "all"};  // by Follow
+    return add_choice(
+        verb, "--follow", options.follow, kNames,
+        "not: at --frames, whatever leaves show then; run: as long as a leaf stays opaque around --at (or "
+        "--frames); all: whenever it is opaque (default: not)");
 }
 
 void add_camera_options(CLI::App& verb, PaintOptions& options) {
@@ -108,24 +107,23 @@ edit::Region region_of(const PaintOptions& options) {
 
 void expect_region(const PaintOptions& options) {
     if (options.boxes.empty() && options.spheres.empty())
-        throw InputError("neuvv paint", "", "no leaves are chosen", "give --box X0,Y0,Z0,X1,Y1,Z1 or --sphere X,Y,Z,R");
+        throw InputError("neuvv paint", "", "no leaves are selected",
+                         "give --box X0,Y0,Z0,X1,Y1,Z1 or --sphere X,Y,Z,R");
 }
 
 void expect_change(const PaintOptions& options) {
     if (options.colour.empty() && !options.density && !options.hue && !options.saturation)
-        throw InputError("neuvv paint", "", "nothing is said that leaves shall become",
+        throw InputError("neuvv paint", "", "says nothing of what the leaves become",
                          "give --colour '#d02020', --density, or for a region --hue or --saturation");
 }
 
 edit::EditFrames frames_of(const PaintOptions& options, float at, uint32_t clip_frames) {
     edit::EditFrames frames;
-    frames.follow = options.follow == "all"   ? edit::Follow::kAll
-                    : options.follow == "run" ? edit::Follow::kRun
-                                              : edit::Follow::kNot;
+    frames.follow = options.follow.value_or(edit::Follow::kNot);
     const FrameRange range = parse_frame_range(options.frames, clip_frames);
-    const bool evaluated = options.frames.empty() && frames.follow != edit::Follow::kNot;
-    frames.first = evaluated ? at : static_cast<float>(range.first);
-    frames.last = evaluated ? at : static_cast<float>(range.last);
+    const bool at_alone = options.frames.empty() && frames.follow != edit::Follow::kNot;
+    frames.first = at_alone ? at : static_cast<float>(range.first);
+    frames.last = at_alone ? at : static_cast<float>(range.last);
     return frames;
 }
 

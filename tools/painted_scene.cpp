@@ -1,4 +1,4 @@
-#include "tools/painted_scene.h"
+#include "tools/paint.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,6 @@
 #include "edit/operations.h"
 #include "editor/open_file.h"
 #include "render/trace.h"
-#include "tools/render_job.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 #include "voctree/clip.h"
@@ -28,13 +27,13 @@ bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b
     return whole(a) == whole(b);
 }
 
-// Index into stage.performers of the node that is named; of the only one where none is.
-uint32_t chosen_performer(const stage::Stage& stage, const std::string& node) {
+// Index into stage.performers of the performer of the named node; without a name, of the only performer.
+uint32_t find_performer(const stage::Stage& stage, const std::string& node) {
     const std::vector<stage::StagePerformer>& all = stage.performers;
     if (node.empty() && all.size() == 1) return 0;
     std::string names;
-    for (const stage::StagePerformer& one : all)
-        names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", one.node, one.name);
+    for (const stage::StagePerformer& performer : all)
+        names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", performer.node, performer.name);
     const std::string fix = all.empty() ? "add one with `neuvv stage add`" : "choose from " + names;
     if (node.empty()) throw InputError("--node", "", fmt::format("the stage has {} performers", all.size()), fix);
     const uint32_t index = edit::find_node(stage.file, node);
@@ -43,7 +42,7 @@ uint32_t chosen_performer(const stage::Stage& stage, const std::string& node) {
     throw InputError("--node", node, "is no performer of the stage", fix);
 }
 
-// Whether an entry of a performer's list names the painted layer.
+// Whether an entry of a performer's list is the painted layer.
 bool is_painted(const stage::Stage& stage, const stage::PaintLayer& entry, const std::string& layer) {
     return is_same_file(stage::file_of_uri(stage.file, entry.uri, "paint"), layer);
 }
@@ -51,20 +50,21 @@ bool is_painted(const stage::Stage& stage, const stage::PaintLayer& entry, const
 StagedPerformer find_on_stage(const PaintOptions& options, PaintedScene::Use use) {
     StagedPerformer staged;
     staged.stage = stage::load_stage(options.scene);
-    staged.performer = chosen_performer(staged.stage, options.node);
-    const std::vector<stage::PaintLayer>& list = staged.who().settings.paint;
+    staged.index = find_performer(staged.stage, options.node);
+    const std::vector<stage::PaintLayer>& list = staged.performer().settings.paint;
     while (staged.layer < list.size() && !is_painted(staged.stage, list[staged.layer], options.layer)) staged.layer++;
     if (staged.layer == list.size() && use == PaintedScene::Use::kPaint) {
         prepare_output_file("scene", options.scene);
         stage::StageFile file = staged.stage.file;
-        staged.change = edit::add_paint_layer(file, staged.who().node, options.layer, {});
+        staged.change = edit::add_paint_layer(file, staged.performer().node, options.layer, {});
         staged.stage = stage::make_stage(std::move(file));
     }
     staged.evaluated = stage::stage_at(staged.stage, options.time_s.value_or(0));
     return staged;
 }
 
-std::optional<StagedPerformer> opened_stage(const PaintOptions& options, PaintedScene::Use use) {
+// Nothing where the scene is a clip.
+std::optional<StagedPerformer> open_stage(const PaintOptions& options, PaintedScene::Use use) {
     if (editor::has_stage_ending(options.scene)) return find_on_stage(options, use);
     if (!options.node.empty())
         throw InputError("--node", options.node, "is for stages", "leave it out: a .nvv is one performer");
@@ -74,7 +74,7 @@ std::optional<StagedPerformer> opened_stage(const PaintOptions& options, Painted
     return std::nullopt;
 }
 
-// The key of a camera path.
+// The camera of --key on the camera path.
 stage::Camera path_camera(const PaintOptions& options, media::ImageSize size) {
     const stage::CameraPath path = training::read_camera_path(options.camera, 1);
     const uint32_t key = options.key.value_or(0);
@@ -84,7 +84,7 @@ stage::Camera path_camera(const PaintOptions& options, media::ImageSize size) {
     return stage::camera_at(path, path.keys[key].time_s, size.width, size.height);
 }
 
-// On the orbit around a box, at an angle.
+// A camera on the orbit around a box, at an angle from its front.
 stage::Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double degrees, media::ImageSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     stage::Camera camera = orbit_path(box, {{0, 0}, 25, 25}, size)[0].camera;
@@ -94,54 +94,55 @@ stage::Camera orbit_camera(const std::pair<glm::dvec3, glm::dvec3>& box, double 
     return camera;
 }
 
-// In the world: a path's, the stage's by name, or as `neuvv render` chooses one.
+// In the world: the camera of a path, a camera of the stage by name, one of the orbit, or the one of `neuvv render`.
 stage::Camera stage_camera(const PaintOptions& options, const StagedPerformer& staged, media::ImageSize size) {
     if (names_camera_path(options.camera)) return path_camera(options, size);
     if (options.key) throw InputError("--key", fmt::format("{}", *options.key), "is for camera paths", "leave it out");
-    const bool orbits = options.orbit_deg || (options.camera.empty() && !stage::has_camera(staged.evaluated));
-    if (orbits)
+    const bool on_orbit = options.orbit_deg || (options.camera.empty() && !stage::has_camera(staged.evaluated));
+    if (on_orbit)
         return orbit_camera(stage::performers_box(staged.stage, staged.evaluated), options.orbit_deg.value_or(0), size);
     return stage::camera_of(staged.stage, options.camera, staged.evaluated, size.width, size.height);
 }
 
 }  // namespace
 
-PaintedScene::PaintedScene(const PaintOptions& options, Use use) : staged(opened_stage(options, use)) {
+PaintedScene::PaintedScene(const PaintOptions& options, Use use) : staged(open_stage(options, use)) {
     const std::filesystem::path clip_path =
-        staged ? staged->stage.clips[staged->who().clip].path : std::filesystem::path(options.scene);
+        staged ? staged->stage.clips[staged->performer().clip].path : std::filesystem::path(options.scene);
     clip = editor::read_performer(clip_path, nullptr, {}).clip;
     layer = std::make_shared<voctree::EditLayer>(use == Use::kRead || std::filesystem::exists(options.layer)
                                                      ? voctree::read_paint(options.layer, clip->field)
                                                      : voctree::EditLayer{clip->field, {}});
-    at = static_cast<float>(options.at.value_or(staged ? double{staged->stands().frame} : 0));
+    at = static_cast<float>(options.at.value_or(staged ? double{staged->evaluated_performer().frame} : 0));
     if (!(at >= 0 && at <= static_cast<float>(clip->tree.frames - 1)))
         throw InputError("--at", fmt::format("{}", at), "is no frame of the clip",
                          fmt::format("choose 0 to {}", clip->tree.frames - 1));
     if (!staged) return;
-    for (const stage::PaintLayer& entry : staged->who().settings.paint) {
-        const bool read = entry.visible && entry.opacity > 0 && !is_painted(staged->stage, entry, options.layer);
-        others_.push_back(read
-                              ? std::make_shared<const voctree::EditLayer>(voctree::read_paint(
-                                    stage::file_of_uri(staged->stage.file, entry.uri, staged->who().name), clip->field))
-                              : nullptr);
+    for (const stage::PaintLayer& entry : staged->performer().settings.paint) {
+        const bool needed = entry.visible && entry.opacity > 0 && !is_painted(staged->stage, entry, options.layer);
+        other_layers_.push_back(
+            needed ? std::make_shared<const voctree::EditLayer>(voctree::read_paint(
+                         stage::file_of_uri(staged->stage.file, entry.uri, staged->performer().name), clip->field))
+                   : nullptr);
     }
 }
 
 editor::PaintSubject PaintedScene::subject() const {
     editor::PaintSubject subject{.clip = clip, .frame = at};
     if (!staged) subject.paint = {{layer}};
-    for (size_t i = 0; i < others_.size(); i++) {
-        const stage::PaintLayer& entry = staged->who().settings.paint[i];
+    for (size_t i = 0; i < other_layers_.size(); i++) {
+        const stage::PaintLayer& entry = staged->performer().settings.paint[i];
         if (!entry.visible || entry.opacity <= 0) continue;
-        subject.paint.push_back({others_[i] ? others_[i] : layer, entry.blend, static_cast<float>(entry.opacity)});
+        subject.paint.push_back(
+            {other_layers_[i] ? other_layers_[i] : layer, entry.blend, static_cast<float>(entry.opacity)});
     }
     return subject;
 }
 
-void PaintedScene::leave() {
+void PaintedScene::drop_new_layer() {
     if (!staged || staged->change.empty()) return;
     staged->change.clear();
-    staged->layer = staged->who().settings.paint.size();
+    staged->layer = staged->performer().settings.paint.size();
 }
 
 void PaintedScene::save(const PaintOptions& options) const {
@@ -149,9 +150,9 @@ void PaintedScene::save(const PaintOptions& options) const {
     if (!staged || staged->change.empty()) return;
     stage::StageFile file = staged->stage.file;
     if (stage::read_stage_file(options.scene).saved->bytes != file.saved->bytes)
-        throw InputError(options.scene, "", "was changed by somebody else meanwhile",
+        throw InputError(options.scene, "", "was changed by another program meanwhile",
                          fmt::format("add the layer, which is painted: `neuvv stage paint {} {} --add {}`",
-                                     options.scene, staged->who().node, options.layer));
+                                     options.scene, staged->performer().node, options.layer));
     stage::save_stage_file(file, options.scene);
 }
 
@@ -170,12 +171,13 @@ stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, 
                    ? orbit_camera(occupied_box(scene.clip->tree), options.orbit_deg.value_or(0), size)
                    : path_camera(options, size);
     const StagedPerformer& staged = *scene.staged;
-    if (!stage::is_placeable(staged.stands().world_from_performer))
-        throw InputError(
-            options.scene, fmt::format("/nodes/{}", staged.who().node),
-            fmt::format("\"{}\" is flat, or out of this world, at {} s", staged.who().name, staged.evaluated.time_s),
-            "choose another --time");
-    return render::in_performer(stage_camera(options, staged, size), glm::mat4(staged.stands().world_from_performer));
+    if (!stage::is_valid_transform(staged.evaluated_performer().world_from_performer))
+        throw InputError(options.scene, fmt::format("/nodes/{}", staged.performer().node),
+                         fmt::format("\"{}\" is flat, or out of this world, at {} s", staged.performer().name,
+                                     staged.evaluated.time_s),
+                         "choose another --time");
+    return render::in_performer(stage_camera(options, staged, size),
+                                glm::mat4(staged.evaluated_performer().world_from_performer));
 }
 
 }  // namespace neuvv::tools

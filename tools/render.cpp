@@ -1,18 +1,24 @@
-// neuvv render: a clip or a stage as a free-viewpoint video or as images.
+// neuvv render: renders a clip or a stage to a free-viewpoint video or to images.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
+#include "base/platform.h"
 #include "editor/open_file.h"
+#include "gpu/frame_capture.h"
 #include "render/frame_passes.h"
-#include "tools/render_job.h"
+#include "tools/render.h"
 #include "tools/report.h"
 
 namespace neuvv::tools {
 
 namespace {
+
+constexpr double kMinFps = 0.01, kMaxFps = 1000;
 
 void run(const RenderOptions& options, const CommonOptions& common) {
     const RenderTotals totals =
@@ -38,7 +44,7 @@ void print_passes() {
         fmt::print("{:<22} {} [{}]{}\n", pass.name, pass.shows, pass.unit, pass.needs_set ? ", of stages" : "");
 }
 
-// Before the verb's other arguments are looked at: `--pass list` needs none.
+// `--pass list` prints and ends the program while options are parsed, so it needs none of the verb's other arguments.
 CLI::Option* add_pass_option(CLI::App& verb, RenderOptions& options) {
     return verb.add_option_function<std::string>(
         "--pass",
@@ -61,7 +67,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
         ->required();
     verb.add_option(
             "-o,--output", options.output,
-            "out.mp4, or out_%04d.png, or out.png for a single image, of one instant (--frames F) the orbit's first; "
+            "out.mp4, or out_%04d.png, or out.png for a single image, at one time (--frames F) the orbit's first; "
             ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         ->required();
     CLI::Option* orbit =
@@ -75,11 +81,10 @@ void add_options(CLI::App& verb, RenderOptions& options) {
             "or the "
             "name of one of its cameras (default: its first camera, also where it has a path)")
         ->excludes(orbit);
-    verb.add_option(
-        "--frames", options.frames,
-        "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that instant. Keys of --camera "
-        "with a time ignore it");
-    verb.add_option("--time", options.time, "Of a stage: FROM:TO in seconds, or one instant (default: all of it)");
+    verb.add_option("--frames", options.frames,
+                    "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that time. Keys of --camera "
+                    "with a time ignore it");
+    verb.add_option("--time", options.time, "Of a stage: FROM:TO in seconds, or one time (default: all of it)");
     verb.add_option("--fps", options.fps,
                     "Images a second (default: that of --camera, else the clip's or the stage's); the clip keeps its "
                     "speed, and frames "
@@ -126,13 +131,10 @@ void add_options(CLI::App& verb, RenderOptions& options) {
         ->excludes(verb.get_option("--pass"))
         ->excludes(level)
         ->excludes(cost);
-    verb.add_option("--blend", options.blend,
-                    "Of a stage: performers that stand in each other exactly, or as layers as in the paper")
-        ->check(CLI::IsMember({"exact", "paper"}));
-    verb.add_option("--shadows", options.shadows, "on or off. Of a stage: whether lights cast shadows")
-        ->check(CLI::IsMember({"on", "off"}));
-    verb.add_option("--falloff", options.falloff, "on or off. Of a stage: whether lights shine on performers")
-        ->check(CLI::IsMember({"on", "off"}));
+    add_choice(verb, "--blend", options.blend, stage::kStageBlendNames,
+               "Of a stage: performers that stand in each other exactly, or as layers as in the paper");
+    add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
+    add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
     verb.add_flag("--resume", options.resume,
                   "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
@@ -145,6 +147,106 @@ void add_options(CLI::App& verb, RenderOptions& options) {
 }
 
 }  // namespace
+
+render::ResolveSettings resolve_settings(const RenderOptions& options, const ImageOutput& output) {
+    const bool video = output.kind == ImageOutput::Kind::kVideo;
+    render::ResolveSettings resolve;
+    resolve.background =
+        parse_colour("--background", options.background.empty() ? (video ? "white" : "clear") : options.background);
+    if (options.depth) resolve.show = render::Show::kDepth;
+    if (options.alpha) resolve.show = render::Show::kAlpha;
+    if (options.level) resolve.show = render::Show::kLevel;
+    if (options.cost) resolve.show = render::Show::kCost;
+    resolve.cost_max = static_cast<float>(options.cost_max);
+    if (video && resolve.show == render::Show::kColour && resolve.background.a < 1)
+        throw InputError("--background", options.background, "a video holds no transparency",
+                         "choose a colour, or write images: out_%04d.png");
+    return resolve;
+}
+
+void expect_fitting_output(const ImageOutput& output, size_t images) {
+    if (output.kind == ImageOutput::Kind::kImage && images > 1)
+        throw InputError("--output", output.path.string(), fmt::format("is one file for {} images", images),
+                         "number them, as in out_%04d.png, or give --camera one key and --frames one frame");
+}
+
+void expect_fitting_output(const ImageOutput& output, const RenderOptions& options) {
+    if (!options.pass.empty() && (output.exr || output.kind == ImageOutput::Kind::kVideo))
+        throw InputError("--pass", options.pass, "is written as PNG", "name out.png or out_%04d.png");
+    const char* fix = "write .png or .mp4, or leave it out";
+    if (!output.exr) return;
+    for (const auto& [given, flag] : {std::pair(options.depth, "--depth"), std::pair(options.alpha, "--alpha"),
+                                      std::pair(options.level, "--level"), std::pair(options.cost, "--cost")})
+        if (given) throw InputError(flag, "", "an .exr holds colour, alpha and depth at once", fix);
+    if (options.scale < 1) throw InputError("--scale", "", "what is scaled up is not linear", fix);
+}
+
+double checked_fps(const RenderOptions& options, double path_fps, double fallback) {
+    if (options.fps && !(*options.fps >= kMinFps && *options.fps <= kMaxFps))
+        throw InputError("--fps", fmt::format("{}", *options.fps), "is not a rate of images",
+                         fmt::format("choose {} to {} a second", kMinFps, kMaxFps));
+    return options.fps.value_or(path_fps > 0 ? std::clamp(path_fps, kMinFps, kMaxFps) : fallback);
+}
+
+RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images) {
+    return {{"--fps", fmt::format("{}", fps)},
+            {"--size", fmt::format("{}x{}", size.width, size.height)},
+            {"--background", options.background.empty() ? "default" : options.background},
+            {"--samples", fmt::format("{}", options.samples)},
+            {"--scale", fmt::format("{}", options.scale)},
+            {"--slice-budget", fmt::format("{}", options.slice_budget_mb)},
+            {"--depth", fmt::format("{}", options.depth)},
+            {"--alpha", fmt::format("{}", options.alpha)},
+            {"--level", fmt::format("{}", options.level)},
+            {"--pass", options.pass},
+            {"--cost", options.cost ? fmt::format("{}", options.cost_max) : "false"},
+            {"pictures", fmt::format("{}", images)},
+            {"program", NEUVV_VERSION}};
+}
+
+media::Image pass_image(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i) {
+    const render::FramePass& pass = *render::find_frame_pass(options.pass);
+    const render::PassValues values = pass.read(renderer);
+    const auto range = render::range_of(values);
+    std::FILE* const stream = options.json ? stderr : stdout;
+    if (range)
+        fmt::print(stream, "image {}: {} from {:.6g} (dark) to {:.6g} (bright), in {}\n", i, pass.name, range->first,
+                   range->second, pass.unit);
+    else
+        fmt::print(stream, "image {}: {} holds nothing\n", i, pass.name);
+    return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
+}
+
+RenderTotals render_images(const RenderOptions& options, const ImageOutput& output, media::ImageSize size, double fps,
+                           uint32_t images, ImageSink& sink, const gpu::Device& device,
+                           const std::function<FrameTimes(uint32_t)>& render) {
+    catch_stop_signals();
+    const bool video = output.kind == ImageOutput::Kind::kVideo;
+    const media::ImageSize encoded{media::video_side(size.width), media::video_side(size.height)};
+    RenderTotals totals{images, 0, video ? encoded : size, fps};
+    Progress progress("render", images);
+    for (uint32_t i = 0; i < images; ++i) {
+        if (stop_requested())
+            throw RuntimeFailure(fmt::format("{}: stopped before the end; {}", options.output,
+                                             sink.resumable() ? "--resume goes on with it"
+                                             : video ? "begin a video with --resume to be able to go on with it"
+                                                     : "begin it anew"));
+        if (!sink.has(i)) {
+            std::optional<gpu::FrameCapture> capture;
+            if (options.capture && totals.rendered == 0) capture.emplace(device);
+            const FrameTimes times = render(i);
+            if (capture) fmt::print(stderr, "captured image {}: {}\n", i, capture->finish());
+            ++totals.rendered;
+            totals.seconds += times.milliseconds / 1000;
+            if (trace_wanted()) fmt::print(stderr, "image {}: {}\n", i, pass_times_text(times.passes));
+        }
+        progress.update(i + 1);
+    }
+    sink.finish(images);
+    const double rays_per_image = size.width * size.height * std::pow(options.scale * samples_of(options), 2);
+    totals.rays = static_cast<double>(totals.rendered) * rays_per_image;
+    return totals;
+}
 
 void add_render(CLI::App& app, CommonOptions& common) {
     CLI::App* verb = app.add_subcommand("render", "Render a clip or a stage to a free-viewpoint video or to images");

@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 #include "render/stage_renderer.h"
-#include "tools/light_shares.h"
-#include "tools/progress.h"
-#include "tools/render_job.h"
+#include "tools/light_status.h"
+#include "tools/render.h"
+#include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 
@@ -17,16 +17,16 @@ namespace neuvv::tools {
 namespace {
 
 constexpr double kMaxImages = 1e6;
-constexpr const char* kStagePath = "path";  // --camera: the stage's own
-constexpr double kTurnSeconds = 4;          // of a stage that nothing moves on and no camera sees
+constexpr const char* kStagePath = "path";  // the --camera that is the stage's own camera path
+constexpr double kMinOrbitSeconds = 4;
 
 struct StagePlan {
     ImageOutput output;
     render::ResolveSettings resolve;
     stage::Stage stage;
-    std::optional<stage::CameraPath> path;  // else a camera of the stage,
-    bool own_path = false;                  // the path is the stage's: in its time
-    std::vector<ViewStep> turn;             // or where it has none a turn around it
+    std::optional<stage::CameraPath> path;  // without: the orbit, or where that is empty a camera of the stage
+    bool is_stage_path = false;             // whether the path is the stage's own, in stage time
+    std::vector<ViewStep> orbit;
     double first_s = 0, fps = 25;
     uint32_t images = 1;
     media::ImageSize size;
@@ -36,8 +36,8 @@ struct StagePlan {
 
 // "A:B", "A:", ":B" or "A", seconds of the stage.
 std::pair<double, double> time_range(const std::string& text, double duration_s) {
-    const auto number = [&](const std::string& part, double otherwise) {
-        if (part.empty()) return otherwise;
+    const auto number = [&](const std::string& part, double fallback) {
+        if (part.empty()) return fallback;
         char* end = nullptr;
         const double value = std::strtod(part.c_str(), &end);
         if (*end != '\0' || !(std::abs(value) <= stage::kMaxStageSeconds))
@@ -62,19 +62,19 @@ void expect_stage_options(const RenderOptions& options) {
 }
 
 void override_settings(const RenderOptions& options, stage::Stage& stage) {
-    if (options.blend)
-        stage.settings.blend = *options.blend == "paper" ? stage::StageBlend::kPaper : stage::StageBlend::kExact;
-    if (options.shadows) stage.settings.shadows = *options.shadows == "on";
-    if (options.falloff) stage.settings.falloff = *options.falloff == "on";
+    stage.settings.blend = options.blend.value_or(stage.settings.blend);
+    stage.settings.shadows = options.shadows.value_or(stage.settings.shadows);
+    stage.settings.falloff = options.falloff.value_or(stage.settings.falloff);
 }
 
-// One turn around the stage, for stages that nobody has put a camera on.
-std::vector<ViewStep> turn_around(const StagePlan& plan) {
-    const double seconds = std::max(kTurnSeconds, plan.images / plan.fps);
-    Playback turn;  // as if a clip of that many frames played
-    turn.clip_fps = turn.output_fps = plan.fps;
-    turn.range = {0, std::max(1.0, std::round(seconds * plan.fps)) - 1};
-    return orbit_path(stage::performers_box(plan.stage, stage::stage_at(plan.stage, plan.first_s)), turn, plan.size);
+// One turn around the performers.
+std::vector<ViewStep> orbit_of(const StagePlan& plan) {
+    const double seconds = std::max(kMinOrbitSeconds, plan.images / plan.fps);
+    Playback playback;  // of a clip that would last as long
+    playback.clip_fps = playback.output_fps = plan.fps;
+    playback.range = {0, std::max(1.0, std::round(seconds * plan.fps)) - 1};
+    return orbit_path(stage::performers_box(plan.stage, stage::stage_at(plan.stage, plan.first_s)), playback,
+                      plan.size);
 }
 
 // The camera of image i.
@@ -82,16 +82,18 @@ stage::Camera camera_of(const RenderOptions& options, const StagePlan& plan, con
                         uint32_t i) {
     const media::ImageSize size = plan.size;
     if (plan.path) return stage::camera_at(*plan.path, plan.time_s(i), size.width, size.height);
-    if (!plan.turn.empty()) return plan.turn[i % plan.turn.size()].camera;
+    if (!plan.orbit.empty()) return plan.orbit[i % plan.orbit.size()].camera;
     return stage::camera_of(plan.stage, options.camera, evaluated, size.width, size.height);
 }
 
-// Nearest and farthest that anything stands in images of depth, by some times of them all.
+// Sets the distances that images of depth show as white and black: the nearest and the farthest of any performer,
+// sampled at up to 32 images.
 void set_depth_range(const RenderOptions& options, StagePlan& plan) {
-    constexpr uint32_t kTimes = 32;
+    constexpr uint32_t kMaxSamples = 32;
+    const uint32_t samples = std::min(kMaxSamples, plan.images);
     double nearest = INFINITY, farthest = 0;
-    for (uint32_t k = 0; k < std::min(kTimes, plan.images); k++) {
-        const auto i = static_cast<uint32_t>(uint64_t{plan.images} * k / std::min(kTimes, plan.images));
+    for (uint32_t k = 0; k < samples; k++) {
+        const auto i = static_cast<uint32_t>(uint64_t{plan.images} * k / samples);
         const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
         const auto [near, far] =
             depth_range({{camera_of(options, plan, evaluated, i), 0}}, stage::performers_box(plan.stage, evaluated));
@@ -102,13 +104,13 @@ void set_depth_range(const RenderOptions& options, StagePlan& plan) {
     plan.resolve.depth_far_m = static_cast<float>(farthest);
 }
 
-// Which images: those of --time, else of the whole path in a file, else of the whole stage.
+// The images of --time, else of the whole path of a file, else of the whole stage.
 void plan_time(const RenderOptions& options, StagePlan& plan) {
-    if (plan.path && !plan.own_path && options.time.empty()) {
+    if (plan.path && !plan.is_stage_path && options.time.empty()) {
         plan.images = static_cast<uint32_t>(path_images(*plan.path, plan.fps, plan.stage.duration_s));
         return;
     }
-    const bool moves = plan.path && !plan.own_path && plan.path->keys.size() > 1;
+    const bool moves = plan.path && !plan.is_stage_path && plan.path->keys.size() > 1;
     const auto [first_s, last_s] = time_range(options.time, moves ? plan.path->duration_s : plan.stage.duration_s);
     const double images = std::max(1.0, std::round((last_s - first_s) * plan.fps));
     if (images > kMaxImages)
@@ -118,18 +120,18 @@ void plan_time(const RenderOptions& options, StagePlan& plan) {
     plan.images = static_cast<uint32_t>(images);
 }
 
-// More lights than the renderer takes are no mistake of the file, but a surprise.
-void tell_of_lights(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
-    const std::vector<LightShare> shares = shares_of(stage, evaluated);
+// A stage may have more lights than the renderer takes; that is no error of the file, but the user should know.
+void warn_of_light_limits(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
+    const std::vector<LightStatus> lights = light_statuses(stage, evaluated);
     const std::string file = stage.file.path.string();
     size_t shining = 0, casting = 0, shadowless = 0;
-    for (const LightShare& share : shares) {
-        shining += share.shines;
-        casting += share.casts_shadow;
-        shadowless += share.shines && !share.text.empty();
+    for (const LightStatus& light : lights) {
+        shining += light.shines;
+        casting += light.casts_shadow;
+        shadowless += light.shines && !light.text.empty();
     }
-    if (shining < shares.size())
-        fmt::print(stderr, "{}: has {} lights, of which the first {} shine\n", file, shares.size(), shining);
+    if (shining < lights.size())
+        fmt::print(stderr, "{}: has {} lights, of which the first {} shine\n", file, lights.size(), shining);
     if (stage.settings.shadows && shadowless > 0)
         fmt::print(stderr, "{}: {} of its lights would cast shadows, of which the first {} do\n", file,
                    casting + shadowless, casting);
@@ -141,7 +143,7 @@ StagePlan plan_stage(const RenderOptions& options) {
     plan.output = parse_output(options.output);
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
-    const media::ImageSize wanted = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
+    const media::ImageSize given_size = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
     plan.stage = stage::load_stage(options.scene);
     override_settings(options, plan.stage);
     plan.fps = checked_fps(options, 0, plan.stage.fps);
@@ -151,27 +153,27 @@ StagePlan plan_stage(const RenderOptions& options) {
     }
     if (options.camera == kStagePath && plan.stage.settings.camera_path) {
         plan.path = plan.stage.settings.camera_path;
-        plan.own_path = true;
+        plan.is_stage_path = true;
     }
     plan_time(options, plan);
     const bool still = plan.output.kind == ImageOutput::Kind::kImage;
-    if (still && options.time.empty() && (!plan.path || plan.own_path)) plan.images = 1;
+    if (still && options.time.empty() && (!plan.path || plan.is_stage_path)) plan.images = 1;
     expect_fitting_output(plan.output, plan.images);
-    plan.size = wanted.width                    ? wanted
+    plan.size = given_size.width                ? given_size
                 : plan.path && plan.path->width ? media::ImageSize{plan.path->width, plan.path->height}
                                                 : kStageSize;
     plan.resolve = resolve_settings(options, plan.output);
     if (options.background.empty()) plan.resolve.background = glm::vec4(plan.stage.settings.background, 1);
     const stage::EvaluatedStage first = stage::stage_at(plan.stage, plan.first_s);
     if (!plan.path && (options.orbit || (!stage::has_camera(first) && options.camera.empty())))
-        plan.turn = turn_around(plan);
-    camera_of(options, plan, first, 0);  // there is one
-    tell_of_lights(plan.stage, first);
+        plan.orbit = orbit_of(plan);
+    camera_of(options, plan, first, 0);  // throws InputError where the stage has no such camera
+    warn_of_light_limits(plan.stage, first);
     set_depth_range(options, plan);
     return plan;
 }
 
-// All files that the images depend on.
+// What the images depend on: options, and the content of all files of the stage.
 RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
     RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.images);
     facts["stage"] = content_fact(options.scene);
@@ -180,17 +182,17 @@ RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
         facts["environment"] = content_fact(stage::file_of_uri(plan.stage.file, environment->uri, "environment"));
     for (const char* kind : {"buffers", "images"})
         if (const nlohmann::ordered_json* list = plan.stage.file.json.find(kind))
-            for (const auto& one : *list) {
-                const std::string uri = one.value("uri", "");
+            for (const auto& entry : *list) {
+                const std::string uri = entry.value("uri", "");
                 if (!uri.empty() && uri.rfind("data:", 0) != 0)
                     facts[std::string(kind) + " " + uri] = content_fact(stage::file_of_uri(plan.stage.file, uri, kind));
             }
     for (const stage::StagePerformer& performer : plan.stage.performers)
         for (const stage::PaintLayer& layer : performer.settings.paint)
             facts["paint " + layer.uri] = content_fact(stage::file_of_uri(plan.stage.file, layer.uri, performer.name));
-    facts["--camera"] = plan.path && !plan.own_path ? content_fact(options.camera)
-                        : options.orbit             ? "orbit"
-                                                    : options.camera;
+    facts["--camera"] = plan.path && !plan.is_stage_path ? content_fact(options.camera)
+                        : options.orbit                  ? "orbit"
+                                                         : options.camera;
     facts["--time"] = fmt::format("{}", plan.first_s);
     facts["--blend"] = stage::kStageBlendNames[static_cast<size_t>(plan.stage.settings.blend)];
     facts["--shadows"] = fmt::format("{}", plan.stage.settings.shadows);
@@ -220,7 +222,7 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     ImageSink sink(plan.output, plan.size, plan.fps, stage_facts(options, plan), options.resume);
     const gpu::Device device(common.device);
     render::FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
-    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    capacity.slice_budget = bytes_of_mebibytes(options.slice_budget_mb);
     Progress reading("read", plan.stage.clips.size());
     const auto read = [&](size_t done, size_t) { reading.update(done); };
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);

@@ -2,11 +2,77 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
+
+#include "base/platform.h"
 
 namespace neuvv::tools {
+
+namespace {
+constexpr std::chrono::milliseconds kTerminalPeriod{200}, kLogPeriod{10000};
+}
+
+StatusLine::StatusLine(bool at_once) : terminal_(stderr_is_terminal()), next_(Clock::now()) {
+    if (!terminal_ && !at_once) next_ += kLogPeriod;
+}
+
+bool StatusLine::is_due() {
+    const Clock::time_point now = Clock::now();
+    if (now < next_) return false;
+    next_ = now + (terminal_ ? kTerminalPeriod : kLogPeriod);
+    return true;
+}
+
+void StatusLine::print(const std::string& text) {
+    if (terminal_) {
+        fmt::print(stderr, "\r{:<{}}", text, printed_);  // over the whole line that is there
+        printed_ = text.size();
+    } else {
+        fmt::print(stderr, "{}\n", text);
+    }
+    std::fflush(stderr);
+}
+
+void StatusLine::end() {
+    if (std::exchange(printed_, 0) > 0) fmt::print(stderr, "\n");
+}
+
+Progress::Progress(std::string label, uint64_t total)
+    : label_(std::move(label)), total_(total), start_(std::chrono::steady_clock::now()), line_(false) {}
+
+void Progress::update(uint64_t done, std::string detail) {
+    done_ = done;
+    detail_ = std::move(detail);
+    unprinted_ = true;
+    if (line_.is_due()) print();
+}
+
+void Progress::finish() {
+    if (unprinted_) print();
+    line_.end();
+}
+
+void Progress::print() {
+    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    std::string text = fmt::format("{} {}/{}  elapsed {}", label_, done_, total_, format_duration(elapsed));
+    if (done_ > 0 && done_ < total_)
+        text += "  ETA " + format_duration(elapsed * static_cast<double>(total_ - done_) / static_cast<double>(done_));
+    if (!detail_.empty()) text += "  " + detail_;
+    line_.print(text);
+    unprinted_ = false;
+}
+
+std::string format_duration(double seconds) {
+    if (!(seconds >= 0) || seconds > 1e7) return "?";
+    if (seconds < 60) return fmt::format("{:.1f} s", seconds);
+    const auto whole = static_cast<uint64_t>(seconds);
+    if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
 
 std::string json_text(const nlohmann::ordered_json& json) {
     return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

@@ -1,6 +1,8 @@
-// What the verbs print alike: JSON for scripts, sizes for people, pass times for the curious.
+// What the verbs print alike: the progress of a long task, JSON for scripts, durations, sizes and pass times for
+// people.
 #pragma once
 
+#include <chrono>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -9,15 +11,63 @@
 
 namespace neuvv::tools {
 
-// Names from file systems need not be UTF-8; JSON is.
+// A line on stderr: on a terminal it is redrawn up to five times a second, in a log it is a new line every 10 s.
+class StatusLine {
+  public:
+    // `at_once`: the first line of a log does not wait for 10 s.
+    explicit StatusLine(bool at_once);
+    ~StatusLine() { end(); }
+    StatusLine(const StatusLine&) = delete;
+    StatusLine& operator=(const StatusLine&) = delete;
+
+    // Whether the line is due again; true once for each time. Cheap to call often.
+    bool is_due();
+    void print(const std::string& text);
+    // Ends the line on a terminal, so that other text can follow.
+    void end();
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    bool terminal_;
+    size_t printed_ = 0;  // characters of the line on the terminal
+    Clock::time_point next_;
+};
+
+// A status line that says how far a long task is, and how long it will still take.
+class Progress {
+  public:
+    explicit Progress(std::string label, uint64_t total = 0);
+    ~Progress() { finish(); }
+    // For a task whose length is not known when it begins. Call it before update().
+    void set_total(uint64_t total) { total_ = total; }
+
+    // Cheap to call often. `detail` follows the figures.
+    void update(uint64_t done, std::string detail = "");
+    // Prints the last state and ends the line; the destructor does so too.
+    void finish();
+
+  private:
+    void print();
+
+    std::string label_, detail_;
+    uint64_t total_, done_ = 0;
+    bool unprinted_ = false;  // whether the last state has yet to be printed
+    std::chrono::steady_clock::time_point start_;
+    StatusLine line_;
+};
+
+// "4.2 s", "3:07", "1:02:30"; "?" for a negative or endless duration.
+std::string format_duration(double seconds);
+
+// Indented JSON with a line break at its end. Bytes that are not UTF-8, which file names may have, become U+FFFD.
 std::string json_text(const nlohmann::ordered_json& json);
 
 // "12.3 MB".
 std::string size_text(uint64_t bytes);
 
-// NEUVV_TRACE=1 asks for times.
+// Whether NEUVV_TRACE asks for the times of passes.
 bool trace_wanted();
-// "slice 1.2 ms, trace 20.1 ms; 21.3 ms".
+// "slice 1.20 ms, trace 20.10 ms, together 21.30 ms".
 std::string pass_times_text(const std::vector<gpu::PassTime>& times);
 
 // The part of a --help that verbs on the GPU share.

@@ -1,20 +1,12 @@
-// neuvv stage: makes stages and changes them; each verb is an operation of engine/edit.
+// neuvv stage: makes stages and changes them. Each verb calls operations of engine/edit.
 #include <fmt/format.h>
 
-#include <memory>
-
 #include "base/error.h"
-#include "edit/operations.h"
-#include "media/image.h"
 #include "shared/lights.h"
 #include "stage/stage.h"
-#include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
-#include "tools/stage_cameras.h"
-#include "tools/stage_info.h"
-#include "tools/stage_options.h"
-#include "tools/stage_target.h"
+#include "tools/stage_verbs.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
 
@@ -22,7 +14,8 @@ namespace neuvv::tools {
 
 namespace {
 
-// A time map whose parts lie in the clip. Clips may be missing: then nobody knows.
+// Throws InputError where parts of the time map do not lie in the clip. A clip may be missing; then they are not
+// checked.
 void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path& clip) {
     std::error_code error;
     if (!std::filesystem::exists(clip, error)) return;
@@ -32,7 +25,8 @@ void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path
                                "--time", text);
 }
 
-// A layer that the performer's clip can wear: what does not fit would only show when it is rendered.
+// Throws InputError where the layer is not one of the performer's clip, which would otherwise be noticed only when the
+// stage is rendered. A clip may be missing; then the layer is not checked.
 void expect_fitting_paint(const stage::StageFile& file, uint32_t node, const std::string& performer,
                           const std::filesystem::path& layer) {
     const std::filesystem::path clip = edit::clip_of(file, node);
@@ -63,62 +57,54 @@ void add_new(CLI::App& stage) {
     });
 }
 
+struct AddOptions : StageTarget {
+    std::string clip, name;
+    edit::Placement placement;
+    edit::PerformerEdit performer;
+};
+
+std::string add_performer(stage::StageFile& file, const AddOptions& options) {
+    voctree::read_clip_head(options.clip);
+    edit::PerformerEdit performer = options.performer;
+    performer.clip = options.clip;
+    if (performer.time) expect_fitting_time(*performer.time, options.clip);
+    return edit::add_performer(file, options.name, performer, options.placement);
+}
+
 void add_add(CLI::App& stage) {
-    struct Options {
-        StageTarget target;
-        std::string clip, name;
-        PlacementOptions place;
-        PerformerOptions performer;
-    };
-    CLI::App* verb = stage.add_subcommand("add", "Put a performer on a stage");
-    const auto options = std::make_shared<Options>();
-    add_target(*verb, options->target);
-    verb->add_option("CLIP", options->clip, "The .nvv that it plays, or the .npz of a PlenOctree")->required();
-    verb->add_option("--name", options->name, "Its node's; default: the file's");
-    add_placement_options(*verb, options->place);
-    add_performer_options(*verb, options->performer);
+    auto [verb, options] = add_edit_verb(stage, "add", "Put a performer on a stage", add_performer);
+    verb->add_option("CLIP", options.clip, "The .nvv that it plays, or the .npz of a PlenOctree")->required();
+    verb->add_option("--name", options.name, "Its node's; default: the file's");
+    add_placement_options(*verb, options.placement);
+    add_performer_options(*verb, options.performer);
     verb->footer(std::string(kExamplesHead) +
                  "  neuvv stage new build/show.gltf\n"
                  "  neuvv stage add build/show.gltf build/performer.nvv --name anna --at 0,0,0\n"
                  "  neuvv stage add build/show.gltf build/performer.nvv --name berta --at 1,0,0 --time loop,speed:0.5");
-    verb->callback([options] {
-        voctree::read_clip_head(options->clip);
-        edit_stage(options->target, [&](stage::StageFile& file) {
-            edit::PerformerEdit performer = options->performer.edit();
-            performer.clip = options->clip;
-            if (performer.time) expect_fitting_time(*performer.time, options->clip);
-            return edit::add_performer(file, options->name, performer, options->place.placement());
-        });
-    });
 }
 
-struct SetOptions {
-    StageTarget target;
-    std::optional<std::string> node, name, clip;
-    std::string shown, locked;
-    PlacementOptions place;
-    PerformerOptions performer;
-    StageOptions stage;
+struct SetOptions : StageTarget {
+    std::optional<std::string> node, name;
+    std::optional<bool> shown, locked;
+    edit::Placement placement;
+    edit::PerformerEdit performer;
+    edit::StageEdit whole;
 };
 
 std::string set_node(stage::StageFile& file, const SetOptions& options) {
     const uint32_t node = edit::find_node(file, *options.node);
-    edit::PerformerEdit performer = options.performer.edit();
-    if (options.clip) {
-        voctree::read_clip_head(*options.clip);
-        performer.clip = *options.clip;
-    }
+    const edit::PerformerEdit& performer = options.performer;
+    if (performer.clip) voctree::read_clip_head(*performer.clip);
     if (performer.time)
         expect_fitting_time(*performer.time, performer.clip ? *performer.clip : edit::clip_of(file, node));
     const bool of_performer = performer.clip || performer.time || performer.spin_deg_per_s || performer.opacity ||
                               performer.visible || performer.casts_shadow || performer.receives_shadow;
     std::string change;
-    const auto also = [&](const std::string& text) { change += (change.empty() ? "" : "; ") + text; };
-    if (options.name) also(edit::rename_node(file, node, *options.name));
-    if (options.place.any()) also(edit::place_node(file, node, options.place.placement()));
-    if (!options.shown.empty()) also(edit::show_node(file, node, options.shown == "on"));
-    if (!options.locked.empty()) also(edit::lock_node(file, node, options.locked == "on"));
-    if (of_performer) also(edit::set_performer(file, node, performer));
+    if (options.name) append_change(change, edit::rename_node(file, node, *options.name));
+    if (is_given(options.placement)) append_change(change, edit::place_node(file, node, options.placement));
+    if (options.shown) append_change(change, edit::show_node(file, node, *options.shown));
+    if (options.locked) append_change(change, edit::lock_node(file, node, *options.locked));
+    if (of_performer) append_change(change, edit::set_performer(file, node, performer));
     if (change.empty()) throw InputError("stage set", *options.node, "nothing to change", "see --help");
     return change;
 }
@@ -126,20 +112,19 @@ std::string set_node(stage::StageFile& file, const SetOptions& options) {
 void add_set(CLI::App& stage) {
     CLI::App* verb = stage.add_subcommand("set", "Change a node of a stage, or the stage itself");
     const auto options = std::make_shared<SetOptions>();
-    add_target(*verb, options->target);
+    add_target(*verb, *options);
     verb->add_option("NODE", options->node, "Its name or index; without: the stage");
     CLI::App* node = verb->add_option_group("Of a node");
     node->add_option("--name", options->name, "A new name");
-    node->add_option("--shown", options->shown, "on or off: with all that hangs on it, cameras aside")
-        ->check(CLI::IsMember({"on", "off"}));
-    node->add_option("--locked", options->locked, "on or off: whether programs keep hands from moving it")
-        ->check(CLI::IsMember({"on", "off"}));
-    add_placement_options(*node, options->place);
+    add_switch(*node, "--shown", options->shown, "Whether it is seen, with all that hangs on it, cameras aside");
+    add_switch(*node, "--locked", options->locked, "Whether programs keep hands from moving it");
+    add_placement_options(*node, options->placement);
     CLI::App* performer = verb->add_option_group("Of a performer");
-    performer->add_option("--clip", options->clip, "Another .nvv");
+    performer->add_option_function<std::string>(
+        "--clip", [&edit = options->performer](const std::string& clip) { edit.clip = clip; }, "Another .nvv");
     add_performer_options(*performer, options->performer);
     CLI::App* whole = verb->add_option_group("Of the stage");
-    add_stage_options(*whole, options->stage);
+    add_stage_options(*whole, options->whole);
     verb->footer(
         "\n\nExamples, after those of `neuvv stage add --help`:\n"
         "  neuvv stage set build/show.gltf anna --turn 0,90,0 --spin 30\n"
@@ -151,185 +136,162 @@ void add_set(CLI::App& stage) {
             throw InputError("stage set", *options->node, "a node has no options of the stage",
                              "leave the node out, or set them one after the other");
         if (!names_node && node->count_all() + performer->count_all() > 0)
-            throw InputError("stage set", options->target.stage, "these options are a node's", "name the node");
-        if (options->stage.environment && !options->stage.environment->empty())
-            media::read_png(*options->stage.environment);
-        edit_stage(options->target, [&](stage::StageFile& file) {
-            return names_node ? set_node(file, *options) : edit::set_stage(file, options->stage.edit());
+            throw InputError("stage set", options->stage, "these options are a node's", "name the node");
+        edit_stage(*options, [&](stage::StageFile& file) {
+            return names_node ? set_node(file, *options) : edit::set_stage(file, options->whole);
         });
     });
 }
 
+struct DuplicateOptions : StageTarget {
+    std::string node, stagger = "0";
+    int64_t count = 1;
+    std::optional<double> row, ring;
+    std::vector<double> fan;
+    double spin_step = 0;
+};
+
+std::string duplicate_node(stage::StageFile& file, const DuplicateOptions& options) {
+    edit::CopySettings settings;
+    settings.count = static_cast<uint32_t>(options.count);
+    settings.stagger = stage::parse_clip_time(options.stagger, "--stagger", "");
+    settings.spin_step = options.spin_step;
+    if (options.ring) settings.pattern = edit::CopyPattern::kRing;
+    if (!options.fan.empty()) {
+        settings.pattern = edit::CopyPattern::kFan;
+        settings.arc_deg = options.fan[1];
+        if (options.fan[0] == 0)
+            throw InputError("--fan", "0", "is no radius: all would stand in each other", "give it some metres");
+    }
+    settings.distance_m = options.row ? *options.row : options.ring ? *options.ring : options.fan[0];
+    return edit::duplicate_node(file, edit::find_node(file, options.node), settings);
+}
+
 void add_duplicate(CLI::App& stage) {
-    struct Options {
-        StageTarget target;
-        std::string node, stagger = "0";
-        int64_t count = 1;
-        std::optional<double> row, ring;
-        std::vector<double> fan;
-        double spin_step = 0;
-    };
-    CLI::App* verb = stage.add_subcommand("duplicate", "Copies of a node in a row, a ring or a fan, each later");
-    const auto options = std::make_shared<Options>();
-    add_target(*verb, options->target);
-    verb->add_option("NODE", options->node, "Its name or index")->required();
-    verb->add_option("--count", options->count, "Copies, besides the node itself")
+    auto [verb, options] =
+        add_edit_verb(stage, "duplicate", "Copies of a node in a row, a ring or a fan, each later", duplicate_node);
+    verb->add_option("NODE", options.node, "Its name or index")->required();
+    verb->add_option("--count", options.count, "Copies, besides the node itself")
         ->check(CLI::Range(int64_t{1}, int64_t{edit::kMaxCopies}))
         ->capture_default_str();
     CLI::App* pattern = verb->add_option_group("How they stand");
-    pattern->add_option("--row", options->row, "One beside the other along +X, so many metres apart")
+    pattern->add_option("--row", options.row, "One beside the other along +X, so many metres apart")
         ->check(number_between(-1e6, 1e6));
-    pattern->add_option("--ring", options->ring, "On a circle of this radius, facing outward")
+    pattern->add_option("--ring", options.ring, "On a circle of this radius, facing outward")
         ->check(number_between(1e-3, 1e6));
-    pattern->add_option("--fan", options->fan, "On an arc of such a circle: radius, degrees")
+    pattern->add_option("--fan", options.fan, "On an arc of such a circle: radius, degrees")
         ->expected(2)
         ->check(number_between(-1e6, 1e6));
     pattern->require_option(1);
-    verb->add_option("--stagger", options->stagger,
+    verb->add_option("--stagger", options.stagger,
                      "Each is so much behind the one before: 3f, frames of the clip, or 0.5s. What loops runs "
                      "from the start on; what does not starts so much later, and the stage becomes longer")
         ->capture_default_str();
-    verb->add_option("--spin-step", options->spin_step, "Each spins so much faster, degrees a second")
+    verb->add_option("--spin-step", options.spin_step, "Each spins so much faster, degrees a second")
         ->check(number_between(-stage::kMaxSpin, stage::kMaxSpin));
     verb->footer(
         "\n\nExamples, after those of `neuvv stage add --help`:\n"
         "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
         "  neuvv stage duplicate build/show.gltf berta --count 3 --row 0.8 --spin-step 45");
-    verb->callback([options] {
-        edit::CopySettings settings;
-        settings.count = static_cast<uint32_t>(options->count);
-        settings.stagger = stage::parse_clip_time(options->stagger, "--stagger", "");
-        settings.spin_step = options->spin_step;
-        if (options->ring) settings.pattern = edit::CopyPattern::kRing;
-        if (!options->fan.empty()) {
-            settings.pattern = edit::CopyPattern::kFan;
-            settings.arc_deg = options->fan[1];
-        }
-        if (!options->fan.empty() && options->fan[0] == 0)
-            throw InputError("--fan", "0", "is no radius: all would stand in each other", "give it some metres");
-        settings.distance_m = options->row ? *options->row : options->ring ? *options->ring : options->fan[0];
-        edit_stage(options->target, [&](stage::StageFile& file) {
-            return edit::duplicate_node(file, edit::find_node(file, options->node), settings);
-        });
-    });
+}
+
+struct RemoveOptions : StageTarget {
+    std::string node;
+};
+
+std::string remove_node(stage::StageFile& file, const RemoveOptions& options) {
+    return edit::remove_node(file, edit::find_node(file, options.node));
 }
 
 void add_remove(CLI::App& stage) {
-    struct Options {
-        StageTarget target;
-        std::string node;
-    };
-    CLI::App* verb = stage.add_subcommand("remove", "Take a node off, what hangs on it, and what only it used");
-    const auto options = std::make_shared<Options>();
-    add_target(*verb, options->target);
-    verb->add_option("NODE", options->node, "Its name or index")->required();
+    auto [verb, options] =
+        add_edit_verb(stage, "remove", "Take a node off, what hangs on it, and what only it used", remove_node);
+    verb->add_option("NODE", options.node, "Its name or index")->required();
     verb->footer(
         "\n\nExamples, after those of `neuvv stage add --help`:\n"
         "  neuvv stage remove build/show.gltf berta");
-    verb->callback([options] {
-        edit_stage(options->target, [&](stage::StageFile& file) {
-            return edit::remove_node(file, edit::find_node(file, options->node));
-        });
-    });
 }
 
-struct LightVerbOptions {
-    StageTarget target;
+struct LightOptions : StageTarget {
     std::optional<std::string> node;
     std::string name;
     bool add = false, remove = false;
-    PlacementOptions place;
-    LightOptions light;
+    edit::Placement placement;
+    edit::LightEdit light;
 };
 
-std::string change_light(stage::StageFile& file, const LightVerbOptions& options) {
+std::string change_light(stage::StageFile& file, const LightOptions& options) {
     if (options.add == options.node.has_value() || (options.add && options.remove))
-        throw InputError("stage light", options.target.stage, "needs either a light's node or --add",
+        throw InputError("stage light", options.stage, "needs either a light's node or --add",
                          "see `neuvv stage light --help`");
-    if (options.add) return edit::add_light(file, options.name, options.light.edit(), options.place.placement());
+    if (options.add) return edit::add_light(file, options.name, options.light, options.placement);
     const uint32_t node = edit::find_node(file, *options.node);
     if (options.remove) return edit::remove_light(file, node);
-    std::string change = edit::set_light(file, node, options.light.edit());
-    if (options.place.any()) change += "; " + edit::place_node(file, node, options.place.placement());
+    std::string change = edit::set_light(file, node, options.light);
+    if (is_given(options.placement)) append_change(change, edit::place_node(file, node, options.placement));
     return change;
 }
 
 void add_light_verb(CLI::App& stage) {
-    CLI::App* verb = stage.add_subcommand(
-        "light", fmt::format("Add a light, change it or take it off. The first {} of a stage shine; the first {} spots "
-                             "and directional lights of them cast shadows, points none",
-                             kMaxSetLights, kMaxShadows));
-    const auto options = std::make_shared<LightVerbOptions>();
-    add_target(*verb, options->target);
-    verb->add_option("NODE", options->node, "The light's name or index");
-    CLI::Option* add = verb->add_flag("--add", options->add, "A new light");
-    verb->add_flag("--remove", options->remove, "No light any more")->excludes(add);
-    verb->add_option("--name", options->name, "Of a new light's node")->needs(add);
-    add_placement_options(*verb, options->place);
-    add_light_options(*verb, options->light);
+    auto [verb, options] = add_edit_verb(
+        stage, "light",
+        fmt::format("Add a light, change it or take it off. The first {} of a stage shine; the first {} spots "
+                    "and directional lights of them cast shadows, points none",
+                    kMaxSetLights, kMaxShadows),
+        change_light);
+    verb->add_option("NODE", options.node, "The light's name or index");
+    CLI::Option* add = verb->add_flag("--add", options.add, "A new light");
+    verb->add_flag("--remove", options.remove, "No light any more")->excludes(add);
+    verb->add_option("--name", options.name, "Of a new light's node")->needs(add);
+    add_placement_options(*verb, options.placement);
+    add_light_options(*verb, options.light);
     verb->footer(
         "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
         "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --colour '#ffd0a0'\n"
         "  neuvv stage light build/show.gltf key --intensity 80 --cone 15,25\n"
         "  neuvv stage light build/show.gltf back --remove");
-    verb->callback([options] {
-        edit_stage(options->target, [&](stage::StageFile& file) { return change_light(file, *options); });
-    });
 }
 
-struct PaintVerbOptions {
-    StageTarget target;
+struct PaintListOptions : StageTarget {
     std::string node;
-    std::optional<std::string> add, name, blend;
+    std::optional<std::string> add;
     std::optional<size_t> layer, to;
-    std::optional<double> opacity;
-    std::string visible;
+    edit::PaintEdit edit;
     bool remove = false;
 };
 
-std::string change_paint(stage::StageFile& file, const PaintVerbOptions& options) {
+std::string change_paint(stage::StageFile& file, const PaintListOptions& options) {
     const uint32_t node = edit::find_node(file, options.node);
-    edit::PaintEdit edit{options.name, {}, options.opacity, {}};
-    if (!options.visible.empty()) edit.visible = options.visible == "on";
-    for (size_t i = 0; options.blend && i < std::size(stage::kPaintBlendNames); ++i)
-        if (*options.blend == stage::kPaintBlendNames[i]) edit.blend = static_cast<stage::PaintBlend>(i);
     if (options.add.has_value() == options.layer.has_value())
-        throw InputError("stage paint", options.target.stage, "needs either --add or --layer",
+        throw InputError("stage paint", options.stage, "needs either --add or --layer",
                          "see `neuvv stage paint --help`");
     if (options.add) {
         expect_fitting_paint(file, node, options.node, *options.add);
-        return edit::add_paint_layer(file, node, *options.add, edit);
+        return edit::add_paint_layer(file, node, *options.add, options.edit);
     }
     if (options.remove) return edit::remove_paint_layer(file, node, *options.layer);
-    const std::string change = edit::set_paint_layer(file, node, *options.layer, edit);
+    const std::string change = edit::set_paint_layer(file, node, *options.layer, options.edit);
     return options.to ? edit::move_paint_layer(file, node, *options.layer, *options.to) : change;
 }
 
 void add_paint(CLI::App& stage) {
-    CLI::App* verb = stage.add_subcommand("paint", "Change the list of a performer's paint layers");
-    const auto options = std::make_shared<PaintVerbOptions>();
-    add_target(*verb, options->target);
-    verb->add_option("NODE", options->node, "The performer's name or index")->required();
-    verb->add_option("--add", options->add, "A .nvpaint that becomes the uppermost layer");
-    CLI::Option* layer = verb->add_option("--layer", options->layer, "The layer to change; 0 is the lowest");
-    verb->add_flag("--remove", options->remove, "Not a layer any more; its file stays")->needs(layer);
-    verb->add_option("--to", options->to, "Where in the list it goes")->needs(layer);
-    verb->add_option("--name", options->name, "Its name");
-    verb->add_option("--opacity", options->opacity, "0 to 1")->check(number_between(0, 1));
-    verb->add_option("--visible", options->visible, "on or off")->check(CLI::IsMember({"on", "off"}));
-    verb->add_option(
-            "--blend", options->blend,
-            "How its colours go over what is below. normal: in their place; multiply: times them, as a filter; "
-            "tint: times them, but as bright as before, as if lit by them; recolour: their hue and saturation, "
-            "as bright as before")
-        ->check(CLI::IsMember({"normal", "multiply", "tint", "recolour"}));
+    auto [verb, options] = add_edit_verb(stage, "paint", "Change the list of a performer's paint layers", change_paint);
+    verb->add_option("NODE", options.node, "The performer's name or index")->required();
+    verb->add_option("--add", options.add, "A .nvpaint that becomes the uppermost layer");
+    CLI::Option* layer = verb->add_option("--layer", options.layer, "The layer to change; 0 is the lowest");
+    verb->add_flag("--remove", options.remove, "Not a layer any more; its file stays")->needs(layer);
+    verb->add_option("--to", options.to, "Where in the list it goes")->needs(layer);
+    verb->add_option("--name", options.edit.name, "Its name");
+    verb->add_option("--opacity", options.edit.opacity, "0 to 1")->check(number_between(0, 1));
+    add_switch(*verb, "--visible", options.edit.visible, "Whether it is seen");
+    add_choice(*verb, "--blend", options.edit.blend, stage::kPaintBlendNames,
+               "How its colours go over what is below. normal: in their place; multiply: times them, as a filter; "
+               "tint: times them, but as bright as before, as if lit by them; recolour: their hue and saturation, "
+               "as bright as before");
     verb->footer(
         "\n\nExamples, where build/red.nvpaint is a layer of the performer `anna`:\n"
         "  neuvv stage paint build/show.gltf anna --add build/red.nvpaint --name red --blend tint\n"
         "  neuvv stage paint build/show.gltf anna --layer 0 --opacity 0.5");
-    verb->callback([options] {
-        edit_stage(options->target, [&](stage::StageFile& file) { return change_paint(file, *options); });
-    });
 }
 
 }  // namespace

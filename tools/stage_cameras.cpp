@@ -1,61 +1,55 @@
-#include "tools/stage_cameras.h"
+// neuvv stage camera, neuvv stage path.
 
 #include <cmath>
-#include <memory>
 #include <optional>
 
 #include "base/error.h"
-#include "edit/operations.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
-#include "tools/commands.h"
-#include "tools/options.h"
-#include "tools/stage_options.h"
-#include "tools/stage_target.h"
+#include "tools/stage_verbs.h"
 #include "training/camera_path_file.h"
 
 namespace neuvv::tools {
 
 namespace {
 
-constexpr double kUsualAngle_deg = 45, kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
+constexpr double kDefaultAngle_deg = 45, kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
 
-struct CameraOptions {
-    StageTarget target;
+struct CameraOptions : StageTarget {
     std::optional<std::string> node;
     std::string name;
     bool add = false;
     std::optional<double> angle_deg;
-    PlacementOptions place;
+    edit::Placement placement;
 };
 
 std::string change_camera(stage::StageFile& file, const CameraOptions& options) {
     if (options.add == options.node.has_value())
-        throw InputError("stage camera", options.target.stage, "needs either a camera's node or --add",
+        throw InputError("stage camera", options.stage, "needs either a camera's node or --add",
                          "see `neuvv stage camera --help`");
     std::string change;
-    const auto also = [&](const std::string& text) { change += (change.empty() ? "" : "; ") + text; };
     if (options.add)
-        also(edit::add_camera(file, options.name, glm::radians(options.angle_deg.value_or(kUsualAngle_deg)),
-                              glm::dmat4(1)));
+        change = edit::add_camera(file, options.name, glm::radians(options.angle_deg.value_or(kDefaultAngle_deg)),
+                                  glm::dmat4(1));
     const uint32_t node =
         options.add ? static_cast<uint32_t>(edit::node_count(file) - 1) : edit::find_node(file, *options.node);
-    if (!options.add && options.angle_deg) also(edit::set_camera(file, node, glm::radians(*options.angle_deg)));
-    if (options.place.any()) also(edit::place_node(file, node, options.place.placement()));
+    if (!options.add && options.angle_deg) change = edit::set_camera(file, node, glm::radians(*options.angle_deg));
+    if (is_given(options.placement)) append_change(change, edit::place_node(file, node, options.placement));
     if (change.empty()) throw InputError("stage camera", *options.node, "nothing to change", "see --help");
     return change;
 }
 
-struct PathOptions {
-    StageTarget target;
-    std::optional<std::string> from, interpolation;
+struct PathOptions : StageTarget {
+    std::optional<std::string> from;
+    std::optional<stage::Interpolation> interpolation;
+    std::optional<bool> cyclic;
     std::optional<double> key_s, to_s, duration_s;
     std::optional<size_t> remove_key, move_key;
-    std::string camera, cyclic;
+    std::string camera;
     bool remove = false;
 };
 
-// The key that a camera of the stage makes at a time.
+// A key at a time, with the transform and angle of view that the camera of the stage has then.
 stage::CameraPathKey key_of(const stage::Stage& stage, const std::string& name, double time_s) {
     const stage::Camera camera = stage::camera_of(stage, name, stage::stage_at(stage, time_s), 2, 2);
     stage::CameraPathKey key;
@@ -66,15 +60,13 @@ stage::CameraPathKey key_of(const stage::Stage& stage, const std::string& name, 
     return key;
 }
 
-// The path with what is said of it as a whole.
+// Sets the path, with the options that concern it as a whole.
 std::string change_whole_path(stage::StageFile& file, const PathOptions& options,
                               std::optional<stage::CameraPath> path) {
-    if (!path) throw InputError("stage path", options.target.stage, "has no camera path", "begin one with --key");
-    for (size_t i = 0; options.interpolation && i < std::size(stage::kInterpolationNames); ++i)
-        if (*options.interpolation == stage::kInterpolationNames[i])
-            path->interpolation = static_cast<stage::Interpolation>(i);
-    if (!options.cyclic.empty()) path->cyclic = options.cyclic == "on";
-    if (options.duration_s) path->duration_s = *options.duration_s;
+    if (!path) throw InputError("stage path", options.stage, "has no camera path", "begin one with --key");
+    path->interpolation = options.interpolation.value_or(path->interpolation);
+    path->cyclic = options.cyclic.value_or(path->cyclic);
+    path->duration_s = options.duration_s.value_or(path->duration_s);
     return edit::set_camera_path(file, path);
 }
 
@@ -86,66 +78,54 @@ std::string change_path(stage::StageFile& file, const PathOptions& options) {
     if (options.key_s) return edit::add_path_key(file, key_of(stage, options.camera, *options.key_s), frame_s);
     if (options.remove_key) return edit::remove_path_key(file, *options.remove_key);
     if (options.move_key) return edit::move_path_key(file, *options.move_key, *options.to_s, frame_s);
-    if (!options.interpolation && options.cyclic.empty() && !options.duration_s)
-        throw InputError("stage path", options.target.stage, "nothing to change", "see `neuvv stage path --help`");
+    if (!options.interpolation && !options.cyclic && !options.duration_s)
+        throw InputError("stage path", options.stage, "nothing to change", "see `neuvv stage path --help`");
     return change_whole_path(file, options, stage.settings.camera_path);
 }
 
 }  // namespace
 
 void add_path_verb(CLI::App& stage) {
-    CLI::App* verb = stage.add_subcommand(
-        "path", "Give a stage a camera path, and change it; `neuvv render --camera path` follows it");
-    const auto options = std::make_shared<PathOptions>();
+    auto [verb, options] = add_edit_verb(
+        stage, "path", "Give a stage a camera path, and change it; `neuvv render --camera path` follows it",
+        change_path);
     const auto seconds = number_between(0, stage::kMaxStageSeconds);
-    add_target(*verb, options->target);
     CLI::App* what = verb->add_option_group("One of these");
-    what->add_option("--from", options->from, "The path of a file: instant-ngp's, nerfstudio's, a transforms.json");
-    CLI::Option* key = what->add_option("--key", options->key_s, "A key at this second of the stage")->check(seconds);
-    what->add_option("--remove-key", options->remove_key, "The key of this number, from 0, goes");
-    CLI::Option* move =
-        what->add_option("--move-key", options->move_key, "The key of this number goes elsewhere in time");
-    what->add_flag("--remove", options->remove, "No path any more");
+    what->add_option("--from", options.from, "The path of a file: instant-ngp's, nerfstudio's, a transforms.json");
+    CLI::Option* key = what->add_option("--key", options.key_s, "A key at this second of the stage")->check(seconds);
+    what->add_option("--remove-key", options.remove_key, "Remove the key of this number, from 0");
+    CLI::Option* move = what->add_option("--move-key", options.move_key, "Move the key of this number in time");
+    what->add_flag("--remove", options.remove, "Remove the path");
     what->require_option(0, 1);
-    verb->add_option("--camera", options->camera,
-                     "With --key: where this camera of the stage is then; default: the first")
+    verb->add_option("--camera", options.camera, "With --key: as this camera of the stage is then; default: the first")
         ->needs(key);
     CLI::Option* to =
-        verb->add_option("--to", options->to_s, "With --move-key: to this second")->check(seconds)->needs(move);
+        verb->add_option("--to", options.to_s, "With --move-key: to this second")->check(seconds)->needs(move);
     move->needs(to);
-    verb->add_option("--interpolation", options->interpolation, "Between keys: smooth, linear or cut")
-        ->check(CLI::IsMember({"smooth", "linear", "cut"}));
-    verb->add_option("--cyclic", options->cyclic, "on or off: whether it goes back to its first key, and on")
-        ->check(CLI::IsMember({"on", "off"}));
-    verb->add_option("--duration", options->duration_s, "Of a cycle, seconds")->check(seconds);
+    add_choice(*verb, "--interpolation", options.interpolation, stage::kInterpolationNames,
+               "Between keys: smooth, linear or cut");
+    add_switch(*verb, "--cyclic", options.cyclic, "Whether it goes back to its first key, and on");
+    verb->add_option("--duration", options.duration_s, "Of a cycle, seconds")->check(seconds);
     verb->footer(
         "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
         "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
         "  neuvv stage path build/show.gltf --key 0 --camera camera\n"
         "  neuvv stage path build/show.gltf --key 2 --camera left\n"
         "  neuvv stage path build/show.gltf --cyclic on --duration 4");
-    verb->callback([options] {
-        edit_stage(options->target, [&](stage::StageFile& file) { return change_path(file, *options); });
-    });
 }
 
 void add_camera_verb(CLI::App& stage) {
-    CLI::App* verb = stage.add_subcommand("camera", "Add a camera, or change one");
-    const auto options = std::make_shared<CameraOptions>();
-    add_target(*verb, options->target);
-    verb->add_option("NODE", options->node, "The camera's name or index");
-    CLI::Option* add = verb->add_flag("--add", options->add, "A new camera");
-    verb->add_option("--name", options->name, "Of a new camera's node")->needs(add);
-    verb->add_option("--angle", options->angle_deg, "Its whole vertical angle of view, degrees; of a new one 45")
+    auto [verb, options] = add_edit_verb(stage, "camera", "Add a camera, or change one", change_camera);
+    verb->add_option("NODE", options.node, "The camera's name or index");
+    CLI::Option* add = verb->add_flag("--add", options.add, "A new camera");
+    verb->add_option("--name", options.name, "Of a new camera's node")->needs(add);
+    verb->add_option("--angle", options.angle_deg, "Its whole vertical angle of view, degrees; of a new one 45")
         ->check(number_between(kMinAngle_deg, kMaxAngle_deg));
-    add_placement_options(*verb, options->place);
+    add_placement_options(*verb, options.placement);
     verb->footer(
         "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
         "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
         "  neuvv stage camera build/show.gltf left --angle 30");
-    verb->callback([options] {
-        edit_stage(options->target, [&](stage::StageFile& file) { return change_camera(file, *options); });
-    });
 }
 
 }  // namespace neuvv::tools

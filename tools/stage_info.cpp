@@ -1,4 +1,4 @@
-#include "tools/stage_info.h"
+#include "tools/stage_verbs.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "render/frame.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
-#include "tools/light_shares.h"
+#include "tools/light_status.h"
 #include "tools/report.h"
 #include "voctree/clip.h"
 
@@ -22,7 +22,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// What a clip takes on the device: its field, and the slices that are kept of it.
+// The memory of a clip on the device: of its field, and of the slices that are kept of it.
 struct ClipMemory {
     uint64_t field_bytes = 0, slice_bytes = 0;
 };
@@ -30,7 +30,7 @@ struct ClipMemory {
 std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInfoOptions& options,
                                        const CommonOptions& common) {
     const gpu::Device device(common.device);
-    const auto budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
+    const uint64_t budget = bytes_of_mebibytes(options.slice_budget_mb);
     std::vector<ClipMemory> all;
     for (const stage::StageClip& clip : stage.clips) {
         const uint64_t before = device.buffer_bytes();
@@ -54,22 +54,22 @@ const char* kind_name(stage::GltfLightKind kind) {
                                                   : "directional";
 }
 
-// How a performer's node stands: degrees about the world's X, then Y, then Z, as --turn has them, and factors along its
-// axes; a mirror image has a negative first one. Shear is not in it.
-struct Stand {
+// The rotation of a performer's node in degrees about the world's X, then Y, then Z, as --turn has them, and its scale
+// along its axes, whose X is negative for a mirror image. Shear is left out.
+struct TurnAndScale {
     glm::dvec3 turn_deg{0}, scale{1};
 };
 
-Stand stand_of(const glm::dmat4& world_from_node) {
+TurnAndScale turn_and_scale_of(const glm::dmat4& world_from_node) {
     glm::dmat3 axes(world_from_node);
-    Stand stand;
-    for (int i = 0; i < 3; ++i) stand.scale[i] = glm::length(axes[i]);
-    if (glm::determinant(axes) < 0) stand.scale.x = -stand.scale.x;
-    for (int i = 0; i < 3; ++i) axes[i] /= stand.scale[i] != 0 ? stand.scale[i] : 1;
-    stand.turn_deg =
+    TurnAndScale result;
+    for (int i = 0; i < 3; ++i) result.scale[i] = glm::length(axes[i]);
+    if (glm::determinant(axes) < 0) result.scale.x = -result.scale.x;
+    for (int i = 0; i < 3; ++i) axes[i] /= result.scale[i] != 0 ? result.scale[i] : 1;
+    result.turn_deg =
         glm::degrees(glm::dvec3(std::atan2(axes[1][2], axes[2][2]), std::asin(std::clamp(-axes[0][2], -1.0, 1.0)),
                                 std::atan2(axes[0][1], axes[0][0])));
-    return stand;
+    return result;
 }
 
 const stage::GltfLight& light_of(const stage::Stage& stage, const stage::EvaluatedLight& light) {
@@ -88,7 +88,7 @@ ordered_json performers_json(const stage::Stage& stage, const stage::EvaluatedSt
         const stage::StagePerformer& performer = stage.performers[at.performer];
         const stage::PerformerSettings& settings = performer.settings;
         const double length = stage::length_s(performer.timeline);
-        const Stand stand = stand_of(evaluated.pose.world_from_node[performer.node]);
+        const TurnAndScale transform = turn_and_scale_of(evaluated.pose.world_from_node[performer.node]);
         list.push_back({{"node", performer.node},
                         {"name", performer.name},
                         {"clip", at.clip},
@@ -96,8 +96,8 @@ ordered_json performers_json(const stage::Stage& stage, const stage::EvaluatedSt
                         {"seconds", std::isfinite(length) ? ordered_json(length) : ordered_json()},
                         {"frame", at.frame},
                         {"position", vector_json(glm::dvec3(at.world_from_performer[3]))},
-                        {"turn", vector_json(stand.turn_deg)},
-                        {"scale", vector_json(stand.scale)},
+                        {"turn", vector_json(transform.turn_deg)},
+                        {"scale", vector_json(transform.scale)},
                         {"spin", settings.spin_deg_per_s},
                         {"visible", at.visible},
                         {"opacity", settings.opacity},
@@ -109,7 +109,7 @@ ordered_json performers_json(const stage::Stage& stage, const stage::EvaluatedSt
     return list;
 }
 
-ordered_json light_json(const stage::Stage& stage, const stage::EvaluatedLight& light, const LightShare& share) {
+ordered_json light_json(const stage::Stage& stage, const stage::EvaluatedLight& light, const LightStatus& status) {
     const stage::GltfLight& source = light_of(stage, light);
     ordered_json json = {{"node", light.node},
                          {"name", stage::node_title(stage.scene, light.node)},
@@ -119,9 +119,9 @@ ordered_json light_json(const stage::Stage& stage, const stage::EvaluatedLight& 
                          {"intensity", vector_json(light.intensity)},
                          {"colour", vector_json(source.color)},
                          {"range", source.range_m > 0 ? ordered_json(source.range_m) : ordered_json()},
-                         {"shines", share.shines},
-                         {"casts_shadow", share.casts_shadow},
-                         {"limited", !share.text.empty()}};
+                         {"shines", status.shines},
+                         {"casts_shadow", status.casts_shadow},
+                         {"limited", !status.text.empty()}};
     if (light.kind == stage::GltfLightKind::kSpot)
         json["cone"] = {glm::degrees(source.inner_cone_rad), glm::degrees(source.outer_cone_rad)};
     return json;
@@ -153,9 +153,9 @@ ordered_json json_of(const stage::Stage& stage, const stage::EvaluatedStage& eva
         total += memory[i].field_bytes + memory[i].slice_bytes;
     }
     if (!memory.empty()) json["device_bytes"] = total;
-    const std::vector<LightShare> shares = shares_of(stage, evaluated);
-    for (size_t i = 0; i < shares.size(); ++i)
-        json["lights"].push_back(light_json(stage, evaluated.lights[i], shares[i]));
+    const std::vector<LightStatus> statuses = light_statuses(stage, evaluated);
+    for (size_t i = 0; i < statuses.size(); ++i)
+        json["lights"].push_back(light_json(stage, evaluated.lights[i], statuses[i]));
     for (const stage::EvaluatedCamera& camera : evaluated.cameras)
         json["cameras"].push_back({{"node", camera.node},
                                    {"name", camera.name},
@@ -179,11 +179,11 @@ ordered_json json_of(const stage::Stage& stage, const stage::EvaluatedStage& eva
     return json;
 }
 
-// Nodes of which `says` is true, by name.
-std::string names_of(const stage::Stage& stage, bool (*says)(const stage::StageFile&, uint32_t)) {
+// The names of the nodes for which the predicate is true.
+std::string names_of(const stage::Stage& stage, bool (*predicate)(const stage::StageFile&, uint32_t)) {
     std::string names;
     for (uint32_t i = 0; i < stage.scene.nodes.size(); ++i)
-        if (says(stage.file, i)) names += (names.empty() ? "" : ", ") + stage::node_title(stage.scene, i);
+        if (predicate(stage.file, i)) names += (names.empty() ? "" : ", ") + stage::node_title(stage.scene, i);
     return names;
 }
 
@@ -191,17 +191,17 @@ bool is_hidden(const stage::StageFile& file, uint32_t node) {
     return !edit::is_visible(file, node);
 }
 
-std::string place_text(const glm::dvec3& v) {
+std::string position_text(const glm::dvec3& v) {
     return fmt::format("({:.2f}, {:.2f}, {:.2f})", v.x, v.y, v.z);
 }
 
-// +0.0 makes zeros of negative ones, and of what rounds to them.
+// Adding 0.0 turns −0, and what rounds to it, into 0.
 std::string vector_text(const glm::dvec3& v) {
-    const auto tidy = [](double number) { return std::round(number * 1e4) / 1e4 + 0.0; };
-    return fmt::format("({:.6g}, {:.6g}, {:.6g})", tidy(v.x), tidy(v.y), tidy(v.z));
+    const auto rounded = [](double number) { return std::round(number * 1e4) / 1e4 + 0.0; };
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", rounded(v.x), rounded(v.y), rounded(v.z));
 }
 
-// One number where the three are alike.
+// One number where all three are equal.
 std::string numbers_text(const glm::dvec3& v) {
     return glm::length(v - glm::dvec3(v.x)) < 1e-6 ? fmt::format("{:.6g}", v.x) : vector_text(v);
 }
@@ -218,14 +218,14 @@ std::string paint_text(const stage::PerformerSettings& settings) {
     return text;
 }
 
-// What is not as usual with a performer.
-std::string more_of(const stage::StagePerformer& performer, const stage::EvaluatedPerformer& at,
-                    const glm::dmat4& world_from_node) {
+// The time map of a performer, and its settings that differ from the defaults.
+std::string settings_text(const stage::StagePerformer& performer, const stage::EvaluatedPerformer& at,
+                          const glm::dmat4& world_from_node) {
     const stage::PerformerSettings& settings = performer.settings;
     std::string text = settings.time.empty() ? "as the clip's" : stage::text_of(settings.time);
-    const Stand stand = stand_of(world_from_node);
-    if (glm::length(stand.turn_deg) > 1e-4) text += fmt::format(", turned by {}°", vector_text(stand.turn_deg));
-    if (glm::length(stand.scale - glm::dvec3(1)) > 1e-6) text += ", scaled by " + numbers_text(stand.scale);
+    const auto [turn_deg, scale] = turn_and_scale_of(world_from_node);
+    if (glm::length(turn_deg) > 1e-4) text += fmt::format(", turned by {}°", vector_text(turn_deg));
+    if (glm::length(scale - glm::dvec3(1)) > 1e-6) text += ", scaled by " + numbers_text(scale);
     if (settings.spin_deg_per_s != 0) text += fmt::format(", spins {}°/s", settings.spin_deg_per_s);
     if (settings.opacity != 1) text += fmt::format(", opacity {}", settings.opacity);
     if (!at.visible) text += ", not seen";
@@ -235,7 +235,7 @@ std::string more_of(const stage::StagePerformer& performer, const stage::Evaluat
     return text;
 }
 
-std::string light_text(const stage::Stage& stage, const stage::EvaluatedLight& light, const LightShare& share) {
+std::string light_text(const stage::Stage& stage, const stage::EvaluatedLight& light, const LightStatus& status) {
     const stage::GltfLight& source = light_of(stage, light);
     std::string text =
         fmt::format("{:.6g} {}", source.intensity, light.kind == stage::GltfLightKind::kDirectional ? "lx" : "cd");
@@ -244,8 +244,8 @@ std::string light_text(const stage::Stage& stage, const stage::EvaluatedLight& l
         text += fmt::format(", cone {:.4g}° to {:.4g}°", glm::degrees(source.inner_cone_rad),
                             glm::degrees(source.outer_cone_rad));
     if (source.range_m > 0) text += fmt::format(", ends {:.6g} m off", source.range_m);
-    if (!share.text.empty()) return text + ", " + share.text;
-    return text + (share.casts_shadow ? ", casts shadows" : ", no shadows");
+    if (!status.text.empty()) return text + ", " + status.text;
+    return text + (status.casts_shadow ? ", casts shadows" : ", no shadows");
 }
 
 std::string settings_text(const stage::Stage& stage) {
@@ -275,8 +275,8 @@ void print_performers(const stage::Stage& stage, const stage::EvaluatedStage& ev
     for (const stage::EvaluatedPerformer& at : evaluated.performers) {
         const stage::StagePerformer& performer = stage.performers[at.performer];
         fmt::print("{:>4}  {:<16}  {:>4}  {:<6.4g}  {:<22}  {}\n", performer.node, performer.name, at.clip, at.frame,
-                   place_text(glm::dvec3(at.world_from_performer[3])),
-                   more_of(performer, at, evaluated.pose.world_from_node[performer.node]));
+                   position_text(glm::dvec3(at.world_from_performer[3])),
+                   settings_text(performer, at, evaluated.pose.world_from_node[performer.node]));
     }
 }
 
@@ -299,11 +299,11 @@ void print_clips(const stage::Stage& stage, const std::vector<ClipMemory>& memor
 void print_lights(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
     if (evaluated.lights.empty()) return;
     fmt::print("\nnode  light             kind         at                      light\n");
-    const std::vector<LightShare> shares = shares_of(stage, evaluated);
-    for (size_t i = 0; i < shares.size(); ++i) {
+    const std::vector<LightStatus> statuses = light_statuses(stage, evaluated);
+    for (size_t i = 0; i < statuses.size(); ++i) {
         const stage::EvaluatedLight& light = evaluated.lights[i];
         fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  {}\n", light.node, stage::node_title(stage.scene, light.node),
-                   kind_name(light.kind), place_text(light.position), light_text(stage, light, shares[i]));
+                   kind_name(light.kind), position_text(light.position), light_text(stage, light, statuses[i]));
     }
 }
 
@@ -325,7 +325,7 @@ void print(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, co
         fmt::print("{:>4}  {:<16}  {:<11}  {}\n", camera.node, camera.name,
                    camera.orthographic ? std::string("orthogr.")
                                        : fmt::format("{:.1f}°", glm::degrees(camera.vertical_angle_rad)),
-                   place_text(glm::dvec3(camera.world_from_camera[3])));
+                   position_text(glm::dvec3(camera.world_from_camera[3])));
 }
 
 }  // namespace

@@ -1,17 +1,20 @@
-// neuvv train: a data set in, a volumetric video out.
+// neuvv train: trains a volumetric video from a data set.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <memory>
+#include <optional>
 
 #include "base/error.h"
 #include "base/platform.h"
 #include "tools/commands.h"
-#include "tools/live_report.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "training/formats.h"
 #include "training/images.h"
+#include "training/metrics_log.h"
+#include "training/preview.h"
 #include "training/psi_tree.h"
 #include "training/schedule.h"
 #include "training/train.h"
@@ -19,6 +22,84 @@
 namespace neuvv::tools {
 
 namespace {
+
+// What a training run shows of itself besides its status line: a preview image and a log of its numbers.
+struct LiveOptions {
+    std::filesystem::path preview;  // PNG; empty: none
+    std::filesystem::path metrics;  // JSON Lines; empty: none
+};
+
+constexpr double kPreviewPeriod_s = 3, kPreviewShare = 0.05;  // at least; of the run's time, at most
+
+void expect_extension(const char* option, const std::filesystem::path& file, const char* extension) {
+    if (file.extension() != extension)
+        throw InputError(option, file.string(), fmt::format("is no name of a {} file", extension),
+                         fmt::format("write for instance run{}", extension));
+    prepare_output_file(option, file);
+}
+
+training::Dataset load_preview_data(const training::Dataset& training, const training::LoadOptions& load) {
+    try {
+        return training::preview_dataset(training::load_dataset(training.folder, training::Split::kTest, load));
+    } catch (const std::runtime_error& error) {
+        fmt::print(stderr, "the preview shows a training image, as no held-out one can be read: {}\n", error.what());
+        return training::preview_dataset(training);
+    }
+}
+
+// Throws InputError where one of the files could not be written, or is not named as such a file.
+void prepare_live_outputs(const LiveOptions& options) {
+    if (!options.preview.empty()) expect_extension("--preview", options.preview, ".png");
+    if (!options.metrics.empty()) expect_extension("--metrics", options.metrics, ".jsonl");
+}
+
+class LiveReport {
+  public:
+    // Loads a held-out image where a preview is wanted; of a data set without one, a training image.
+    LiveReport(const gpu::Device& device, const training::Dataset& training, const training::LoadOptions& load,
+               LiveOptions options)
+        : device_(device), options_(std::move(options)) {
+        if (!options_.preview.empty()) preview_data_ = load_preview_data(training, load);
+    }
+
+    // Call it with every report of the run. Previews take at most a twentieth of the time. A preview that fails, for
+    // instance for want of device memory, or a line of the log, for want of disk, is the last, and the run goes on.
+    void update(const training::TrainProgress& now) {
+        write_preview_if_due(now);
+        if (options_.metrics.empty()) return;
+        try {
+            if (!log_) log_.emplace(options_.metrics, now.began_at_step);
+            log_->add(now, score_);
+        } catch (const RuntimeFailure& failure) {  // a run is worth more than its log
+            fmt::print(stderr, "\nno more metrics: {}\n", failure.what());
+            options_.metrics.clear();
+        }
+    }
+
+  private:
+    void write_preview_if_due(const training::TrainProgress& now) {
+        const double wait_s = std::max(kPreviewPeriod_s, preview_took_s_ / kPreviewShare);
+        if (options_.preview.empty() || now.elapsed_s - previewed_at_s_ < wait_s) return;
+        const auto begin = std::chrono::steady_clock::now();
+        try {
+            const training::Quality quality =
+                training::write_preview(device_, *now.field, preview_data_, options_.preview);
+            score_ = training::PreviewScore{preview_data_.views[0].name, quality.psnr};
+        } catch (const RuntimeFailure& failure) {
+            fmt::print(stderr, "\nno more previews: {}\n", failure.what());
+            options_.preview.clear();
+        }
+        preview_took_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        previewed_at_s_ = now.elapsed_s + preview_took_s_;
+    }
+
+    const gpu::Device& device_;
+    LiveOptions options_;
+    training::Dataset preview_data_;
+    std::optional<training::MetricsLog> log_;
+    std::optional<training::PreviewScore> score_;
+    double previewed_at_s_ = -1e9, preview_took_s_ = 0;  // of the run
+};
 
 struct TrainOptions {
     std::filesystem::path dataset, output;
@@ -32,44 +113,47 @@ struct TrainOptions {
     uint64_t psi_steps = 0;
 };
 
-void print_progress(const training::TrainProgress& now, bool line_ends) {
-    fmt::print(stderr,
-               "{}{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB{}",
-               stderr_is_terminal() ? "\r" : "", format_duration(now.elapsed_s), format_duration(now.eta_s),
-               now.rays_per_s / 1000, now.loss, now.psnr, now.leaves / 1000, now.depth,
-               static_cast<double>(peak_memory_bytes()) / double(1 << 30), line_ends ? "\n" : "  ");
+// Prints the status line where it is due, with NEUVV_TRACE the times of the step's passes behind it.
+template <typename RunProgress>
+void report_progress(StatusLine& line, const RunProgress& now, const std::string& text) {
+    if (!line.is_due()) return;
+    line.print(text);
+    if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
 }
 
-void print_psi_progress(const training::PsiProgress& now, bool line_ends) {
-    fmt::print(stderr, "{}psi {} eta {} | {:.1f}k rays/s | loss {:.5f} | batch {:.2f} dB | step {}{}",
-               stderr_is_terminal() ? "\r" : "", format_duration(now.elapsed_s), format_duration(now.eta_s),
-               now.rays_per_s / 1000, now.loss, now.psnr, now.step, line_ends ? "\n" : "  ");
+std::string progress_text(const training::TrainProgress& now) {
+    return fmt::format("{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB",
+                       format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss,
+                       now.psnr, now.leaves / 1000, now.depth,
+                       static_cast<double>(peak_memory_bytes()) / double(1 << 30));
 }
 
-// Ctrl-C ends the network's part; the run that follows then saves and ends, too.
+std::string progress_text(const training::PsiProgress& now) {
+    return fmt::format("psi {} eta {} | {:.1f}k rays/s | loss {:.5f} | batch {:.2f} dB | step {}",
+                       format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss,
+                       now.psnr, now.step);
+}
+
+// The first tree, read off a network that is trained for it. Ctrl-C ends the training of the network; the run that
+// follows then saves and ends, too.
 voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& device,
                                 const training::Dataset& dataset) {
     training::PsiSettings settings = training::default_psi_settings(device);
     settings.seed = options.settings.seed;
     settings.minutes = options.psi_minutes;
     settings.steps = options.psi_steps;
-    double printed = -1e9;
-    voctree::VOctree tree =
-        training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbove, settings,
-                           [&](const training::PsiProgress& now) {
-                               if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
-                                   print_psi_progress(now, !stderr_is_terminal());
-                                   printed = now.elapsed_s;
-                                   if (trace_wanted())
-                                       fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
-                               }
-                               return !stop_requested();
-                           });
-    fmt::print(stderr, "{}psi: {} leaves\n", stderr_is_terminal() ? "\n" : "", tree.leaf_count);
+    StatusLine line(true);
+    voctree::VOctree tree = training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbovePixel,
+                                               settings, [&](const training::PsiProgress& now) {
+                                                   report_progress(line, now, progress_text(now));
+                                                   return !stop_requested();
+                                               });
+    line.end();
+    fmt::print(stderr, "psi: {} leaves\n", tree.leaf_count);
     return tree;
 }
 
-// Fails before any work is done where the result could not be written.
+// Throws InputError, before any work is done, where the result could not be written.
 void prepare_output(const std::filesystem::path& output) {
     if (output.extension() != ".nvv" || std::filesystem::is_directory(output))
         throw InputError("--output", output.string(), "is no name of an .nvv file", "write for instance scene.nvv");
@@ -82,11 +166,11 @@ training::LoadOptions load_options(const TrainOptions& options) {
             .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
 
-// Says what the images will take before it reads them.
+// Prints what memory the images will take before it reads them.
 training::Dataset load_images(const TrainOptions& options, const training::LoadOptions& load) {
     const uint64_t budget = load.memory_bytes;
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
-    const training::ImageNeed need = training::image_need(rig);
+    const training::ImageMemory need = training::image_memory(rig);
     fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}, budget {}{}\n", options.dataset.string(),
                need.cameras, need.frames, need.images, need.width, need.height, size_text(need.bytes),
                size_text(budget), need.bytes > budget ? ": streamed from disk" : "");
@@ -111,18 +195,14 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
         first_tree = train_psi_tree(options, device, dataset);
         settings.first_tree = &first_tree;
     }
-    double printed = -1e9;
+    StatusLine line(true);
     const training::TrainProgress last =
         training::train(device, dataset, settings, options.output, [&](const training::TrainProgress& now) {
-            if (stderr_is_terminal() || now.elapsed_s - printed >= 10) {
-                print_progress(now, !stderr_is_terminal());
-                printed = now.elapsed_s;
-                if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
-            }
+            report_progress(line, now, progress_text(now));
             live.update(now);
             return !stop_requested();
         });
-    if (stderr_is_terminal()) fmt::print(stderr, "\n");
+    line.end();
     fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                last.step, last.epochs, format_duration(last.elapsed_s));
     if (settings.resume && last.step == last.began_at_step)
@@ -131,16 +211,16 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
         fmt::print("interrupted; the same command with --resume goes on from here\n");
 }
 
-std::string weight_option(const training::NamedLossWeight& one) {
-    return std::string("--lambda-") + one.name;
+std::string weight_option(const training::NamedLossWeight& weight) {
+    return std::string("--lambda-") + weight.name;
 }
 
-// What a resumed run keeps, whatever is given now.
-void say_what_is_ignored(const CLI::App& verb) {
+// Names the given options that a resumed run ignores, because it keeps its own values.
+void warn_of_ignored_options(const CLI::App& verb) {
     std::string given;
     std::vector<std::string> names{"--resolution", "--bases",      "--hh-degree", "--init",
                                    "--max-leaves", "--max-memory", "--uniform",   "--seed"};
-    for (const training::NamedLossWeight& one : training::kLossWeights) names.push_back(weight_option(one));
+    for (const training::NamedLossWeight& weight : training::kLossWeights) names.push_back(weight_option(weight));
     for (const std::string& name : names)
         if (verb.count(name) > 0) given += fmt::format("{}{}", given.empty() ? "" : ", ", name);
     if (!given.empty()) fmt::print(stderr, "--resume: the run keeps its own {}, whatever is given now\n", given);
@@ -178,17 +258,17 @@ void add_train(CLI::App& app, CommonOptions& common) {
     verb->add_option("--psi-steps", options->psi_steps, "The same in steps")
         ->check(CLI::Range(1u, 1000000000u))
         ->excludes(psi_minutes);
-    CLI::Option* most_leaves = verb->add_option("--max-leaves", options->settings.max_leaves,
-                                                "The tree never has more (default: what the device trains)")
-                                   ->check(CLI::Range(64u, voctree::kMaxLeaves));
-    CLI::Option* most_memory = verb->add_option("--max-memory", options->max_megabytes,
-                                                "MB that the finished .nvv takes at most (default: any)")
-                                   ->check(number_between(0.1, 1e6));
+    CLI::Option* max_leaves = verb->add_option("--max-leaves", options->settings.max_leaves,
+                                               "The tree never has more (default: what the device trains)")
+                                  ->check(CLI::Range(64u, voctree::kMaxLeaves));
+    CLI::Option* max_memory = verb->add_option("--max-memory", options->max_megabytes,
+                                               "MB that the finished .nvv takes at most (default: any)")
+                                  ->check(number_between(0.1, 1e6));
     verb->add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
-        ->excludes(most_leaves)
-        ->excludes(most_memory);
-    for (const training::NamedLossWeight& one : training::kLossWeights)
-        verb->add_option(weight_option(one), options->settings.weights.*one.weight, one.meaning)
+        ->excludes(max_leaves)
+        ->excludes(max_memory);
+    for (const training::NamedLossWeight& named : training::kLossWeights)
+        verb->add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
             ->check(number_between(0.0, 100.0))
             ->capture_default_str();
     verb->add_option("--picture-memory", options->image_gigabytes,
@@ -219,7 +299,7 @@ void add_train(CLI::App& app, CommonOptions& common) {
         "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8");
     verb->callback([options, verb, &common] {
-        if (options->settings.resume) say_what_is_ignored(*verb);
+        if (options->settings.resume) warn_of_ignored_options(*verb);
         run_train(*options, common);
     });
 }

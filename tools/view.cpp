@@ -1,4 +1,4 @@
-// neuvv view: a window to watch and edit in.
+// neuvv view: opens the window in which clips and stages are watched and edited.
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/viewer/viewer.h"

@@ -15,16 +15,16 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr double kTurnSeconds = 4;  // at least
+constexpr double kMinTurnSeconds = 4;
 constexpr double kElevation = 10 * std::numbers::pi / 180;
 constexpr double kAngleOfView = 35 * std::numbers::pi / 180;  // of the image's shorter side
-constexpr double kMargin = 1.08;                              // around the box
+constexpr double kMargin = 1.08;  // of the distance, so that the box does not touch the image's border
 constexpr double kMaxImages = 1e6;
 
-// The frame of the clip at image i: the range plays over and over, each of its frames as long as any other. A .nvv
-// has its rate as a float: a rate like 59.94 must be rounded alike, or images would drift off the frames of a clip
-// of 29.97.
-double playing_frame(const Playback& playback, double i) {
+// The frame of the clip at image i. The range plays over and over, each of its frames as long as any other. A .nvv
+// keeps its rate as a float, so the output's rate is rounded to a float, too: otherwise images at 59.94 a second would
+// drift off the frames of a clip of 29.97 a second.
+double frame_at_image(const Playback& playback, double i) {
     const double span = playback.range.last - playback.range.first + 1;
     const double played = std::fmod(i * playback.clip_fps / double{static_cast<float>(playback.output_fps)}, span);
     return std::min(playback.range.first + played, playback.range.last);
@@ -54,8 +54,8 @@ Axes orbit_axes(double turn) {
     return {right, glm::cross(back, right), back};
 }
 
-// The distance from which an upright cylinder of this radius and half height just fits. A point p about the centre is
-// inside the image where |p·right| and |p·up| are at most (distance − p·back)·tan(half angle of view).
+// The smallest distance from the centre of an upright cylinder at which all of it is in the image. A point p, relative
+// to the centre, is inside where |p·right| and |p·up| are at most (distance − p·back)·tan(half angle of view).
 double fitting_distance(double radius, double half_height, double tan_x, double tan_y) {
     constexpr int kPoints = 64;
     const Axes axes = orbit_axes(0);
@@ -74,9 +74,9 @@ double fitting_distance(double radius, double half_height, double tan_x, double 
 
 std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree) {
     glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) {
-        const double edge = std::ldexp(1.0, -static_cast<int>(place.depth));
-        const glm::dvec3 corner = glm::dvec3(place.x, place.y, place.z) * edge;
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) {
+        const double edge = std::ldexp(1.0, -static_cast<int>(position.depth));
+        const glm::dvec3 corner = glm::dvec3(position.x, position.y, position.z) * edge;
         low = glm::min(low, corner);
         high = glm::max(high, corner + edge);
     }
@@ -91,7 +91,8 @@ std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree) {
 std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,
                                  media::ImageSize size) {
     const double seconds = clip_seconds(playback);
-    const size_t count = image_count(playback.output_fps, seconds * std::max(1.0, std::ceil(kTurnSeconds / seconds)));
+    const size_t count =
+        image_count(playback.output_fps, seconds * std::max(1.0, std::ceil(kMinTurnSeconds / seconds)));
     const glm::dvec3 centre = 0.5 * (box.first + box.second), half = 0.5 * (box.second - box.first);
     const double tan_short = std::tan(0.5 * kAngleOfView), shorter = std::min(size.width, size.height);
     const double distance =
@@ -100,17 +101,21 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
     std::vector<ViewStep> path(count);
     for (size_t i = 0; i < count; ++i) {
         const Axes axes = orbit_axes(static_cast<double>(i) / static_cast<double>(count));
-        stage::Camera& camera = path[i].camera;
-        camera.width = size.width;
-        camera.height = size.height;
-        camera.fx = camera.fy = 0.5 * shorter / tan_short;
-        camera.cx = 0.5 * size.width;
-        camera.cy = 0.5 * size.height;
-        camera.world_from_camera = glm::dmat4(glm::dvec4(axes.right, 0), glm::dvec4(axes.up, 0),
-                                              glm::dvec4(axes.back, 0), glm::dvec4(centre + distance * axes.back, 1));
-        path[i].frame = playing_frame(playback, static_cast<double>(i));
+        const glm::dmat4 world_from_camera(glm::dvec4(axes.right, 0), glm::dvec4(axes.up, 0), glm::dvec4(axes.back, 0),
+                                           glm::dvec4(centre + distance * axes.back, 1));
+        path[i] = {centred_camera(size, 0.5 * shorter / tan_short, world_from_camera),
+                   frame_at_image(playback, static_cast<double>(i))};
     }
     return path;
+}
+
+std::vector<ViewStep> orbit_path(const voctree::VOctree& tree, media::ImageSize size) {
+    return orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+}
+
+stage::Camera centred_camera(media::ImageSize size, double focal_length_px, const glm::dmat4& world_from_camera) {
+    return {world_from_camera, focal_length_px, focal_length_px, 0.5 * size.width,
+            0.5 * size.height, size.width,      size.height};
 }
 
 std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& playback, uint32_t clip_frames,
@@ -123,7 +128,7 @@ std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& 
         const std::optional<double> clip_time = stage::clip_time_at(path, time_s);
         steps[i].camera = stage::camera_at(path, time_s, size.width, size.height);
         steps[i].frame = clip_time ? training::frame_of_time(*clip_time, clip_frames)
-                                   : playing_frame(playback, static_cast<double>(i));
+                                   : frame_at_image(playback, static_cast<double>(i));
     }
     return steps;
 }

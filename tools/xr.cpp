@@ -1,4 +1,6 @@
-// neuvv xr: a headset to watch and edit in.
+// neuvv xr: shows clips and stages in a headset, where they can be edited.
+#include <fmt/format.h>
+
 #include "tools/commands.h"
 #include "tools/headset/headset.h"
 #include "tools/options.h"
@@ -46,7 +48,7 @@ void print_session(const xr::Runtime& runtime, const gpu::Device& device) {
     fmt::print(" others as their runtime translates them\n");
 }
 
-// What there is, and what is missing, without a stage.
+// Prints what the runtime and the headset offer, and what is missing.
 void check_headset(const std::string& choice) {
     xr::Runtime runtime;
     fmt::print("runtime: {}\nheadset: {}, {}\n", runtime.name(), runtime.headset(),
@@ -103,16 +105,16 @@ void add_xr(CLI::App& app, CommonOptions& common) {
     verb->callback([options, &common] {
         if (options->check) return check_headset(common.device);
         if (options->file.empty()) throw InputError("xr", "", "there is nothing to show", "name a stage or a clip");
-        headset::HeadsetOptions& wanted = options->headset;
-        wanted.file = options->file;
-        wanted.device = common.device;
-        wanted.report = options->report;
-        wanted.quality.mask = !options->no_mask;
-        wanted.quality.depth = !options->no_depth;
-        wanted.quality.keep_images = wanted.mirror;
-        if (options->inset > 0) wanted.quality.inset = options->inset;
-        if (options->refresh_hz > 0) wanted.refresh_hz = options->refresh_hz;
-        headset::run_headset(wanted);
+        headset::HeadsetOptions& settings = options->headset;
+        settings.file = options->file;
+        settings.device = common.device;
+        settings.report = options->report;
+        settings.quality.mask = !options->no_mask;
+        settings.quality.depth = !options->no_depth;
+        settings.quality.keep_images = settings.mirror;
+        if (options->inset > 0) settings.quality.inset = options->inset;
+        if (options->refresh_hz > 0) settings.refresh_hz = options->refresh_hz;
+        headset::run_headset(settings);
     });
 }
 

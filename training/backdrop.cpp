@@ -7,13 +7,14 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr int kSamples = 3;  // a side, in each pixel
+constexpr int kSamples = 3;  // along each side of a pixel
 
-// Linear. Each pair of walls has its own two colours, so that a wrong background is seen at once.
+// Linear RGB. Each pair of opposite walls has its own two colours, so that a wrong background is easy to see.
 constexpr glm::vec3 kColours[3][2] = {{{0.10f, 0.16f, 0.22f}, {0.42f, 0.50f, 0.55f}},
                                       {{0.16f, 0.15f, 0.14f}, {0.50f, 0.48f, 0.44f}},
                                       {{0.14f, 0.20f, 0.12f}, {0.48f, 0.54f, 0.42f}}};
 
+// The room's colour where the ray from the eye meets a wall.
 glm::vec3 colour_along(const Backdrop& room, const glm::dvec3& eye, const glm::dvec3& direction) {
     double nearest = INFINITY;
     int wall = 0;

@@ -1,4 +1,4 @@
-// The room around the dome for captures with a background: checkered walls and floor, fixed in the world.
+// The room around the dome of cameras, for captures with a background: its walls, floor and ceiling are checkered.
 #pragma once
 
 #include "media/image.h"
@@ -7,11 +7,11 @@
 namespace neuvv::training {
 
 struct Backdrop {
-    glm::dvec3 low{0}, high{1};  // the room; every camera stands inside
+    glm::dvec3 low{0}, high{1};  // the room's corners in the world, metres; every camera stands inside
     double tile_m = 0.5;
 };
 
-// What a camera sees of it: an opaque image, averaged over each pixel's area.
+// What a camera sees of the room alone: an opaque image, each pixel of which is a mean over the pixel's area.
 media::Image clean_plate(const Backdrop& backdrop, const stage::Camera& camera);
 
 }  // namespace neuvv::training

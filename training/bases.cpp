@@ -42,7 +42,7 @@ std::vector<float> hat_basis(uint32_t frames, uint32_t bases) {
     return basis;
 }
 
-bool frames_have_own_bases(const voctree::VOctree& tree) {
+bool has_basis_per_frame(const voctree::VOctree& tree) {
     return tree.frames == tree.bases && is_identity(tree.sigma_basis, tree.bases) &&
            is_identity(tree.gamma_basis, tree.bases);
 }
@@ -56,9 +56,9 @@ std::vector<float> initial_gamma_weights(uint32_t bases) {
     return weights;
 }
 
-CourseSolver::CourseSolver(const std::vector<float>& basis, uint32_t frames, uint32_t bases)
+BasisSolver::BasisSolver(const std::vector<float>& basis, uint32_t frames, uint32_t bases)
     : frames_(frames), bases_(bases) {
-    // (AᵀA + εI)⁻¹ Aᵀ; ε keeps columns that training has made alike from blowing up.
+    // (AᵀA + εI)⁻¹ Aᵀ; ε keeps the weights small where training has made columns alike.
     std::vector<double> normal(size_t{bases} * bases), right(size_t{bases} * frames);
     for (uint32_t t = 0; t < frames; t++)
         for (uint32_t i = 0; i < bases; i++) {
@@ -72,7 +72,7 @@ CourseSolver::CourseSolver(const std::vector<float>& basis, uint32_t frames, uin
     inverse_.assign(right.begin(), right.end());
 }
 
-void CourseSolver::solve(const float* values, float* weights) const {
+void BasisSolver::solve(const float* values, float* weights) const {
     for (uint32_t c = 0; c < bases_; c++) {
         float sum = 0;
         for (uint32_t t = 0; t < frames_; t++) sum += inverse_[size_t{c} * frames_ + t] * values[t];

@@ -1,4 +1,4 @@
-// The temporal bases A and B as training begins, and leaf weights for a wanted course over time.
+// The temporal bases A and B with which training begins, and weights of leaves that give chosen values over time.
 #pragma once
 
 #include <cstdint>
@@ -8,22 +8,23 @@
 
 namespace neuvv::training {
 
-// frames × bases hat functions: column c is 1 at its knot, falls to 0 at its neighbours'; knots are spread evenly over
-// the clip. Rows sum to 1. With bases = frames it is the identity. Needs 1 ≤ bases ≤ frames.
+// A matrix of frames × bases numbers, row by row, whose columns are hat functions: column c is 1 at its knot and falls
+// to 0 at the neighbouring knots. Knots are spread evenly over the clip. Each row sums to 1. With bases = frames the
+// matrix is the identity. Needs 1 ≤ bases ≤ frames (assert).
 std::vector<float> hat_basis(uint32_t frames, uint32_t bases);
 
-// Whether A and B are identities: then a leaf's c-th w^σ and w^γ are those of frame c, and of no other.
-bool frames_have_own_bases(const voctree::VOctree& tree);
+// Whether A and B are identities. Then element c of a leaf's w^σ and w^γ belongs to frame c alone.
+bool has_basis_per_frame(const voctree::VOctree& tree);
 
-// w^γ that sweeps γ from 0.1π to 0.9π over the clip under hat_basis: H_n·· then differ from the first frame to the
-// last, and no leaf starts at γ = π/2, where odd n vanish.
+// The w^γ with which γ goes from 0.1π to 0.9π over the clip under hat_basis. The functions H_n·· then differ between
+// the first frame and the last. With a single basis γ is 0.3π, as functions of odd n vanish at γ = π/2.
 std::vector<float> initial_gamma_weights(uint32_t bases);
 
-// Least squares: weights w with basis·w ≈ a course of values over the frames.
-class CourseSolver {
+// Finds weights w with basis · w ≈ given values over the frames, by least squares. `basis`: frames × bases.
+class BasisSolver {
   public:
-    CourseSolver(const std::vector<float>& basis, uint32_t frames, uint32_t bases);
-    // `values`: frames; `weights`: bases.
+    BasisSolver(const std::vector<float>& basis, uint32_t frames, uint32_t bases);
+    // Reads one value per frame and writes one weight per basis.
     void solve(const float* values, float* weights) const;
 
   private:

@@ -11,7 +11,7 @@ namespace neuvv::training {
 namespace {
 
 constexpr float kBackgroundShare = 0.2f;
-constexpr double kMostInARow = 0.125;  // of a time's epoch: more of it at once makes the others forgotten
+constexpr double kMaxShareInARow = 0.125;  // of a time's epoch; larger shares make the field forget other times
 
 uint32_t tiles_across(uint32_t pixels) {
     return (pixels + kTile - 1) / kTile;
@@ -60,7 +60,7 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
     rays_per_epoch_ = static_cast<uint64_t>(tiles * kTilePixels);
     const double batches = tiles / static_cast<double>(frames_.size()) / std::max(tiles_per_batch, 1u);
     in_a_row_ =
-        static_cast<uint32_t>(std::clamp(kMostInARow * batches, 1.0, static_cast<double>(std::max(in_a_row, 1u))));
+        static_cast<uint32_t>(std::clamp(kMaxShareInARow * batches, 1.0, static_cast<double>(std::max(in_a_row, 1u))));
 }
 
 template <typename T>
@@ -81,23 +81,23 @@ void BatchSampler::refill(FrameViews& frame) {
 }
 
 BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
-    if (left_ == 0 && !round_.empty()) round_.pop_back();
-    if (round_.empty()) {
-        round_.resize(frames_.size());
-        std::iota(round_.begin(), round_.end(), 0u);
-        shuffle(round_);
+    if (left_of_time_ == 0 && !times_left_.empty()) times_left_.pop_back();
+    if (times_left_.empty()) {
+        times_left_.resize(frames_.size());
+        std::iota(times_left_.begin(), times_left_.end(), 0u);
+        shuffle(times_left_);
     }
-    if (left_ == 0) left_ = in_a_row_;
-    left_--;
-    Drawn drawn{round_.back(), {}};
+    if (left_of_time_ == 0) left_of_time_ = in_a_row_;
+    left_of_time_--;
+    Drawn drawn{times_left_.back(), {}};
     FrameViews& frame = frames_[drawn.frame];
     if (frame.queue.empty()) refill(frame);
-    const size_t wanted = std::max<size_t>(tiles_per_batch_ / (samples * samples), 1);
-    const auto first = frame.queue.end() - static_cast<ptrdiff_t>(std::min(wanted, frame.queue.size()));
+    const size_t count = std::max<size_t>(tiles_per_batch_ / (samples * samples), 1);
+    const auto first = frame.queue.end() - static_cast<ptrdiff_t>(std::min(count, frame.queue.size()));
     drawn.tiles.assign(first, frame.queue.end());
     frame.queue.erase(first, frame.queue.end());
-    if (frame.queue.empty()) left_ = 0;
-    drawn_++;
+    if (frame.queue.empty()) left_of_time_ = 0;
+    batches_drawn_++;
     return drawn;
 }
 
@@ -106,7 +106,8 @@ Batch BatchSampler::next(uint32_t samples) {
     Batch batch;
     batch.samples = samples;
     batch.time = dataset_.times[drawn.frame];
-    std::mt19937_64 random(seed_ ^ drawn_ * 0x9e3779b97f4a7c15u);  // its own, so that skip() need not draw
+    // A generator for this batch alone, so that skip() need not draw its numbers.
+    std::mt19937_64 random(seed_ ^ batches_drawn_ * 0x9e3779b97f4a7c15u);
     for (const ViewTile& tile : drawn.tiles) append(batch, tile, random);
     return batch;
 }
@@ -125,7 +126,7 @@ void BatchSampler::append(Batch& batch, const ViewTile& tile, std::mt19937_64& r
         }
 }
 
-// What the rays of the batch's last tile should see.
+// Appends what the rays of the batch's last tile should see.
 void BatchSampler::append_rays(Batch& batch, const View& view, glm::vec4 colour) const {
     const media::Image& plate = dataset_.plates[view.camera];
     const Tile& tile = batch.tiles.back();

@@ -1,4 +1,4 @@
-// Which rays a step traces, and what they should see (errata 10, 16, 17).
+// Which rays a training step traces, and what they should see (errata 10, 16, 17).
 #pragma once
 
 #include <random>
@@ -12,30 +12,32 @@ namespace neuvv::training {
 struct Batch {
     double time = 0;  // [0,1]
     std::vector<Tile> tiles;
-    std::vector<glm::vec4>
-        target;  // per ray premultiplied linear foreground and alpha; alpha −1 off the image or ignored
-    std::vector<glm::vec4> background;  // per ray linear RGB
-    uint32_t samples = 1;               // rays a pixel, per side: tiles are of images enlarged so much
+    // Per ray: premultiplied linear RGB and alpha of the foreground. Alpha is −1 beyond the image and where the pixel
+    // is ignored.
+    std::vector<glm::vec4> target;
+    std::vector<glm::vec4> background;  // per ray: linear RGB
+    uint32_t samples = 1;  // rays along each side of a pixel: tiles count in images enlarged by this factor
 };
 
-// Draws batches: times in random rounds, `in_a_row` batches each (fewer where that would be
-// more than an eighth of a time's epoch); of a time's
-// images every tile with foreground once an epoch, and a fifth of the tiles without. A tile's rays all leave from one
-// random place inside their pixels: a pixel is a mean over its area, and what the field shows at its centre must not
-// stand for the rest. Behind the rays stands the captured plate where there is one, else one random colour a tile. The
-// same seed and data give the same batches.
+// Draws batches. Times come in random order, `in_a_row` batches of each (fewer where that would be more than an eighth
+// of a time's epoch), until every time had its turn; then they come in a new order. Of a time's images, every tile with
+// foreground is drawn once per epoch, and a fifth of the tiles without. All rays of a tile leave from the same random
+// position inside their pixels, because a pixel is a mean over its area, which its centre does not represent. The
+// background of the rays is the camera's clean plate where there is one, else one random colour per tile. The same seed
+// and data give the same batches.
 class BatchSampler {
   public:
     // The data set must outlive it.
     BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row = 1);
 
-    // At most tiles_per_batch tiles (or one image tile's samples²), never none. `samples` divides kTile.
+    // A batch has at least one image tile, and no more than fit into tiles_per_batch tiles: an image tile becomes
+    // samples² tiles of rays. `samples` must divide kTile.
     Batch next(uint32_t samples = 1);
 
-    // Draws a batch and forgets it, as a resumed run does for each one that it has trained on.
+    // Draws a batch without building it. A resumed run skips the batches that it has trained on before.
     void skip(uint32_t samples = 1) { draw(samples); }
 
-    // Pixels of one epoch over every time.
+    // Pixels of one epoch, all times together.
     uint64_t rays_per_epoch() const { return rays_per_epoch_; }
 
   private:
@@ -45,7 +47,7 @@ class BatchSampler {
     };
     struct FrameViews {
         std::vector<uint32_t> views;
-        std::vector<ViewTile> queue;  // of this epoch, drawn from the back
+        std::vector<ViewTile> queue;  // tiles of this epoch that are still to come, drawn from the back
     };
     void refill(FrameViews& frame);
     struct Drawn {
@@ -60,12 +62,12 @@ class BatchSampler {
 
     const Dataset& dataset_;
     uint32_t tiles_per_batch_;
-    uint64_t seed_, drawn_ = 0;
+    uint64_t seed_, batches_drawn_ = 0;
     uint32_t in_a_row_;
     std::mt19937_64 random_;
     std::vector<FrameViews> frames_;
-    std::vector<uint32_t> round_;                    // times left of this round, the last one drawn from
-    uint32_t left_ = 0;                              // batches that it still gives
+    std::vector<uint32_t> times_left_;               // frames whose turn is still to come; the last one is drawn from
+    uint32_t left_of_time_ = 0;                      // batches still to come of that frame
     std::vector<std::vector<bool>> has_foreground_;  // per view, per tile
     uint64_t rays_per_epoch_ = 0;
 };

@@ -13,7 +13,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kMaxDistance = 1e6;  // metres; beyond it, floats no longer resolve a performer
+constexpr double kMaxDistance = 1e6;  // metres; further away, floats do not resolve a performer
 constexpr double kMaxPixels = 1e7;    // of a focal length or a principal point
 constexpr double kMaxDistortion = 1e6;
 

@@ -1,4 +1,4 @@
-// What calibrations of any layout share: OpenCV's poses turned into ours, and the numbers that no lens has.
+// What readers of calibrations share: poses in OpenCV's convention, and checks of lenses, poses and names.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,16 +8,17 @@
 
 namespace neuvv::training {
 
-constexpr uint32_t kHoldOut = 8;  // where the files name no test cameras: the first, the 9th, … are held out
+constexpr uint32_t kHoldOut = 8;  // where files name no test cameras, every 8th is held out, beginning with the first
 
-// From x_camera = rotation · x_world + translation in OpenCV axes (x right, y down, z forward).
+// The camera's pose, with OpenGL axes, where x_camera = rotation · x_world + translation in OpenCV axes (x right,
+// y down, z forward).
 glm::dmat4 world_from_opencv(const glm::dmat3& rotation, const glm::dvec3& translation);
 
-// Throws InputError(file, place, …) for a lens or a place in the world that cannot be: not finite, no focal length, a
-// size of 0 where another is given, or out of all proportion.
+// Throws InputError(file, place, …) for a lens or a camera position that cannot be right: numbers that are not finite
+// or absurdly large, a focal length that is not positive, a width of 0 beside a height or the reverse.
 void expect_sound(const RigCamera& camera, const std::string& file, const std::string& place);
 
-// Throws InputError for a name that would lead out of the data set's folder, or that is none.
+// Throws InputError for a name that leads out of the data set's folder, is empty, or cannot be a file name.
 void expect_inside(const std::string& name, const std::string& file, const std::string& place);
 
 }  // namespace neuvv::training

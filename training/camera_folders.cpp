@@ -18,7 +18,7 @@ bool is_digit(char c) {
     return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-// The digits at `at` without leading zeros; moves behind them.
+// The digits at `at` without leading zeros; moves `at` behind them.
 std::string_view take_digits(const std::string& text, size_t& at) {
     const size_t begin = at;
     while (at < text.size() && is_digit(text[at])) ++at;
@@ -48,7 +48,7 @@ std::filesystem::path find_video(const std::filesystem::path& folder, const std:
     return {};
 }
 
-// Of each frame's name.
+// The time of each frame's name.
 std::map<std::string, double, NaturalOrder> times_of(const std::vector<CameraFrames>& cameras) {
     std::map<std::string, double, NaturalOrder> times;
     for (const CameraFrames& from : cameras)
@@ -74,7 +74,7 @@ bool NaturalOrder::operator()(const std::string& a, const std::string& b) const 
         }
     }
     const size_t a_left = a.size() - i, b_left = b.size() - j;
-    return a_left != b_left ? a_left < b_left : a < b;  // "1" and "01" differ, too
+    return a_left != b_left ? a_left < b_left : a < b;  // the last comparison tells "1" from "01"
 }
 
 Frames images_in(const std::filesystem::path& folder) {
@@ -94,10 +94,10 @@ Frames images_in(const std::filesystem::path& folder) {
 }
 
 Frames frames_of_camera(const std::filesystem::path& folder, const std::string& camera, double& fps) {
-    for (const auto& place : {folder / "images" / camera, folder / camera})
-        if (Frames frames = images_in(place); !frames.empty()) return frames;
-    for (const auto& place : {folder / "videos", folder})
-        if (const auto video = find_video(place, camera); !video.empty()) return frames_of_video(video, fps);
+    for (const auto& candidate : {folder / "images" / camera, folder / camera})
+        if (Frames frames = images_in(candidate); !frames.empty()) return frames;
+    for (const auto& candidate : {folder / "videos", folder})
+        if (const auto video = find_video(candidate, camera); !video.empty()) return frames_of_video(video, fps);
     return {};
 }
 
@@ -138,7 +138,7 @@ void expect_common_frames(const Rig& rig, const std::vector<CameraFrames>& camer
     for (const CameraFrames& from : cameras) frames += from.frames.size();
     if (cameras.size() > 1 && times_of(cameras).size() == frames)
         throw InputError(rig.folder.string(), "", "no image of one camera is named as one of another",
-                         "name the images of an instant alike: images/<camera>/000000.jpg");
+                         "give images of the same time the same name: images/<camera>/000000.jpg");
 }
 
 void add_cameras(Rig& rig, const std::vector<CameraFrames>& cameras, Split split) {

@@ -19,7 +19,7 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr double kNgpDefault_s = 5;      // instant-ngp's, where the file says nothing
+constexpr double kNgpDefault_s = 5;      // instant-ngp's duration, where the file gives none
 constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length
 constexpr double kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
 constexpr double kMinFps = 0.01, kMaxFps = 1e4;
@@ -33,7 +33,7 @@ double degrees(const JsonNode& node) {
     return json_number(node, kMinAngle_deg, kMaxAngle_deg, "an angle of view in degrees") * std::numbers::pi / 180;
 }
 
-// What CameraPath promises of its times.
+// Checks what CameraPath promises about the times of its keys.
 void expect_path_times(const stage::CameraPath& path, const JsonNode& keys) {
     for (size_t i = 1; i < path.keys.size(); ++i)
         if (!(path.keys[i].time_s > path.keys[i - 1].time_s))
@@ -47,7 +47,7 @@ void expect_path_times(const stage::CameraPath& path, const JsonNode& keys) {
             path.cyclic ? "give a loop time to come back to its first key" : "give the whole duration");
 }
 
-// One frame of a transforms.json as a key; its time comes from elsewhere.
+// One frame of a transforms.json as a key, without its time.
 stage::CameraPathKey key_of(const TransformsFrame& frame, const std::string& file) {
     const Intrinsics& in = frame.intrinsics;
     const bool sized = in.width != 0;
@@ -107,26 +107,26 @@ stage::CameraPath transforms_path(const JsonFile& file, double views_per_s) {
     return path;
 }
 
-// R is a unit quaternion (x, y, z, w) and T a place, camera to instant-ngp's cube, OpenCV axes (x right, y down,
-// z forward).
+// R is a unit quaternion (x, y, z, w) and T a position: both take camera coordinates with OpenCV axes (x right, y down,
+// z forward) to instant-ngp's cube.
 stage::CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
     for (const char* name : {"R", "T", "fov"})
         if (!node.has(name)) node.fail(fmt::format("has no {}", name), "save the camera path with instant-ngp");
     expect_array(node["R"], 4);
     expect_array(node["T"], 3);
     double r[4];
-    glm::dvec3 place;
+    glm::dvec3 position;
     for (size_t i = 0; i < 4; ++i) r[i] = json_number(node["R"][i]);
-    for (size_t i = 0; i < 3; ++i) place[static_cast<int>(i)] = json_number(node["T"][i]);
+    for (size_t i = 0; i < 3; ++i) position[static_cast<int>(i)] = json_number(node["T"][i]);
     const glm::dquat turn(r[3], r[0], r[1], r[2]);
     if (std::abs(glm::length(turn) - 1) > kUnitTolerance)
         node["R"].fail("is not a unit quaternion", "give x, y, z, w of a rotation");
-    // Directions go as places do, less scale and offset.
+    // Directions are transformed as positions are, but without scale and offset.
     const NgpCube turned{1, glm::dvec3(0)};
     const glm::dmat3 axes = glm::mat3_cast(glm::normalize(turn));
     glm::dmat4 pose(
-        glm::dvec4(kYUpFromZUp * turned.outside(axes[0]), 0), glm::dvec4(kYUpFromZUp * turned.outside(-axes[1]), 0),
-        glm::dvec4(kYUpFromZUp * turned.outside(-axes[2]), 0), glm::dvec4(kYUpFromZUp * cube.outside(place), 1));
+        glm::dvec4(kYUpFromZUp * turned.to_world(axes[0]), 0), glm::dvec4(kYUpFromZUp * turned.to_world(-axes[1]), 0),
+        glm::dvec4(kYUpFromZUp * turned.to_world(-axes[2]), 0), glm::dvec4(kYUpFromZUp * cube.to_world(position), 1));
     expect_rigid(node, pose);
     stage::CameraPathKey key;
     set_pose(key, pose);
@@ -134,8 +134,8 @@ stage::CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
     return key;
 }
 
-// A key's timestamp is when the *next* key is reached: the first key is at 0, the last one's is the end of a loop.
-// Where they do not ascend, instant-ngp spaces keys evenly.
+// The timestamps of keys. A key's timestamp is the time of the *next* key: the first key is at 0, and the timestamp of
+// the last key is the end of a loop. Where timestamps do not ascend, instant-ngp spaces keys evenly.
 std::vector<double> ngp_stamps(const JsonNode& keys) {
     const size_t count = keys.value.size();
     std::vector<double> stamps;
@@ -179,8 +179,8 @@ stage::CameraPath ngp_path(const JsonNode& root) {
     return path;
 }
 
-// From nerfstudio's world, which its data parser turned, moved and scaled, to that of the data set, +Y up: by the
-// `transform` and `scale` of dataparser_transforms.json where they were added to the file.
+// nerfstudio's data parser turns, moves and scales the world of a data set. This takes poses back to the data set's
+// world, with +Y up, by the `transform` and `scale` of dataparser_transforms.json, where they were added to the file.
 struct NerfstudioWorld {
     glm::dmat4 dataset_from_parsed{1};
     double scale = 1;
@@ -219,7 +219,7 @@ double nerfstudio_seconds(const JsonNode& node, const char* name) {
     return json_number(node[name], 1e-6, kMaxPathSeconds, "a duration in seconds");
 }
 
-// `camera_path` holds every image of the path, `fps` a second.
+// `camera_path` lists every image of the path, `fps` of them a second.
 void add_nerfstudio_images(stage::CameraPath& path, const JsonNode& root) {
     if (path.fps == 0) root.fail("has no fps", "save the path in nerfstudio's render panel");
     const double fps = path.fps;
@@ -233,8 +233,8 @@ void add_nerfstudio_images(stage::CameraPath& path, const JsonNode& root) {
     expect_path_times(path, images);
 }
 
-// `keyframes` alone: each has the time that it takes to come to it from the one before, the first of a cycle from the
-// last.
+// Where there are only `keyframes`, each has the time that it takes from the key before; the first key of a cycle has
+// the time from the last.
 void add_nerfstudio_keys(stage::CameraPath& path, const JsonNode& root) {
     const JsonNode keys = root["keyframes"];
     const auto steps = static_cast<double>(std::max<size_t>(1, keys.value.size() - (path.cyclic ? 0 : 1)));
@@ -250,9 +250,9 @@ void add_nerfstudio_keys(stage::CameraPath& path, const JsonNode& root) {
     for (size_t i = 0; i < keys.value.size(); ++i) {
         const JsonNode node = keys[i];
         stage::CameraPathKey key = nerfstudio_key(node, "matrix", world);
-        const bool own = node.has("override_transition_enabled") && json_flag(node["override_transition_enabled"]) &&
-                         node.has("override_transition_sec");
-        const double step = own ? nerfstudio_seconds(node, "override_transition_sec") : usual;
+        const bool overridden = node.has("override_transition_enabled") &&
+                                json_flag(node["override_transition_enabled"]) && node.has("override_transition_sec");
+        const double step = overridden ? nerfstudio_seconds(node, "override_transition_sec") : usual;
         if (i == 0)
             first_step = step;
         else

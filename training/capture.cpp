@@ -23,11 +23,11 @@ namespace {
 using json = nlohmann::json;
 
 constexpr double kViewAngle_deg = 30;  // of the image's shorter side
-constexpr double kMargin = 0.04;       // between the motion and the images' borders
-constexpr double kBoxMargin = 0.02;    // of the motion's diagonal, around it
-constexpr double kMaxExtent_m = 1e5;   // transforms hold distances up to 1e6
+constexpr double kMargin = 0.04;       // between the motion and the borders of images, as a share of half an image
+constexpr double kBoxMargin = 0.02;    // around the motion's box, as a share of its diagonal
+constexpr double kMaxExtent_m = 1e5;   // transforms may have distances of up to 1e6 m
 constexpr double kMinExtent_m = 1e-3;
-constexpr uint64_t kMaxWaiting_bytes = uint64_t{1} << 29;  // of images drawn but not yet written
+constexpr uint64_t kMaxWaiting_bytes = uint64_t{1} << 29;  // of images that are rendered but not yet written
 constexpr uint32_t kMaxCameras = 10000, kMaxFrames = 100000;
 
 void check_settings(const CaptureSettings& s) {
@@ -49,8 +49,8 @@ void check_settings(const CaptureSettings& s) {
            "choose --holdout 0 or more cameras");
 }
 
-int32_t choose_animation(const stage::GltfScene& scene, const std::string& wanted) {
-    if (!wanted.empty()) return static_cast<int32_t>(stage::find_animation(scene, wanted));
+int32_t choose_animation(const stage::GltfScene& scene, const std::string& name) {
+    if (!name.empty()) return static_cast<int32_t>(stage::find_animation(scene, name));
     return scene.animations.empty() ? stage::kNoAnimation : 0;
 }
 
@@ -73,7 +73,7 @@ void gather_points(const stage::GltfPrimitive& primitive, const stage::PosedVert
     }
 }
 
-// World positions of everything drawn at these times, primitive by primitive.
+// Calls `visit` with the world positions of each primitive at each of these times.
 void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::vector<double>& times,
                    const std::function<void(const std::vector<glm::vec3>&)>& visit) {
     stage::PosedVertices vertices;
@@ -107,7 +107,7 @@ json matrix_rows(const glm::dmat4& matrix) {
 }
 
 void write_transforms(const std::filesystem::path& file, const CaptureStage& stage, const CaptureSettings& settings,
-                      const std::vector<bool>& held, bool test) {
+                      const std::vector<bool>& is_test, bool test) {
     const stage::Camera& first = stage.cameras.front();
     const glm::dvec3 low = stage.box.first, high = stage.box.second;
     json root = {{"w", first.width},
@@ -121,7 +121,7 @@ void write_transforms(const std::filesystem::path& file, const CaptureStage& sta
                  {"aabb", {{low.x, low.y, low.z}, {high.x, high.y, high.z}}},
                  {"frames", json::array()}};
     for (size_t c = 0; c < stage.cameras.size(); ++c) {
-        if (held[c] != test) continue;
+        if (is_test[c] != test) continue;
         const json pose = matrix_rows(stage.cameras[c].world_from_camera);
         for (uint32_t f = 0; f < settings.frames; ++f) {
             json frame = {{"file_path", fmt::format("images/{}.png", image_name(c, f))},
@@ -136,7 +136,8 @@ void write_transforms(const std::filesystem::path& file, const CaptureStage& sta
     write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
-// An interrupted capture over an older one must not leave transforms that speak of other images.
+// Creates the folders and removes older transforms: where a new capture into the folder is interrupted, they would name
+// images of two captures.
 void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& settings) {
     std::error_code error;
     for (const char* name : {"transforms_train.json", "transforms_test.json"}) {
@@ -152,7 +153,7 @@ void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& 
     }
 }
 
-// What a camera would record: foreground + (1 − α) background, added as light; alpha stays the matte.
+// What a camera would record: foreground + (1 − α) background, in linear light; alpha is the matte.
 media::Image compose(std::span<const glm::vec4> premultiplied, const media::Image& plate) {
     media::Image image = plate;
     for (size_t i = 0; i < premultiplied.size(); ++i) {
@@ -173,11 +174,11 @@ media::Image compose(std::span<const glm::vec4> premultiplied, const media::Imag
 Backdrop backdrop_of(const CaptureStage& stage) {
     const glm::dvec3 centre = 0.5 * (stage.box.first + stage.box.second);
     Backdrop room{centre - 1.5 * stage.radius, centre + 1.5 * stage.radius, stage.radius / 6};
-    room.low.y = stage.box.first.y;  // the floor on which the performer stands
+    room.low.y = stage.box.first.y;  // the performer stands on the floor
     return room;
 }
 
-// One capture under way: what its steps share.
+// What the steps of a capture share.
 struct Session {
     const CaptureSettings& settings;
     const std::filesystem::path& folder;
@@ -206,7 +207,7 @@ void write_image(const Session& session, size_t camera, size_t frame, const rend
                                                   : compose(light, session.plates[camera]));
 }
 
-// False where the caller wants to stop.
+// Returns false where the caller stopped it.
 bool render_images(Session& session, const gpu::Device& device, const stage::GltfScene& scene, int32_t animation,
                    const CaptureProgress& progress) {
     const CaptureSettings& settings = session.settings;
@@ -265,12 +266,12 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     const stage::GltfScene scene = stage::load_gltf(model);
     const int32_t animation = choose_animation(scene, settings.animation);
     const CaptureStage stage = make_stage(scene, animation, settings);
-    const std::vector<bool> held = held_out(settings.cameras, settings.holdout);
+    const std::vector<bool> is_test = held_out(settings.cameras, settings.holdout);
     prepare_folder(folder, settings);
 
     CaptureResult result;
     result.images = uint64_t{settings.frames} * settings.cameras;
-    result.test_cameras = static_cast<uint32_t>(std::count(held.begin(), held.end(), true));
+    result.test_cameras = static_cast<uint32_t>(std::count(is_test.begin(), is_test.end(), true));
     result.train_cameras = settings.cameras - result.test_cameras;
     const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
     const uint64_t image_bytes =
@@ -279,8 +280,8 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     Session session{settings, folder, stage, {}, Workers(threads, waiting)};
     write_plates(session);
     if (!render_images(session, device, scene, animation, progress)) return result;
-    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", stage, settings, held, true);
-    write_transforms(folder / "transforms_train.json", stage, settings, held, false);
+    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", stage, settings, is_test, true);
+    write_transforms(folder / "transforms_train.json", stage, settings, is_test, false);
     result.complete = true;
     return result;
 }

@@ -16,8 +16,8 @@ struct GltfScene;
 namespace neuvv::training {
 
 enum class CaptureBackground {
-    kClear,    // straight alpha, the performer's own colour
-    kChecker,  // RGB as a camera in a checkered room sees it, alpha the matte, one clean plate a camera
+    kClear,    // straight alpha; RGB is the performer's own colour
+    kChecker,  // RGB is what a camera in a checkered room sees, alpha the matte; each camera has a clean plate
 };
 
 struct CaptureSettings {
@@ -26,33 +26,33 @@ struct CaptureSettings {
     double fps = 25;
     uint32_t width = 512, height = 512;
     std::string animation;  // name or index; empty: the first, or the rest pose where there is none
-    double holdout = 0.1;   // share of cameras kept for the test, below 1
+    double holdout = 0.1;   // share of the cameras that are held out for the test, below 1
     CaptureBackground background = CaptureBackground::kClear;
 };
 
-// Images written, of how many; returns false to stop.
+// Receives how many images are written, and of how many; returns false to stop.
 using CaptureProgress = std::function<bool(uint64_t done, uint64_t total)>;
 
 struct CaptureResult {
     uint32_t train_cameras = 0, test_cameras = 0;
     uint64_t images = 0;
-    bool complete = false;  // false: stopped, and the folder holds no transforms
+    bool complete = false;  // false: stopped early, and the folder has no transforms
 };
 
-// Writes folder/images/cNN_fNNN.png, folder/plates/cNN.png with a checkered background, and at the very end
-// folder/transforms_train.json and _test.json, so that a folder with transforms is complete. Earlier transforms are
-// removed first. Frame i shows the animation at i / fps; an animation that ends before holds its last pose. Throws
-// InputError for settings and models that cannot be captured, RuntimeFailure for what the machine cannot do.
+// Writes folder/images/cNN_fNNN.png, with a checkered background folder/plates/cNN.png, and last of all
+// folder/transforms_train.json and _test.json, so that a folder with transforms is complete. Older transforms are
+// removed first. Frame i shows the animation at i / fps seconds; an animation that has ended stays in its last pose.
+// Throws InputError for settings and models that cannot be captured, RuntimeFailure for what the machine cannot do.
 CaptureResult capture(const gpu::Device& device, const std::filesystem::path& model,
                       const std::filesystem::path& folder, const CaptureSettings& settings,
                       const CaptureProgress& progress);
 
-// The same cameras without images: every camera sees the whole motion. `box` is the motion's, slightly enlarged.
+// The cameras of a capture, each of which sees the whole motion.
 struct CaptureStage {
     std::vector<DomeCamera> dome;
     std::vector<stage::Camera> cameras;
-    std::pair<glm::dvec3, glm::dvec3> box;
-    double radius = 0;
+    std::pair<glm::dvec3, glm::dvec3> box;  // min, max of the motion in metres, slightly enlarged
+    double radius = 0;                      // of the dome, metres
 };
 CaptureStage make_stage(const stage::GltfScene& scene, int32_t animation, const CaptureSettings& settings);
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr uint32_t kMaxSteps = 1u << 31, kMaxTilesPerStep = 65536;
 
-// bfloat16, rounded to nearest: moments steer steps, three digits are enough.
+// bfloat16, rounded to nearest; its precision is enough for moments.
 uint16_t bfloat_from_float(float value) {
     const uint32_t bits = std::bit_cast<uint32_t>(value);
     return static_cast<uint16_t>((bits + 0x7fff + (bits >> 16 & 1)) >> 16);
@@ -47,7 +47,7 @@ std::vector<uint16_t> fetch_bfloat(const gpu::Device& device, const gpu::Buffer&
     return result;
 }
 
-void put_bfloat(const gpu::Device& device, const gpu::Buffer& buffer, const std::vector<uint16_t>& values) {
+void upload_bfloat(const gpu::Device& device, const gpu::Buffer& buffer, const std::vector<uint16_t>& values) {
     std::vector<float> floats(values.size());
     for (size_t i = 0; i < values.size(); i++) floats[i] = float_from_bfloat(values[i]);
     gpu::upload(device, buffer, floats.data(), floats.size() * sizeof(float));
@@ -113,7 +113,7 @@ voctree::NvvChunk run_chunk(const RunState& run) {
                            {"stage_rays", run.phase_rays},
                            {"dataset_hash", run.dataset_hash},
                            {"max_depth", run.max_depth},
-                           {"several_from", run.several_from},
+                           {"several_from", run.several_rays_from},
                            {"max_leaves", run.max_leaves},
                            {"max_bytes", run.max_bytes},
                            {"adaptive", run.adaptive},
@@ -128,16 +128,16 @@ voctree::NvvChunk run_chunk(const RunState& run) {
     return {"run0", std::vector<uint8_t>(text.begin(), text.end())};
 }
 
-// A whole number of 0 to `most`; JSON's own conversion would round, wrap or worse.
+// Reads a whole number of 0 to `max`. The JSON library's own conversion would not refuse other numbers.
 template <typename T>
-void read_count(const nlohmann::json& json, const char* key, T& value, uint64_t most = std::numeric_limits<T>::max()) {
+void read_count(const nlohmann::json& json, const char* key, T& value, uint64_t max = std::numeric_limits<T>::max()) {
     const nlohmann::json& found = json.at(key);
-    if (!found.is_number_unsigned() || found.get<uint64_t>() > most) throw std::out_of_range(key);
+    if (!found.is_number_unsigned() || found.get<uint64_t>() > max) throw std::out_of_range(key);
     value = found.get<T>();
 }
 
-// `deepest`: what the tree can hold.
-RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& found, uint32_t deepest) {
+// `max_depth`: the deepest level that the tree's nodes can have.
+RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& found, uint32_t max_depth) {
     RunState run;
     try {
         const nlohmann::json json = nlohmann::json::parse(found.bytes.begin(), found.bytes.end());
@@ -147,8 +147,8 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         read_count(json, "stage", run.phase, kPhaseCount - 1);
         read_count(json, "stage_rays", run.phase_rays);
         read_count(json, "dataset_hash", run.dataset_hash);
-        read_count(json, "max_depth", run.max_depth, deepest);
-        read_count(json, "several_from", run.several_from);
+        read_count(json, "max_depth", run.max_depth, max_depth);
+        read_count(json, "several_from", run.several_rays_from);
         read_count(json, "max_leaves", run.max_leaves);
         read_count(json, "max_bytes", run.max_bytes);
         json.at("adaptive").get_to(run.adaptive);
@@ -204,12 +204,13 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
         state_path(nvv), checkpoint.tree,
         {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
          chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first), chunk("row2", checkpoint.rows_second),
-         chunk("rech", checkpoint.use.reach), chunk("pull", checkpoint.use.pull), chunk("frms", checkpoint.use.frames)},
+         chunk("rech", checkpoint.use.max_weight), chunk("pull", checkpoint.use.opacity_sensitivity),
+         chunk("frms", checkpoint.use.frames)},
         1);
-    return save_shown(nvv, checkpoint.tree);
+    return save_compact(nvv, checkpoint.tree);
 }
 
-uint32_t save_shown(const std::filesystem::path& nvv, voctree::VOctree tree) {
+uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree) {
     drop_empty_leaves(tree);
     make_compact(tree);
     voctree::write_nvv(nvv, tree, {}, 1, voctree::coarse_tree(tree));
@@ -229,8 +230,8 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     checkpoint.second = read_bfloats(path, chunks, "mom2", plane_numbers(tree));
     checkpoint.rows_first = read_floats(path, chunks, "row1", rows);
     checkpoint.rows_second = read_floats(path, chunks, "row2", rows);
-    checkpoint.use.reach = read_floats(path, chunks, "rech", tree.leaf_count);
-    checkpoint.use.pull = read_floats(path, chunks, "pull", tree.leaf_count);
+    checkpoint.use.max_weight = read_floats(path, chunks, "rech", tree.leaf_count);
+    checkpoint.use.opacity_sensitivity = read_floats(path, chunks, "pull", tree.leaf_count);
     checkpoint.use.frames =
         read_chunk<uint32_t>(path, chunks, "frms", size_t{(tree.frames + 31) / 32} * tree.leaf_count);
     return checkpoint;
@@ -238,13 +239,13 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
 
 void restore_moments(const gpu::Device& device, const TrainingStep& step, const Checkpoint& checkpoint) {
     const Moments& moments = step.moments();
-    put_bfloat(device, moments.first, checkpoint.first);
-    put_bfloat(device, moments.second, checkpoint.second);
-    const auto put = [&](const gpu::Buffer& buffer, const std::vector<float>& values) {
+    upload_bfloat(device, moments.first, checkpoint.first);
+    upload_bfloat(device, moments.second, checkpoint.second);
+    const auto upload_floats = [&](const gpu::Buffer& buffer, const std::vector<float>& values) {
         gpu::upload(device, buffer, values.data(), values.size() * sizeof(float));
     };
-    put(moments.rows_first, checkpoint.rows_first);
-    put(moments.rows_second, checkpoint.rows_second);
+    upload_floats(moments.rows_first, checkpoint.rows_first);
+    upload_floats(moments.rows_second, checkpoint.rows_second);
     write_use(device, step.tally(), checkpoint.use);
 }
 

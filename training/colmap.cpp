@@ -17,18 +17,18 @@ namespace {
 constexpr const char* kModelFolders[] = {"sparse/0", "sparse", "colmap/sparse/0", "."};
 
 std::filesystem::path model_folder(const std::filesystem::path& folder) {
-    for (const char* place : kModelFolders)
-        if (holds_colmap_model(folder / place)) return (folder / place).lexically_normal();
+    for (const char* name : kModelFolders)
+        if (holds_colmap_model(folder / name)) return (folder / name).lexically_normal();
     return {};
 }
 
-// What COLMAP's name of an image says of its camera: images of a folder are one camera's.
+// The camera's name by COLMAP's name of an image: the image's folder, or the file's name where there is no folder.
 std::string camera_name(const std::string& image) {
     const std::filesystem::path path(image);
     return path.has_parent_path() ? path.parent_path().string() : path.stem().string();
 }
 
-// By camera, in natural order; indices into model.images.
+// Indices into model.images by the camera's name, in natural order.
 using ImagesByCamera = std::map<std::string, std::vector<size_t>, NaturalOrder>;
 
 ImagesByCamera by_camera(const ColmapModel& model) {
@@ -37,7 +37,7 @@ ImagesByCamera by_camera(const ColmapModel& model) {
     return result;
 }
 
-// The mask of one image: as COLMAP names it ("a.jpg.png"), or named as the image.
+// The mask of one image: the file that COLMAP looks for ("a.jpg.png"), or one with the image's own name.
 ImageSource mask_of(const std::filesystem::path& masks, const std::string& image) {
     const std::filesystem::path beside = masks / image;
     std::error_code ignored;
@@ -48,7 +48,7 @@ ImageSource mask_of(const std::filesystem::path& masks, const std::string& image
                      "give every image its mask, or take the folder away");
 }
 
-// Cameras that stand still while their folder's or video's frames pass.
+// Cameras that stand still, whose frames lie in a folder or a video.
 std::vector<CameraFrames> still_cameras(Rig& rig, const ColmapModel& model, const std::filesystem::path& masks) {
     std::vector<CameraFrames> cameras;
     for (const auto& [name, images] : by_camera(model)) {
@@ -64,8 +64,8 @@ std::vector<CameraFrames> still_cameras(Rig& rig, const ColmapModel& model, cons
     return cameras;
 }
 
-// Every image is a camera of its own: a camera that moves, or a scene that does not. Those in folders show the time
-// that their file name says; the others all show one.
+// Every image as a camera of its own: either a camera moved, or the scene stood still. For images in folders, the file
+// name gives the frame; all other images show the same time.
 std::vector<CameraFrames> image_cameras(const Rig& rig, const ColmapModel& model, const std::filesystem::path& masks) {
     std::vector<CameraFrames> cameras;
     const ImagesByCamera groups = by_camera(model);
@@ -89,17 +89,17 @@ std::vector<CameraFrames> image_cameras(const Rig& rig, const ColmapModel& model
     return cameras;
 }
 
-// About nearly all points, with room for what moves: a performer may leave the place where it was reconstructed.
+// A box around nearly all points, enlarged because a performer may move away from where it was reconstructed.
 std::optional<std::pair<glm::dvec3, glm::dvec3>> box_of(const std::vector<glm::dvec3>& points) {
-    constexpr size_t kFewest = 100;
+    constexpr size_t kMinPoints = 100;
     constexpr double kOutliers = 0.01, kRoom = 0.5;
-    if (points.size() < kFewest) return {};
+    if (points.size() < kMinPoints) return {};
     std::pair<glm::dvec3, glm::dvec3> box;
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> along;
         for (const glm::dvec3& point : points)
             if (std::abs(point[axis]) <= 1e6) along.push_back(point[axis]);
-        if (along.size() < kFewest) return {};
+        if (along.size() < kMinPoints) return {};
         const auto cut = static_cast<ptrdiff_t>(kOutliers * static_cast<double>(along.size()));
         std::nth_element(along.begin(), along.begin() + cut, along.end());
         const double low = along[static_cast<size_t>(cut)];
@@ -119,11 +119,11 @@ bool has_colmap_files(const std::filesystem::path& folder) {
 }
 
 Rig read_colmap_rig(const std::filesystem::path& folder, Split split) {
-    const std::filesystem::path place = model_folder(folder);
-    if (place.empty())
+    const std::filesystem::path model_path = model_folder(folder);
+    if (model_path.empty())
         throw InputError(folder.string(), "", "holds no sparse model of COLMAP",
                          "put cameras and images (.bin or .txt) into its sparse/0");
-    const ColmapModel model = read_colmap_model(place);
+    const ColmapModel model = read_colmap_model(model_path);
     Rig rig;
     rig.folder = folder;
     rig.format = "colmap";

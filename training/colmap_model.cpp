@@ -20,8 +20,8 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = uint64_t{2} << 30;
 
-// https://colmap.github.io/cameras.html. After f, cx, cy or fx, fy, cx, cy come these: k1 … k6 by their digit,
-// p1 p2 as pq, s1 s2 as st.
+// A camera model of https://colmap.github.io/cameras.html. Its parameters begin with f, cx, cy (one_focal) or fx, fy,
+// cx, cy; `rest` names those after them: k1 … k6 by their digit, p1 and p2 as p and q, s1 and s2 as s and t.
 struct LensKind {
     int id;
     const char* name;
@@ -56,7 +56,7 @@ struct ModelImage {
     std::string name, place;
 };
 
-// What both kinds of file say.
+// The contents of a model's files, of either kind.
 struct RawModel {
     std::map<int64_t, ModelCamera> cameras;
     std::vector<ModelImage> images;
@@ -98,7 +98,7 @@ const LensKind& find_kind(Matches matches, const std::string& text, const std::s
                      "let `colmap image_undistorter` make a PINHOLE model of it");
 }
 
-// ---- binary: little-endian, each list behind its u64 count
+// ---- Binary files: little-endian; a u64 count comes before each list.
 
 struct BinaryFile {
     std::string file, place;
@@ -125,11 +125,11 @@ struct BinaryFile {
         expect(count);
         at += count;
     }
-    // Of things of at least so many bytes.
-    uint64_t take_count(uint64_t least_bytes) {
+    // The count of a list whose elements have at least this many bytes.
+    uint64_t take_count(uint64_t min_bytes) {
         const auto count = take<uint64_t>();
-        if (count > (bytes.size() - at) / least_bytes)
-            throw InputError(file, place, fmt::format("says that {} things follow, more than it can hold", count),
+        if (count > (bytes.size() - at) / min_bytes)
+            throw InputError(file, place, fmt::format("says that {} elements follow, more than it can hold", count),
                              "copy the sparse model again");
         return count;
     }
@@ -168,11 +168,11 @@ void read_binary_images(const std::filesystem::path& path, RawModel& model) {
     for (uint64_t i = 0; i < count; ++i) {
         ModelImage image;
         image.place = in.place = fmt::format("image {} of {}", i + 1, count);
-        in.take<int32_t>();  // its id
+        in.take<int32_t>();  // the image's id
         for (double& number : image.pose) number = in.take<double>();
         image.camera = in.take<int32_t>();
         image.name = in.take_name();
-        in.skip(in.take_count(24) * 24);  // where it sees points
+        in.skip(in.take_count(24) * 24);  // where the image shows points
         model.images.push_back(std::move(image));
     }
 }
@@ -182,21 +182,21 @@ void read_binary_points(const std::filesystem::path& path, RawModel& model) {
     const uint64_t count = in.take_count(51);
     for (uint64_t i = 0; i < count; ++i) {
         in.place = fmt::format("point {} of {}", i + 1, count);
-        in.skip(8);  // its id
+        in.skip(8);  // the point's id
         glm::dvec3 point;
         for (int axis = 0; axis < 3; ++axis) point[axis] = in.take<double>();
         in.skip(3 + 8);                 // colour, error
-        in.skip(in.take_count(8) * 8);  // who sees it
+        in.skip(in.take_count(8) * 8);  // the images that show it
         model.points.push_back(point);
     }
 }
 
-// ---- text: a thing a line, an image two
+// ---- Text files: a camera or a point is a line, an image is two lines.
 
 struct TextFile {
     std::string file, text, line;
     size_t at = 0, number = 0;
-    std::string_view rest;  // of the line
+    std::string_view rest;  // what is not read yet of the line
 
     explicit TextFile(const std::filesystem::path& path) : file(path.string()) {
         const std::vector<uint8_t> bytes = read_file(path, kMaxFileBytes);
@@ -214,7 +214,7 @@ struct TextFile {
         ++number;
         return true;
     }
-    // Comments and empty lines left out.
+    // The next line that is neither empty nor a comment; false at the end of the file.
     bool next_record() {
         while (next_line()) {
             rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
@@ -266,11 +266,11 @@ void read_text_images(const std::filesystem::path& path, RawModel& model) {
         in.value<int64_t>("image id");
         for (double& number : image.pose) number = in.value<double>("pose");
         image.camera = in.value<int64_t>("camera id");
-        const std::string_view first = in.word("name");  // the rest of the line: names may hold spaces
+        const std::string_view first = in.word("name");  // the rest of the line, as names may contain spaces
         const std::string_view name(first.data(), first.size() + in.rest.size());
         image.name = name.substr(0, name.find_last_not_of(" \t") + 1);
         model.images.push_back(std::move(image));
-        in.next_line();  // where it sees points; may be empty
+        in.next_line();  // where the image shows points; may be empty
     }
 }
 
@@ -284,7 +284,7 @@ void read_text_points(const std::filesystem::path& path, RawModel& model) {
     }
 }
 
-// ---- both
+// ---- For both kinds of files
 
 RigCamera pose_camera(const ModelImage& image, const RawModel& model, const std::string& file) {
     RigCamera camera;

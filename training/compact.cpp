@@ -11,13 +11,15 @@ namespace neuvv::training {
 
 namespace {
 
-// Of w^σ, below its highest bit; of w^γ (γ moves by π/4 a unit at most); of w^HH (|H_nlm| ≤ (n+1)/(π√2), and a colour's
-// slope after the sigmoid is 1/4 at most).
+// The steps to which weights are rounded.
 struct Steps {
-    float sigma_share, gamma, colour;
+    float sigma_share;  // of w^σ, as a share of its highest bit
+    float gamma;        // of w^γ; γ changes by at most π/4 per unit
+    float colour;       // of w^HH; |H_nlm| ≤ (n+1)/(π√2), and the slope of the sigmoid after it is at most 1/4
 };
-constexpr Steps kOwnFrames{1.0f / 16, 1.0f / 8, 1.0f / 4};
-// Where frames share bases, what a frame sees is a sum of weights of both signs: they must be finer than it.
+constexpr Steps kBasisPerFrame{1.0f / 16, 1.0f / 8, 1.0f / 4};
+// Where frames share bases, the value of a frame is a sum of weights of both signs, which need finer steps than the
+// sum.
 constexpr Steps kSharedBases{1.0f / 64, 1.0f / 32, 1.0f / 16};
 
 float rounded_share(float value, float share) {
@@ -28,14 +30,14 @@ float rounded_share(float value, float share) {
 }  // namespace
 
 void drop_empty_leaves(voctree::VOctree& tree) {
-    if (!frames_have_own_bases(tree)) return;
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    if (!has_basis_per_frame(tree)) return;
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     std::vector<voctree::LeafPosition> kept;
     std::vector<const float*> weights;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const float* sigma = tree.leaf(i);
         if (std::none_of(sigma, sigma + tree.bases, [](float value) { return value > 0; })) continue;
-        kept.push_back(places[i]);
+        kept.push_back(positions[i]);
         weights.push_back(sigma);
     }
     voctree::replace_leaves(tree, kept, weights);
@@ -43,13 +45,13 @@ void drop_empty_leaves(voctree::VOctree& tree) {
 
 void make_compact(voctree::VOctree& tree) {
     const uint32_t bases = tree.bases;
-    const bool own_frames = frames_have_own_bases(tree);
-    const Steps steps = own_frames ? kOwnFrames : kSharedBases;
+    const bool basis_per_frame = has_basis_per_frame(tree);
+    const Steps steps = basis_per_frame ? kBasisPerFrame : kSharedBases;
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
             for (uint32_t c = 0; c < bases; c++) {
-                const bool empty = own_frames && leaf[c] <= 0;
+                const bool empty = basis_per_frame && leaf[c] <= 0;
                 leaf[c] = empty ? 0 : rounded_share(leaf[c], steps.sigma_share);
                 leaf[bases + c] = empty ? 0 : voctree::rounded_to(leaf[bases + c], steps.gamma);
             }

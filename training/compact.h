@@ -1,19 +1,20 @@
-// What training leaves in a tree and no image shows: taken out before the tree is written, so that the file packs
-// well.
+// Removes from a tree what training leaves in it and no image shows, so that the file packs well.
 #pragma once
 
 #include "voctree/voctree.h"
 
 namespace neuvv::training {
 
-// Rounds every weight: where each frame has a basis of its own, a leaf's optical depth moves by 3 % and its colour by a
-// few hundredths of linear light (compact_test.cpp measures them); where frames share bases, weights by 1 %. Pixels are
-// means of many leaves (RESULTS.md: what it costs). And, where each frame has a basis of its own, zeroes w^σ and w^γ of
-// frames in which a leaf is empty. A frame's image stays as it was; between two frames a leaf that comes or goes does
-// so over the whole of the interval.
+// Rounds every weight. Where each frame has its own basis, rounding changes a leaf's optical depth by 3 % and its
+// colour by a few hundredths of linear light (compact_test.cpp measures them); where frames share bases, it changes
+// weights by 1 %. Pixels are means of many leaves, so images change less (RESULTS.md says by how much).
+//
+// Where each frame has its own basis, w^σ and w^γ also become 0 in frames in which a leaf is empty. The image of a
+// frame does not change by that. Between two frames, a leaf that appears or disappears now does so over the whole
+// interval.
 void make_compact(voctree::VOctree& tree);
 
-// Takes out the leaves that are empty in every frame, where each frame has a basis of its own.
+// Removes the leaves that are empty in every frame. Does nothing where frames share bases.
 void drop_empty_leaves(voctree::VOctree& tree);
 
 }  // namespace neuvv::training

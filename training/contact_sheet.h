@@ -1,4 +1,4 @@
-// Many images on one, for looking at.
+// Many images in one, for people to look at.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace neuvv::training {
 
-// The image on white by a whole factor, so that its longest side is as near `longest` as such a factor allows, and
-// not above: smaller by block means, larger by repeated pixels.
+// The image over white, scaled by a whole factor or divided by one, so that its longest side comes as near to `longest`
+// pixels as that allows without exceeding it. Smaller images are means of blocks, larger ones repeat pixels.
 media::Image scaled_to_fit(const media::Image& image, uint32_t longest);
 
-// Images in a grid of cells of `cell` × `cell` pixels, each scaled to fit and centred, on white.
+// Images over white in a grid of cells of `cell` × `cell` pixels, row by row, each scaled to fit its cell and centred.
 media::Image contact_sheet(const std::vector<media::Image>& images, uint32_t columns, uint32_t cell);
 
 }  // namespace neuvv::training

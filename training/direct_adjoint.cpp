@@ -26,11 +26,12 @@ DirectAdjoint::DirectAdjoint(const gpu::Device& device, const render::Field& giv
                  {kTraceGradients, &gradients}}) {}
 
 void record_direct_adjoint(gpu::Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
-                           const LossWeights& weights, float share) {
+                           const LossWeights& weights, float pixel_share) {
     const gpu::PassScope scope(commands, "direct adjoint");
     const TracePush trace = render::trace_push(adjoint.field, stop);
-    gpu::dispatch_groups(commands, adjoint.pass, adjoint.set, tiles,
-                         TraceAdjointPush{trace.box_min, trace.box_size, trace.top, weights, share, trace.leaf_count});
+    gpu::dispatch_groups(
+        commands, adjoint.pass, adjoint.set, tiles,
+        TraceAdjointPush{trace.box_min, trace.box_size, trace.top, weights, pixel_share, trace.leaf_count});
     gpu::compute_barrier(commands);
 }
 

@@ -1,5 +1,5 @@
-// The paper's backward pass, from rays to every weight of the leaves they crossed, without a slice: what the slice's
-// adjoints are measured and checked against.
+// The paper's backward pass: from rays to every weight of the leaves that they crossed, without a slice. It is the
+// reference for the speed and the correctness of the slice's adjoints.
 #pragma once
 
 #include "render/trace.h"
@@ -9,7 +9,7 @@
 namespace neuvv::training {
 
 struct DirectAdjoint {
-    // `gradients`: as many bytes as field.weights, laid out as they are.
+    // `gradients` has as many bytes as field.weights and the same layout.
     DirectAdjoint(const gpu::Device& device, const render::Field& field, const render::LiveLeaves& live,
                   const render::RayBatch& rays, const LossBatch& batch, const gpu::Buffer& gradients,
                   AtomicAdd atomics);
@@ -19,8 +19,9 @@ struct DirectAdjoint {
     gpu::BindingSet set;
 };
 
-// As record_trace_adjoint, after record_direct. Adds to the gradients. Needs only the rows of a slice.
+// Like record_trace_adjoint, but after record_direct, and adds to the gradients of weights. Of a slice it needs only
+// the rows A_t and B_t.
 void record_direct_adjoint(gpu::Commands& commands, const DirectAdjoint& adjoint, uint32_t tiles, float stop,
-                           const LossWeights& weights, float share);
+                           const LossWeights& weights, float pixel_share);
 
 }  // namespace neuvv::training

@@ -21,7 +21,7 @@ void DirectStep::run(const StepSettings& settings) {
     render::record_rows(commands_, finder_, settings.frame);
     render::record_direct(commands_, tracer_, settings.tiles, settings.stop);
     record_loss(commands_, loss_, settings.tiles, settings.weights, settings.samples);
-    record_direct_adjoint(commands_, adjoint_, settings.tiles, settings.stop, settings.weights, settings.share());
+    record_direct_adjoint(commands_, adjoint_, settings.tiles, settings.stop, settings.weights, settings.pixel_share());
     commands_.submit();
     commands_.wait();
 }

@@ -9,9 +9,10 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kStagger = 0.5 * (std::numbers::phi - 1);  // of a ring's step, per ring: no two rings line up
+constexpr double kStagger = 0.5 * (std::numbers::phi - 1);  // share of a ring's step per ring, so that none line up
 
-// Largest remainders; equal ones favour the lower ring.
+// The number of cameras of each ring, by the method of largest remainders; of equal ones, the lower ring's counts
+// first.
 std::array<uint32_t, kRings> cameras_of_rings(uint32_t count) {
     std::array<double, kRings> share{};
     double sum = 0;
@@ -53,34 +54,35 @@ std::vector<DomeCamera> dome_cameras(uint32_t count) {
 }
 
 std::vector<bool> held_out(uint32_t count, double share) {
-    std::vector<bool> out(count, false);
-    if (share <= 0) return out;
+    std::vector<bool> is_test(count, false);
+    if (share <= 0) return is_test;
     assert(count >= 2 && "one camera cannot be shared between training and test");
-    const auto wanted = static_cast<uint32_t>(std::lround(share * count));
-    const uint32_t held = std::clamp(wanted, 1u, count - 1);
-    // One camera from each of `held` equal stretches of the dome, which follow its rings; in a stretch that one which
-    // is farthest from those held out before.
+    const auto rounded = static_cast<uint32_t>(std::lround(share * count));
+    const uint32_t test_count = std::clamp(rounded, 1u, count - 1);
+    // The dome's cameras, in order, are divided into `test_count` equal stretches. Of each stretch, the camera that is
+    // farthest from those selected before is selected.
     const std::vector<DomeCamera> dome = dome_cameras(count);
-    std::vector<size_t> chosen{count / held / 2};
-    for (uint32_t k = 1; k < held; ++k) {
+    std::vector<size_t> selected{count / test_count / 2};
+    for (uint32_t k = 1; k < test_count; ++k) {
         size_t best = 0;
         double best_distance = -1;
-        for (size_t i = size_t{k} * count / held; i < size_t{k + 1} * count / held; ++i) {
+        for (size_t i = size_t{k} * count / test_count; i < size_t{k + 1} * count / test_count; ++i) {
             double nearest = 2;
-            for (const size_t c : chosen) nearest = std::min(nearest, glm::length(dome[i].outward - dome[c].outward));
+            for (const size_t c : selected) nearest = std::min(nearest, glm::length(dome[i].outward - dome[c].outward));
             if (nearest > best_distance) best = i;
             best_distance = std::max(best_distance, nearest);
         }
-        chosen.push_back(best);
+        selected.push_back(best);
     }
-    for (const size_t c : chosen) out[c] = true;
-    return out;
+    for (const size_t c : selected) is_test[c] = true;
+    return is_test;
 }
 
 void include_points(DomeFit& fit, const std::vector<DomeCamera>& dome, const std::vector<glm::vec3>& points) {
     const glm::dvec2 slope = fit.focal / (1 - fit.margin);
     for (const DomeCamera& camera : dome) {
-        // A point p is depth = radius − p·outward away; inside means |p·right| · focal ≤ depth · (1 − margin).
+        // A point p lies at the depth radius − p·outward. It is inside the image if |p·right| · focal ≤ depth · (1 −
+        // margin), and the same for up.
         const glm::vec3 right = camera.world_from_camera[0] * slope.x, up = camera.world_from_camera[1] * slope.y;
         const glm::vec3 outward = camera.outward, centre = fit.centre;
         float farthest = 0;

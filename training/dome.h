@@ -1,4 +1,4 @@
-// The capture stage's cameras: a dome of four rings around the performer, all looking at its centre.
+// The cameras of a capture: a dome of four rings around the performer. All cameras look at the dome's centre.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace neuvv::training {
 
-// From the equator to the top, as in the paper's dome. Rings hold cameras in proportion to their circumference.
+// Rings from the equator to the top, as in the paper's dome. The longer a ring, the more cameras it has.
 constexpr uint32_t kRings = 4;
 constexpr std::array<double, kRings> kRingElevation_deg = {0, 20, 42, 66};
 
@@ -20,21 +20,22 @@ struct DomeCamera {
     glm::dmat3 world_from_camera{1};  // OpenGL axes
 };
 
-// Ring by ring from the equator; neighbouring rings are staggered.
+// `count` cameras, ring by ring from the equator; neighbouring rings are staggered.
 std::vector<DomeCamera> dome_cameras(uint32_t count);
 
-// Of `count` cameras in dome order, which are held out: a share, rounded, at least one of each kind, evenly spread over
-// the rings and around them; none for a share of 0. With a share, count must be 2 at least (assert).
+// Which of `count` cameras, in the order of dome_cameras, are held out for the test: a share of them, rounded, spread
+// evenly over the rings and around them. At least one camera is held out and at least one is not; with a share of 0
+// none is held out. With a share above 0, count must be at least 2 (assert).
 std::vector<bool> held_out(uint32_t count, double share);
 
-// Grows the smallest radius at which every point is in every camera's image. The lenses are alike: `focal` in half
-// widths and half heights of the image, the points kept `margin` (a share of the half) away from its border.
+// The smallest dome in which every camera sees every point. All cameras have the same lens.
 struct DomeFit {
-    glm::dvec3 centre{0};
-    glm::dvec2 focal{1};
-    double margin = 0;
-    double radius = 0;
+    glm::dvec3 centre{0};  // world, metres
+    glm::dvec2 focal{1};   // focal length in half widths and in half heights of the image
+    double margin = 0;     // between the points and the image's border, as a share of half the image
+    double radius = 0;     // of the dome, metres
 };
+// Enlarges the radius, where necessary, until every camera sees these points (world, metres).
 void include_points(DomeFit& fit, const std::vector<DomeCamera>& dome, const std::vector<glm::vec3>& points);
 
 stage::Camera make_camera(const DomeCamera& camera, const DomeFit& fit, uint32_t width, uint32_t height);

@@ -17,13 +17,13 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kRotationTolerance = 1e-2;  // files of three decimals
+constexpr double kRotationTolerance = 1e-2;  // some files have three decimals
 
 glm::dmat3 rows_of(const std::vector<double>& m) {
     return glm::transpose(glm::dmat3(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]));
 }
 
-// R_<camera> (Rodrigues' vector), which rounding leaves a rotation, else Rot_<camera>.
+// Reads R_<camera> (Rodrigues' vector), which stays a rotation when it is rounded, else Rot_<camera>.
 glm::dmat3 read_rotation(const OpencvYaml& file, const std::string& camera) {
     if (const auto axis_angle = file.matrix("R_" + camera, {3})) {
         const glm::dvec3 v((*axis_angle)[0], (*axis_angle)[1], (*axis_angle)[2]);
@@ -51,7 +51,7 @@ std::vector<double> require_matrix(const OpencvYaml& file, const std::string& ke
 
 uint32_t read_side(const OpencvYaml& file, const std::string& key) {
     const double side = file.number(key).value_or(0);
-    if (side == -1 || side == 0) return 0;  // EasyMocap's "not known"
+    if (side == -1 || side == 0) return 0;  // in EasyMocap: not known
     if (!(side >= 1 && side <= 1e9 && side == std::floor(side)))
         throw InputError(file.file(), key, fmt::format("is {}", side), "give the images' size in pixels");
     return static_cast<uint32_t>(side);
@@ -68,7 +68,7 @@ Lens read_lens(const OpencvYaml& file, const std::string& camera) {
     Lens lens;
     lens.fx = k[0];
     lens.fy = k[4];
-    lens.cx = k[2] + 0.5;  // OpenCV's pixel centres are whole numbers
+    lens.cx = k[2] + 0.5;  // in OpenCV, the centres of pixels are at whole numbers
     lens.cy = k[5] + 0.5;
     lens.width = read_side(file, "W_" + camera);
     lens.height = read_side(file, "H_" + camera);
@@ -94,7 +94,8 @@ RigCamera read_camera(const OpencvYaml& intrinsics, const OpencvYaml& extrinsics
     return camera;
 }
 
-// Masks of body parts (ZJU-MoCap's mask_cihp), and those of 0 and 1, are nearly black; a matte is white somewhere.
+// Whether masks contain numbers of body parts (ZJU-MoCap's mask_cihp), or 0 and 1: such masks are nearly black, whereas
+// a matte is white somewhere.
 bool hold_labels(const std::filesystem::path& masks, const std::vector<CameraFrames>& cameras) {
     constexpr uint8_t kLargestLabel = 32;
     if (masks.filename() == "mask_cihp") return true;

@@ -1,4 +1,4 @@
-// Data sets of EasyMocap, and ZJU-MoCap in its layout: intri.yml, extri.yml and a folder of images a camera.
+// Data sets of EasyMocap, and of ZJU-MoCap in its layout: intri.yml, extri.yml and a folder of images per camera.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@ namespace neuvv::training {
 
 bool has_easymocap_files(const std::filesystem::path& folder);
 
-// Cameras without images are left out; of the others every 8th (the first, the 9th, … in the order of `names`) is
-// held out for the test split. Throws InputError naming file, place and fix.
+// Cameras without images are left out. Of the others every 8th (the first, the 9th, … in the order of `names`) is held
+// out for the test split. Throws InputError with file, place and fix.
 Rig read_easymocap_rig(const std::filesystem::path& folder, Split split);
 
 }  // namespace neuvv::training

@@ -38,7 +38,7 @@ void divide(std::vector<Evaluation::Group>& groups) {
     for (Evaluation::Group& group : groups) group.quality = divided(group.quality, group.images);
 }
 
-// What all the names begin with, without a part that only some digits of it are common.
+// The beginning that all names have in common, up to its last separator; of a single name, all of it.
 std::string common_name(const std::vector<const std::string*>& names) {
     if (names.size() == 1) return *names[0];
     size_t length = names[0]->size();
@@ -52,7 +52,7 @@ std::string common_name(const std::vector<const std::string*>& names) {
     return separator == std::string::npos ? "" : names[0]->substr(0, separator);
 }
 
-// Nothing is known of ignored pixels: white in both images.
+// Ignored pixels are white in both images, as nothing is known about them.
 void whiten_ignored(const View& view, media::Image& image) {
     for (uint32_t y = 0; y < image.height && !view.ignored.empty(); ++y)
         for (uint32_t x = 0; x < image.width; ++x)
@@ -70,7 +70,7 @@ std::vector<std::string> camera_labels(const Dataset& dataset) {
     std::vector<std::vector<const std::string*>> names(dataset.cameras.size());
     for (const View& view : dataset.views) names[view.camera].push_back(&view.name);
     std::vector<std::string> labels;
-    std::set<std::string> distinct{""};  // an empty one will not do
+    std::set<std::string> distinct{""};  // with "", so that no label may be empty
     bool good = true;
     for (const auto& of_camera : names) {
         labels.push_back(of_camera.empty() ? "" : common_name(of_camera));
@@ -90,15 +90,15 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
         std::iota(all.begin(), all.end(), size_t{0});
         return all;
     }
-    std::set<size_t> chosen;
+    std::set<size_t> selected;
     const size_t cameras = by_camera.size(), turns = std::max(cameras, count);
-    // Instants follow the golden ratio: however many are taken, they lie evenly.
+    // Times follow multiples of the golden ratio, which are spread evenly however many there are.
     for (size_t i = 0; i < count; ++i) {
         const std::vector<size_t>& views = by_camera[i * turns / count % cameras];
-        const double place = std::fmod(static_cast<double>(i) * 0.6180339887, 1.0);
-        chosen.insert(views[static_cast<size_t>(place * static_cast<double>(views.size()))]);
+        const double fraction = std::fmod(static_cast<double>(i) * 0.6180339887, 1.0);
+        selected.insert(views[static_cast<size_t>(fraction * static_cast<double>(views.size()))]);
     }
-    return {chosen.begin(), chosen.end()};
+    return {selected.begin(), selected.end()};
 }
 
 media::Image truth_over_white(const Dataset& dataset, const View& view) {

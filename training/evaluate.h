@@ -1,4 +1,4 @@
-// A VOctree measured against the images of a data set.
+// Measures a VOctree against the images of a data set.
 #pragma once
 
 #include <functional>
@@ -17,40 +17,40 @@ namespace neuvv::training {
 
 struct Evaluation {
     struct Group {
-        Quality quality;  // mean over its images
+        Quality quality;  // mean over the group's images
         uint32_t images = 0;
     };
     Quality mean;                // over all images
-    std::vector<Group> cameras;  // by Dataset::cameras
-    std::vector<Group> frames;   // by Dataset::times
-    std::vector<Quality> views;  // by Dataset::views
+    std::vector<Group> cameras;  // in the order of Dataset::cameras
+    std::vector<Group> frames;   // in the order of Dataset::times
+    std::vector<Quality> views;  // in the order of Dataset::views
 };
 
-// Called after each view with what was compared, both opaque; false ends the evaluation early.
+// Called after each view with the two images that were compared, both opaque; returns false to end the evaluation.
 using ViewCallback =
     std::function<bool(size_t view, const media::Image& truth, const media::Image& render, const Quality& quality)>;
 
-// Renders every view with samples² rays a pixel and compares, both over white (see Quality), ignored
-// pixels white in both. Where it ended early,
-// means are over what was done. The tree must be sound (defect_of). Throws RuntimeFailure.
+// Renders every view with samples² rays per pixel and compares it with the data set's image, both over white (see
+// Quality). Ignored pixels are white in both. After an early end, means are over the views that were compared. The tree
+// must be sound (voctree::defect_of). Throws RuntimeFailure.
 Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done = {});
 
-// Index into Dataset::times.
+// The view's frame: an index into Dataset::times.
 size_t frame_of_view(const Dataset& dataset, const View& view);
 
-// A name for each camera: what its images' names begin with, up to a separator ("c00_f003", "c00_f017": "c00"), or
-// its only image's name. Where that gives two cameras the same name, all are called by their numbers.
+// A name for each camera: what the names of its images have in common, up to a separator ("c00_f003" and "c00_f017":
+// "c00"), or the name of its only image. Where two cameras would get the same name, all cameras get numbers.
 std::vector<std::string> camera_labels(const Dataset& dataset);
 
-// At most `count` views, ascending, spread over cameras and times.
+// Indices of at most `count` views, ascending, spread over cameras and times.
 std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 
-// What `renderer`, made for a field of `frames` frames, shows of a view, over white.
+// Renders a view over white, its ignored pixels white, too. The renderer must be that of a field of `frames` frames.
 media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view,
                                uint32_t frames, uint32_t samples);
 
-// A view's image over white; where its camera has a clean plate, without the captured background.
+// The data set's image of a view over white. Where the camera has a clean plate, the captured background is removed.
 media::Image truth_over_white(const Dataset& dataset, const View& view);
 
 }  // namespace neuvv::training

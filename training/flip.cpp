@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 const glm::dvec3 kWhite{0.950428545, 1.0, 1.088900371};  // D65 in XYZ
 constexpr size_t kRowsAtATime = 8;
-constexpr uint32_t kLanes = 16;  // pixels filtered together: a loop of known length becomes vector instructions
+constexpr uint32_t kLanes = 16;  // pixels filtered together: the compiler makes vector instructions of a fixed count
 
 glm::dvec3 xyz_from_rgb(glm::dvec3 c) {
     return {(10135552.0 * c.r + 8788810.0 * c.g + 4435075.0 * c.b) / 24577794.0,
@@ -24,7 +24,7 @@ glm::dvec3 xyz_from_rgb(glm::dvec3 c) {
             (1425312.0 * c.r + 8788810.0 * c.g + 70074185.0 * c.b) / 73733382.0};
 }
 
-// The same, relative to white, and back.
+// From linear RGB to XYZ relative to white, and back.
 const glm::mat3 kRelativeXyzFromRgb{xyz_from_rgb({1, 0, 0}) / kWhite, xyz_from_rgb({0, 1, 0}) / kWhite,
                                     xyz_from_rgb({0, 0, 1}) / kWhite};
 const glm::mat3 kRgbFromRelativeXyz = glm::inverse(glm::dmat3(kRelativeXyzFromRgb));
@@ -40,7 +40,7 @@ glm::vec3 rgb_from_opponent(glm::vec3 c) {
     return kRgbFromRelativeXyz * glm::vec3(c.y / 500 + y, y, y - c.z / 200);
 }
 
-// CIE L*a*b* with a* and b* damped in the dark (Hunt).
+// CIE L*a*b*, in which a* and b* are reduced in the dark (Hunt effect).
 glm::vec3 hunt_lab(glm::vec3 rgb) {
     glm::vec3 c = kRelativeXyzFromRgb * rgb;
     constexpr float kDelta = 6.0f / 29;
@@ -54,7 +54,7 @@ float hyab(glm::vec3 a, glm::vec3 b) {
     return std::abs(a.x - b.x) + glm::length(glm::vec2(a.y - b.y, a.z - b.z));
 }
 
-// One number a pixel. Reading a few numbers beyond a row's end is allowed.
+// One number per pixel. A row may be read up to kLanes numbers beyond its end.
 struct Plane {
     uint32_t width = 0, height = 0;
     std::vector<float> values;
@@ -90,7 +90,7 @@ void weighted_sum(const Kernel& kernel, const std::vector<const float*>& rows, u
     }
 }
 
-// Beyond the edge the edge's pixel repeats.
+// Filters each row; beyond the edge, the pixel at the edge is repeated.
 Plane along_x(const Plane& in, const Kernel& kernel) {
     Plane out(in.width, in.height);
     const size_t radius = kernel.size() / 2;
@@ -141,7 +141,7 @@ struct SensitivityTerm {
 const std::array<std::vector<SensitivityTerm>, 3> kSensitivities{
     {{{1, 0.0047}}, {{1, 0.0053}}, {{34.1, 0.04}, {13.5, 0.025}}}};
 
-// A channel blurred by its contrast sensitivity, whose whole weight is 1.
+// A channel blurred by its contrast sensitivity function, the weights of which sum to 1.
 Plane blurred(const Plane& in, const std::vector<SensitivityTerm>& terms, double pixels_per_degree) {
     const int radius = static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * kPi * kPi)) * pixels_per_degree));
     Plane out(in.width, in.height);
@@ -161,7 +161,7 @@ Plane blurred(const Plane& in, const std::vector<SensitivityTerm>& terms, double
     return out;
 }
 
-// What is left of an image at this viewing distance, in hunt_lab's colours.
+// What a viewer sees of an image at this distance, in the colours of hunt_lab.
 LabImage seen(const LabImage& opponent, double pixels_per_degree) {
     LabImage out{blurred(opponent[0], kSensitivities[0], pixels_per_degree),
                  blurred(opponent[1], kSensitivities[1], pixels_per_degree),
@@ -176,7 +176,7 @@ LabImage seen(const LabImage& opponent, double pixels_per_degree) {
     return out;
 }
 
-// Its positive values sum to 1, its negative ones to −1 (or to 0).
+// The kernel scaled so that its positive values sum to 1 and its negative values, where there are any, to −1.
 Kernel normalised(Kernel kernel) {
     float positive = 0, negative = 0;
     for (const float value : kernel) (value > 0 ? positive : negative) += value;
@@ -208,7 +208,7 @@ Features features(Plane grey, double pixels_per_degree) {
             lengths(along_y(along_x(grey, point), smooth), along_y(smooth_x, point))};
 }
 
-// Large colour differences are compressed into the top twentieth of [0,1].
+// HyAB difference as an error in [0,1]; large differences are compressed into the top twentieth.
 float colour_error(glm::vec3 a, glm::vec3 b) {
     constexpr float kExponent = 0.7f, kKnee = 0.4f, kAtKnee = 0.95f;
     static const float largest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), kExponent);
@@ -217,7 +217,7 @@ float colour_error(glm::vec3 a, glm::vec3 b) {
                         : std::min(1.0f, kAtKnee + (error - knee) / (largest - knee) * (1 - kAtKnee));
 }
 
-// matplotlib's magma at ninths, sRGB.
+// matplotlib's colour map magma at multiples of 1/9, sRGB.
 constexpr uint8_t kMagma[][3] = {{0, 0, 4},      {24, 15, 62},  {69, 16, 119},   {114, 31, 129},  {159, 47, 127},
                                  {205, 64, 113}, {241, 96, 93}, {253, 149, 103}, {254, 201, 141}, {252, 253, 191}};
 

@@ -11,13 +11,14 @@ namespace neuvv::training {
 // Pixels per degree of vision: a 0.7 m wide screen of 3840 pixels, 0.7 m away.
 constexpr double kPixelsPerDegree = 67.0206;
 
-// One value in [0,1] a pixel, row by row; 0: no difference is seen. Images of one size (assert); alpha is ignored:
-// composite first.
+// One value in [0,1] per pixel, row by row; 0 where no difference is visible. The images must have one size (assert).
+// Alpha is ignored: composite first.
 std::vector<float> flip(const media::Image& a, const media::Image& b, double pixels_per_degree = kPixelsPerDegree);
 
 double mean_of(const std::vector<float>& errors);
 
-// Such values as an image for looking at: from 0, black, over purple and orange to 1, pale yellow.
+// Such values as an image for people to look at: from 0, black, over purple and orange to 1, pale yellow. Needs
+// width · height values (assert).
 media::Image flip_image(const std::vector<float>& errors, uint32_t width, uint32_t height);
 
 }  // namespace neuvv::training

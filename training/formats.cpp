@@ -16,13 +16,13 @@ namespace {
 
 struct Format {
     const char* name;
-    const char* files;  // by which it is known, for errors
+    const char* files;  // the files by which it is recognised, for errors
     bool (*detects)(const std::filesystem::path& folder);
     Rig (*read)(const std::filesystem::path& folder, Split split);
     bool validates;  // has Split::kVal
 };
 
-// In the order in which they are tried: a folder often holds what other programs left there, too.
+// In the order in which layouts are tried, as a folder often contains files of several programs.
 constexpr Format kFormats[] = {
     {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig, true},
     {"n3v", "poses_bounds.npy", has_n3v_files, read_n3v_rig, false},
@@ -41,12 +41,12 @@ const Format& find_format(const std::filesystem::path& folder, const std::string
     throw InputError("--format", name, "is not a known layout", "give one of " + known);
 }
 
-// What every layout must keep, told in the words of its own file.
+// Checks what must hold in every layout. Errors name the place in the layout's own file.
 void expect_sound(const Rig& rig) {
     if (rig.shots.empty())
         throw InputError(rig.file.empty() ? rig.folder.string() : rig.file, "", "has no image of this split");
     std::map<std::pair<std::filesystem::path, int64_t>, const Shot*> images;
-    std::map<std::pair<uint32_t, double>, const Shot*> instants;
+    std::map<std::pair<uint32_t, double>, const Shot*> shots_by_time;
     std::map<std::string, const Shot*> names;
     for (const Shot& shot : rig.shots) {
         const auto fail = [&](const std::string& problem, const std::string& fix) {
@@ -56,7 +56,7 @@ void expect_sound(const Rig& rig) {
         const auto image = std::pair(shot.image.path.lexically_normal(), shot.image.video_frame);
         if (const auto [same, fresh] = images.try_emplace(image, &shot); !fresh)
             fail("is the image of " + same->second->place + " again", "give each frame its own image");
-        if (const auto [twin, alone] = instants.try_emplace({shot.camera, shot.time}, &shot); !alone)
+        if (const auto [twin, alone] = shots_by_time.try_emplace({shot.camera, shot.time}, &shot); !alone)
             fail("has the camera and the time of " + twin->second->place,
                  "remove the duplicate, or give each frame its time");
         if (const auto [twin, alone] = names.try_emplace(shot.name, &shot); !alone)
@@ -64,7 +64,7 @@ void expect_sound(const Rig& rig) {
     }
 }
 
-// Some layouts calibrate cameras that this split does not use.
+// Removes cameras that this split does not use: some layouts calibrate the cameras of all splits.
 void drop_cameras_without_shots(Rig& rig) {
     std::vector<RigCamera> kept;
     std::map<uint32_t, uint32_t> numbers;

@@ -1,4 +1,4 @@
-// The layouts of captures that NeuVV reads, recognised by their files.
+// The layouts of data sets that NeuVV reads, recognised by their files.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@ namespace neuvv::training {
 
 constexpr char kAnyFormat[] = "auto";
 
-// For --format: kAnyFormat, then the layouts.
+// The values of --format: kAnyFormat, then the names of the layouts.
 std::vector<std::string> format_names();
 
-// The cameras and images of a split, in order of the shots' first use, checked: there is a shot, shots have distinct
-// names, images and times of their camera, and times in [0,1]. `format` is one of format_names(); kAnyFormat takes
-// the first layout whose files are there. Throws InputError.
+// The cameras and shots of a split; cameras without shots are left out. What it returns is checked: there is a shot, no
+// two shots have the same name, the same image, or the same camera and time, and times lie in [0,1]. `format` is one of
+// format_names(); kAnyFormat takes the first layout whose files exist. Throws InputError.
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format = kAnyFormat);
 
 }  // namespace neuvv::training

@@ -16,44 +16,47 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr float kForbiddenOpacity = 0.1f;  // its negative stands where the hull forbids matter
-constexpr float kInitialOpacity = 0.7f;    // optical depth of a leaf of the first tree, in frames that the hull allows
-constexpr uint32_t kFirstDepth = 4;        // of the grid that carving starts from
+// Optical depths over a leaf's edge: minus the first where a leaf must be empty, the second for leaves of the first
+// tree in frames in which the hull allows matter.
+constexpr float kForbiddenOpacity = 0.1f, kInitialOpacity = 0.7f;
+constexpr uint32_t kFirstDepth = 4;  // octree depth of the grid with which carving begins
 
-// Coarse cells are carved by the ball about them, for the sake of their children; cells of the finest depth by a small
-// ball: matter in their corners only is worth less than a hull without a fringe, which training would have to clear.
-HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPosition& place, uint32_t finest) {
-    const float edge = tree.box_size.x / static_cast<float>(1u << place.depth);
-    const glm::vec3 centre = tree.box_min + edge * (glm::vec3(place.x, place.y, place.z) + 0.5f);
-    return {centre, edge * (place.depth < finest ? 0.5f * std::sqrt(3.0f) : 0.25f)};
+// The ball by which a leaf is carved. That of a coarse leaf encloses it, so that no child is lost. That of a leaf of
+// the finest depth is smaller: a hull that misses matter in corners of leaves is better than one with a fringe of empty
+// leaves, which training would have to clear.
+HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t finest) {
+    const float edge = tree.box_size.x / static_cast<float>(1u << position.depth);
+    const glm::vec3 centre = tree.box_min + edge * (glm::vec3(position.x, position.y, position.z) + 0.5f);
+    return {centre, edge * (position.depth < finest ? 0.5f * std::sqrt(3.0f) : 0.25f)};
 }
 
-void append_children(std::vector<voctree::LeafPosition>& places, const voctree::LeafPosition& place) {
+void append_children(std::vector<voctree::LeafPosition>& positions, const voctree::LeafPosition& position) {
     for (uint32_t i = 0; i < 8; i++)
-        places.push_back({2 * place.x + (i & 1), 2 * place.y + (i >> 1 & 1), 2 * place.z + (i >> 2), place.depth + 1});
+        positions.push_back(
+            {2 * position.x + (i & 1), 2 * position.y + (i >> 1 & 1), 2 * position.z + (i >> 2), position.depth + 1});
 }
 
 bool any_bit(const uint32_t* bits, size_t words) {
     return std::any_of(bits, bits + words, [](uint32_t word) { return word != 0; });
 }
 
-// Places that the hull allows in some frame.
+// Positions of leaves in which the hull allows matter in at least one frame.
 struct Carved {
-    std::vector<voctree::LeafPosition> places;
-    std::vector<uint32_t> bits;     // per place, per dataset time
-    std::vector<uint32_t> parents;  // index into what was given, divided by `group`
+    std::vector<voctree::LeafPosition> positions;
+    std::vector<uint32_t> bits;     // as carve() returns them, one bit per time of the data set
+    std::vector<uint32_t> parents;  // per position: the index of its group of `group` positions given to keep_allowed
 };
 
 Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
-                    const std::vector<voctree::LeafPosition>& places, uint32_t group, uint32_t finest) {
+                    const std::vector<voctree::LeafPosition>& positions, uint32_t group, uint32_t finest) {
     const size_t words = hull_words(dataset);
-    std::vector<HullCell> cells(places.size());
-    for (size_t i = 0; i < places.size(); i++) cells[i] = hull_cell(tree, places[i], finest);
+    std::vector<HullCell> cells(positions.size());
+    for (size_t i = 0; i < positions.size(); i++) cells[i] = hull_cell(tree, positions[i], finest);
     const std::vector<uint32_t> bits = carve(dataset, cells);
     Carved kept;
-    for (size_t i = 0; i < places.size(); i++) {
+    for (size_t i = 0; i < positions.size(); i++) {
         if (!any_bit(&bits[i * words], words)) continue;
-        kept.places.push_back(places[i]);
+        kept.positions.push_back(positions[i]);
         kept.bits.insert(kept.bits.end(), &bits[i * words], &bits[i * words] + words);
         kept.parents.push_back(static_cast<uint32_t>(i / group));
     }
@@ -64,7 +67,7 @@ float density_of(const voctree::VOctree& tree, uint32_t depth, float optical_dep
     return optical_depth * static_cast<float>(1u << depth) / tree.box_size.x;
 }
 
-// Allowed bits are per dataset time; a tree's frames are spread evenly over them.
+// The bits of carve(), one per time of the data set, as one bit per frame of the tree.
 std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const uint32_t* bits) {
     std::vector<uint32_t> result((frames + 31) / 32);
     for (size_t i = 0; i < dataset.times.size(); i++) {
@@ -76,13 +79,13 @@ std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const 
     return result;
 }
 
-// Empties a leaf's course of σ in the frames that the hull forbids.
+// Makes a leaf's σ of each frame, `values`, negative in the frames in which the hull forbids it.
 void fit_to_hull(const Dataset& dataset, const voctree::VOctree& tree, const Carved& carved, size_t i,
-                 std::vector<float>& course) {
+                 std::vector<float>& values) {
     const auto allowed = frame_bits(dataset, tree.frames, &carved.bits[i * hull_words(dataset)]);
-    const float below = -density_of(tree, carved.places[i].depth, kForbiddenOpacity);
-    for (size_t t = 0; t < course.size(); t++)
-        if (!(allowed[t / 32] >> t % 32 & 1)) course[t] = std::min(course[t], below);
+    const float below = -density_of(tree, carved.positions[i].depth, kForbiddenOpacity);
+    for (size_t t = 0; t < values.size(); t++)
+        if (!(allowed[t / 32] >> t % 32 & 1)) values[t] = std::min(values[t], below);
 }
 
 // The weight of the constant function H_000 = 1/(π√2) that gives this linear value after the sigmoid.
@@ -92,20 +95,20 @@ float constant_weight(float linear) {
 }
 
 void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const Carved& carved) {
-    const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
+    const BasisSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     const std::vector<float> gamma = initial_gamma_weights(tree.bases);
-    const float sigma = density_of(tree, carved.places[0].depth, kInitialOpacity);
+    const float sigma = density_of(tree, carved.positions[0].depth, kInitialOpacity);
     tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0);
     std::vector<glm::vec3> centres(tree.leaf_count);
-    for (size_t i = 0; i < centres.size(); i++) centres[i] = hull_cell(tree, carved.places[i], 0).centre;
+    for (size_t i = 0; i < centres.size(); i++) centres[i] = hull_cell(tree, carved.positions[i], 0).centre;
     const std::vector<glm::vec3> colours = first_colours(dataset, centres, carved.bits);
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
-        std::vector<float> course(tree.frames);
+        std::vector<float> values(tree.frames);
         for (size_t i = begin; i < end; i++) {
-            std::fill(course.begin(), course.end(), sigma);
-            fit_to_hull(dataset, tree, carved, i, course);
+            std::fill(values.begin(), values.end(), sigma);
+            fit_to_hull(dataset, tree, carved, i, values);
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
-            solver.solve(course.data(), leaf);
+            solver.solve(values.data(), leaf);
             std::copy(gamma.begin(), gamma.end(), leaf + tree.bases);
             for (uint32_t channel = 0; channel < 3; channel++)
                 leaf[2 * tree.bases + channel * hh_count(tree.hh_degree)] =
@@ -115,75 +118,77 @@ void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const C
 }
 
 // The σ of a leaf in every frame before relu.
-void sigma_course(const voctree::VOctree& tree, const float* leaf, std::vector<float>& course) {
+void sigma_of_frames(const voctree::VOctree& tree, const float* leaf, std::vector<float>& values) {
     for (uint32_t t = 0; t < tree.frames; t++) {
-        course[t] = 0;
-        for (uint32_t c = 0; c < tree.bases; c++) course[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
+        values[t] = 0;
+        for (uint32_t c = 0; c < tree.bases; c++) values[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
     }
 }
 
-// Metres that a pixel covers at a place, in the camera where it covers least.
-double footprint_at(const Dataset& dataset, glm::dvec3 place) {
-    double least = std::numeric_limits<double>::infinity();
+// The metres that a pixel covers at a position, in the camera where it covers least.
+double footprint_at(const Dataset& dataset, glm::dvec3 position) {
+    double smallest = std::numeric_limits<double>::infinity();
     for (const stage::Camera& camera : dataset.cameras)
-        least = std::min(least, glm::length(glm::dvec3(camera.world_from_camera[3]) - place) / camera.fx);
-    return least;
+        smallest = std::min(smallest, glm::length(glm::dvec3(camera.world_from_camera[3]) - position) / camera.fx);
+    return smallest;
 }
 
-bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voctree::LeafPosition& place, float reach,
-                const GrowSettings& settings) {
-    if (place.depth >= settings.max_depth || reach < settings.divide_from) return false;
-    if (settings.divide_pixels <= 0) return true;
-    const double edge = static_cast<double>(tree.box_size.x) / (1u << place.depth);
-    return edge >= settings.divide_pixels * footprint_at(dataset, hull_cell(tree, place, 0).centre);
+bool may_divide(const Dataset& dataset, const voctree::VOctree& tree, const voctree::LeafPosition& position,
+                float max_weight, const GrowSettings& settings) {
+    if (position.depth >= settings.max_depth || max_weight < settings.min_weight_to_divide) return false;
+    if (settings.min_pixels_to_divide <= 0) return true;
+    const double edge = static_cast<double>(tree.box_size.x) / (1u << position.depth);
+    return edge >= settings.min_pixels_to_divide * footprint_at(dataset, hull_cell(tree, position, 0).centre);
 }
 
-// Which leaves divide; the tree stays within max_leaves.
-std::vector<bool> choose_divided(const Dataset& dataset, const voctree::VOctree& tree,
-                                 const std::vector<voctree::LeafPosition>& places, const LeafUse& use,
+// Which leaves divide. One leaf becomes up to eight, so that each may add 7 to the count without exceeding max_leaves.
+std::vector<bool> select_divided(const Dataset& dataset, const voctree::VOctree& tree,
+                                 const std::vector<voctree::LeafPosition>& positions, const LeafUse& use,
                                  const GrowSettings& settings) {
-    std::vector<uint32_t> wanted;
-    const bool by_pull = settings.divide_share < 1;
-    for (uint32_t i = 0; i < places.size(); i++) {
-        if (by_pull && use.pull[i] <= 0) continue;
-        if (may_divide(dataset, tree, places[i], use.reach[i], settings)) wanted.push_back(i);
+    std::vector<uint32_t> selected;
+    const bool by_sensitivity = settings.divide_share < 1;
+    for (uint32_t i = 0; i < positions.size(); i++) {
+        if (by_sensitivity && use.opacity_sensitivity[i] <= 0) continue;
+        if (may_divide(dataset, tree, positions[i], use.max_weight[i], settings)) selected.push_back(i);
     }
-    size_t room = wanted.size();
-    if (by_pull) room = static_cast<size_t>(settings.divide_share * static_cast<float>(places.size()));
+    size_t room = selected.size();
+    if (by_sensitivity) room = static_cast<size_t>(settings.divide_share * static_cast<float>(positions.size()));
     if (settings.max_leaves > 0)
-        room = std::min(room, settings.max_leaves > places.size() ? (settings.max_leaves - places.size()) / 7 : 0);
-    if (wanted.size() > room) {
-        const std::vector<float>& worth = by_pull ? use.pull : use.reach;
-        std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) { return worth[a] > worth[b]; });
-        wanted.resize(room);
+        room =
+            std::min(room, settings.max_leaves > positions.size() ? (settings.max_leaves - positions.size()) / 7 : 0);
+    if (selected.size() > room) {
+        const std::vector<float>& worth = by_sensitivity ? use.opacity_sensitivity : use.max_weight;
+        std::stable_sort(selected.begin(), selected.end(), [&](uint32_t a, uint32_t b) { return worth[a] > worth[b]; });
+        selected.resize(room);
     }
-    std::vector<bool> divided(places.size());
-    for (const uint32_t i : wanted) divided[i] = true;
+    std::vector<bool> divided(positions.size());
+    for (const uint32_t i : selected) divided[i] = true;
     return divided;
 }
 
-// Empties a leaf's course of σ in the frames that did not use the leaf it comes from. Where fewer bases than frames
-// span the course, emptying some frames would thin the others: it stays.
+// Makes a leaf's σ of each frame, `values`, negative in the frames that did not use the leaf from which it comes. Where
+// frames share bases this would make other frames thinner, so nothing changes there.
 void fit_to_use(const voctree::VOctree& tree, const LeafUse& use, uint32_t parent, uint32_t depth,
-                std::vector<float>& course) {
+                std::vector<float>& values) {
     if (tree.bases < tree.frames) return;
     const float below = -density_of(tree, depth, kForbiddenOpacity);
     for (uint32_t t = 0; t < tree.frames; t++)
         if (!(use.frames[size_t{t / 32} * tree.leaf_count + parent] >> t % 32 & 1))
-            course[t] = std::min(course[t], below);
+            values[t] = std::min(values[t], below);
 }
 
-// Which leaves stay, or divide.
-std::vector<bool> choose_kept(const std::vector<float>& reach, const GrowSettings& settings) {
-    std::vector<uint32_t> chosen;
-    for (uint32_t i = 0; i < reach.size(); i++)
-        if (reach[i] >= settings.prune_below) chosen.push_back(i);
-    if (settings.max_leaves > 0 && chosen.size() > settings.max_leaves) {
-        std::stable_sort(chosen.begin(), chosen.end(), [&](uint32_t a, uint32_t b) { return reach[a] > reach[b]; });
-        chosen.resize(settings.max_leaves);
+// Which leaves are not removed.
+std::vector<bool> select_kept(const std::vector<float>& max_weight, const GrowSettings& settings) {
+    std::vector<uint32_t> selected;
+    for (uint32_t i = 0; i < max_weight.size(); i++)
+        if (max_weight[i] >= settings.prune_below) selected.push_back(i);
+    if (settings.max_leaves > 0 && selected.size() > settings.max_leaves) {
+        std::stable_sort(selected.begin(), selected.end(),
+                         [&](uint32_t a, uint32_t b) { return max_weight[a] > max_weight[b]; });
+        selected.resize(settings.max_leaves);
     }
-    std::vector<bool> kept(reach.size());
-    for (const uint32_t i : chosen) kept[i] = true;
+    std::vector<bool> kept(max_weight.size());
+    for (const uint32_t i : selected) kept[i] = true;
     return kept;
 }
 
@@ -231,64 +236,64 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
 
     const uint32_t target = std::max(depth - std::min(levels_above, depth - 1), 1u);
     const uint32_t start = std::min(kFirstDepth, target);
-    std::vector<voctree::LeafPosition> places;
+    std::vector<voctree::LeafPosition> positions;
     for (uint32_t z = 0; z < 1u << start; z++)
         for (uint32_t y = 0; y < 1u << start; y++)
-            for (uint32_t x = 0; x < 1u << start; x++) places.push_back({x, y, z, start});
-    Carved carved = keep_allowed(dataset, tree, places, 1, depth);
+            for (uint32_t x = 0; x < 1u << start; x++) positions.push_back({x, y, z, start});
+    Carved carved = keep_allowed(dataset, tree, positions, 1, depth);
     for (uint32_t at = start; at < target; at++) {
         std::vector<voctree::LeafPosition> finer;
-        for (const voctree::LeafPosition& place : carved.places) append_children(finer, place);
+        for (const voctree::LeafPosition& position : carved.positions) append_children(finer, position);
         carved = keep_allowed(dataset, tree, finer, 8, depth);
     }
-    if (carved.places.empty())
+    if (carved.positions.empty())
         throw InputError(dataset.folder.string(), "", "the mattes leave no matter at this resolution",
                          "check that alpha is the matte, or raise --resolution");
-    voctree::build_topology(tree, carved.places);
+    voctree::build_topology(tree, carved.positions);
     set_initial_weights(dataset, tree, carved);
     return tree;
 }
 
 voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, const LeafUse& use,
                       const GrowSettings& settings) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    const std::vector<bool> divided = choose_divided(dataset, tree, places, use, settings);
-    const std::vector<bool> stays = choose_kept(use.reach, settings);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    const std::vector<bool> divided = select_divided(dataset, tree, positions, use, settings);
+    const std::vector<bool> stays = select_kept(use.max_weight, settings);
     std::vector<voctree::LeafPosition> grown, children;
     std::vector<uint32_t> parents, dividing;
-    for (uint32_t i = 0; i < places.size(); i++) {
+    for (uint32_t i = 0; i < positions.size(); i++) {
         if (!stays[i]) continue;
         if (divided[i]) {
-            append_children(children, places[i]);
+            append_children(children, positions[i]);
             dividing.push_back(i);
         } else {
-            grown.push_back(places[i]);
+            grown.push_back(positions[i]);
             parents.push_back(i);
         }
     }
     const size_t kept = grown.size();
     const Carved carved = keep_allowed(dataset, tree, children, 8, settings.max_depth);
-    grown.insert(grown.end(), carved.places.begin(), carved.places.end());
+    grown.insert(grown.end(), carved.positions.begin(), carved.positions.end());
     for (const uint32_t group : carved.parents) parents.push_back(dividing[group]);
-    if (grown.empty()) return tree;  // nothing was reached: better an untouched tree than none
+    if (grown.empty()) return tree;  // rays saw nothing: an unchanged tree is better than none
 
     voctree::VOctree result = same_shape(tree);
-    for (const voctree::LeafPosition& place : carved.places)
-        result.node_levels = std::max(result.node_levels, (place.depth + 1) / 2);
+    for (const voctree::LeafPosition& position : carved.positions)
+        result.node_levels = std::max(result.node_levels, (position.depth + 1) / 2);
     voctree::build_topology(result, grown);
     result.weights.resize(size_t{result.leaf_count} * result.weights_per_leaf());
-    const CourseSolver solver(tree.sigma_basis, tree.frames, tree.bases);
+    const BasisSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     parallel_for(grown.size(), 1024, [&](size_t begin, size_t end) {
-        std::vector<float> course(tree.frames);
+        std::vector<float> values(tree.frames);
         for (size_t i = begin; i < end; i++) {
             const float* parent = tree.leaf(parents[i]);
             float* leaf = result.leaf(static_cast<uint32_t>(i));
             std::memcpy(leaf, parent, sizeof(float) * tree.weights_per_leaf());
             if (i < kept && !settings.empty_unused) continue;
-            sigma_course(tree, parent, course);
-            if (settings.empty_unused) fit_to_use(tree, use, parents[i], grown[i].depth, course);
-            if (i >= kept) fit_to_hull(dataset, tree, carved, i - kept, course);
-            solver.solve(course.data(), leaf);
+            sigma_of_frames(tree, parent, values);
+            if (settings.empty_unused) fit_to_use(tree, use, parents[i], grown[i].depth, values);
+            if (i >= kept) fit_to_hull(dataset, tree, carved, i - kept, values);
+            solver.solve(values.data(), leaf);
         }
     });
     return result;

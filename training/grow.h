@@ -1,4 +1,4 @@
-// How the tree of a training run comes to be and changes: from the visual hull, coarse to fine.
+// How the tree of a training run begins and changes: from the visual hull, coarse to fine.
 #pragma once
 
 #include "training/dataset.h"
@@ -8,8 +8,8 @@
 namespace neuvv::training {
 
 struct TreeShape {
-    uint32_t resolution = 0;  // finest leaves along the longest side of the hull's box; 0: as fine as the images show
-    uint32_t bases = 31;      // C, at most one for each frame is used
+    uint32_t resolution = 0;  // finest leaves along the longest side of the hull's box; 0: natural_resolution
+    uint32_t bases = 31;      // C; no more than one per frame are used
     uint32_t hh_degree = 1;
 };
 
@@ -18,26 +18,34 @@ constexpr uint32_t kMaxResolution = 2048;
 // Octree depth of the finest leaves of a tree of this resolution.
 uint32_t depth_of_resolution(uint32_t resolution);
 
-// Leaves along the longest side such that a leaf is as large as a pixel at the scene's distance.
+// The number of leaves along the box's longest side with which a leaf is as large as a pixel at the box's distance,
+// between 32 and 512.
 uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, glm::dvec3>& box);
 
-// A tree whose leaves, all `levels_above` the finest depth, are where the hull allows matter in any frame, in
-// first_colours, faintly opaque in the frames that the hull allows, empty in the others. Cells are cubes. Throws
-// InputError as hull_box does.
+// The first tree. Its leaves are cubes, all `levels_above` levels above the finest depth, wherever the hull allows
+// matter in any frame. They have the colours of first_colours, are partly opaque in frames in which the hull allows
+// matter, and empty in the others. Throws InputError as hull_box does, and where no leaf is left.
 voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above);
 
 struct GrowSettings {
     uint32_t max_depth = 0;
-    float prune_below = 0;      // leaves whose reach stays under it go (0: none)
-    bool empty_unused = false;  // leaves that stay are emptied in frames that did not use them, where C = frames
-    float divide_from = 2;      // leaves of at least this reach may become their children, those that the hull allows;
-    float divide_share = 1;     // of those that may, the share at which the loss pulls hardest,
-    double divide_pixels = 0;   // and whose edge is at least so many pixels in the camera that is nearest to them
-    uint32_t max_leaves = 0;    // where more would be kept, those of least reach go; where dividing would pass it, only
-                                // those of most reach, or of most pull, are divided (0: no bound)
+    float prune_below = 0;      // leaves whose maximum weight is below this are removed (0: none)
+    bool empty_unused = false;  // empty leaves in the frames that did not use them, where C = frames
+    // A leaf may divide, into those of its children that the hull allows, if its maximum weight is at least
+    // min_weight_to_divide and its edge covers at least min_pixels_to_divide pixels in the camera where it looks
+    // largest.
+    float min_weight_to_divide = 2;
+    double min_pixels_to_divide = 0;
+    // How many leaves may divide, as a share of all leaves. Below 1, those of highest opacity sensitivity do.
+    float divide_share = 1;
+    // The bound on the number of leaves (0: none). Where more would stay, those of lowest maximum weight are removed.
+    // Where dividing would exceed it, those of highest opacity sensitivity (with divide_share 1: of highest maximum
+    // weight) divide.
+    uint32_t max_leaves = 0;
 };
 
-// Children inherit their parent's weights, but are empty in the frames that the hull forbids them.
+// The tree after pruning and division. Children inherit their parent's weights, but are empty in the frames in which
+// the hull forbids them. Where no leaf would be left, the tree stays as it is.
 voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, const LeafUse& use,
                       const GrowSettings& settings);
 

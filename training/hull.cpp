@@ -13,10 +13,11 @@ namespace {
 
 constexpr uint8_t kMatteThreshold = 32;
 
-// Pixels of a kind, summed from the top left corner: any rectangle's count is four reads.
+// How many pixels of a kind lie above and to the left of each corner of pixels: the count in any rectangle takes four
+// reads.
 struct PixelSums {
     size_t stride = 0;
-    std::vector<uint32_t> sums;  // (width+1) × (height+1); empty: there are none of the kind
+    std::vector<uint32_t> sums;  // (width+1) × (height+1); empty: no pixel is of the kind
 
     template <typename IsOfKind>
     PixelSums(uint32_t width, uint32_t height, const IsOfKind& is_of_kind) : stride(size_t{width} + 1) {
@@ -55,6 +56,7 @@ Silhouette make_silhouette(const Dataset& dataset, const View& view) {
     return silhouette;
 }
 
+// What an image shows of a cell; kUnseen: nothing can be said.
 enum class Verdict { kUnseen, kBackground, kMatter };
 
 Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
@@ -63,12 +65,12 @@ Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
     const double depth = -p.z, radius = static_cast<double>(cell.radius);
     if (depth <= 2 * radius) return Verdict::kUnseen;
     const double x = camera.cx + camera.fx * p.x / depth, y = camera.cy - camera.fy * p.y / depth;
-    // The ball's image lies inside this rectangle (its nearest point magnifies); matter in it shows in pixels whose
-    // centre is at most half a pixel further out.
-    const double reach_x = camera.fx * radius * (1 + std::abs(p.x) / depth) / (depth - radius) + 0.5;
-    const double reach_y = camera.fy * radius * (1 + std::abs(p.y) / depth) / (depth - radius) + 0.5;
-    const double left = std::ceil(x - reach_x - 0.5), right = std::floor(x + reach_x - 0.5) + 1;
-    const double top = std::ceil(y - reach_y - 0.5), bottom = std::floor(y + reach_y - 0.5) + 1;
+    // The ball's image lies inside this rectangle, whose size is that at the distance of the ball's nearest point.
+    // Matter in the ball is visible in pixels whose centres are at most half a pixel further out.
+    const double half_width = camera.fx * radius * (1 + std::abs(p.x) / depth) / (depth - radius) + 0.5;
+    const double half_height = camera.fy * radius * (1 + std::abs(p.y) / depth) / (depth - radius) + 0.5;
+    const double left = std::ceil(x - half_width - 0.5), right = std::floor(x + half_width - 0.5) + 1;
+    const double top = std::ceil(y - half_height - 0.5), bottom = std::floor(y + half_height - 0.5) + 1;
     if (!(left >= 0 && top >= 0 && right <= camera.width && bottom <= camera.height)) return Verdict::kUnseen;
     const auto x0 = static_cast<uint32_t>(left), x1 = static_cast<uint32_t>(right);
     const auto y0 = static_cast<uint32_t>(top), y1 = static_cast<uint32_t>(bottom);
@@ -97,7 +99,7 @@ std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time) {
     return silhouettes;
 }
 
-// Where the cameras look: the point nearest to all optical axes, and a cube about it that every image holds.
+// Where the cameras look: a cube around the point nearest to all optical axes, as large as the widest image there.
 std::pair<glm::dvec3, glm::dvec3> box_from_cameras(const Dataset& dataset) {
     glm::dmat3 normal(0);
     glm::dvec3 right(0);
@@ -108,7 +110,8 @@ std::pair<glm::dvec3, glm::dvec3> box_from_cameras(const Dataset& dataset) {
         right += across * origin;
     }
     if (std::abs(glm::determinant(normal)) < 1e-9)
-        throw InputError(dataset.folder.string(), "", "all cameras look the same way, so the scene's place is unknown",
+        throw InputError(dataset.folder.string(), "",
+                         "all cameras look the same way, so the scene's position is unknown",
                          "add \"aabb\": [[x,y,z],[x,y,z]] in metres to the transforms file");
     const glm::dvec3 centre = glm::inverse(normal) * right;
     double half = 0;
@@ -119,7 +122,7 @@ std::pair<glm::dvec3, glm::dvec3> box_from_cameras(const Dataset& dataset) {
     return {centre - half, centre + half};
 }
 
-constexpr uint32_t kBoxGrid = 48;  // cells a side of the search for the box
+constexpr uint32_t kBoxGrid = 48;  // cells along each side of the grid with which the box is searched
 
 std::vector<HullCell> grid_cells(const std::pair<glm::dvec3, glm::dvec3>& box) {
     const glm::dvec3 size = (box.second - box.first) / static_cast<double>(kBoxGrid);
@@ -163,7 +166,7 @@ std::pair<glm::dvec3, glm::dvec3> hull_box(const Dataset& dataset) {
             high = glm::max(high, glm::dvec3(cells[i].centre) + half);
         }
         if (low.x >= high.x)
-            throw InputError(dataset.folder.string(), "", "no place in space fits the mattes of the cameras",
+            throw InputError(dataset.folder.string(), "", "no point in space fits the mattes of the cameras",
                              "check that alpha is the matte, and that poses are camera-to-world with OpenGL axes");
         box = {low, high};
     }

@@ -1,4 +1,4 @@
-// The visual hull: where in space and time the cameras' mattes allow matter.
+// The visual hull: where in space, and at which times, the mattes of the cameras allow matter.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,22 +10,24 @@ namespace neuvv::training {
 
 struct HullCell {
     glm::vec3 centre;  // world, metres
-    float radius;      // of the ball about it, metres
+    float radius;      // of the ball that stands for the cell, metres
 };
 
-// For each cell one bit per dataset.times entry, ⌈times/32⌉ words a cell, low bit first. A bit is set where no camera
-// that sees the cell whole finds only background (matte below 1/8) over the image of its ball, and at least two
-// cameras see it (one where the data set has only one). Cells half outside an image, or on its
-// ignored pixels, are not carved by it.
-// Runs on all cores, one frame after the other.
+// For each cell one bit per time of the data set: hull_words() words per cell, low bit first. A bit is set where the
+// cell may hold matter at that time: at least two cameras (one, where only one has an image) see foreground in the
+// image of the cell's ball, and no camera that sees the whole ball finds only background there (matte below 1/8). An
+// image says nothing about a ball that lies partly outside it, or that shows no foreground and some ignored pixels.
+// Runs on all cores, one time after the other.
 std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells);
 
+// Words of carve()'s bits per cell: ⌈times/32⌉.
 inline size_t hull_words(const Dataset& dataset) {
     return (dataset.times.size() + 31) / 32;
 }
 
-// A box around everything that carving leaves, in metres; starts from dataset.box, or where the cameras look. Throws
-// InputError where nothing is left: masks and poses do not fit together.
+// The box (min, max in the world, metres) around all cells that carving leaves. The search begins with dataset.box, or
+// else where the cameras look. Throws InputError where nothing is left, as mattes and poses then do not fit together,
+// and where all cameras look in the same direction and there is no dataset.box.
 std::pair<glm::dvec3, glm::dvec3> hull_box(const Dataset& dataset);
 
 }  // namespace neuvv::training

@@ -1,4 +1,4 @@
-// Images out of files and videos.
+// Reads images from files and from videos.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +9,10 @@
 
 namespace neuvv::training {
 
-// Keeps the last video open: frames of one video asked for in rising order are decoded in one pass.
+// Keeps the last video open, so that frames of one video that are read in ascending order are decoded in one pass.
 class ImageReader {
   public:
-    // Throws InputError naming the file.
+    // Throws InputError with the file.
     media::Image read(const ImageSource& source);
 
   private:
@@ -21,7 +21,7 @@ class ImageReader {
     int64_t next_frame_ = 0;
 };
 
-// By the file's header alone.
+// The size of the image, read from the file's header alone.
 media::ImageSize size_of(const ImageSource& source);
 
 }  // namespace neuvv::training

@@ -15,7 +15,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kLeastSeen = 0.5;  // of a pinhole image: where the lens shows less, its numbers are wrong
+constexpr double kMinSeenShare = 0.5;  // of a pinhole image; a lens that shows less of it must be calibrated wrongly
 
 void expect_size(media::ImageSize found, const ImageSource& source, media::ImageSize size, const std::string& whose) {
     if (found.width == size.width && found.height == size.height) return;
@@ -36,7 +36,7 @@ stage::Camera make_camera(const RigCamera& from, media::ImageSize size) {
     return camera;
 }
 
-// A mask's values: its alpha where it has one, else its brightness.
+// The values of a mask: its alpha where it has one, else the brightest of R, G and B.
 class MaskValues {
   public:
     explicit MaskValues(const media::Image& mask) : mask_(mask) {
@@ -52,14 +52,14 @@ class MaskValues {
     bool by_alpha_ = false;
 };
 
-void put_matte(media::Image& image, const media::Image& matte, MaskMeaning meaning = MaskMeaning::kMatte) {
+void set_alpha(media::Image& image, const media::Image& matte, MaskMeaning meaning = MaskMeaning::kMatte) {
     const MaskValues values(matte);
     const bool labels = meaning == MaskMeaning::kLabels;
     for (size_t i = 0; i < image.rgba.size() / 4; ++i)
         image.rgba[4 * i + 3] = labels && values[i] != 0 ? uint8_t{255} : values[i];
 }
 
-// Any value but 0 counts as white, as in the programs whose masks these are.
+// The pixels that a mask excludes. Any value other than 0 counts as white, as in the programs that write these masks.
 std::vector<bool> ignored_by(const media::Image& mask, MaskMeaning meaning) {
     const MaskValues values(mask);
     std::vector<bool> ignored(mask.rgba.size() / 4);
@@ -67,7 +67,7 @@ std::vector<bool> ignored_by(const media::Image& mask, MaskMeaning meaning) {
     return ignored;
 }
 
-// Mattes that `neuvv matte` or a person laid beside the data set.
+// The folder of mattes that `neuvv matte` or a person put beside the data set.
 std::filesystem::path mattes_folder(const Rig& rig) {
     return rig.folder / "mattes";
 }
@@ -90,7 +90,8 @@ class CameraLoader {
           whose_(fmt::format("its camera {} in {} says", from_.name, rig.file)) {}
 
     void load(const std::vector<uint32_t>& shots) {
-        if (from_.lens.distorts()) {  // its map takes memory by the size that the calibration says: see that it is true
+        // The map takes memory according to the calibration's size, so that size is checked before.
+        if (from_.lens.distorts()) {
             const ImageSource& first = rig_.shots[shots.at(0)].image;
             expect_size(size_of(first), first, size_, whose_);
             map_ = undistortion();
@@ -109,12 +110,13 @@ class CameraLoader {
         lens.width = size_.width;
         lens.height = size_.height;
         Undistortion map = make_undistortion(lens);
-        if (map.seen >= kLeastSeen) return map;
+        if (map.seen_share >= kMinSeenShare) return map;
         const std::string fold =
             map.fold_degrees > 0 ? fmt::format(" (it folds over {:.1f}° off the axis)", map.fold_degrees) : "";
-        throw InputError(rig_.file, "camera " + from_.name,
-                         fmt::format("its lens distortion{} leaves only {:.0f} % of the image", fold, 100 * map.seen),
-                         "check the coefficients, and that focal length and size are of the same image");
+        throw InputError(
+            rig_.file, "camera " + from_.name,
+            fmt::format("its lens distortion{} leaves only {:.0f} % of the image", fold, 100 * map.seen_share),
+            "check the coefficients, and that focal length and size are of the same image");
     }
 
     media::Image read(ImageReader& reader, const ImageSource& source) const {
@@ -128,11 +130,11 @@ class CameraLoader {
         if (!shot.mask.path.empty()) {
             const media::Image mask = read(masks_, shot.mask);
             if (rig_.masks == MaskMeaning::kMatte || rig_.masks == MaskMeaning::kLabels)
-                put_matte(view.image, mask, rig_.masks);
+                set_alpha(view.image, mask, rig_.masks);
             else
                 view.ignored = ignored_by(mask, rig_.masks);
         }
-        put_matte_beside(shot, view.image);
+        apply_matte_file(shot, view.image);
         if (map_) {
             const bool captured = dataset_.plates[camera_].width > 0;
             view.image = undistort(view.image, *map_, captured ? ColourOf::kCapture : ColourOf::kForeground);
@@ -142,12 +144,13 @@ class CameraLoader {
             if (view.ignored[i]) std::fill_n(&view.image.rgba[4 * i], 4, uint8_t{0});
     }
 
-    // Where some images got mattes and one did not, the whole of that would pass for the performer.
-    void put_matte_beside(const Shot& shot, media::Image& image) {
+    // Uses the image's file in the folder of mattes. Where that folder exists and has no such file, an opaque image is
+    // an error, as all of it would count as performer.
+    void apply_matte_file(const Shot& shot, media::Image& image) {
         std::error_code ignored;
         const std::filesystem::path folder = mattes_folder(rig_), file = folder / (shot.name + ".png");
         if (std::filesystem::is_regular_file(file, ignored))
-            put_matte(image, read(mattes_, {file, -1}));
+            set_alpha(image, read(mattes_, {file, -1}));
         else if (std::filesystem::is_directory(folder, ignored) && all_opaque(image))
             throw InputError(file.string(), "", fmt::format("is missing: {} has no other matte", shot.name),
                              fmt::format("run `neuvv matte {}`", rig_.folder.string()));
@@ -182,11 +185,11 @@ uint64_t bytes_of(const Rig& rig, const std::vector<stage::Camera>& cameras) {
     return bytes;
 }
 
-// Where images would not fit, their pixels go to a file that the system pages from (else null).
-std::shared_ptr<std::pmr::memory_resource> make_room(const Rig& rig, uint64_t bytes, const LoadOptions& options) {
+// Memory in a file on disk, from which the system pages, for images that do not fit into memory; null where they fit.
+std::shared_ptr<std::pmr::memory_resource> make_spool(const Rig& rig, uint64_t bytes, const LoadOptions& options) {
     if (bytes <= (options.memory_bytes > 0 ? options.memory_bytes : image_budget())) return nullptr;
     const std::filesystem::path cache = cache_folder();
-    constexpr uint64_t kRounding = 64;  // of each image
+    constexpr uint64_t kRounding = 64;  // bytes per image, for alignment
     try {
         return spooled_memory(cache.empty() ? "/var/tmp" : cache, bytes + kRounding * rig.shots.size());
     } catch (const RuntimeFailure& failure) {
@@ -218,17 +221,17 @@ void expect_matte(const Rig& rig, const Dataset& dataset) {
 
 }  // namespace
 
-ImageNeed image_need(const Rig& rig) {
+ImageMemory image_memory(const Rig& rig) {
     const std::vector<stage::Camera> cameras = cameras_of(rig);
-    ImageNeed need{.images = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
+    ImageMemory memory{.images = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
     std::set<double> times;
     for (const Shot& shot : rig.shots) times.insert(shot.time);
-    need.frames = times.size();
+    memory.frames = times.size();
     for (const stage::Camera& camera : cameras) {
-        need.width = std::max(need.width, camera.width);
-        need.height = std::max(need.height, camera.height);
+        memory.width = std::max(memory.width, camera.width);
+        memory.height = std::max(memory.height, camera.height);
     }
-    return need;
+    return memory;
 }
 
 Dataset read_images(const Rig& rig, const LoadOptions& options) {
@@ -237,14 +240,14 @@ Dataset read_images(const Rig& rig, const LoadOptions& options) {
     dataset.box = rig.box;
     dataset.fps = rig.fps;
     std::set<double> times;
-    std::vector<std::vector<uint32_t>> shots(rig.cameras.size());  // by camera, in their order
+    std::vector<std::vector<uint32_t>> shots(rig.cameras.size());  // indices into rig.shots by camera
     for (uint32_t i = 0; i < rig.shots.size(); i++) {
         shots[rig.shots[i].camera].push_back(i);
         times.insert(rig.shots[i].time);
     }
     dataset.times.assign(times.begin(), times.end());
     dataset.cameras = cameras_of(rig);
-    dataset.spool = make_room(rig, bytes_of(rig, dataset.cameras), options);
+    dataset.spool = make_spool(rig, bytes_of(rig, dataset.cameras), options);
     for (const Shot& shot : rig.shots)
         dataset.views.push_back({shot.name, shot.camera, shot.time,
                                  media::Image(dataset.spool ? dataset.spool.get() : std::pmr::get_default_resource())});

@@ -1,21 +1,22 @@
-// The pixels of a rig.
+// Reads the images of a rig.
 #pragma once
 
 #include "training/rig.h"
 
 namespace neuvv::training {
 
-// What the images of a rig take in memory, plates and masks left out: by the calibration's sizes, else by the header
-// of one image a camera.
-struct ImageNeed {
+// How much memory the images of a rig take, without plates and masks. Sizes are those of the calibration, else those of
+// one image per camera, of which only the header is read.
+struct ImageMemory {
     uint64_t images = 0, cameras = 0, frames = 0;
-    uint32_t width = 0, height = 0;  // of the largest
+    uint32_t width = 0, height = 0;  // the largest ones
     uint64_t bytes = 0;
 };
-ImageNeed image_need(const Rig& rig);
+ImageMemory image_memory(const Rig& rig);
 
-// Reads every image, mask and plate that the rig names, on all cores. Throws InputError for images that cannot be
-// read or whose sizes disagree, and where mattes are needed and no image has one.
+// Reads every image, mask and plate that the rig names, on all cores. Throws InputError for images that cannot be read
+// or whose sizes disagree, and where mattes are needed and no image has one; RuntimeFailure where the disk has no room
+// for images that exceed the memory.
 Dataset read_images(const Rig& rig, const LoadOptions& options);
 
 }  // namespace neuvv::training

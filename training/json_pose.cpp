@@ -9,7 +9,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kRigidTolerance = 1e-3;  // files hold poses in as few as 4 digits
+constexpr double kRigidTolerance = 1e-3;  // some files give poses with only 4 digits
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Cameras' poses in JSON that other programs wrote (base/json.h).
+// Poses of cameras in JSON that other programs wrote (base/json.h).
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,13 +7,15 @@
 
 namespace neuvv::training {
 
-// A camera's pose in rows, 4×4 or 3×4: rigid, right-handed, not out of this world. Throws InputError.
+// A camera's pose, 4×4 or 3×4 numbers row by row. Throws InputError where it does not end with 0 0 0 1 or where
+// expect_rigid does.
 glm::dmat4 json_pose(const JsonNode& node);
+// Throws InputError for a pose that is scaled, sheared, left-handed, or more than kMaxDistance_m from the origin.
 void expect_rigid(const JsonNode& node, const glm::dmat4& pose);
 
-// (x, y, z) → (x, z, −y)
+// Turns a world with +Z up into one with +Y up: (x, y, z) → (x, z, −y).
 inline const glm::dmat3 kYUpFromZUp(1, 0, 0, 0, 0, -1, 0, 1, 0);
 
-constexpr double kMaxDistance_m = 1e6;  // beyond it, floats no longer resolve a performer
+constexpr double kMaxDistance_m = 1e6;  // further away, floats do not resolve a performer
 
 }  // namespace neuvv::training

@@ -7,9 +7,9 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kTiny = 1e-9;  // radii and angles below it: the limit instead of 0/0
+constexpr double kTiny = 1e-9;  // for radii and angles below this, the limit is used in place of 0/0
 
-// Radial factor about the axis at the distance (Brown) or angle (fisheye) whose square is given.
+// The radial factor at the distance from the axis (Brown) or the angle to it (fisheye) whose square is given.
 double radial_factor(const Lens& lens, double squared) {
     const auto& k = lens.k;
     const double s = squared;
@@ -32,7 +32,7 @@ double fov_factor(double omega, double r) {
     return r < kTiny ? slope / omega : std::atan(slope * r) / (omega * r);
 }
 
-// Where along its spoke a direction at r ends up, tangential terms aside.
+// Distances from the axis along a radius of the image, before and after distortion, without tangential terms.
 struct Spoke {
     double undistorted, distorted;
 };
@@ -67,7 +67,7 @@ glm::dvec2 bend(const Lens& lens, glm::dvec2 xy) {
 
 bool Lens::distorts() const {
     if (model == LensModel::kPinhole) return false;
-    if (model == LensModel::kFisheye) return true;  // even with no coefficient
+    if (model == LensModel::kFisheye) return true;  // even where all coefficients are 0
     return p1 != 0 || p2 != 0 || s1 != 0 || s2 != 0 || std::any_of(k.begin(), k.end(), [](double c) { return c != 0; });
 }
 
@@ -82,8 +82,8 @@ Lens scaled(Lens lens, uint32_t width, uint32_t height) {
     return lens;
 }
 
-// The map keeps its orientation while the radial part's stretch, along a spoke and across it, exceeds what the
-// tangential and prism terms can take away: their Jacobian is at most 6 (|p1| + |p2|) ρ + 2 (|s1| + |s2|) ρ.
+// The map keeps its orientation while the stretch of its radial part, both along a radius and across it, exceeds what
+// the tangential and prism terms can take away: their Jacobian is at most 6 (|p1| + |p2|) ρ + 2 (|s1| + |s2|) ρ.
 double fold_radius(const Lens& lens, double limit) {
     constexpr int kSteps = 4096;
     const double tilt = 6 * (std::abs(lens.p1) + std::abs(lens.p2)) + 2 * (std::abs(lens.s1) + std::abs(lens.s2));

@@ -1,4 +1,4 @@
-// The loss of a batch of traced tiles, and its derivative by every ray.
+// The loss of a batch of traced tiles, and its derivative by the colour and alpha of every ray.
 #pragma once
 
 #include "render/trace.h"
@@ -7,7 +7,8 @@
 
 namespace neuvv::training {
 
-// By name, for options (--lambda-grad), records (lambda_grad) and what a user reads of them.
+// The weights of the losses by name. From this table follow options (--lambda-grad), keys of state files (lambda_grad)
+// and their help texts.
 struct NamedLossWeight {
     const char* name;
     float LossWeights::*weight;
@@ -19,18 +20,19 @@ constexpr NamedLossWeight kLossWeights[] = {
     {"smooth", &LossWeights::smoothness, "Weight of the difference in opacity of neighbouring leaves"}};
 constexpr LossWeights kDefaultLossWeights{0.1f, 0.2f, 5e-4f};
 
-// What the rays of a batch should have seen, in the rays' order; and what the loss says.
+// What the rays of a batch should see, and the loss with its derivatives; all in the order of the rays.
 struct LossBatch {
     LossBatch(const gpu::Device& device, uint32_t tiles);
 
-    gpu::Buffer
-        target;  // per ray premultiplied linear RGB and alpha of the foreground, alpha −1 off the image; host-mapped
-    gpu::Buffer background;  // per ray linear RGB; host-mapped
-    gpu::Buffer adjoint;     // per ray ∂L/∂(R, G, B, alpha)
-    gpu::Buffer sums;        // per tile (Σ rgb, Σ grad, pixels, unused)
+    // Per ray: premultiplied linear RGB and alpha of the foreground; alpha −1 where there is no pixel. Host-mapped.
+    gpu::Buffer target;
+    gpu::Buffer background;  // per ray: linear RGB; host-mapped
+    gpu::Buffer adjoint;     // per ray: ∂L/∂(R, G, B, alpha)
+    gpu::Buffer sums;        // per tile: (Σ rgb, Σ grad, pixels, unused)
 };
 
-// Puts a batch of this data set's images where the next step reads it; none may be under way.
+// Writes cameras, tiles, targets and backgrounds of a batch into the buffers that the next step reads. No step may be
+// running. The batch must fit (assert).
 void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch);
 
 struct Loss {
@@ -40,8 +42,8 @@ struct Loss {
     gpu::BindingSet set;
 };
 
-// A pixel is the mean of samples² neighbouring rays, which have its target
-// and background in common; `samples` divides kTile.
+// A pixel is the mean of samples² neighbouring rays, all of which have the pixel's target and background. `samples`
+// must divide kTile (assert).
 void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, const LossWeights& weights,
                  uint32_t samples = 1);
 

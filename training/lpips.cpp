@@ -14,7 +14,7 @@ namespace neuvv::training {
 
 namespace {
 
-// AlexNet's convolutions as torchvision has them: their names in LPIPS, and their geometry.
+// AlexNet's convolutions as in torchvision: their names in LPIPS, and their geometry.
 struct Geometry {
     const char* name;
     uint32_t kernel, stride, padding;
@@ -26,10 +26,10 @@ constexpr Geometry kGeometry[kLpipsLayers] = {{"net.slice1.0", 11, 4, 2, false},
                                               {"net.slice4.8", 3, 1, 1, false},
                                               {"net.slice5.10", 3, 1, 1, false}};
 constexpr uint32_t kPoolSize = 3, kPoolStride = 2;
-constexpr float kShift[3] = {-0.030f, -0.088f, -0.188f}, kScale[3] = {0.458f, 0.448f, 0.450f};  // of values in [−1,1]
+constexpr float kShift[3] = {-0.030f, -0.088f, -0.188f}, kScale[3] = {0.458f, 0.448f, 0.450f};  // for values in [−1,1]
 constexpr double kNormFloor = 1e-10;
 constexpr uint32_t kMaxChannels = 4096;
-constexpr uint32_t kColumns = 16, kRows = 4;  // outputs computed together: what a CPU's vector registers hold
+constexpr uint32_t kColumns = 16, kRows = 4;  // outputs computed together: as many as fit a CPU's vector registers
 
 std::string text_of(const std::vector<uint64_t>& shape) {
     return fmt::format("({})", fmt::join(shape, ", "));
@@ -57,7 +57,7 @@ Lpips::Lpips(const std::filesystem::path& weights) {
         const Geometry& g = kGeometry[i];
         Layer& layer = layers_[i];
         const auto kernel = arrays.find(std::string(g.name) + ".weight");
-        layer.in = in;  // a missing or empty kernel is refused by its shape
+        layer.in = in;  // a missing or empty kernel is refused below, by its shape
         const bool shapeless = kernel == arrays.end() || kernel->second.shape.empty();
         layer.out =
             static_cast<uint32_t>(std::clamp<uint64_t>(shapeless ? 1 : kernel->second.shape[0], 1, kMaxChannels));
@@ -79,8 +79,8 @@ Lpips::Planes Lpips::input(const media::Image& image) {
     return planes;
 }
 
-// Row by row of the output: what its kernels see as a matrix in strips of kColumns places, times the kernels. ReLU
-// after.
+// Convolution, then ReLU. The output is computed in strips of kColumns pixels of a row: the inputs of a strip are
+// gathered as a matrix, which is multiplied by the kernels.
 Lpips::Planes Lpips::convolved(const Planes& in, const Layer& layer, size_t index) {
     const Geometry& g = kGeometry[index];
     Planes out{layer.out,
@@ -133,7 +133,7 @@ Lpips::Planes Lpips::pooled(const Planes& in) {
     for (uint32_t c = 0; c < out.channels; ++c)
         for (uint32_t y = 0; y < out.height; ++y)
             for (uint32_t x = 0; x < out.width; ++x) {
-                float largest = 0;  // what came before is never negative
+                float largest = 0;  // inputs are never negative
                 for (uint32_t v = 0; v < kPoolSize; ++v)
                     for (uint32_t u = 0; u < kPoolSize; ++u)
                         largest = std::max(
@@ -144,31 +144,31 @@ Lpips::Planes Lpips::pooled(const Planes& in) {
     return out;
 }
 
-// Mean over places of the weighted squared difference of features, which have length 1 at each place.
+// The mean over pixels of the weighted squared difference of features, which are scaled to length 1 at each pixel.
 double Lpips::difference(const Planes& a, const Planes& b, const std::vector<float>& importance) {
-    const size_t places = size_t{a.width} * a.height;
+    const size_t pixels = size_t{a.width} * a.height;
     double sum = 0;
-    for (size_t i = 0; i < places; ++i) {
+    for (size_t i = 0; i < pixels; ++i) {
         double length_a = 0, length_b = 0;
         for (size_t c = 0; c < a.channels; ++c) {
-            length_a += double{a.values[c * places + i]} * double{a.values[c * places + i]};
-            length_b += double{b.values[c * places + i]} * double{b.values[c * places + i]};
+            length_a += double{a.values[c * pixels + i]} * double{a.values[c * pixels + i]};
+            length_b += double{b.values[c * pixels + i]} * double{b.values[c * pixels + i]};
         }
         const double scale_a = 1 / (std::sqrt(length_a) + kNormFloor), scale_b = 1 / (std::sqrt(length_b) + kNormFloor);
         for (size_t c = 0; c < a.channels; ++c) {
-            const double d = double{a.values[c * places + i]} * scale_a - double{b.values[c * places + i]} * scale_b;
+            const double d = double{a.values[c * pixels + i]} * scale_a - double{b.values[c * pixels + i]} * scale_b;
             sum += double{importance[c]} * d * d;
         }
     }
-    return sum / static_cast<double>(places);
+    return sum / static_cast<double>(pixels);
 }
 
 double Lpips::distance(const media::Image& a, const media::Image& b) const {
     assert(a.width == b.width && a.height == b.height && "images to compare have one size");
-    if (std::min(a.width, a.height) < kLeastSide)
+    if (std::min(a.width, a.height) < kMinSide)
         throw InputError(
             "--lpips", "",
-            fmt::format("the images are {}×{}, and LPIPS needs {} pixels a side", a.width, a.height, kLeastSide),
+            fmt::format("the images are {}×{}, and LPIPS needs {} pixels a side", a.width, a.height, kMinSide),
             "leave it out");
     Planes of_a = input(a), of_b = input(b);
     double sum = 0;

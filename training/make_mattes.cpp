@@ -17,26 +17,26 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr size_t kTogether = 16;  // images held while their mattes are computed on all cores
+constexpr size_t kImagesAtOnce = 16;  // images in memory while their mattes are computed on all cores
 constexpr size_t kSheetRows = 12;
 constexpr uint32_t kSheetCell = 320;
 constexpr uint8_t kMagenta[3] = {255, 0, 255};
 constexpr const char* kSheetName = "contact_sheet";
 
-// The splits that the data set has.
+// The splits that can be read, and why one cannot be (MatteSummary::missing_split).
 struct Rigs {
     std::vector<Rig> all;
     std::string missing;
 };
 
-Rigs read_rigs(const MakeMattes& what) {
+Rigs read_rigs(const MatteJob& job) {
     Rigs rigs;
     std::optional<InputError> first;
     for (const Split split : {Split::kTrain, Split::kTest}) try {
-            rigs.all.push_back(read_rig(what.dataset, split, what.format));
+            rigs.all.push_back(read_rig(job.dataset, split, job.format));
         } catch (const InputError& error) {
             if (!first) first = error;
-            rigs.missing = error.what();
+            rigs.missing = error.job();
         }
     if (rigs.all.empty()) throw *first;
     return rigs;
@@ -56,7 +56,7 @@ void expect_distinct_names(const std::vector<Rig>& rigs) {
         }
 }
 
-// Where matte, or alpha channel, says performer.
+// The values of a matte of another program: its alpha where it has one, else the brightest of R, G and B.
 std::vector<uint8_t> values_of(const media::Image& matte) {
     bool has_alpha = false;
     for (size_t i = 3; i < matte.rgba.size() && !has_alpha; i += 4) has_alpha = matte.rgba[i] != 255;
@@ -84,44 +84,44 @@ media::Image grey_image(const media::Image& like, const std::vector<uint8_t>& va
     return image;
 }
 
-// Works through one camera after the other.
+// Makes the mattes of one camera after the other.
 class MatteMaker {
   public:
-    MatteMaker(const MakeMattes& what, const MatteProgress& progress, uint64_t total, size_t cameras)
-        : what_(what), progress_(progress), total_(total), sheet_every_(std::max<size_t>(1, cameras / kSheetRows)) {}
+    MatteMaker(const MatteJob& job, const MatteProgress& progress, uint64_t total, size_t cameras)
+        : job_(job), progress_(progress), total_(total), sheet_every_(std::max<size_t>(1, cameras / kSheetRows)) {}
 
-    // False: stopped.
+    // Returns false where the caller stopped it.
     bool make(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots) {
         const bool on_sheet = cameras_++ % sheet_every_ == 0 && sheet_.size() < 3 * kSheetRows;
-        const media::Image background = what_.from.empty() ? background_of(rig, camera, shots) : media::Image();
-        for (size_t begin = 0; begin < shots.size(); begin += kTogether) {
-            const std::vector<const Shot*> some(
+        const media::Image background = job_.from.empty() ? background_of(rig, camera, shots) : media::Image();
+        for (size_t begin = 0; begin < shots.size(); begin += kImagesAtOnce) {
+            const std::vector<const Shot*> group(
                 shots.begin() + static_cast<ptrdiff_t>(begin),
-                shots.begin() + static_cast<ptrdiff_t>(std::min(begin + kTogether, shots.size())));
-            make_some(rig, some, background, on_sheet && begin == 0);
-            done_ += some.size();
+                shots.begin() + static_cast<ptrdiff_t>(std::min(begin + kImagesAtOnce, shots.size())));
+            make_group(rig, group, background, on_sheet && begin == 0);
+            done_ += group.size();
             if (progress_ && !progress_(done_, total_)) return false;
         }
         return true;
     }
     void write_sheet() const {
-        media::write_png(what_.output / "contact_sheet.png", contact_sheet(sheet_, 3, kSheetCell));
+        media::write_png(job_.output / "contact_sheet.png", contact_sheet(sheet_, 3, kSheetCell));
     }
     uint64_t done() const { return done_; }
     uint32_t plates() const { return plates_; }
 
   private:
     media::Image background_of(const Rig& rig, uint32_t camera, const std::vector<const Shot*>& shots);
-    void make_some(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
-                   bool on_sheet);
-    media::Image foreign_matte(const Rig& rig, const Shot& shot);
+    void make_group(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
+                    bool on_sheet);
+    media::Image external_matte(const Rig& rig, const Shot& shot);
 
-    const MakeMattes& what_;
+    const MatteJob& job_;
     const MatteProgress& progress_;
     uint64_t total_, done_ = 0;
     size_t sheet_every_, cameras_ = 0;
     uint32_t plates_ = 0;
-    ImageReader images_, foreign_;
+    ImageReader images_, external_;
     std::vector<media::Image> sheet_;
 };
 
@@ -130,12 +130,12 @@ media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const st
         ++plates_;
         return images_.read(rig.cameras[camera].plate);
     }
-    if (shots.size() < kLeastMedianFrames)
+    if (shots.size() < kMinMedianFrames)
         throw InputError(rig.file, "camera " + rig.cameras[camera].name,
                          fmt::format("has no clean plate and {} images: their median says nothing about the background",
                                      shots.size()),
-                         fmt::format("give it a clean plate, or at least {} images", kLeastMedianFrames));
-    const size_t count = std::min<size_t>(shots.size(), kMedianFrames);
+                         fmt::format("give it a clean plate, or at least {} images", kMinMedianFrames));
+    const size_t count = std::min<size_t>(shots.size(), kMaxMedianFrames);
     std::vector<media::Image> frames;
     for (size_t i = 0; i < count; ++i) {
         frames.push_back(images_.read(shots[i * (shots.size() - 1) / (count - 1)]->image));
@@ -146,39 +146,39 @@ media::Image MatteMaker::background_of(const Rig& rig, uint32_t camera, const st
     return median_background(frames);
 }
 
-media::Image MatteMaker::foreign_matte(const Rig& rig, const Shot& shot) {
-    std::vector<ImageSource> places{{what_.from / (shot.name + ".png"), -1}};
-    if (shot.image.video_frame < 0) places.push_back({what_.from / shot.image.path.filename(), -1});
-    places.back().path.replace_extension(".png");
+media::Image MatteMaker::external_matte(const Rig& rig, const Shot& shot) {
+    std::vector<ImageSource> candidates{{job_.from / (shot.name + ".png"), -1}};
+    if (shot.image.video_frame < 0) candidates.push_back({job_.from / shot.image.path.filename(), -1});
+    candidates.back().path.replace_extension(".png");
     for (const char* extension : {".mov", ".webm", ".mkv", ".mp4"})
-        places.push_back(
-            {what_.from / (rig.cameras[shot.camera].name + extension), std::max<int64_t>(shot.image.video_frame, 0)});
+        candidates.push_back(
+            {job_.from / (rig.cameras[shot.camera].name + extension), std::max<int64_t>(shot.image.video_frame, 0)});
     std::error_code ignored;
-    for (const ImageSource& place : places)
-        if (std::filesystem::is_regular_file(place.path, ignored)) return foreign_.read(place);
-    throw InputError(what_.from.string(), shot.name, fmt::format("there is no matte {}.png", shot.name),
+    for (const ImageSource& candidate : candidates)
+        if (std::filesystem::is_regular_file(candidate.path, ignored)) return external_.read(candidate);
+    throw InputError(job_.from.string(), shot.name, fmt::format("there is no matte {}.png", shot.name),
                      "name it after its image, or give a video named after its camera");
 }
 
-void MatteMaker::make_some(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
-                           bool on_sheet) {
-    std::vector<media::Image> images, foreign;
+void MatteMaker::make_group(const Rig& rig, const std::vector<const Shot*>& shots, const media::Image& background,
+                            bool on_sheet) {
+    std::vector<media::Image> images, external;
     for (const Shot* shot : shots) {
         images.push_back(images_.read(shot->image));
-        if (!what_.from.empty()) foreign.push_back(foreign_matte(rig, *shot));
-        const media::Image& with = what_.from.empty() ? background : foreign.back();
+        if (!job_.from.empty()) external.push_back(external_matte(rig, *shot));
+        const media::Image& with = job_.from.empty() ? background : external.back();
         if (with.width != images.back().width || with.height != images.back().height)
             throw InputError(shot->image.path.string(), "",
                              fmt::format("is {}×{}, but its {} {}×{}", images.back().width, images.back().height,
-                                         what_.from.empty() ? "background" : "matte", with.width, with.height),
+                                         job_.from.empty() ? "background" : "matte", with.width, with.height),
                              "give both one size");
     }
     std::vector<std::vector<uint8_t>> mattes(shots.size());
     parallel_for(shots.size(), 1, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             mattes[i] =
-                what_.from.empty() ? difference_matte(images[i], background, what_.settings) : values_of(foreign[i]);
-            media::write_png(what_.output / (shots[i]->name + ".png"), grey_image(images[i], mattes[i]));
+                job_.from.empty() ? difference_matte(images[i], background, job_.settings) : values_of(external[i]);
+            media::write_png(job_.output / (shots[i]->name + ".png"), grey_image(images[i], mattes[i]));
         }
     });
     if (!on_sheet) return;
@@ -197,16 +197,16 @@ std::vector<std::vector<const Shot*>> shots_by_camera(const Rig& rig) {
 
 }  // namespace
 
-MattesMade make_mattes(const MakeMattes& what, const MatteProgress& progress) {
-    const Rigs rigs = read_rigs(what);
+MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress) {
+    const Rigs rigs = read_rigs(job);
     expect_distinct_names(rigs.all);
-    MattesMade made;
+    MatteSummary summary;
     uint64_t total = 0;
     for (const Rig& rig : rigs.all) {
         total += rig.shots.size();
-        made.cameras += static_cast<uint32_t>(rig.cameras.size());
+        summary.cameras += static_cast<uint32_t>(rig.cameras.size());
     }
-    MatteMaker maker(what, progress, total, made.cameras);
+    MatteMaker maker(job, progress, total, summary.cameras);
     bool go_on = true;
     for (const Rig& rig : rigs.all) {
         const auto shots = shots_by_camera(rig);
@@ -214,18 +214,18 @@ MattesMade make_mattes(const MakeMattes& what, const MatteProgress& progress) {
             if (!shots[camera].empty()) go_on = maker.make(rig, camera, shots[camera]);
     }
     maker.write_sheet();
-    made.images = maker.done();
-    made.cameras_with_plate = maker.plates();
-    made.missing_split = rigs.missing;
-    return made;
+    summary.images = maker.done();
+    summary.cameras_with_plate = maker.plates();
+    summary.missing_split = rigs.missing;
+    return summary;
 }
 
-uint64_t count_existing_mattes(const MakeMattes& what) {
+uint64_t count_existing_mattes(const MatteJob& job) {
     uint64_t existing = 0;
     std::error_code ignored;
-    for (const Rig& rig : read_rigs(what).all)
+    for (const Rig& rig : read_rigs(job).all)
         for (const Shot& shot : rig.shots)
-            existing += std::filesystem::exists(what.output / (shot.name + ".png"), ignored);
+            existing += std::filesystem::exists(job.output / (shot.name + ".png"), ignored);
     return existing;
 }
 

@@ -1,4 +1,4 @@
-// Mattes for a capture that has none, as files which load_dataset reads and a person can correct.
+// Makes mattes for a capture that has none, as files that load_dataset reads and a person can correct.
 #pragma once
 
 #include <filesystem>
@@ -10,38 +10,40 @@
 
 namespace neuvv::training {
 
-constexpr uint32_t kMedianFrames = 31;      // of a camera without clean plate, at most so many images are held
-constexpr uint32_t kLeastMedianFrames = 5;  // and fewer tell nothing
+// How many images of a camera without clean plate its background is the median of. With fewer than the minimum, the
+// median says nothing about the background.
+constexpr uint32_t kMaxMedianFrames = 31, kMinMedianFrames = 5;
 
-struct MakeMattes {
-    std::filesystem::path dataset, output;  // output: the folder of the mattes, made where missing
+struct MatteJob {
+    std::filesystem::path dataset, output;  // output: the folder of the mattes
     std::filesystem::path from;             // mattes of another program, taken as they are; empty: difference matting
     std::string format = "auto";            // of the data set
     MatteSettings settings;
 };
 
-struct MattesMade {
+struct MatteSummary {
     uint64_t images = 0;
     uint32_t cameras = 0, cameras_with_plate = 0;
-    std::string missing_split;  // why one of the two splits has none: a data set need not have both
+    std::string missing_split;  // why one of the two splits was left out, as a data set need not have both; else empty
 };
 
-// Images done, of how many; false stops.
+// Receives how many images are done, and of how many; returns false to stop.
 using MatteProgress = std::function<bool(uint64_t done, uint64_t total)>;
 
-// Writes output/NAME.png, 8-bit grey, for each image NAME of both splits, in the camera's own pixels (lens
-// distortion, where there is any, included), and output/contact_sheet.png: image, matte, and the performer over
-// magenta, for images spread over the cameras. A camera's background is its clean plate, else the median of its
-// images.
+// Writes output/NAME.png, 8-bit grey, for each image NAME of the training and the test split, pixel by pixel as the
+// camera saw it (lens distortion is not undone), and output/contact_sheet.png with image, matte, and the performer over
+// magenta, for images spread over the cameras. A camera's background is its clean plate, else the median of its images.
 //
-// In `from` the matte of image NAME is NAME.png, or the image's own file name as PNG, or the same frame of the
-// video CAMERA.mov, .webm, .mkv or .mp4; its alpha where it has one, else its brightness.
+// In `from`, the matte of image NAME is NAME.png, or the image's own file name as PNG, or the same frame of the video
+// CAMERA.mov, .webm, .mkv or .mp4. A matte's value is its alpha where it has one, else its brightness.
 //
-// Throws InputError: neither split can be read, a camera with neither plate nor kLeastMedianFrames images, two
-// images of one name, a matte missing in `from` or of another size than its image. RuntimeFailure: not writable.
-MattesMade make_mattes(const MakeMattes& what, const MatteProgress& progress);
+// Throws InputError where neither split can be read, where a camera has no plate and fewer than kMinMedianFrames
+// images, where two images have one name, and where a matte in `from` is missing or has not the size of its image;
+// RuntimeFailure where a file cannot be written.
+MatteSummary make_mattes(const MatteJob& job, const MatteProgress& progress);
 
-// Images whose matte is in `output` already, perhaps corrected by hand.
-uint64_t count_existing_mattes(const MakeMattes& what);
+// How many images have a matte in `output` already, perhaps corrected by hand. Throws InputError where neither split
+// can be read.
+uint64_t count_existing_mattes(const MatteJob& job);
 
 }  // namespace neuvv::training

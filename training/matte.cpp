@@ -12,12 +12,12 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kSigmaOfMad = 1.4826;   // of a normal distribution
-constexpr double kLeastSigma = 1;        // rounding to 8 bits, and a little of what no camera lacks
-constexpr int kColourRadius = 2;         // how far from an edge pixel the performer's colour is looked for
-constexpr float kLeastContrast = 1e-4f;  // squared, linear: below it the two colours cannot be told apart
+constexpr double kSigmaOfMad = 1.4826;  // standard deviation / median absolute deviation of a normal distribution
+constexpr double kMinSigma = 1;         // steps of 255: rounding to 8 bits, and a little noise
+constexpr int kColourRadius = 2;        // pixels from an edge pixel within which the performer's colour is sought
+constexpr float kMinContrast = 1e-4f;   // squared, linear: below it, two colours count as equal
 
-// A byte a pixel: 1 where it is set.
+// One byte per pixel: 1 where it is set.
 struct Mask {
     int width, height;
     std::vector<uint8_t> set;
@@ -37,10 +37,10 @@ int value_of_rank(const std::vector<uint64_t>& histogram, int first, uint64_t ra
     return first + static_cast<int>(histogram.size()) - 1;
 }
 
-// How the background differs from itself: a constant, and noise around it, in steps of 255.
+// How an image of the background differs from the background, in steps of 255: by a constant, and noise around it.
 struct Noise {
     int offset = 0;
-    double sigma = kLeastSigma;
+    double sigma = kMinSigma;
 };
 
 Noise noise_of_channel(const media::Image& image, const media::Image& background, size_t channel) {
@@ -53,11 +53,11 @@ Noise noise_of_channel(const media::Image& image, const media::Image& background
     for (int d = -255; d <= 255; ++d)
         deviations[std::min<size_t>(static_cast<size_t>(std::abs(d - noise.offset)), 510)] +=
             differences[static_cast<size_t>(d + 255)];
-    noise.sigma = std::max(kLeastSigma, kSigmaOfMad * value_of_rank(deviations, 0, pixels / 2));
+    noise.sigma = std::max(kMinSigma, kSigmaOfMad * value_of_rank(deviations, 0, pixels / 2));
     return noise;
 }
 
-// The largest channel's difference in units of its noise.
+// Per pixel the largest difference of a channel, in units of the channel's noise.
 std::vector<float> differences_in_noise(const media::Image& image, const media::Image& background) {
     std::array<Noise, 3> noise;
     for (size_t c = 0; c < 3; ++c) noise[c] = noise_of_channel(image, background, c);
@@ -78,7 +78,7 @@ void for_neighbours(const Mask& mask, size_t at, Visit visit) {
             if ((u != 0 || v != 0) && mask.inside(x + u, y + v)) visit(mask.index(x + u, y + v));
 }
 
-// What surely differs, and what hangs together with it and differs a little.
+// The pixels that differ by more than `high`, and those connected to them that differ by more than `low`.
 Mask hysteresis(const std::vector<float>& differences, uint32_t width, uint32_t height, float low, float high) {
     Mask mask(width, height);
     std::vector<size_t> open;
@@ -99,7 +99,7 @@ Mask hysteresis(const std::vector<float>& differences, uint32_t width, uint32_t 
     return mask;
 }
 
-// Without the pixels at its border.
+// The mask without the pixels at its border.
 Mask shrunk(const Mask& mask) {
     Mask result = mask;
     for (size_t i = 0; i < mask.set.size(); ++i)
@@ -107,7 +107,7 @@ Mask shrunk(const Mask& mask) {
     return result;
 }
 
-// Connected parts of `value` of at most `limit` pixels change sides.
+// Flips connected parts that have this value and at most `limit` pixels.
 void drop_small_parts(Mask& mask, uint8_t value, size_t limit) {
     std::vector<uint8_t> seen(mask.set.size());
     std::vector<size_t> part;
@@ -132,7 +132,7 @@ glm::vec3 linear_colour(const media::Image& image, size_t pixel) {
             media::linear_from_srgb_byte(rgb[2])};
 }
 
-// How much of an edge pixel is performer. `inner` is the mask without its outermost pixels.
+// The share of an edge pixel that shows the performer. `inner` is the mask without its border.
 float edge_alpha(const media::Image& image, const media::Image& background, const Mask& inner, size_t at) {
     const int x = static_cast<int>(at) % inner.width, y = static_cast<int>(at) / inner.width;
     glm::vec3 sum(0);
@@ -143,10 +143,10 @@ float edge_alpha(const media::Image& image, const media::Image& background, cons
                 sum += linear_colour(image, inner.index(x + u, y + v));
                 ++count;
             }
-    if (count == 0) return 1;  // nothing but edge here, a hair: whoever sees it sees it whole
+    if (count == 0) return 1;  // a part that is all border, such as a hair, is opaque
     const glm::vec3 behind = linear_colour(background, at), towards = sum / count - behind;
     const float contrast = glm::dot(towards, towards);
-    if (contrast < kLeastContrast) return 1;
+    if (contrast < kMinContrast) return 1;
     return std::clamp(glm::dot(linear_colour(image, at) - behind, towards) / contrast, 0.0f, 1.0f);
 }
 

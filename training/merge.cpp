@@ -19,24 +19,25 @@ constexpr uint32_t kNoFamily = UINT32_MAX;
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kConstantH = 1 / (kPi * std::numbers::sqrt2_v<float>);  // H_000; |H_nlm| ≤ (n+1) H_000
 
-// Siblings that agree, and the weights of the leaf that takes their place.
+// Eight siblings, and the weights of the leaf that may replace them.
 struct Family {
     Siblings leaves;
     std::vector<float> parent;
 };
 
-// Leaves of one parent get one key.
-uint64_t parent_key(const voctree::LeafPosition& place) {
-    return uint64_t{place.depth} << 36 | uint64_t{place.x / 2} << 24 | uint64_t{place.y / 2} << 12 | place.z / 2;
+// A number that is the same for leaves of one parent, and different for others.
+uint64_t parent_key(const voctree::LeafPosition& position) {
+    return uint64_t{position.depth} << 36 | uint64_t{position.x / 2} << 24 | uint64_t{position.y / 2} << 12 |
+           position.z / 2;
 }
 
-std::vector<Family> whole_families(const std::vector<voctree::LeafPosition>& places) {
-    std::vector<std::pair<uint64_t, uint32_t>> keyed(places.size());
-    for (uint32_t i = 0; i < places.size(); i++) keyed[i] = {parent_key(places[i]), i};
+std::vector<Family> complete_families(const std::vector<voctree::LeafPosition>& positions) {
+    std::vector<std::pair<uint64_t, uint32_t>> keyed(positions.size());
+    for (uint32_t i = 0; i < positions.size(); i++) keyed[i] = {parent_key(positions[i]), i};
     std::sort(keyed.begin(), keyed.end());
     std::vector<Family> families;
     for (size_t i = 0; i + 8 <= keyed.size(); i++) {
-        if (keyed[i].first != keyed[i + 7].first || places[keyed[i].second].depth < 2) continue;
+        if (keyed[i].first != keyed[i + 7].first || positions[keyed[i].second].depth < 2) continue;
         Family& family = families.emplace_back();
         for (size_t j = 0; j < 8; j++) family.leaves[j] = keyed[i + j].second;
         i += 7;
@@ -45,7 +46,7 @@ std::vector<Family> whole_families(const std::vector<voctree::LeafPosition>& pla
 }
 
 bool was_used(const LeafUse& use, uint32_t leaf, uint32_t frame) {
-    return use.frames[frame / 32 * use.reach.size() + leaf] >> frame % 32 & 1;
+    return use.frames[frame / 32 * use.max_weight.size() + leaf] >> frame % 32 & 1;
 }
 
 Shares users(const LeafUse& use, const Siblings& leaves, uint32_t frame) {
@@ -64,14 +65,15 @@ float opacity_of(const voctree::VOctree& tree, const float* leaf, uint32_t frame
     return 1 - std::exp(-std::max(sigma, 0.0f) * edge_m);
 }
 
-// In linear light, the mean of all directions.
+// A leaf's colour in linear light: that of the functions that do not depend on the direction.
 glm::vec3 colour_of(const voctree::VOctree& tree, const float* leaf, uint32_t frame) {
     float gamma = 0;
     for (uint32_t c = 0; c < tree.bases; c++)
         gamma += tree.gamma_basis[size_t{frame} * tree.bases + c] * leaf[tree.bases + c];
     const float cosine = std::cos(kPi / (1 + std::exp(-gamma)));
     glm::vec3 value(0);
-    // H_n00 = U_n(cos γ) H_000, Chebyshev polynomials of the second kind (errata 1, 2); it is function hh_count(n − 1).
+    // H_n00 = U_n(cos γ) H_000, with Chebyshev polynomials U_n of the second kind (errata 1, 2). Its number among the
+    // functions is hh_count(n − 1).
     float before = 0, here = 1;
     for (uint32_t n = 0; n <= tree.hh_degree; n++) {
         const float* function = leaf + 2 * tree.bases + (n == 0 ? 0 : hh_count(n - 1));
@@ -82,7 +84,7 @@ glm::vec3 colour_of(const voctree::VOctree& tree, const float* leaf, uint32_t fr
     return 1.0f / (1.0f + glm::exp(-value));
 }
 
-// How much of each sibling was seen: its opacity, over the frames that used it.
+// How much of each sibling was seen: its opacity, summed over the frames that used it.
 Shares seen_shares(const voctree::VOctree& tree, const LeafUse& use, const Siblings& leaves, float edge_m) {
     Shares seen{};
     for (size_t i = 0; i < 8; i++)
@@ -91,7 +93,7 @@ Shares seen_shares(const voctree::VOctree& tree, const LeafUse& use, const Sibli
     return seen;
 }
 
-// Of one weight; of all leaves alike where none has a share.
+// The mean of one weight over siblings, by their shares; where none has a share, all count alike.
 float mean_weight(const voctree::VOctree& tree, const Siblings& leaves, uint32_t weight, const Shares& shares) {
     const bool shared = any(shares);
     float sum = 0, total = 0;
@@ -103,21 +105,23 @@ float mean_weight(const voctree::VOctree& tree, const Siblings& leaves, uint32_t
     return sum / total;
 }
 
-// Density is the mean of all, as the parent fills the space of all; colour is that of what was seen.
-std::vector<float> parent_of(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, const Siblings& leaves,
-                             const Shares& seen) {
+// The parent's weights. Its density is the mean of all siblings, as it fills the space of all; its colour is the mean
+// of those that were seen.
+std::vector<float> parent_of(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_frame,
+                             const Siblings& leaves, const Shares& seen) {
     std::vector<float> parent(tree.weights_per_leaf());
     for (uint32_t w = 0; w < parent.size(); w++) {
         const bool is_gamma = w >= tree.bases && w < 2 * tree.bases;
-        const Shares shares = w < tree.bases           ? Shares{}
-                              : is_gamma && own_frames ? users(use, leaves, w - tree.bases)
-                                                       : seen;
+        const Shares shares = w < tree.bases                ? Shares{}
+                              : is_gamma && basis_per_frame ? users(use, leaves, w - tree.bases)
+                                                            : seen;
         parent[w] = mean_weight(tree, leaves, w, shares);
     }
     return parent;
 }
 
-// Hidden leaves may have any colour, and frames that used none of the siblings say nothing.
+// Whether the parent looks like each sibling in a frame. Colours of siblings that the frame did not use are not
+// compared, and nothing is where it used none.
 bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family& family, uint32_t frame, float edge_m,
                  float within) {
     const Shares used = users(use, family.leaves, frame);
@@ -127,17 +131,18 @@ bool looks_alike(const voctree::VOctree& tree, const LeafUse& use, const Family&
     const glm::vec3 colour = colour_of(tree, parent, frame);
     for (size_t i = 0; i < 8; i++) {
         const float* leaf = tree.leaf(family.leaves[i]);
-        const float own = opacity_of(tree, leaf, frame, edge_m);
-        if (std::abs(own - opacity) > within) return false;
-        if (used[i] <= 0 || own <= 0) continue;
-        const glm::vec3 off = own * glm::abs(colour_of(tree, leaf, frame) - colour);
+        const float leaf_opacity = opacity_of(tree, leaf, frame, edge_m);
+        if (std::abs(leaf_opacity - opacity) > within) return false;
+        if (used[i] <= 0 || leaf_opacity <= 0) continue;
+        const glm::vec3 off = leaf_opacity * glm::abs(colour_of(tree, leaf, frame) - colour);
         if (std::max({off.x, off.y, off.z}) > within) return false;
     }
     return true;
 }
 
-// Bounds what functions that turn with the direction make of the difference; the sigmoid's slope is 1/4 at most.
-bool turns_alike(const voctree::VOctree& tree, const Family& family, const Shares& seen, float within) {
+// Whether colours vary with the direction in the same way: bounds the difference by the functions that depend on the
+// direction; the slope of the sigmoid is at most 1/4.
+bool varies_alike(const voctree::VOctree& tree, const Family& family, const Shares& seen, float within) {
     for (size_t i = 0; i < 8; i++) {
         if (seen[i] <= 0) continue;
         for (uint32_t channel = 0; channel < 3; channel++) {
@@ -152,46 +157,47 @@ bool turns_alike(const voctree::VOctree& tree, const Family& family, const Share
     return true;
 }
 
-// Gives the family its parent where that looks like each of the siblings.
-bool agree(const voctree::VOctree& tree, const LeafUse& use, bool own_frames, float edge_m, float within,
+// Computes the family's parent; returns whether it looks like each of the siblings.
+bool agree(const voctree::VOctree& tree, const LeafUse& use, bool basis_per_frame, float edge_m, float within,
            Family& family) {
     const Shares seen = seen_shares(tree, use, family.leaves, edge_m);
-    family.parent = parent_of(tree, use, own_frames, family.leaves, seen);
-    if (!turns_alike(tree, family, seen, within)) return false;
+    family.parent = parent_of(tree, use, basis_per_frame, family.leaves, seen);
+    if (!varies_alike(tree, family, seen, within)) return false;
     for (uint32_t frame = 0; frame < tree.frames; frame++)
         if (!looks_alike(tree, use, family, frame, edge_m, within)) return false;
     return true;
 }
 
 std::vector<Family> agreeing_families(const voctree::VOctree& tree, const LeafUse& use,
-                                      const std::vector<voctree::LeafPosition>& places, float within) {
-    std::vector<Family> families = whole_families(places);
-    const bool own_frames = frames_have_own_bases(tree);
+                                      const std::vector<voctree::LeafPosition>& positions, float within) {
+    std::vector<Family> families = complete_families(positions);
+    const bool basis_per_frame = has_basis_per_frame(tree);
     parallel_for(families.size(), 256, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
-            const float edge_m = tree.box_size.x / static_cast<float>(1u << places[families[i].leaves[0]].depth);
-            if (!agree(tree, use, own_frames, edge_m, within, families[i])) families[i].parent.clear();
+            const float edge_m = tree.box_size.x / static_cast<float>(1u << positions[families[i].leaves[0]].depth);
+            if (!agree(tree, use, basis_per_frame, edge_m, within, families[i])) families[i].parent.clear();
         }
     });
     std::erase_if(families, [](const Family& family) { return family.parent.empty(); });
     return families;
 }
 
-// `origins`: of a new leaf the old one, or its family's first.
+// The use of the leaves after merging. `origins`: for each new leaf the old leaf, or the first of its family.
 LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, const std::vector<Family>& families,
                   const std::vector<uint32_t>& family_of) {
-    const size_t before = use.reach.size(), after = origins.size(), words = before > 0 ? use.frames.size() / before : 0;
+    const size_t before = use.max_weight.size(), after = origins.size(),
+                 words = before > 0 ? use.frames.size() / before : 0;
     LeafUse result{std::vector<float>(after), std::vector<float>(after), std::vector<uint32_t>(words * after)};
     for (size_t i = 0; i < after; i++) {
         const auto take = [&](uint32_t leaf) {
-            result.reach[i] = std::max(result.reach[i], use.reach[leaf]);
+            result.max_weight[i] = std::max(result.max_weight[i], use.max_weight[leaf]);
             for (size_t word = 0; word < words; word++)
                 result.frames[word * after + i] |= use.frames[word * before + leaf];
         };
         const uint32_t family = family_of[origins[i]];
         if (family == kNoFamily) {
             take(origins[i]);
-            result.pull[i] = use.pull[origins[i]];
+            result.opacity_sensitivity[i] = use.opacity_sensitivity[origins[i]];
         } else {
             for (const uint32_t leaf : families[family].leaves) take(leaf);
         }
@@ -202,26 +208,26 @@ LeafUse use_after(const LeafUse& use, const std::vector<uint32_t>& origins, cons
 }  // namespace
 
 size_t merge_alike(voctree::VOctree& tree, LeafUse& use, float within) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    const std::vector<Family> families = agreeing_families(tree, use, places, within);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    const std::vector<Family> families = agreeing_families(tree, use, positions, within);
     std::vector<uint32_t> family_of(tree.leaf_count, kNoFamily);
     for (uint32_t i = 0; i < families.size(); i++)
         for (const uint32_t leaf : families[i].leaves) family_of[leaf] = i;
 
-    std::vector<voctree::LeafPosition> places_after;
+    std::vector<voctree::LeafPosition> positions_after;
     std::vector<const float*> weights;
     std::vector<uint32_t> origins;
     for (uint32_t i = 0; i < tree.leaf_count; i++) {
         const uint32_t family = family_of[i];
         if (family != kNoFamily && families[family].leaves[0] != i) continue;
-        const voctree::LeafPosition& place = places[i];
-        places_after.push_back(family == kNoFamily
-                                   ? place
-                                   : voctree::LeafPosition{place.x / 2, place.y / 2, place.z / 2, place.depth - 1});
+        const voctree::LeafPosition& position = positions[i];
+        positions_after.push_back(family == kNoFamily ? position
+                                                      : voctree::LeafPosition{position.x / 2, position.y / 2,
+                                                                              position.z / 2, position.depth - 1});
         weights.push_back(family == kNoFamily ? tree.leaf(i) : families[family].parent.data());
         origins.push_back(i);
     }
-    voctree::replace_leaves(tree, places_after, weights);
+    voctree::replace_leaves(tree, positions_after, weights);
     use = use_after(use, origins, families, family_of);
     return families.size();
 }

@@ -1,4 +1,4 @@
-// Sibling leaves that look alike become one leaf, their parent: fewer leaves for the same image.
+// Merges sibling leaves that look alike into one leaf, their parent: fewer leaves for the same image.
 #pragma once
 
 #include "training/slice_adjoint.h"
@@ -6,10 +6,14 @@
 
 namespace neuvv::training {
 
-// Merges each eight siblings whose parent would look like each of them, within `within`, in every frame that used one
-// of them: in opacity over a sibling's edge; and, of those that the frame used, in linear light weighed by that
-// opacity. The parent has the mean density of all and the colours of what was seen; the largest reach, every frame that
-// used one of them, and no pull: where siblings agree, nothing is won by dividing. Returns how many families merged.
+// Merges eight siblings where their parent would look like each of them in every frame that used one of them. Two
+// differences may be at most `within`: that in opacity over a sibling's edge, and, for siblings that the frame used,
+// that in linear light times this opacity.
+//
+// The parent has the mean density of all siblings and the mean colour of those that were seen. Its maximum weight is
+// the largest of theirs, every frame that used one of them used it, and its opacity sensitivity is 0: where siblings
+// agree, dividing again would gain nothing. `use` is that of the tree before and after. Returns how many families
+// merged.
 size_t merge_alike(voctree::VOctree& tree, LeafUse& use, float within);
 
 }  // namespace neuvv::training

@@ -18,7 +18,7 @@ constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // (K L)², L = 1
 constexpr double kMaxPsnr = 99;
 constexpr double kErrorWhite = 0.25;
 
-// The window along a side of `size` pixels: 11 taps, or as many as there are pixels, centred.
+// The window along a side of `size` pixels: 11 taps, or fewer where there are fewer pixels, around the middle.
 std::vector<double> window_taps(uint32_t size) {
     std::vector<double> taps(std::min(kWindow, size));
     double sum = 0;
@@ -30,7 +30,7 @@ std::vector<double> window_taps(uint32_t size) {
     return taps;
 }
 
-// Weighted means over a window: of a, b, a² + b², ab. SSIM needs no more, as the two variances occur only as a sum.
+// Weighted means over a window: of a, b, a² + b² and ab. SSIM needs only these, as its variances occur only as a sum.
 using Moments = std::array<double, 4>;
 
 double ssim_of(const Moments& m) {
@@ -54,7 +54,8 @@ void filter_row(const uint8_t* a, const uint8_t* b, const std::vector<double>& t
     }
 }
 
-// Mean SSIM of one channel. The filter is separable: a ring holds as many x-filtered rows as the window is high.
+// Mean SSIM of one channel. The filter is separable: a ring buffer has as many rows filtered along x as the window is
+// high.
 double mean_ssim(const media::Image& truth, const media::Image& result, size_t channel) {
     const std::vector<double> taps_x = window_taps(truth.width), taps_y = window_taps(truth.height);
     const size_t columns = truth.width - taps_x.size() + 1, rows = truth.height - taps_y.size() + 1;

@@ -21,7 +21,7 @@ bool is_of_step_up_to(const std::string& line, uint64_t last) {
     return json["step"].get<uint64_t>() <= last;
 }
 
-// The whole lines of `file` that a run going on from `step` still stands by.
+// The complete lines of `file` that are of steps up to `step`; none for step 0.
 std::string kept_lines(const std::filesystem::path& file, uint64_t step) {
     std::error_code ignored;
     if (step == 0 || !std::filesystem::exists(file, ignored)) return "";

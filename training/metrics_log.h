@@ -1,10 +1,11 @@
-// The course of a training run as a file: one JSON object a line (JSON Lines), to plot while the run goes on.
+// A log of a training run: a file with one JSON object per line (JSON Lines), which can be plotted while the run goes
+// on.
 //
-//   step, elapsed_s, epochs, rays_per_s   where the run stands
+//   step, elapsed_s, epochs, rays_per_s   how far the run has come, and its speed
 //   loss, loss_rgb, loss_grad, batch_psnr of the batches since the last report (TrainProgress)
-//   leaves, depth                         the tree
+//   leaves, depth                         of the tree
 //   memory_bytes                          peak resident memory of the process
-//   preview_psnr, preview_view            of the last preview, in the lines that follow one
+//   preview_psnr, preview_view            of the preview, in lines that are added with one
 #pragma once
 
 #include <filesystem>
@@ -17,16 +18,17 @@ namespace neuvv::training {
 
 struct PreviewScore {
     std::string view;
-    double psnr = 0;  // dB, whole image over white, as Quality has it
+    double psnr = 0;  // dB, as in Quality
 };
 
 class MetricsLog {
   public:
-    // Continues `file` for a run that goes on from `began_at_step`: what it holds of later steps, and lines that a kill
-    // left incomplete, are dropped. A run that begins at step 0 begins the file anew. Throws RuntimeFailure.
+    // Continues `file` for a run that goes on from `began_at_step`: lines of later steps, and lines that are not
+    // complete because a run was killed, are removed. A run that begins at step 0 begins the file anew. Throws
+    // RuntimeFailure.
     MetricsLog(const std::filesystem::path& file, uint64_t began_at_step);
 
-    // Appends a line, whole or (on a crash of the machine) in part. Throws RuntimeFailure.
+    // Appends a line. Only a crash of the machine can leave it incomplete. Throws RuntimeFailure.
     void add(const TrainProgress& now, const std::optional<PreviewScore>& preview = {}) const;
 
   private:

@@ -18,13 +18,13 @@ namespace {
 
 constexpr size_t kRow = 17;  // 3×5 and two depths
 constexpr double kRigidTolerance = 1e-3;
-constexpr double kStretchTolerance = 0.02;  // scaled sizes are rounded to whole pixels
+constexpr double kStretchTolerance = 0.02;  // as scaled sizes are rounded to whole pixels
 
 std::filesystem::path poses_file(const std::filesystem::path& folder) {
     return folder / "poses_bounds.npy";
 }
 
-// cam*.mp4 in order of their names, which is that of the rows.
+// The files cam*.mp4 in the order of their names, which is that of the rows.
 std::vector<std::filesystem::path> find_videos(const std::filesystem::path& folder) {
     std::set<std::string> names;
     std::error_code failed;
@@ -37,16 +37,16 @@ std::vector<std::filesystem::path> find_videos(const std::filesystem::path& fold
     return videos;
 }
 
-// One row of the file: camera to world, columns [down, right, backwards, place], then (H, W, focal).
+// The camera of a row: camera to world with columns [down, right, backwards, position], then a column (H, W, focal).
 RigCamera make_camera(const double* row, const std::filesystem::path& video, const std::string& file,
                       const std::string& place) {
     const auto column = [&](int c) { return glm::dvec3(row[c], row[5 + c], row[10 + c]); };
     const glm::dmat3 axes(column(1), -column(0), column(2));
     const glm::dvec3 size = column(4);
-    const glm::dmat3 off = glm::transpose(axes) * axes - glm::dmat3(1);  // 0 where the axes are unit and square
+    const glm::dmat3 off = glm::transpose(axes) * axes - glm::dmat3(1);  // 0 where the axes are orthonormal
     if (!(glm::length(off[0]) + glm::length(off[1]) + glm::length(off[2]) < kRigidTolerance &&
           glm::determinant(axes) > 0))
-        throw InputError(file, place, "is not a rigid pose", "give [down, right, backwards, place, (H, W, focal)]");
+        throw InputError(file, place, "is not a rigid pose", "give [down, right, backwards, position, (H, W, focal)]");
     if (!(size.x >= 1 && size.y >= 1 && size.x <= media::kMaxImageSide && size.y <= media::kMaxImageSide))
         throw InputError(file, place, fmt::format("says {}×{}, not an image size", size.y, size.x));
     RigCamera camera;

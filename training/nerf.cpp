@@ -16,7 +16,7 @@ namespace neuvv::training {
 
 namespace {
 
-// What makes two frames the same camera: pose and intrinsics as the file gives them.
+// Frames are of the same camera where these numbers are equal: pose and intrinsics as the file gives them.
 using CameraIdentity = std::vector<double>;
 
 CameraIdentity identity(const TransformsFrame& frame) {
@@ -38,7 +38,7 @@ CameraIdentity identity(const TransformsFrame& frame) {
     return key;
 }
 
-// Each frame's camera, numbered in order of first use.
+// The number of each frame's camera, in order of first use.
 std::vector<uint32_t> number_cameras(const std::vector<TransformsFrame>& frames) {
     std::map<CameraIdentity, uint32_t> seen;
     std::vector<uint32_t> cameras;
@@ -53,7 +53,7 @@ bool holds_file(const std::filesystem::path& file) {
     return std::filesystem::exists(file, ignored);
 }
 
-// The frames of a split, and the file that they stand in.
+// The frames of a split, and the file that has them.
 struct SplitFrames {
     std::filesystem::path file;
     Transforms transforms;
@@ -70,8 +70,8 @@ std::filesystem::path split_file(const std::filesystem::path& folder, const char
     return folder / fmt::format("transforms_{}.json", split);
 }
 
-// transforms_train.json and its kind: each speaks for one split.
-SplitFrames read_own_file(const std::filesystem::path& folder, Split split) {
+// Reads transforms_train.json, transforms_test.json or transforms_val.json, each of which has the frames of one split.
+SplitFrames read_file_of_split(const std::filesystem::path& folder, Split split) {
     SplitFrames result;
     result.file = split_file(folder, name_of(split));
     result.transforms = read_transforms(result.file);
@@ -88,7 +88,7 @@ std::string normal(const std::string& path) {
     return std::filesystem::path(path).lexically_normal().generic_string();
 }
 
-// Which frames the lists of nerfstudio give to the split.
+// Which frames are of the split by nerfstudio's lists.
 std::vector<bool> members_by_list(const std::string& file, const Transforms& all, Split split) {
     std::map<std::string, size_t> list_of;
     for (size_t s = 0; s < all.split_files.size(); ++s)
@@ -113,7 +113,7 @@ std::vector<bool> members_by_list(const std::string& file, const Transforms& all
     return members;
 }
 
-// Every 8th camera is for the test.
+// Which frames are of the split where every 8th camera is held out for the test.
 std::vector<bool> members_by_camera(const std::string& file, const Transforms& all, Split split) {
     if (split == Split::kVal)
         throw InputError(file, "", "has no validation split", "give val_filenames or transforms_val.json");
@@ -145,12 +145,12 @@ SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
 }
 
 SplitFrames read_split(const std::filesystem::path& folder, Split split) {
-    const bool own = std::any_of(std::begin(kSplitNames), std::end(kSplitNames),
-                                 [&](const char* name) { return holds_file(split_file(folder, name)); });
-    return own ? read_own_file(folder, split) : read_shared_file(folder, split);
+    const bool one_file_each = std::any_of(std::begin(kSplitNames), std::end(kSplitNames),
+                                           [&](const char* name) { return holds_file(split_file(folder, name)); });
+    return one_file_each ? read_file_of_split(folder, split) : read_shared_file(folder, split);
 }
 
-// `path` as given, else with the ending of an image: D-NeRF gives none.
+// The image `path`, or `path` with the extension of an image, as D-NeRF gives none.
 std::filesystem::path find_image(const Rig& rig, const std::string& path, const std::string& place) {
     std::error_code ignored;
     for (const char* ending : {"", ".png", ".jpg", ".jpeg"}) {
@@ -197,7 +197,7 @@ void add_cameras_and_shots(Rig& rig, const std::vector<TransformsFrame>& frames)
     }
 }
 
-// A field of all frames or none.
+// Whether all frames have a field. Throws InputError where only some have it.
 template <typename HasField>
 bool has_everywhere(const Rig& rig, const std::vector<TransformsFrame>& frames, const char* field,
                     const HasField& has_field) {
@@ -208,7 +208,7 @@ bool has_everywhere(const Rig& rig, const std::vector<TransformsFrame>& frames, 
                      "give it to all frames or none");
 }
 
-// nerfstudio names a mask for every frame, instant-ngp looks for one beside each image.
+// Finds the masks: nerfstudio names one for every frame, instant-ngp looks for a file beside each image.
 void find_masks(Rig& rig, const std::vector<TransformsFrame>& frames) {
     if (has_everywhere(rig, frames, "mask_path", [](const auto& frame) { return !frame.mask_path.empty(); })) {
         rig.masks = MaskMeaning::kUsable;
@@ -224,7 +224,8 @@ void find_masks(Rig& rig, const std::vector<TransformsFrame>& frames) {
     }
 }
 
-// An image's name: that of its file, or where another image of any split bears that name, with its folders.
+// Names each image after its file; where another image of any split has the same name, folders become part of the
+// names.
 void name_shots(Rig& rig, const std::vector<TransformsFrame>& frames, const std::vector<std::string>& other_images) {
     const auto stem = [](const std::string& path) { return std::filesystem::path(path).stem().string(); };
     std::map<std::string, int> uses;

@@ -1,4 +1,4 @@
-// Data sets of the NeRF family: images beside a transforms.json. Fields: training/README.md.
+// Data sets of the NeRF family: images beside a transforms.json, whose fields training/README.md lists.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,9 @@ namespace neuvv::training {
 
 bool has_nerf_files(const std::filesystem::path& folder);
 
-// Reads `folder`/transforms_train.json or _test.json, or one transforms.json of which every 8th camera (the first, the
-// 9th, …) is held out for the test split. Throws InputError naming file, JSON place and fix.
+// Reads `folder`/transforms_train.json, _test.json or _val.json, or else the split's frames of a single
+// transforms.json: those that its {train,test,val}_filenames list, else every 8th camera (the first, the 9th, …) is
+// held out for the test split. Throws InputError with file, place in the JSON and fix.
 Rig read_nerf_rig(const std::filesystem::path& folder, Split split);
 
 }  // namespace neuvv::training

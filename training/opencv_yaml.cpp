@@ -12,7 +12,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint64_t kMaxFileBytes = uint64_t{4} << 20;  // 4,000 cameras; the parser takes 2 s for it
+constexpr uint64_t kMaxFileBytes = uint64_t{4} << 20;  // about 4,000 cameras; the parser takes 2 s for so many
 
 std::string place_of(const std::string& key, const YAML::Node& node) {
     return fmt::format("{:.80}, line {}", key, node.Mark().line + 1);

@@ -1,4 +1,4 @@
-// The part of OpenCV's YAML 1.0 that calibrations use: names, numbers, matrices.
+// Reads the part of OpenCV's YAML 1.0 that calibrations use: names, numbers, matrices.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -10,18 +10,18 @@
 
 namespace neuvv::training {
 
-// Every reader throws InputError naming file, key and line.
+// All functions that read throw InputError with file, key and line.
 class OpencvYaml {
   public:
     explicit OpencvYaml(const std::filesystem::path& file);
 
     const std::string& file() const { return file_; }
     bool has(const std::string& key) const;
-    // A list of strings.
+    // A list of strings, at least one. Throws where it is missing.
     std::vector<std::string> names(const std::string& key) const;
     std::optional<double> number(const std::string& key) const;
-    // Row by row, all finite; nothing where the key is missing. Refused where it has another number of elements than
-    // one of `sizes`.
+    // The numbers of a matrix, row by row, all finite; nothing where the key is missing. Throws where their count is
+    // none of `sizes`.
     std::optional<std::vector<double>> matrix(const std::string& key, std::initializer_list<size_t> sizes) const;
 
   private:

@@ -11,7 +11,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint32_t kSamples = 2;  // rays a pixel along each side, as `neuvv eval` has by default
+constexpr uint32_t kSamples = 2;  // rays along each side of a pixel
 
 media::Image side_by_side(const std::vector<media::Image>& images) {
     media::Image row(images[0].width * static_cast<uint32_t>(images.size()), images[0].height);
@@ -25,16 +25,17 @@ media::Image side_by_side(const std::vector<media::Image>& images) {
 
 Dataset preview_dataset(const Dataset& dataset) {
     assert(!dataset.views.empty() && "a data set has images");
-    const View* chosen = &dataset.views[0];
+    const View* selected = &dataset.views[0];
     for (const View& view : dataset.views)
-        if (view.camera == chosen->camera && std::abs(view.time - 0.5) < std::abs(chosen->time - 0.5)) chosen = &view;
+        if (view.camera == selected->camera && std::abs(view.time - 0.5) < std::abs(selected->time - 0.5))
+            selected = &view;
     Dataset cut;
     cut.folder = dataset.folder;
-    cut.cameras = {dataset.cameras[chosen->camera]};
-    cut.plates = {dataset.plates[chosen->camera]};
-    cut.views = {*chosen};
+    cut.cameras = {dataset.cameras[selected->camera]};
+    cut.plates = {dataset.plates[selected->camera]};
+    cut.views = {*selected};
     cut.views[0].camera = 0;
-    cut.times = {chosen->time};
+    cut.times = {selected->time};
     return cut;
 }
 

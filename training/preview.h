@@ -1,4 +1,4 @@
-// An image of a model while it is trained: truth, render and error of one view, side by side.
+// An image of a model during its training: truth, render and error of one view, side by side.
 #pragma once
 
 #include <filesystem>
@@ -9,12 +9,13 @@
 
 namespace neuvv::training {
 
-// The data set cut down to the view that previews show: of its first camera, the time next to the clip's middle.
+// A data set with a single view, the one that previews show: of the first view's camera, the view that is nearest to
+// the middle of the clip. Needs a view (assert).
 Dataset preview_dataset(const Dataset& dataset);
 
-// Renders view 0 of `dataset` from `field`, which nothing else may use meanwhile, and replaces `file` (a PNG)
-// atomically by truth | render | error, all over white. The field's frames span the clip. Returns how good the render
-// is. Throws RuntimeFailure.
+// Renders view 0 of `dataset` from `field`, which nothing else may use at the same time, and atomically replaces `file`
+// (a PNG) with truth, render and error side by side, all over white. Returns the quality of the render. Throws
+// RuntimeFailure.
 Quality write_preview(const gpu::Device& device, const render::Field& field, const Dataset& dataset,
                       const std::filesystem::path& file);
 

@@ -22,30 +22,30 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint32_t kMostSplits = 64;
-// A unit of the network's w^σ stands for this optical depth through the box's longest side, and fog starts at kFirstFog
-// units: a fifth of a light along it gets through.
-constexpr float kUnitDepth = 30;
-constexpr float kFirstFog = 0.05f;
+constexpr uint32_t kMaxSplits = 64;
+// A unit of the network's w^σ means this optical depth along the box's longest side. The fog with which training begins
+// has kInitialFog units, so that about a fifth of the light passes along that side.
+constexpr float kUnitOpticalDepth = 30;
+constexpr float kInitialFog = 0.05f;
 
 constexpr VkFormat kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 uint64_t parameter_bytes(const PsiShape& shape) {
-    return uint64_t{16} * ((shape.count() + 3) / 4);
+    return uint64_t{16} * ((shape.parameter_count() + 3) / 4);
 }
 
 std::vector<uint32_t> network_constants(const PsiShape& shape) {
-    return {shape.frequencies, shape.inputs(), shape.width, shape.layers, shape.hh_degree, shape.heads()};
+    return {shape.frequencies, shape.inputs(), shape.width, shape.layers, shape.hh_degree, shape.head_columns()};
 }
 
-// Rounds: uniform in ±√(6 / inputs), He's variance.
+// Fills a matrix with random numbers, uniform in ±gain · √(6 / real_inputs): He's variance for a gain of 1.
 void fill_layer(float* matrix, uint32_t inputs, uint32_t real_inputs, uint32_t outputs, double gain,
                 std::mt19937_64& random) {
-    const double reach = gain * std::sqrt(6.0 / real_inputs);
+    const double bound = gain * std::sqrt(6.0 / real_inputs);
     for (uint32_t k = 0; k < inputs; k++)
         for (uint32_t o = 0; o < outputs; o++) {
             const double uniform = static_cast<double>(random() >> 11) * 0x1p-53;
-            matrix[size_t{k} * outputs + o] = static_cast<float>(reach * (2 * uniform - 1));
+            matrix[size_t{k} * outputs + o] = static_cast<float>(bound * (2 * uniform - 1));
         }
 }
 
@@ -53,21 +53,21 @@ void fill_layer(float* matrix, uint32_t inputs, uint32_t real_inputs, uint32_t o
 
 PsiNetwork initial_psi(const PsiShape& shape, glm::vec3 box_min, glm::vec3 box_size, uint64_t seed) {
     PsiNetwork network{shape, box_min, box_size, 1, {}};
-    network.density = 0.5f * kUnitDepth * network.scale();
-    network.parameters.assign(shape.count(), 0);
+    network.density = 0.5f * kUnitOpticalDepth * network.scale();
+    network.parameters.assign(shape.parameter_count(), 0);
     std::mt19937_64 random(seed);
     for (uint32_t layer = 0; layer < shape.layers; layer++)
-        fill_layer(&network.parameters[psi_layer_first(layer, shape.inputs(), shape.width)],
+        fill_layer(&network.parameters[psi_layer_offset(layer, shape.inputs(), shape.width)],
                    layer == 0 ? shape.inputs() : shape.width, layer == 0 ? 3 + 6 * shape.frequencies : shape.width,
                    shape.width, 1, random);
-    float* output = &network.parameters[shape.output_first()];
+    float* output = &network.parameters[shape.output_offset()];
     fill_layer(output, shape.width, shape.width, shape.outputs(), 0.02, random);
     float* bias = output + size_t{shape.width} * shape.outputs();
     const std::vector<float> gamma = initial_gamma_weights(shape.bases), hats = hat_basis(shape.frames, shape.bases);
-    std::fill(bias, bias + shape.bases, kFirstFog);
+    std::fill(bias, bias + shape.bases, kInitialFog);
     std::copy(gamma.begin(), gamma.end(), bias + shape.bases);
-    std::copy(hats.begin(), hats.end(), &network.parameters[shape.sigma_first()]);
-    std::copy(hats.begin(), hats.end(), &network.parameters[shape.gamma_first()]);
+    std::copy(hats.begin(), hats.end(), &network.parameters[shape.sigma_rows_offset()]);
+    std::copy(hats.begin(), hats.end(), &network.parameters[shape.gamma_rows_offset()]);
     return network;
 }
 
@@ -76,7 +76,7 @@ PsiStep::PsiStep(const gpu::Device& device, const PsiNetwork& network, const Psi
     : device_(device),
       network_(network),
       sampling_(sampling),
-      splits_(std::min(kMostSplits, tiles * sampling.fine)),
+      splits_(std::min(kMaxSplits, tiles * sampling.fine)),
       rays_(device, cameras, tiles),
       batch_(device, tiles),
       points_(device, "psi points", uint64_t{16} * samples(), gpu::MemoryKind::kDevice, kVec4),
@@ -88,13 +88,14 @@ PsiStep::PsiStep(const gpu::Device& device, const PsiNetwork& network, const Psi
       gradients_(device, "psi gradients", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
       first_(device, "psi first moments", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
       second_(device, "psi second moments", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
-      activations_(device, "psi activations", uint64_t{4} * network.shape.rows() * samples(), gpu::MemoryKind::kDevice,
-                   kVec4),
+      activations_(device, "psi activations", uint64_t{4} * network.shape.activation_rows() * samples(),
+                   gpu::MemoryKind::kDevice, kVec4),
       adjoints_(device, "psi adjoints", uint64_t{4} * network.shape.adjoint_rows() * samples(),
                 gpu::MemoryKind::kDevice, kVec4),
-      partials_(device, "psi partials", uint64_t{4} * splits_ * network.shape.output_first(), gpu::MemoryKind::kDevice),
+      partials_(device, "psi partials", uint64_t{4} * splits_ * network.shape.output_offset(),
+                gpu::MemoryKind::kDevice),
       sums_(device, "psi loss sums", uint64_t{16} * tiles, gpu::MemoryKind::kReadback),
-      fold_(device, "psi fold", psi_fold_comp, {network.shape.width, network.shape.heads()}),
+      fold_(device, "psi fold", psi_fold_comp, {network.shape.width, network.shape.head_columns()}),
       sample_(device, "psi sample", psi_sample_comp),
       forward_(device, "psi forward", psi_forward_comp, network_constants(network.shape)),
       resample_(device, "psi resample", psi_resample_comp),
@@ -102,13 +103,14 @@ PsiStep::PsiStep(const gpu::Device& device, const PsiNetwork& network, const Psi
       composite_adjoint_(device, "psi composite adjoint", psi_composite_adjoint_comp),
       adjoint_(device, "psi adjoint", psi_adjoint_comp, network_constants(network.shape)),
       weights_(device, "psi weights adjoint", psi_weights_adjoint_comp,
-               {network.shape.rows(), network.shape.adjoint_rows()}),
+               {network.shape.activation_rows(), network.shape.adjoint_rows()}),
       reduce_(device, "psi reduce", psi_reduce_comp),
-      fold_adjoint_(device, "psi fold adjoint", psi_fold_adjoint_comp, {network.shape.width, network.shape.heads()}),
+      fold_adjoint_(device, "psi fold adjoint", psi_fold_adjoint_comp,
+                    {network.shape.width, network.shape.head_columns()}),
       adam_(device, "psi adam", psi_adam_comp),
       loss_(device, rays_, batch_),
       commands_(device, "psi step") {
-    assert(network.parameters.size() == network.shape.count() && network.shape.width % 32 == 0);
+    assert(network.parameters.size() == network.shape.parameter_count() && network.shape.width % 32 == 0);
     const auto bind = [&](const gpu::ComputePass& pass) {
         return gpu::BindingSet(pass, {{kPsiPoints, &points_},
                                       {kPsiDirections, &directions_},
@@ -120,8 +122,8 @@ PsiStep::PsiStep(const gpu::Device& device, const PsiNetwork& network, const Psi
                                       {kPsiValueAdjoints, &value_adjoints_},
                                       {kPsiPartials, &partials_},
                                       {kPsiGradients, &gradients_},
-                                      {kPsiFirst, &first_},
-                                      {kPsiSecond, &second_},
+                                      {kPsiFirstMoments, &first_},
+                                      {kPsiSecondMoments, &second_},
                                       {kPsiCameras, &rays_.cameras},
                                       {kPsiTiles, &rays_.tiles},
                                       {kPsiRadiance, &rays_.radiance},
@@ -152,9 +154,9 @@ PsiFoldPush PsiStep::fold_push(float frame) const {
             shape.frames,
             shape.bases,
             shape.outputs(),
-            shape.head_first(),
-            shape.output_first(),
-            shape.sigma_first(),
+            shape.head_offset(),
+            shape.output_offset(),
+            shape.sigma_rows_offset(),
             network_.density};
 }
 
@@ -181,15 +183,23 @@ PsiAdamPush adam_push(const PsiShape& shape, const PsiStepSettings& settings) {
     const auto bias = [&](float beta) {
         return static_cast<float>(1 - std::pow(static_cast<double>(beta), adam.step));
     };
-    return {adam.beta1,         adam.beta2,           adam.epsilon,
-            bias(adam.beta1),   bias(adam.beta2),     adam.emit_only ? 1u : 0u,
-            shape.head_first(), shape.output_first(), shape.sigma_first(),
-            shape.count(),      settings.rate,        settings.rows_rate};
+    return {adam.beta1,
+            adam.beta2,
+            adam.epsilon,
+            bias(adam.beta1),
+            bias(adam.beta2),
+            adam.emit_only ? 1u : 0u,
+            shape.head_offset(),
+            shape.output_offset(),
+            shape.sigma_rows_offset(),
+            shape.parameter_count(),
+            settings.rate,
+            settings.rows_rate};
 }
 
 }  // namespace
 
-// From activations and adjoints of `blocks` blocks to the gradients of hidden layers and head.
+// Takes activations and adjoints of `blocks` blocks to the gradients of hidden layers and head.
 void PsiStep::record_psi_weights(uint32_t blocks) {
     const PsiShape& shape = network_.shape;
     {
@@ -199,17 +209,17 @@ void PsiStep::record_psi_weights(uint32_t blocks) {
             push.blocks = blocks;
             push.splits = splits_;
             push.inputs = layer == 0 ? shape.inputs() : shape.width;
-            push.outputs = layer == shape.layers ? shape.heads() : shape.width;
+            push.outputs = layer == shape.layers ? shape.head_columns() : shape.width;
             push.input_row = layer == 0 ? 0 : shape.inputs() + (layer - 1) * shape.width;
             push.output_row = layer * shape.width;
-            push.first = psi_layer_first(layer, shape.inputs(), shape.width);
-            push.stride = shape.output_first();
+            push.matrix_offset = psi_layer_offset(layer, shape.inputs(), shape.width);
+            push.partials_stride = shape.output_offset();
             const uint32_t matrix_tiles = (push.inputs + 63) / 64 * (push.outputs / 32);
             gpu::dispatch_groups(commands_, weights_, weights_set_, splits_ * matrix_tiles, push);
         }
         gpu::compute_barrier(commands_);
     }
-    record_pass(commands_, reduce_, reduce_set_, shape.output_first(), PsiReducePush{shape.output_first(), splits_});
+    record_pass(commands_, reduce_, reduce_set_, shape.output_offset(), PsiReducePush{shape.output_offset(), splits_});
 }
 
 void PsiStep::record_psi_step(const PsiStepSettings& settings) {
@@ -226,7 +236,7 @@ void PsiStep::record_psi_step(const PsiStepSettings& settings) {
                               settings.seed};
     const PsiFoldPush fold = fold_push(settings.frame);
 
-    record_pass(commands_, fold_, fold_set_, (shape.width + 1) * shape.heads(), fold);
+    record_pass(commands_, fold_, fold_set_, (shape.width + 1) * shape.head_columns(), fold);
     record_groups(commands_, sample_, sample_set_, settings.tiles, ray_push);
     record_groups(commands_, forward_, forward_set_, coarse, coarse_push);
     record_groups(commands_, resample_, resample_set_, settings.tiles, ray_push);
@@ -236,8 +246,8 @@ void PsiStep::record_psi_step(const PsiStepSettings& settings) {
     record_groups(commands_, composite_adjoint_, composite_adjoint_set_, settings.tiles, fine_push);
     record_groups(commands_, adjoint_, adjoint_set_, fine, fine_push);
     record_psi_weights(fine);
-    record_pass(commands_, fold_adjoint_, fold_adjoint_set_, shape.count() - shape.output_first(), fold);
-    record_pass(commands_, adam_, adam_set_, shape.count(), adam_push(shape, settings));
+    record_pass(commands_, fold_adjoint_, fold_adjoint_set_, shape.parameter_count() - shape.output_offset(), fold);
+    record_pass(commands_, adam_, adam_set_, shape.parameter_count(), adam_push(shape, settings));
     gpu::copy(commands_, batch_.sums, sums_, uint64_t{16} * settings.tiles);
     gpu::host_barrier(commands_);
 }
@@ -257,13 +267,13 @@ StepResult PsiStep::wait() {
 
 PsiNetwork PsiStep::network() const {
     PsiNetwork network = network_;
-    network.parameters.resize(network.shape.count());
+    network.parameters.resize(network.shape.parameter_count());
     gpu::download(device_, parameters_, network.parameters.data(), network.parameters.size() * sizeof(float));
     return network;
 }
 
 std::vector<float> PsiStep::gradients() const {
-    std::vector<float> gradients(network_.shape.count());
+    std::vector<float> gradients(network_.shape.parameter_count());
     gpu::download(device_, gradients_, gradients.data(), gradients.size() * sizeof(float));
     return gradients;
 }
@@ -280,17 +290,17 @@ std::vector<glm::vec4> PsiStep::values() const {
     return values;
 }
 
-std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& places_world) {
+std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& positions_world) {
     const uint32_t width = network_.shape.width;
-    std::vector<float> result(places_world.size() * width);
+    std::vector<float> result(positions_world.size() * width);
     std::vector<glm::vec4> points;
     std::vector<float> rows;
-    for (size_t first = 0; first < places_world.size(); first += samples()) {
-        const size_t count = std::min<size_t>(samples(), places_world.size() - first);
+    for (size_t first = 0; first < positions_world.size(); first += samples()) {
+        const size_t count = std::min<size_t>(samples(), positions_world.size() - first);
         const auto blocks = static_cast<uint32_t>((count + kPsiBlock - 1) / kPsiBlock);
         points.assign(size_t{blocks} * kPsiBlock, glm::vec4(0));
         for (size_t i = 0; i < count; i++)
-            points[i] = glm::vec4((places_world[first + i] - network_.centre()) * network_.scale(), 0);
+            points[i] = glm::vec4((positions_world[first + i] - network_.centre()) * network_.scale(), 0);
         gpu::upload(device_, points_, points.data(), points.size() * sizeof(glm::vec4));
         gpu::run_once(device_, "psi hidden layer", [&](gpu::Commands& commands) {
             gpu::dispatch_groups(commands, forward_, forward_set_, blocks, PsiBlockPush{blocks, 1, kPsiKeepHidden, 0});

@@ -22,8 +22,8 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// The output layer as a matrix over the last hidden layer, one row a column of it: y = W h + b.
-struct Output {
+// The output layer: y = W h + b, where h is the last hidden layer.
+struct OutputLayer {
     uint32_t width, columns;
     const float* numbers;  // (width + 1) × columns
 
@@ -36,36 +36,39 @@ struct Output {
     }
 };
 
-glm::vec3 leaf_corner(const voctree::VOctree& tree, const voctree::LeafPosition& place) {
-    return tree.box_min + tree.box_size / static_cast<float>(1u << place.depth) * glm::vec3(place.x, place.y, place.z);
+glm::vec3 leaf_corner(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
+    return tree.box_min +
+           tree.box_size / static_cast<float>(1u << position.depth) * glm::vec3(position.x, position.y, position.z);
 }
 
-float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPosition& place) {
-    return tree.box_size.x / static_cast<float>(1u << place.depth);
+float leaf_edge(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
+    return tree.box_size.x / static_cast<float>(1u << position.depth);
 }
 
-// Places in leaf number i: `side`³ cells' centres, or random ones.
-std::vector<glm::vec3> centres_in(const voctree::VOctree& tree, const voctree::LeafPosition& place, uint32_t side) {
+// The centres of side³ cells in a leaf, in the world.
+std::vector<glm::vec3> cell_centres_in(const voctree::VOctree& tree, const voctree::LeafPosition& position,
+                                       uint32_t side) {
     std::vector<glm::vec3> centres;
-    const float cell = leaf_edge(tree, place) / static_cast<float>(side);
+    const float cell = leaf_edge(tree, position) / static_cast<float>(side);
     for (uint32_t i = 0; i < side * side * side; i++)
-        centres.push_back(leaf_corner(tree, place) +
+        centres.push_back(leaf_corner(tree, position) +
                           cell * (glm::vec3(i % side, i / side % side, i / side / side) + 0.5f));
     return centres;
 }
 
-std::vector<glm::vec3> random_in(const voctree::VOctree& tree, const voctree::LeafPosition& place, uint32_t count,
-                                 std::mt19937_64& random) {
-    std::vector<glm::vec3> places(count);
+// Random points in a leaf, in the world.
+std::vector<glm::vec3> random_points_in(const voctree::VOctree& tree, const voctree::LeafPosition& position,
+                                        uint32_t count, std::mt19937_64& random) {
+    std::vector<glm::vec3> positions(count);
     const auto uniform = [&] { return static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53); };
-    for (glm::vec3& at : places) {
+    for (glm::vec3& at : positions) {
         const float x = uniform(), y = uniform(), z = uniform();
-        at = leaf_corner(tree, place) + leaf_edge(tree, place) * glm::vec3(x, y, z);
+        at = leaf_corner(tree, position) + leaf_edge(tree, position) * glm::vec3(x, y, z);
     }
-    return places;
+    return positions;
 }
 
-// Runs `use(leaf, hidden layers at its points)` for every place, on all cores, a chunk of leaves at a time.
+// Calls `use` with each leaf and the last hidden layer at its points, on all cores, for many leaves at a time.
 template <typename PointsOf, typename Use>
 void for_each_leaf(PsiStep& psi, size_t leaves, size_t points_per_leaf, const PointsOf& points_of, const Use& use) {
     const size_t at_once = std::max<size_t>(kPointsAtOnce / points_per_leaf, 1);
@@ -88,7 +91,7 @@ void for_each_leaf(PsiStep& psi, size_t leaves, size_t points_per_leaf, const Po
 // Σ_t relu(A_t·w^σ) with w^σ in 1/m.
 double density_over_time(const PsiNetwork& network, const double* outputs) {
     const PsiShape& shape = network.shape;
-    const float* basis = &network.parameters[shape.sigma_first()];
+    const float* basis = &network.parameters[shape.sigma_rows_offset()];
     double sum = 0;
     for (uint32_t t = 0; t < shape.frames; t++) {
         double raw = 0;
@@ -99,19 +102,20 @@ double density_over_time(const PsiNetwork& network, const double* outputs) {
     return sum * static_cast<double>(network.density);
 }
 
-Output output_of(const PsiNetwork& network) {
-    return {network.shape.width, network.shape.outputs(), &network.parameters[network.shape.output_first()]};
+OutputLayer output_of(const PsiNetwork& network) {
+    return {network.shape.width, network.shape.outputs(), &network.parameters[network.shape.output_offset()]};
 }
 
-// Of the hull's cells those with a finest cell that is ever dense.
-std::vector<voctree::LeafPosition> dense_places(PsiStep& psi, const PsiNetwork& network, const voctree::VOctree& hull,
-                                                uint32_t levels_above, float threshold) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(hull);
-    const Output output = output_of(network);
+// The hull's leaves in which at least one finest cell is dense.
+std::vector<voctree::LeafPosition> dense_positions(PsiStep& psi, const PsiNetwork& network,
+                                                   const voctree::VOctree& hull, uint32_t levels_above,
+                                                   float threshold) {
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(hull);
+    const OutputLayer output = output_of(network);
     const uint32_t side = 1u << levels_above, cells = side * side * side;
-    std::vector<uint8_t> dense(places.size());
+    std::vector<uint8_t> dense(positions.size());
     for_each_leaf(
-        psi, places.size(), cells, [&](size_t i) { return centres_in(hull, places[i], side); },
+        psi, positions.size(), cells, [&](size_t i) { return cell_centres_in(hull, positions[i], side); },
         [&](size_t i, const float* hidden) {
             std::vector<double> outputs(output.columns);
             for (uint32_t cell = 0; cell < cells && dense[i] == 0; cell++) {
@@ -120,19 +124,20 @@ std::vector<voctree::LeafPosition> dense_places(PsiStep& psi, const PsiNetwork& 
             }
         });
     std::vector<voctree::LeafPosition> kept;
-    for (size_t i = 0; i < places.size(); i++)
-        if (dense[i] != 0) kept.push_back(places[i]);
+    for (size_t i = 0; i < positions.size(); i++)
+        if (dense[i] != 0) kept.push_back(positions[i]);
     return kept;
 }
 
-// A leaf's weights from the mean of the last hidden layer: the output layer is linear, so this is the outputs' mean.
+// Sets each leaf's weights to the mean of the network's outputs over random points. As the output layer is linear, that
+// is the output of the mean of the last hidden layer.
 void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree& tree, const PsiSettings& settings) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    const Output output = output_of(network);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    const OutputLayer output = output_of(network);
     std::mt19937_64 random(settings.seed);
     const uint32_t count = settings.points_per_leaf;
     for_each_leaf(
-        psi, places.size(), count, [&](size_t i) { return random_in(tree, places[i], count, random); },
+        psi, positions.size(), count, [&](size_t i) { return random_points_in(tree, positions[i], count, random); },
         [&](size_t i, const float* hidden) {
             std::vector<float> mean(output.width);
             for (uint32_t k = 0; k < output.width; k++) {
@@ -149,8 +154,8 @@ void set_mean_weights(PsiStep& psi, const PsiNetwork& network, voctree::VOctree&
         });
 }
 
-// Where the training of Ψ stands, and its sums since the last report.
-struct Course {
+// How far the training of Ψ has come, and sums since the last report.
+struct PsiRun {
     double began = seconds_now(), reported = began, pixels = 0, loss = 0, rgb = 0;
     uint64_t step = 0, steps = 0;
 
@@ -180,36 +185,36 @@ struct Course {
     }
 };
 
-PsiStepSettings step_settings(const PsiSettings& settings, const Course& course, const Batch& batch, uint32_t frames) {
+PsiStepSettings step_settings(const PsiSettings& settings, const PsiRun& run, const Batch& batch, uint32_t frames) {
     PsiStepSettings step;
     step.frame = static_cast<float>(frame_of_time(batch.time, frames));
     step.tiles = static_cast<uint32_t>(batch.tiles.size());
-    step.seed = static_cast<uint32_t>(settings.seed * 0x9e3779b9u + course.step);
-    const double rate = kFirstRate * std::pow(kLastRate / kFirstRate, course.fraction(settings));
+    step.seed = static_cast<uint32_t>(settings.seed * 0x9e3779b9u + run.step);
+    const double rate = kFirstRate * std::pow(kLastRate / kFirstRate, run.fraction(settings));
     step.rate = static_cast<float>(rate);
     step.rows_rate = static_cast<float>(kRowsShare * rate);
-    step.adam.step = static_cast<uint32_t>(course.step);
+    step.adam.step = static_cast<uint32_t>(run.step);
     return step;
 }
 
 void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings, const PsiCallback& callback) {
     BatchSampler sampler(dataset, settings.tiles_per_step, settings.seed);
-    Course course;
+    PsiRun run;
     Batch batch = sampler.next();
     bool go_on = true;
-    while (go_on && course.fraction(settings) < 1) {
+    while (go_on && run.fraction(settings) < 1) {
         load_batch(dataset, batch, psi.rays(), psi.batch());
-        course.step++;
-        const PsiStepSettings step = step_settings(settings, course, batch, psi.shape().frames);
+        run.step++;
+        const PsiStepSettings step = step_settings(settings, run, batch, psi.shape().frames);
         psi.submit(step);
         batch = sampler.next();
         const StepResult result = psi.wait();
         if (!std::isfinite(result.rgb_loss))
             throw RuntimeFailure("training of Ψ diverged: the loss is not a number; begin with --init hull");
-        course.add(result, step.weights);
-        if (seconds_now() - course.reported >= 1) go_on = callback(course.report(settings, psi));
+        run.add(result, step.weights);
+        if (seconds_now() - run.reported >= 1) go_on = callback(run.report(settings, psi));
     }
-    if (course.steps > 0) callback(course.report(settings, psi));  // else the last step has been reported
+    if (run.steps > 0) callback(run.report(settings, psi));  // else the last step is reported already
 }
 
 }  // namespace
@@ -229,18 +234,18 @@ PsiSettings default_psi_settings(const gpu::Device& device) {
 voctree::VOctree tree_from_psi(PsiStep& psi, const voctree::VOctree& hull, uint32_t levels_above,
                                const PsiSettings& settings) {
     const PsiNetwork network = psi.network();
-    const std::vector<voctree::LeafPosition> places =
-        dense_places(psi, network, hull, levels_above, settings.threshold);
-    if (places.empty()) throw RuntimeFailure("Ψ found no matter; train it longer, or begin with --init hull");
+    const std::vector<voctree::LeafPosition> positions =
+        dense_positions(psi, network, hull, levels_above, settings.threshold);
+    if (positions.empty()) throw RuntimeFailure("Ψ found no matter; train it longer, or begin with --init hull");
     voctree::VOctree tree = hull;
-    voctree::build_topology(tree, places);
+    voctree::build_topology(tree, positions);
     set_mean_weights(psi, network, tree, settings);
     const auto rows = [&](uint32_t first) {
         const auto at = network.parameters.begin() + first;
         return std::vector<float>(at, at + tree.frames * tree.bases);
     };
-    tree.sigma_basis = rows(network.shape.sigma_first());
-    tree.gamma_basis = rows(network.shape.gamma_first());
+    tree.sigma_basis = rows(network.shape.sigma_rows_offset());
+    tree.gamma_basis = rows(network.shape.gamma_rows_offset());
     return tree;
 }
 

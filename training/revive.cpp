@@ -12,9 +12,9 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr float kRevivedDepth = 0.2f;  // optical depth of the leaf's edge
+constexpr float kRevivedDepth = 0.2f;  // optical depth over the leaf's edge
 
-// Per leaf `words` words: a bit for each frame in which it has density.
+// `words` words per leaf: a bit for each frame in which it has density.
 std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
     std::vector<uint32_t> live(words * tree.leaf_count);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
@@ -25,11 +25,11 @@ std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
     return live;
 }
 
-// The leaves at the middles of the six faces; UINT32_MAX where there is none.
-std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::LeafPosition& place) {
+// The leaves beyond the middles of the six faces; UINT32_MAX where there is none.
+std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
     std::array<uint32_t, 6> found;
-    const double edge = std::exp2(-static_cast<double>(place.depth));
-    const glm::dvec3 middle = (glm::dvec3(place.x, place.y, place.z) + 0.5) * edge;
+    const double edge = std::exp2(-static_cast<double>(position.depth));
+    const glm::dvec3 middle = (glm::dvec3(position.x, position.y, position.z) + 0.5) * edge;
     for (int face = 0; face < 6; face++) {
         glm::dvec3 beyond = middle;
         beyond[face / 2] += (face % 2 ? 0.5 : -0.5) * edge * (1 + 1e-6);
@@ -38,9 +38,10 @@ std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::
     return found;
 }
 
-// Frames in which at least four of six leaves live.
-uint32_t four_of(const std::array<uint32_t, 6>& leaves, const std::vector<uint32_t>& live, size_t words, size_t word) {
-    uint32_t ones = 0, twos = 0, fours = 0;  // the count of each frame, in binary
+// The frames of one word in which at least four of six leaves have density, as bits.
+uint32_t at_least_four(const std::array<uint32_t, 6>& leaves, const std::vector<uint32_t>& live, size_t words,
+                       size_t word) {
+    uint32_t ones = 0, twos = 0, fours = 0;  // the count of each frame in binary, a digit per word
     for (const uint32_t leaf : leaves) {
         const uint32_t bits = leaf == UINT32_MAX ? 0 : live[leaf * words + word];
         const uint32_t carry = ones & bits;
@@ -54,18 +55,18 @@ uint32_t four_of(const std::array<uint32_t, 6>& leaves, const std::vector<uint32
 }  // namespace
 
 size_t revive_holes(voctree::VOctree& tree) {
-    if (!frames_have_own_bases(tree)) return 0;
+    if (!has_basis_per_frame(tree)) return 0;
     const size_t words = (tree.frames + 31) / 32;
     const std::vector<uint32_t> live = live_frames(tree, words);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     std::atomic<size_t> revived = 0;
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         size_t found = 0;
         for (size_t leaf = begin; leaf < end; leaf++) {
-            const std::array<uint32_t, 6> around = neighbours(tree, places[leaf]);
-            const float sigma = kRevivedDepth * static_cast<float>(1u << places[leaf].depth) / tree.box_size.x;
+            const std::array<uint32_t, 6> adjacent = neighbours(tree, positions[leaf]);
+            const float sigma = kRevivedDepth * static_cast<float>(1u << positions[leaf].depth) / tree.box_size.x;
             for (size_t word = 0; word < words; word++) {
-                uint32_t holes = four_of(around, live, words, word) & ~live[leaf * words + word];
+                uint32_t holes = at_least_four(adjacent, live, words, word) & ~live[leaf * words + word];
                 found += static_cast<size_t>(std::popcount(holes));
                 for (; holes; holes &= holes - 1) {
                     const auto t = static_cast<uint32_t>(32 * word + static_cast<size_t>(std::countr_zero(holes)));

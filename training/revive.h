@@ -1,16 +1,18 @@
-// Holes in a surface: leaves that are empty in a frame although their neighbours are not.
+// Closes holes in surfaces: leaves that are empty in a frame although their neighbours are not.
 #pragma once
 
 #include "voctree/voctree.h"
 
 namespace neuvv::training {
 
-// A leaf that died in a frame gets no gradient there, however much its rays want it back. Gives a little density to
-// each leaf in each frame in which it has none and at least four of the leaves at the middles of its six faces do: the
-// surface goes on around it. That may also be one that no ray used, or that the hull forbids: where rays reach it, it
-// grows or dies again, and a hidden one stays until the next change of the tree. Neighbours are told as they were
-// before any revived; beside finer leaves the one towards +x, +y, +z counts. Returns how often. Cells must be cubes, as
-// training's are. Trees whose frames share bases stay as they are.
+// A leaf that is empty in a frame gets no gradient there, even where the loss needs it back. This function gives a
+// leaf a little density in each frame in which it has none and at least four of its six neighbours have some, as the
+// surface then goes on around it. The leaf may also be one that no ray used, or that the hull forbids: where rays see
+// it, training makes it denser or empty again; where it is hidden, it stays until the tree changes again.
+//
+// A neighbour is the leaf at the middle of a face; beside finer leaves it is the one towards +x, +y, +z. Densities of
+// neighbours are those before the call. Cells must be cubes, as those of training are. Trees whose frames share bases
+// are not changed. Returns the number of pairs of leaf and frame that were revived.
 size_t revive_holes(voctree::VOctree& tree);
 
 }  // namespace neuvv::training

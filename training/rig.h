@@ -1,5 +1,5 @@
-// A capture as its files describe it, whatever their layout: calibrated cameras, and where each image lies. No pixels
-// yet: a loader fills this in, load_dataset reads what it names.
+// A capture as its files describe it, whatever their layout: calibrated cameras, and where each image lies. A loader
+// fills in a Rig without reading pixels; load_dataset reads the images that the Rig names.
 #pragma once
 
 #include <filesystem>
@@ -19,26 +19,27 @@ struct ImageSource {
     int64_t video_frame = -1;    // −1: an image file
 };
 
-// What white (or opaque: an alpha channel wins over brightness) says in a mask.
+// What white means in a mask. Where a mask has an alpha channel, opaque counts as white.
 enum class MaskMeaning : uint8_t {
-    kMatte,   // the performer, its edge soft: becomes the image's alpha
-    kLabels,  // likewise, where any value but 0 is the performer: numbers of body parts, or 0 and 1
-    kUsable,  // the pixel may be looked at; black pixels teach nothing (nerfstudio's mask_path)
-    kIgnore,  // the opposite (instant-ngp's dynamic_mask)
+    kMatte,   // the performer, with soft edges: the mask becomes the image's alpha
+    kLabels,  // the same, but any value other than 0 is the performer: numbers of body parts, or 0 and 1
+    kUsable,  // the pixel may be used; black pixels are ignored (nerfstudio's mask_path)
+    kIgnore,  // the pixel is ignored (instant-ngp's dynamic_mask)
 };
 
 struct RigCamera {
-    std::string name;  // as the files call it
+    std::string name;  // as in the files
     Lens lens;
     glm::dmat4 world_from_camera{1};  // OpenGL axes, rigid
-    ImageSource plate;                // clean plate, from the same lens
+    ImageSource plate;                // clean plate, taken with the same lens
 };
 
+// One image of one camera at one time.
 struct Shot {
     uint32_t camera = 0;  // index into Rig::cameras
     double time = 0;      // [0,1] over the clip
-    std::string name;     // distinct within the rig
-    std::string place;    // where the files speak of it, for errors: "frames[12]"
+    std::string name;     // unique in the rig
+    std::string place;    // where in the files it stands, for errors: "frames[12]"
     ImageSource image;
     ImageSource mask;
 };
@@ -46,9 +47,9 @@ struct Shot {
 struct Rig {
     std::filesystem::path folder;
     std::string format;  // "nerf", "n3v", "colmap", "easymocap"
-    std::string file;    // the calibration, for errors
+    std::string file;    // the file of the calibration, for errors
     std::vector<RigCamera> cameras;
-    std::vector<Shot> shots;  // of the wanted split alone
+    std::vector<Shot> shots;  // those of one split
     MaskMeaning masks = MaskMeaning::kMatte;
     std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // min, max in metres, where the files give one
     double fps = 0;                                        // 0 where the files give none

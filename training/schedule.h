@@ -1,14 +1,16 @@
-// How a run's settings change from its first to its last step. `progress` is the share of the budget spent, 0..1.
+// How the settings of a run change from its first step to its last. `progress` is the share of the budget that is
+// spent, 0..1.
 #pragma once
 
 #include "training/slice_adjoint.h"
 
 namespace neuvv::training {
 
-// A phase begins with a change of the tree, by what rays said of its leaves in the phase before: those that no ray
-// weighed at least `prune_below` go, siblings that agree within `merge_within` become one (0: none), the others are
-// emptied in the frames that did not use them, and some divide: in the first kLevelsAbove changes all that count, later
-// the share at which the loss pulls hardest.
+// A phase begins with a change of the tree, which follows how rays used its leaves in the phase before (LeafUse):
+// siblings that agree within `merge_within` become one leaf (0: none do), leaves whose maximum weight is below
+// `prune_below` are removed, leaves are emptied in frames that did not use them, and some divide. In the first
+// kLevelsAbovePixel changes all leaves that rays see divide, later the `divide_share` of leaves with the highest
+// opacity sensitivity.
 struct Phase {
     double begins;  // progress
     float prune_below;
@@ -19,38 +21,50 @@ constexpr Phase kPhases[] = {{0, 0, 0, 0},          {0.01, 0.003f, 1, 0},      {
                              {0.15, 0.03f, 0, 0},   {0.3, 0.05f, 0.1f, 0.15f}, {0.45, 0.05f, 0.1f, 0.15f},
                              {0.7, 0.05f, 0, 0.15f}};
 constexpr uint32_t kPhaseCount = sizeof(kPhases) / sizeof(kPhases[0]);
-constexpr uint32_t kLevelsAbove = 2;  // levels that the first tree's leaves lie above those of a pixel's size
-constexpr uint32_t kLevelsBelow = 1;  // levels that the finest leaves lie below: edges show half a pixel
-// Leaves of the phases before the finest straddle silhouettes: every ray that misses the matter in one thins it, and
-// its children are born thin. Their density moves by this share of what it might.
+
+// The leaves of the first tree lie so many levels above leaves of a pixel's size, the finest leaves so many below: with
+// half a pixel they show edges sharply.
+constexpr uint32_t kLevelsAbovePixel = 2, kLevelsBelowPixel = 1;
+
+// The share of the learning rate of densities that applies until all leaves have a pixel's size. Larger leaves lie
+// across silhouettes: each ray that passes beside the performer through such a leaf makes it thinner, and its children
+// would inherit too little density.
 constexpr double kCoarseDensityShare = 0.2;
-constexpr double kCoverage = 0.25;        // epochs that a phase needs before "never reached" means anything,
-constexpr double kFrameCoverage = 1;      // and before it does for single frames
-constexpr double kDivideCoverage = 0.05;  // epochs that a phase needs before its reach says what not to divide
-constexpr double kDividePixels = 0.9;     // a leaf that shows smaller than this in every camera stays whole
-constexpr float kDivideReach = 0.003f;    // leaves that weighed less in every pixel stay coarse
-constexpr uint64_t kEarlyBytes = 3;  // times what the file may take in the end may stand before the last change: leaves
-                                     // will merge, and pack better as they settle
-constexpr uint32_t kMaxTrainingLeaves = 3'000'000;  // 1.3 kB each of device memory at C = 24, n_max = 2
 
-// One ray a pixel, from anywhere in it, finds the shapes sooner; but it must show the pixel's mean itself, which blurs
-// edges twice. From this progress on, pixels are means over 2 × 2 rays, as in the images that they are measured by.
+// How many epochs a phase needs before its LeafUse is trusted. Before the first, "no ray saw this leaf" may only mean
+// that few rays were traced; before the second, the same holds for single frames; before the third, a low maximum
+// weight is no reason not to divide a leaf.
+constexpr double kMinEpochsForPruning = 0.25, kMinEpochsForFrameUse = 1, kMinEpochsForMaxWeight = 0.05;
+
+constexpr double kMinPixelsToDivide = 0.9;    // smaller leaves do not divide (GrowSettings::min_pixels_to_divide)
+constexpr float kMinWeightToDivide = 0.003f;  // leaves of lower maximum weight do not divide
+
+// Before the last change of the tree, its file may be larger than the bound by this factor, as leaves will still merge
+// and pack better once they have settled.
+constexpr uint64_t kEarlyBytesFactor = 3;
+constexpr uint32_t kMaxTrainingLeaves = 3'000'000;  // each takes 1.3 kB of device memory at C = 24, n_max = 2
+
+// One ray per pixel, from a random position in it, finds shapes sooner than several. But such a ray has to show the
+// mean of its pixel, which blurs edges a second time. From this progress on, and after at least so many epochs, a pixel
+// is the mean of 2 × 2 rays, as in the images by which quality is measured. A short run needs its rays for more pixels
+// instead.
 constexpr double kSeveralRaysFrom = 0.7;
-constexpr uint32_t kSeveralRays = 2;      // per side
-constexpr double kSeveralRaysEpochs = 4;  // that must have passed: a short run needs its rays for more pixels
+constexpr double kSeveralRaysEpochs = 4;
+constexpr uint32_t kSeveralRays = 2;  // along each side of a pixel
 
-// Steps of one time in a row, all but the first of which need not slice. Where frames share bases, each step also
-// moves what other frames see, and four of them in a row unlearn those: 29.3 → 24.7 dB (RESULTS.md).
+// How many steps in a row are at the same time; all but the first of them need not slice. Where frames share bases,
+// each step also changes what other frames show, and four steps in a row make those worse: 29.3 → 24.7 dB (RESULTS.md).
 constexpr uint32_t kBatchesPerFrame = 4;
 inline uint32_t batches_in_a_row(const voctree::VOctree& tree) {
     return tree.bases < tree.frames ? 1 : kBatchesPerFrame;
 }
 
-constexpr float kTrainingStop = 1.0f / 256;  // rays end where transmittance falls below
+constexpr float kTrainingStop = 1.0f / 256;  // the transmittance below which rays end
 
-constexpr uint32_t kStepsPerRows =
-    8;  // A and B move once in so many steps: their sums cost as much as the leaves' moves
+// A and B move in every eighth step: their sums take as long as moving the weights of leaves.
+constexpr uint32_t kStepsPerRows = 8;
 
+// Falls exponentially with progress.
 LearningRates learning_rates(double progress);
 
 }  // namespace neuvv::training

@@ -25,17 +25,17 @@ size_t frame_words(const voctree::VOctree& tree) {
 gpu::BindingSet leaf_bindings(const gpu::ComputePass& pass, const render::Field& field, const render::Slice& slice,
                               const SliceGradients& gradients, const Moments& moments, const LeafTally& tally) {
     return gpu::BindingSet(pass, {{kAdjointWeights, &field.weights},
-                                  {kAdjointFirst, &moments.first},
-                                  {kAdjointSecond, &moments.second},
+                                  {kAdjointFirstMoments, &moments.first},
+                                  {kAdjointSecondMoments, &moments.second},
                                   {kAdjointRows, &slice.rows},
                                   {kAdjointLeaves, &slice.slot_leaf},
                                   {kAdjointTouched, &gradients.touched},
                                   {kAdjointCount, &gradients.touched_count},
                                   {kAdjointGradients, &gradients.gradients},
-                                  {kAdjointReach, &gradients.reach},
+                                  {kAdjointMaxWeight, &gradients.max_weight},
                                   {kAdjointLeafUse, &tally.use},
                                   {kAdjointLeafFrames, &tally.frames},
-                                  {kAdjointPlaces, &field.leaf_positions},
+                                  {kAdjointPositions, &field.leaf_positions},
                                   {kAdjointHead, &slice.head},
                                   {kAdjointSh, &slice.sh},
                                   {kAdjointPartials, &gradients.partials}});
@@ -74,16 +74,16 @@ LeafUse read_use(const gpu::Device& device, const LeafTally& tally, const voctre
     gpu::download(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
     gpu::download(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
     for (const glm::vec2& pair : pairs) {
-        use.reach.push_back(pair.x);
-        use.pull.push_back(pair.y);
+        use.max_weight.push_back(pair.x);
+        use.opacity_sensitivity.push_back(pair.y);
     }
     return use;
 }
 
 void write_use(const gpu::Device& device, const LeafTally& tally, const LeafUse& use) {
-    assert(use.reach.size() == use.pull.size() && "use of one tree");
+    assert(use.max_weight.size() == use.opacity_sensitivity.size() && "use of one tree");
     std::vector<glm::vec2> pairs;
-    for (size_t i = 0; i < use.reach.size(); i++) pairs.push_back({use.reach[i], use.pull[i]});
+    for (size_t i = 0; i < use.max_weight.size(); i++) pairs.push_back({use.max_weight[i], use.opacity_sensitivity[i]});
     gpu::upload(device, tally.use, pairs.data(), pairs.size() * sizeof(glm::vec2));
     gpu::upload(device, tally.frames, use.frames.data(), use.frames.size() * sizeof(uint32_t));
 }
@@ -103,8 +103,8 @@ SliceAdjoint::SliceAdjoint(const gpu::Device& device, const render::Field& given
                       {kRowsAdjointCount, &gradients.touched_count},
                       {kRowsAdjointSigma, &field.sigma_basis},
                       {kRowsAdjointGamma, &field.gamma_basis},
-                      {kRowsAdjointFirst, &moments.rows_first},
-                      {kRowsAdjointSecond, &moments.rows_second}}) {}
+                      {kRowsAdjointFirstMoments, &moments.rows_first},
+                      {kRowsAdjointSecondMoments, &moments.rows_second}}) {}
 
 void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
                           const AdamSettings& adam, bool learn_rows) {
@@ -115,7 +115,7 @@ void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, 
                                 field.leaf_count,
                                 static_cast<uint32_t>(std::clamp(std::floor(frame), 0.0f, last)),
                                 static_cast<uint32_t>(std::clamp(std::ceil(frame), 0.0f, last)),
-                                adam.used_from,
+                                adam.min_used_weight,
                                 rates.sigma,
                                 rates.gamma,
                                 rates.colour,

@@ -1,4 +1,4 @@
-// Slice, backwards, and the optimiser: moves the weights of leaves that rays reached, and the rows of A and B.
+// The adjoint of slice, and the optimiser: it moves the weights of leaves that rays touched, and the rows of A and B.
 #pragma once
 
 #include "render/slice.h"
@@ -7,34 +7,36 @@
 
 namespace neuvv::training {
 
-// Adam's moments, laid out as what they belong to. Starts at 0.
+// Adam's moments, laid out as the numbers to which they belong. They start at 0.
 struct Moments {
     Moments(const gpu::Device& device, const render::Field& field);
 
-    gpu::Buffer first, second;            // of the weights, in planes
-    gpu::Buffer rows_first, rows_second;  // of A, then of B
+    gpu::Buffer first, second;            // moments of the weights, in planes
+    gpu::Buffer rows_first, rows_second;  // moments of A, then those of B
 };
 
-// What rays said of each leaf since the tree last changed: what growth goes by.
+// How rays used each leaf since the tree last changed. Growth decides by it.
 struct LeafUse {
-    std::vector<float> reach;      // largest blending weight
-    std::vector<float> pull;       // Σ |α ∂L/∂α| of its samples
-    std::vector<uint32_t> frames;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
+    std::vector<float> max_weight;           // the largest blending weight of its samples
+    std::vector<float> opacity_sensitivity;  // Σ |α ∂L/∂α| over its samples
+    std::vector<uint32_t> frames;  // a bit for each frame that used it: a word per 32 frames and leaf, leaves fastest
 };
 
-// The same on the device. Starts at 0.
+// LeafUse on the device. It starts at 0.
 struct LeafTally {
     LeafTally(const gpu::Device& device, const voctree::VOctree& tree);
 
-    gpu::Buffer use;     // (reach, pull)
-    gpu::Buffer frames;  // bits
+    gpu::Buffer use;     // per leaf (max_weight, opacity_sensitivity)
+    gpu::Buffer frames;  // as LeafUse::frames
 };
 
+// Download and upload of a tally; `tree` and `use` are those of the tally's tree.
 LeafUse read_use(const gpu::Device& device, const LeafTally& tally, const voctree::VOctree& tree);
 void write_use(const gpu::Device& device, const LeafTally& tally, const LeafUse& use);
 
+// How far Adam moves a weight in one step.
 struct LearningRates {
-    float sigma = 0;                       // of w^σ, optical depths of the leaf's edge
+    float sigma = 0;                       // of w^σ, in optical depths over the leaf's edge
     float gamma = 0;                       // of w^γ
     float colour = 0;                      // of w^HH with l = 0
     float detail = 0;                      // of w^HH with l > 0
@@ -43,9 +45,9 @@ struct LearningRates {
 
 struct AdamSettings {
     float beta1 = 0.9f, beta2 = 0.99f, epsilon = 1e-8f;
-    uint32_t step = 1;       // since the moments were 0
-    bool emit_only = false;  // no move; the first moments receive the gradient (tests)
-    float used_from = 0;     // blending weight from which a frame counts as using a leaf
+    uint32_t step = 1;          // steps since the moments were 0, this one included
+    bool emit_only = false;     // nothing moves, and the first moments receive the gradient (for tests)
+    float min_used_weight = 0;  // a frame uses a leaf if it gives it at least this blending weight
 };
 
 struct SliceAdjoint {
@@ -58,8 +60,8 @@ struct SliceAdjoint {
     gpu::BindingSet leaves_set, leaves_and_rows_set, rows_set;
 };
 
-// After record_touched. `frame` is that of the slice. Rows move too where `learn_rows`; where they do not, the slice is
-// still that of the field afterwards.
+// Records after record_touched. `frame` is that of the slice. With `learn_rows` the rows move, too; without, the slice
+// is that of the moved weights afterwards.
 void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
                           const AdamSettings& adam, bool learn_rows);
 

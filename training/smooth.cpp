@@ -16,15 +16,15 @@ Smoother::Smoother(const gpu::Device& device, const render::Field& given_field, 
                  {kTraceHead, &slice.head},
                  {kTraceSh, &slice.sh},
                  {kSmoothLeaves, &slice.slot_leaf},
-                 {kSmoothPlaces, &field.leaf_positions},
+                 {kSmoothPositions, &field.leaf_positions},
                  {kSmoothTouched, &gradients.touched},
                  {kSmoothCount, &gradients.touched_count},
                  {kSmoothGradients, &gradients.gradients}}) {}
 
-void record_smooth(gpu::Commands& commands, const Smoother& smoother, const LossWeights& weights, float share) {
+void record_smooth(gpu::Commands& commands, const Smoother& smoother, const LossWeights& weights, float pixel_share) {
     const gpu::PassScope scope(commands, "smooth");
     gpu::dispatch_indirect(commands, smoother.pass, smoother.set, smoother.gradients.touched_count, 0,
-                           SmoothPush{smoother.field.top_box, smoother.field.box_size.x, weights, share});
+                           SmoothPush{smoother.field.top_box, smoother.field.box_size.x, weights, pixel_share});
     gpu::compute_barrier(commands);
 }
 

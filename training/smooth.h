@@ -1,4 +1,4 @@
-// The smoothness loss (smooth.comp): neighbouring leaves of like opacity.
+// The smoothness loss (smooth.comp): neighbouring leaves should have similar opacities.
 #pragma once
 
 #include "training/slice_adjoint.h"
@@ -16,6 +16,6 @@ struct Smoother {
 };
 
 // Adds weights.smoothness · share · ∂L/∂σ to the gradients of the slots that record_touched listed.
-void record_smooth(gpu::Commands& commands, const Smoother& smoother, const LossWeights& weights, float share);
+void record_smooth(gpu::Commands& commands, const Smoother& smoother, const LossWeights& weights, float pixel_share);
 
 }  // namespace neuvv::training

@@ -5,31 +5,33 @@
 
 namespace neuvv::training {
 
-// What each pass reads → writes, by the names of buffers in their structs: Field (field_), Slice (slice_), RayBatch
-// (rays_), LossBatch (batch_), SliceGradients (gradients_), Moments (moments_) and LeafTally (tally_).
+// The comments say what each pass reads → writes, by the names of buffers in their structs: Field (field_), Slice
+// (slice_), RayBatch (rays_), LossBatch (batch_), SliceGradients (gradients_), Moments (moments_) and LeafTally
+// (tally_).
 void TrainingStep::record_step(const StepSettings& settings) {
     // field_ weights, sigma_basis, gamma_basis, inner_cells → slice_ rows, node_live, head, slot_leaf, live, sh
-    if (sliced_ != settings.frame) render::record_slice(commands_, slicer_, settings.frame);
-    sliced_ = settings.frame;
-    if (settings.learn_rows) sliced_.reset();
+    if (sliced_frame_ != settings.frame) render::record_slice(commands_, slicer_, settings.frame);
+    sliced_frame_ = settings.frame;
+    if (settings.learn_rows) sliced_frame_.reset();
     // field_ top, nodes, children; slice_ node_live, head, sh; rays_ cameras, tiles → rays_ radiance, depth
     render::record_trace(commands_, tracer_, settings.tiles, settings.stop);
     // rays_ radiance; batch_ target, background → batch_ adjoint, sums
     record_loss(commands_, loss_, settings.tiles, settings.weights, settings.samples);
-    // what trace reads; rays_ radiance; batch_ adjoint, target → adds to gradients_ gradients, reach
-    record_trace_adjoint(commands_, trace_adjoint_, settings.tiles, settings.stop, settings.weights, settings.share());
-    // gradients_ reach; slice_ live → gradients_ touched, touched_count
+    // what trace reads; rays_ radiance; batch_ adjoint, target → adds to gradients_ gradients, max_weight
+    record_trace_adjoint(commands_, trace_adjoint_, settings.tiles, settings.stop, settings.weights,
+                         settings.pixel_share());
+    // gradients_ max_weight; slice_ live → gradients_ touched, touched_count
     record_touched(commands_, touched_list_);
-    // the tree and the slice around gradients_ touched → adds to gradients_ gradients
-    if (settings.weights.smoothness > 0) record_smooth(commands_, smoother_, settings.weights, settings.share());
-    // gradients_ touched, gradients, reach; slice_ rows, slot_leaf; moments_ → field_ weights, moments_, tally_, slice_
-    // head and sh as the moved weights have them, gradients_ partials; clears gradients and reach. Where rows learn:
-    // gradients_ partials → field_ sigma_basis, gamma_basis, moments_ rows_first, rows_second
+    // tree and slice at gradients_ touched and their neighbours → adds to gradients_ gradients
+    if (settings.weights.smoothness > 0) record_smooth(commands_, smoother_, settings.weights, settings.pixel_share());
+    // gradients_ touched, gradients, max_weight; slice_ rows, slot_leaf; moments_ → field_ weights, moments_, tally_,
+    // slice_ head and sh of the moved weights; clears gradients and max_weight. Where rows learn, also gradients_
+    // partials, and then gradients_ partials → field_ sigma_basis, gamma_basis, moments_ rows_first, rows_second
     record_slice_adjoint(commands_, slice_adjoint_, settings.frame, settings.rates, settings.adam, settings.learn_rows);
     // batch_ sums, slice_ live, gradients_ touched_count → the host
-    gpu::copy(commands_, batch_.sums, sums_, uint64_t{16} * settings.tiles);
-    gpu::copy(commands_, slice_.live, live_, sizeof(LiveCount));
-    gpu::copy(commands_, gradients_.touched_count, touched_, sizeof(LiveCount));
+    gpu::copy(commands_, batch_.sums, sums_readback_, uint64_t{16} * settings.tiles);
+    gpu::copy(commands_, slice_.live, live_readback_, sizeof(LiveCount));
+    gpu::copy(commands_, gradients_.touched_count, touched_readback_, sizeof(LiveCount));
     gpu::host_barrier(commands_);
 }
 
@@ -48,9 +50,9 @@ TrainingStep::TrainingStep(const gpu::Device& device, const voctree::VOctree& tr
       gradients_(device, field_, slice_),
       moments_(device, field_),
       tally_(device, tree),
-      sums_(device, "loss sums readback", uint64_t{16} * tiles, gpu::MemoryKind::kReadback),
-      live_(device, "live count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
-      touched_(device, "touched count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
+      sums_readback_(device, "loss sums readback", uint64_t{16} * tiles, gpu::MemoryKind::kReadback),
+      live_readback_(device, "live count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
+      touched_readback_(device, "touched count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
       slicer_(device, field_, slice_),
       tracer_(device, field_, slice_, rays_),
       loss_(device, rays_, batch_),
@@ -85,11 +87,11 @@ StepResult summed_losses(const glm::vec4* sums, uint32_t tiles) {
 
 StepResult TrainingStep::wait() {
     commands_.wait();
-    StepResult result = summed_losses(sums_.as<glm::vec4>(), tiles_);
-    const LiveCount& live = *live_.as<LiveCount>();
+    StepResult result = summed_losses(sums_readback_.as<glm::vec4>(), tiles_);
+    const LiveCount& live = *live_readback_.as<LiveCount>();
     result.slots = std::min(live.slots, slice_.capacity);
     result.overflow = live.overflow;
-    result.touched = touched_.as<LiveCount>()->slots;
+    result.touched = touched_readback_.as<LiveCount>()->slots;
     return result;
 }
 

@@ -21,33 +21,34 @@ struct StepSettings {
     AdamSettings adam;
     bool learn_rows = false;
 
-    // What a ray takes of its pixel.
-    float share() const { return 1.0f / static_cast<float>(samples * samples); }
+    // The share that one ray has in its pixel.
+    float pixel_share() const { return 1.0f / static_cast<float>(samples * samples); }
 };
 
 struct StepResult {
-    double rgb_loss = 0;   // mean over pixels of the channels' summed squared error
+    double rgb_loss = 0;   // mean over pixels of the squared error, summed over channels
     double grad_loss = 0;  // L_grad, mean over pixels
     uint64_t pixels = 0;
-    uint32_t slots = 0;     // live leaves
-    uint32_t overflow = 0;  // live leaves that found no slot
-    uint32_t touched = 0;   // live leaves that rays reached
+    uint32_t slots = 0;     // live leaves that have a slot
+    uint32_t overflow = 0;  // live leaves for which there was no slot
+    uint32_t touched = 0;   // slots that rays touched
 
-    // The loss as far as the device reports it: without the point loss and smoothness.
+    // The part of the loss that the device reports: the point loss and smoothness are missing.
     double total(const LossWeights& weights) const { return rgb_loss + static_cast<double>(weights.grad) * grad_loss; }
 };
 
-// The tree's weights as training holds them. Where A and B may learn, all planes count as busy.
+// Uploads the tree for training: weights in single precision. Where A and B may learn, all planes count as busy.
 render::Field training_field(const gpu::Device& device, const voctree::VOctree& tree);
 
-// What loss.comp left for each tile (LossBatch::sums), as one; no slots.
+// Adds up what loss.comp wrote for each tile (LossBatch::sums). The counts of slots stay 0.
 StepResult summed_losses(const glm::vec4* sums, uint32_t tiles);
 
-// The device's memory of a training run: field, slice, rays, gradients, moments. Fill rays() and batch() with the next
-// tiles (load_batch() does), submit(), prepare the following ones meanwhile, wait().
+// The buffers of a training run on the device: field, slice, rays, gradients, moments. For each step: fill rays() and
+// batch() with tiles (load_batch() does so), call submit(), prepare the next tiles meanwhile, call wait().
 class TrainingStep {
   public:
-    // At most `cameras` cameras and `tiles` tiles a step. Throws RuntimeFailure where the device cannot hold it.
+    // A step has at most `cameras` cameras and `tiles` tiles. Throws RuntimeFailure where the device's memory is too
+    // small.
     TrainingStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles);
 
     const render::RayBatch& rays() const { return rays_; }
@@ -59,13 +60,13 @@ class TrainingStep {
     StepResult wait();
     std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
 
-    // Weights and rows as they are now; the rest of `tree` (the same topology) stays.
+    // Writes the current weights, A and B into `tree`, which must have the same topology (assert).
     void download(voctree::VOctree& tree) const;
-    // What rays said of the leaves since construction.
+    // How rays used the leaves since construction.
     const LeafTally& tally() const { return tally_; }
 
   private:
-    // The whole step, pass by pass. Slices only where the step before was not at the same frame.
+    // The whole step, pass by pass. It slices only where slice_ is not that of the frame already.
     void record_step(const StepSettings& settings);
     const gpu::Device& device_;
     render::Field field_;
@@ -75,7 +76,7 @@ class TrainingStep {
     SliceGradients gradients_;
     Moments moments_;
     LeafTally tally_;
-    gpu::Buffer sums_, live_, touched_;  // host's copies
+    gpu::Buffer sums_readback_, live_readback_, touched_readback_;
     render::Slicer slicer_;
     render::Tracer tracer_;
     Loss loss_;
@@ -85,7 +86,7 @@ class TrainingStep {
     SliceAdjoint slice_adjoint_;
     gpu::Commands commands_;
     uint32_t tiles_ = 0;
-    std::optional<float> sliced_;  // the frame that slice_ is of, where it is that of the weights as they are
+    std::optional<float> sliced_frame_;  // the frame of slice_, if slice_ is that of the current weights
 };
 
 }  // namespace neuvv::training

@@ -9,7 +9,7 @@ TouchedList::TouchedList(const gpu::Device& device, const render::Slice& given_s
     : slice(given_slice),
       gradients(given_gradients),
       pass(device, "touched", touched_comp),
-      set(pass, {{kTouchedReach, &gradients.reach},
+      set(pass, {{kTouchedMaxWeight, &gradients.max_weight},
                  {kTouchedLive, &slice.live},
                  {kTouchedSlots, &gradients.touched},
                  {kTouchedCount, &gradients.touched_count}}) {}

@@ -1,4 +1,4 @@
-// Which slots the rays of a step reached: the passes after it run over those alone.
+// Lists the slots that the rays of a step touched. The passes after it run over those alone.
 #pragma once
 
 #include "render/slice.h"
@@ -15,7 +15,7 @@ struct TouchedList {
     gpu::BindingSet set;
 };
 
-// After record_trace_adjoint. Fills SliceGradients::touched and touched_count.
+// Records after record_trace_adjoint. Fills SliceGradients::touched and touched_count.
 void record_touched(gpu::Commands& commands, const TouchedList& list);
 
 }  // namespace neuvv::training

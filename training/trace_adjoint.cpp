@@ -17,14 +17,14 @@ uint64_t gradient_bytes(uint32_t slots, uint32_t degree) {
 
 SliceGradients::SliceGradients(const gpu::Device& device, const render::Field& field, const render::Slice& slice)
     : gradients(device, "slice gradients", gradient_bytes(slice.capacity, field.hh_degree), gpu::MemoryKind::kDevice),
-      reach(device, "slot reach", uint64_t{4} * slice.capacity, gpu::MemoryKind::kDevice),
+      max_weight(device, "slot max weight", uint64_t{4} * slice.capacity, gpu::MemoryKind::kDevice),
       touched(device, "touched slots", uint64_t{4} * slice.capacity, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       touched_count(device, "touched count", sizeof(LiveCount), gpu::MemoryKind::kDevice),
       partials(device, "row partials", uint64_t{8} * kMaxBases * gpu::groups_of(slice.capacity, kSliceGroup),
                gpu::MemoryKind::kDevice) {
     gpu::run_once(device, "clear gradients", [&](gpu::Commands& commands) {
         gpu::fill(commands, gradients, 0);
-        gpu::fill(commands, reach, 0);
+        gpu::fill(commands, max_weight, 0);
         gpu::compute_barrier(commands);
     });
 }
@@ -58,14 +58,15 @@ TraceAdjoint::TraceAdjoint(const gpu::Device& device, const render::Field& given
                  {kTraceAdjoint, &batch.adjoint},
                  {kTraceTarget, &batch.target},
                  {kTraceGradients, &gradients.gradients},
-                 {kTraceReach, &gradients.reach}}) {}
+                 {kTraceMaxWeight, &gradients.max_weight}}) {}
 
 void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
-                          const LossWeights& weights, float share) {
+                          const LossWeights& weights, float pixel_share) {
     const gpu::PassScope scope(commands, "trace adjoint");
     const TracePush trace = render::trace_push(adjoint.field, stop);
-    gpu::dispatch_groups(commands, adjoint.pass, adjoint.set, tiles,
-                         TraceAdjointPush{trace.box_min, trace.box_size, trace.top, weights, share, trace.leaf_count});
+    gpu::dispatch_groups(
+        commands, adjoint.pass, adjoint.set, tiles,
+        TraceAdjointPush{trace.box_min, trace.box_size, trace.top, weights, pixel_share, trace.leaf_count});
     gpu::compute_barrier(commands);
 }
 

@@ -1,4 +1,4 @@
-// Trace, backwards: from rays to the σ and SH of the slots they crossed.
+// The adjoint of trace: takes gradients from rays to the σ and SH of the slots that they crossed.
 #pragma once
 
 #include "render/trace.h"
@@ -7,19 +7,19 @@
 
 namespace neuvv::training {
 
-// What rays say to slots, summed; slice_adjoint reads and clears it.
+// The gradients that rays give to slots, summed. The slice adjoint reads and clears them.
 struct SliceGradients {
-    // Starts out clear.
+    // All gradients start at 0.
     SliceGradients(const gpu::Device& device, const render::Field& field, const render::Slice& slice);
 
-    gpu::Buffer gradients;  // per slot gradient_stride floats
-    gpu::Buffer reach;      // per slot bits of the largest blending weight of the step
-    gpu::Buffer touched;    // slots that rays of the step reached
+    gpu::Buffer gradients;   // per slot gradient_stride floats
+    gpu::Buffer max_weight;  // per slot bits of the largest blending weight of the step
+    gpu::Buffer touched;     // slots that rays of the step reached
     gpu::Buffer touched_count;
     gpu::Buffer partials;  // per workgroup of slots: sums for the rows
 };
 
-// The most slots whose gradients fit one bound storage buffer of this device.
+// How many slots a training step can have: their gradients must fit one bound storage buffer of this device.
 uint32_t max_training_slots(const gpu::Device& device, uint32_t hh_degree);
 
 enum class AtomicAdd { kNative, kCompareAndSwap };
@@ -35,10 +35,10 @@ struct TraceAdjoint {
     gpu::BindingSet set;
 };
 
-// Same tiles and `stop` as record_trace. Behind the sample that ended a ray there is no gradient. `share`: what a ray
-// takes of its pixel, times which its point loss (trace_adjoint.glsl) weighs; rays without an ∂L/∂ray take no part in
-// that loss.
+// Tiles and `stop` must be those of record_trace. Samples behind the one that ended a ray get no gradient. The point
+// loss (ray_adjoint.glsl) of a ray is weighted by `pixel_share`, the ray's share in its pixel; rays whose ∂L/∂ray is 0
+// have no point loss.
 void record_trace_adjoint(gpu::Commands& commands, const TraceAdjoint& adjoint, uint32_t tiles, float stop,
-                          const LossWeights& weights, float share);
+                          const LossWeights& weights, float pixel_share);
 
 }  // namespace neuvv::training

@@ -19,14 +19,14 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kCheckpointShare = 0.05;
+constexpr double kCheckpointShare = 0.05;                       // of the time, at most
 constexpr double kFirstCheckpoint = 10, kCheckpointEvery = 60;  // seconds
 
 double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// XXH3-64 of cameras, sizes, times and a thin sample of all images and plates: enough to tell data sets apart.
+// XXH3-64 of cameras, sizes, times and every 101st byte of all images and plates: enough to tell data sets apart.
 uint64_t hash_of(const Dataset& dataset) {
     const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
     XXH3_64bits_reset(state.get());
@@ -51,7 +51,7 @@ uint64_t hash_of(const Dataset& dataset) {
     return XXH3_64bits_digest(state.get());
 }
 
-// One run: the tree on the host (its topology), the step on the device, and where they stand.
+// One run: the tree on the host (for its topology), the step on the device, and how far they have come.
 class Run {
   public:
     Run(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings, std::filesystem::path output)
@@ -60,7 +60,7 @@ class Run {
           settings_(settings),
           output_(std::move(output)),
           began_(seconds_now()),
-          // Braces: begin() sets seed and tree, so it must come first.
+          // Braces evaluate from left to right: begin() sets seed and tree, which the arguments after it read.
           sampler_{begin(), run_.tiles_per_step, run_.seed, batches_in_a_row(tree_)} {
         if (settings_.resume && run_.dataset_hash != hash_of(dataset))
             throw InputError(
@@ -78,11 +78,11 @@ class Run {
     double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
     double fraction() const;
     uint32_t max_leaves() const;
-    uint32_t samples_of(uint64_t step) const { return step < run_.several_from ? 1 : kSeveralRays; }
+    uint32_t samples_of(uint64_t step) const { return step < run_.several_rays_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
-    void fit_to_memory();
+    void fit_to_max_bytes();
     void make_step();
-    void begin_stage_if_due();
+    void begin_phase_if_due();
     void save();
     StepSettings step_settings(double time) const;
     TrainProgress progress() const;
@@ -94,10 +94,10 @@ class Run {
     double began_;
     RunState run_;
     voctree::VOctree tree_;
-    uint32_t finest_ = 0;  // octree depth of its finest leaves
+    uint32_t finest_ = 0;  // octree depth of the tree's finest leaves
     uint64_t saved_step_ = 0;
-    uint64_t file_bytes_ = 0;  // of the last .nvv,
-    uint32_t written_leaves_ = 0;
+    uint64_t file_bytes_ = 0;      // size of the last .nvv
+    uint32_t written_leaves_ = 0;  // in the last .nvv
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
     uint64_t began_at_step_ = 0;
@@ -131,7 +131,8 @@ const Dataset& Run::begin() {
         run_.tiles_per_step = settings_.tiles_per_step;
         run_.weights = settings_.weights;
         run_.program = settings_.program;
-        tree_ = settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbove);
+        tree_ =
+            settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
         if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
             throw InputError("--max-leaves", std::to_string(run_.max_leaves),
                              fmt::format("already the first tree has {} leaves", tree_.leaf_count),
@@ -141,7 +142,7 @@ const Dataset& Run::begin() {
                              fmt::format("already the first tree has {} leaves, and this device trains {}",
                                          tree_.leaf_count, max_leaves()),
                              "choose a lower resolution or --hh-degree");
-        run_.max_depth = voctree::leaf_positions(tree_)[0].depth + kLevelsAbove;
+        run_.max_depth = voctree::leaf_positions(tree_)[0].depth + kLevelsAbovePixel;
         make_step();
     }
     if (settings_.minutes > 0 || settings_.steps > 0) {
@@ -153,19 +154,19 @@ const Dataset& Run::begin() {
     return dataset_;
 }
 
-// So many that all of them can be live at once, and that the file will stay within its bounds: leaves to come take as
-// many bytes as those of the last checkpoint, or fewer.
+// The bound on the tree's leaves. The device must be able to train all of them as live leaves at once, and the file
+// must stay within its bound; new leaves are assumed to take as many bytes as those of the last checkpoint.
 uint32_t Run::max_leaves() const {
-    uint64_t most = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
+    uint64_t limit = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
     const uint64_t planes = 2 * ((tree_.bases + 3) / 4) + hh_count(tree_.hh_degree);
-    most = std::min<uint64_t>(most, device_.limits().maxTexelBufferElements / planes);
-    most = std::min(most, device_.max_allocation_bytes() / (16 * planes));
-    if (run_.max_leaves > 0) most = std::min<uint64_t>(most, run_.max_leaves);
+    limit = std::min<uint64_t>(limit, device_.limits().maxTexelBufferElements / planes);
+    limit = std::min(limit, device_.max_allocation_bytes() / (16 * planes));
+    if (run_.max_leaves > 0) limit = std::min<uint64_t>(limit, run_.max_leaves);
     if (run_.max_bytes > 0 && file_bytes_ > 0) {
-        const uint64_t bytes = run_.max_bytes * (run_.phase + 1 < kPhaseCount ? kEarlyBytes : 1);
-        most = std::min(most, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes_, 1));
+        const uint64_t bytes = run_.max_bytes * (run_.phase + 1 < kPhaseCount ? kEarlyBytesFactor : 1);
+        limit = std::min(limit, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes_, 1));
     }
-    return static_cast<uint32_t>(most);
+    return static_cast<uint32_t>(limit);
 }
 
 double Run::fraction() const {
@@ -176,34 +177,36 @@ double Run::fraction() const {
 
 void Run::make_step() {
     finest_ = 0;
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree_)) finest_ = std::max(finest_, place.depth);
-    step_.reset();  // the old one's memory first
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(tree_))
+        finest_ = std::max(finest_, position.depth);
+    step_.reset();  // frees its memory before the next one takes some
     step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
                                            run_.tiles_per_step);
 }
 
-void Run::begin_stage_if_due() {
+void Run::begin_phase_if_due() {
     if (run_.phase + 1 >= kPhaseCount || fraction() < kPhases[run_.phase + 1].begins) return;
     const double epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_.rays_per_epoch());
-    const bool covered = epochs > kCoverage, coarse = run_.phase < kLevelsAbove;
-    if (!covered && !coarse) return;  // it waits until it knows
-    if (run_.max_bytes > 0) save();   // to know how well this tree packs
+    const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase < kLevelsAbovePixel;
+    if (!covered && !coarse) return;  // the change waits until enough rays were traced
+    if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
     const Phase& phase = kPhases[++run_.phase];
     if (!coarse && !run_.adaptive) return;
     step_->download(tree_);
     GrowSettings settings;
     settings.max_leaves = max_leaves();
     settings.prune_below = covered && run_.adaptive ? phase.prune_below : 0;
-    settings.empty_unused = epochs > kFrameCoverage && !coarse;
+    settings.empty_unused = epochs > kMinEpochsForFrameUse && !coarse;
     settings.divide_share = phase.divide_share;
-    settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelow);
-    settings.divide_pixels = coarse ? 0 : kDividePixels;
-    // Finer leaves need rays: a run too short to see its images once a phase is better off without.
-    if (!coarse && epochs < kFrameCoverage) settings.divide_share = 0;
-    // Where few rays came yet, reach says nothing: then everything divides.
-    settings.divide_from = run_.adaptive && (!coarse || epochs > kDivideCoverage) ? kDivideReach : 0;
+    settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelowPixel);
+    settings.min_pixels_to_divide = coarse ? 0 : kMinPixelsToDivide;
+    // Finer leaves need rays: a run that does not see all images in a phase is better without them.
+    if (!coarse && epochs < kMinEpochsForFrameUse) settings.divide_share = 0;
+    // After few rays, a low maximum weight means nothing, so all leaves divide.
+    settings.min_weight_to_divide =
+        run_.adaptive && (!coarse || epochs > kMinEpochsForMaxWeight) ? kMinWeightToDivide : 0;
     LeafUse use = read_use(device_, step_->tally(), tree_);
-    if (phase.merge_within > 0 && epochs > kFrameCoverage) merge_alike(tree_, use, phase.merge_within);
+    if (phase.merge_within > 0 && epochs > kMinEpochsForFrameUse) merge_alike(tree_, use, phase.merge_within);
     tree_ = grow(dataset_, tree_, use, settings);
     if (!coarse) revive_holes(tree_);
     make_step();
@@ -222,8 +225,9 @@ void Run::save() {
     save_took_ = saved_at_ - start;
 }
 
-// Takes leaves of least reach out of the finished .nvv where it is larger than wanted; the state stays whole.
-void Run::fit_to_memory() {
+// Removes leaves of lowest maximum weight from the finished .nvv where it exceeds its bound; the state keeps all
+// leaves.
+void Run::fit_to_max_bytes() {
     if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return;
     step_->download(tree_);
     const LeafUse use = read_use(device_, step_->tally(), tree_);
@@ -231,15 +235,15 @@ void Run::fit_to_memory() {
         GrowSettings settings;
         const auto fitting = static_cast<uint32_t>(run_.max_bytes * written_leaves_ / file_bytes_);
         settings.max_leaves = std::clamp(fitting, 1u, written_leaves_ - 1);
-        written_leaves_ = save_shown(output_, grow(dataset_, tree_, use, settings));
+        written_leaves_ = save_compact(output_, grow(dataset_, tree_, use, settings));
         file_bytes_ = std::filesystem::file_size(output_);
     }
 }
 
 Batch Run::next_batch(uint64_t step) {
     const double epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
-    if (run_.several_from == UINT64_MAX && fraction() >= kSeveralRaysFrom && epochs >= kSeveralRaysEpochs)
-        run_.several_from = step;
+    if (run_.several_rays_from == UINT64_MAX && fraction() >= kSeveralRaysFrom && epochs >= kSeveralRaysEpochs)
+        run_.several_rays_from = step;
     return sampler_.next(samples_of(step));
 }
 
@@ -247,12 +251,12 @@ StepSettings Run::step_settings(double time) const {
     StepSettings settings;
     settings.frame = static_cast<float>(frame_of_time(time, tree_.frames));
     settings.rates = learning_rates(fraction());
-    if (run_.phase < kLevelsAbove) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
+    if (run_.phase < kLevelsAbovePixel) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
-    settings.adam.used_from = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
+    settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
-    // With as many bases as frames the first bases already span every course.
+    // With as many bases as frames, the first bases can give a leaf any values over time, so they need not learn.
     settings.learn_rows = tree_.bases < tree_.frames && run_.adam_step % kStepsPerRows == 0;
     return settings;
 }
@@ -291,7 +295,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     Batch batch = next_batch(run_.step + 1);
     reported_at_ = seconds_now();
     while (go_on && fraction() < 1) {
-        begin_stage_if_due();
+        begin_phase_if_due();
         load_batch(dataset_, batch, step_->rays(), step_->batch());
         run_.step++;
         run_.adam_step++;
@@ -333,7 +337,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     }
     save();
     TrainProgress last = progress();
-    if (last.fraction >= 1) fit_to_memory();
+    if (last.fraction >= 1) fit_to_max_bytes();
     last.leaves = written_leaves_;
     if (run_.step > began_at_step_) callback(last);
     last.field = nullptr;

@@ -10,19 +10,21 @@
 namespace neuvv::training {
 
 struct TrainSettings {
-    double minutes = 0;  // budget in wall time, or
-    uint64_t steps = 0;  // in steps; both 0: kDefaultMinutes, or what a resumed run had
+    // The budget, in wall time or in steps. Where both are 0 it is kDefaultMinutes, or what a resumed run had.
+    double minutes = 0;
+    uint64_t steps = 0;
     TreeShape shape;
     uint64_t seed = 1;
-    uint32_t max_leaves = 0;  // that the tree may have (0: as many as the device trains)
-    uint64_t max_bytes = 0;   // that the .nvv may have in the end (0: any)
-    bool adaptive = true;     // false: every leaf of the finest uniform level stays, none becomes finer
+    uint32_t max_leaves = 0;  // bound on the leaves of the tree (0: as many as the device can train)
+    uint64_t max_bytes = 0;   // bound on the size of the finished .nvv (0: none)
+    bool adaptive = true;     // false: all leaves end at the depth of `shape`; none is removed or becomes finer
     uint32_t tiles_per_step = 512;
     LossWeights weights = kDefaultLossWeights;
-    std::string program = "NeuVV";  // for the record
+    std::string program = "NeuVV";  // RunState::program
     bool resume = false;
-    const voctree::VOctree* first_tree = nullptr;  // what a run begins with in place of initial_tree: leaves all
-                                                   // kLevelsAbove above the finest depth of `shape`
+    // The tree with which a run begins, in place of initial_tree. All its leaves must lie kLevelsAbovePixel levels
+    // above the finest depth of `shape`.
+    const voctree::VOctree* first_tree = nullptr;
 };
 
 constexpr double kDefaultMinutes = 20;
@@ -31,23 +33,24 @@ struct TrainProgress {
     double elapsed_s = 0, eta_s = 0;
     double fraction = 0;  // of the budget
     double rays_per_s = 0;
-    double loss = 0, psnr = 0;  // of the last second's batches; PSNR of their tiles, most with foreground, over their
-                                // backgrounds; loss without the point loss
-    double rgb_loss = 0, grad_loss = 0;  // the loss's terms, before their weights
+    // Of the batches since the last report. The loss is StepResult::total; the PSNR (dB) is that of their pixels, most
+    // of which lie in tiles with foreground.
+    double loss = 0, psnr = 0;
+    double rgb_loss = 0, grad_loss = 0;  // the terms of the loss, before their weights
     uint64_t step = 0;
-    uint64_t began_at_step = 0;  // 0, or the step that --resume went on from
+    uint64_t began_at_step = 0;  // 0, or the step from which --resume went on
     uint32_t leaves = 0, depth = 0;
     double epochs = 0;
     std::vector<gpu::PassTime> passes;     // of the last step
-    const render::Field* field = nullptr;  // the model as it is now; idle and alive while the callback runs, not longer
+    const render::Field* field = nullptr;  // the current model; the callback may use it until it returns
 };
 
-// Called about once a second, and once at the end; false stops the run after a checkpoint.
+// Called about once a second, and once at the end; returns false to stop the run after a checkpoint.
 using TrainCallback = std::function<bool(const TrainProgress&)>;
 
-// Trains until the budget is spent and leaves the last checkpoint at `output`. The first is written before the first
-// step, later ones so that they take at most a twentieth of the time. Throws InputError (a data set without matter, a
-// state file that does not fit) and RuntimeFailure.
+// Trains until the budget is spent. The first checkpoint is written to `output` before the first step, later ones so
+// that they take at most a twentieth of the time, the last one at the end. Throws InputError (for instance for a data
+// set without matter, or a state file of another data set) and RuntimeFailure.
 TrainProgress train(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback);
 

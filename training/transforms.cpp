@@ -15,7 +15,7 @@ namespace {
 using json = nlohmann::json;
 
 constexpr double kMaxFocal_px = 1e7;
-constexpr double kMinAngle = 1e-3;  // narrower or wider, the focal length means nothing
+constexpr double kMinAngle = 1e-3;  // radians from 0 and from π, where an angle of view gives no sensible focal length
 
 uint32_t side(const JsonNode& node) {
     const double value = json_number(node);
@@ -32,7 +32,7 @@ double focal(const JsonNode& node) {
 
 double principal(const JsonNode& node) {
     const double value = json_number(node);
-    if (std::abs(value) > kMaxFocal_px) node.fail(fmt::format("is {}, not a place in the image in pixels", value));
+    if (std::abs(value) > kMaxFocal_px) node.fail(fmt::format("is {}, not a position in the image in pixels", value));
     return value;
 }
 
@@ -43,14 +43,14 @@ double angle(const JsonNode& node, const char* direction) {
     return value;
 }
 
-// Terms of a lens that a camera_model knows: of k the first few, and whether p1 and p2.
+// A camera_model: its lens, and which terms of distortion it has: the first k_terms of k, and whether p1 and p2.
 struct CameraModel {
     const char* name;
     LensModel lens;
     size_t k_terms;
     bool tangential;
 };
-// nerfstudio reads one set of terms for all models of perspective cameras, whichever the name.
+// nerfstudio reads the same terms for all models of perspective cameras, whatever their names.
 constexpr CameraModel kCameraModels[] = {
     {"OPENCV", LensModel::kBrown, 3, true},
     {"PINHOLE", LensModel::kBrown, 3, true},
@@ -74,7 +74,7 @@ const CameraModel& find_model(const JsonNode& node, const std::string& name) {
               "undistort the images to one of " + known);
 }
 
-// Terms that were not meant for this lens would bend it wrongly.
+// Refuses terms that the lens model does not have, and fisheye lenses that are given by an angle of view.
 void expect_terms_of_model(const JsonNode& node, const Intrinsics& in) {
     const CameraModel& model = find_model(node, in.camera_model.empty() ? kUnnamedModel : in.camera_model);
     for (size_t i = model.k_terms; i < in.k.size(); ++i)
@@ -104,10 +104,10 @@ void read_lens(const JsonNode& node, Intrinsics& result) {
     if (node.has("p2")) result.p2 = json_number(node["p2"]);
 }
 
-// The fields of one level (the file, or a frame) over those of the level above it.
+// Reads the fields of the file or of a frame; `result` has the values of the level above, which they replace.
 Intrinsics read_intrinsics(const JsonNode& node, Intrinsics result) {
     read_lens(node, result);
-    // A new focal length replaces the old one whole.
+    // A new focal length replaces the old one entirely, in whatever form either is given.
     if (node.has("fl_x") || node.has("camera_angle_x") || node.has("camera_angle_y"))
         result.fl_x = result.fl_y = result.camera_angle_x = result.camera_angle_y = std::nullopt;
     if (node.has("camera_angle_x")) result.camera_angle_x = angle(node["camera_angle_x"], "horizontal");
@@ -156,7 +156,7 @@ TransformsFrame read_frame(const JsonNode& node, const Intrinsics& common) {
                               "0 is the clip's first frame, 1 its last");
     }
     if (node.has("seconds"))
-        frame.seconds = json_number(node["seconds"], 0, kMaxPathSeconds, "an instant of a camera path in seconds");
+        frame.seconds = json_number(node["seconds"], 0, kMaxPathSeconds, "a time on a camera path in seconds");
     return frame;
 }
 
@@ -181,7 +181,7 @@ bool is_z_up(const JsonNode& root) {
     return false;
 }
 
-// Poses and box into our world.
+// Takes poses and box to a world with +Y up and the capture's units.
 void convert_world(const JsonNode& root, Transforms& result) {
     double scale = 1;
     if (root.has("applied_scale")) {
@@ -190,7 +190,7 @@ void convert_world(const JsonNode& root, Transforms& result) {
     }
     if (result.box && root.has("aabb_scale")) {
         const NgpCube cube = read_ngp_cube(root);
-        result.box = {cube.outside(result.box->first), cube.outside(result.box->second)};
+        result.box = {cube.to_world(result.box->first), cube.to_world(result.box->second)};
     }
     const glm::dmat3 turn = is_z_up(root) ? kYUpFromZUp : glm::dmat3(1);
     for (TransformsFrame& frame : result.frames) {

@@ -11,16 +11,16 @@ namespace {
 
 constexpr glm::vec2 kUnseen(-1);
 
-// The up to four pixels of the distorted image around a place, with their weights. Places in the outer half of a
-// border pixel show that pixel.
+// The (up to four) pixels of the distorted image around a position, with their bilinear weights. A position in the
+// outer half of a pixel at the border shows that pixel.
 struct Taps {
     size_t pixel[4];
     float weight[4];
 };
 
-Taps taps_at(const Undistortion& map, glm::vec2 place) {
+Taps taps_at(const Undistortion& map, glm::vec2 position) {
     const glm::vec2 last(static_cast<float>(map.width - 1), static_cast<float>(map.height - 1));
-    const glm::vec2 at = glm::clamp(place - 0.5f, glm::vec2(0), last), low = glm::floor(at), part = at - low;
+    const glm::vec2 at = glm::clamp(position - 0.5f, glm::vec2(0), last), low = glm::floor(at), part = at - low;
     const glm::vec2 high = glm::min(low + 1.0f, last);
     const size_t x[2] = {static_cast<size_t>(low.x), static_cast<size_t>(high.x)};
     const size_t y[2] = {static_cast<size_t>(low.y), static_cast<size_t>(high.y)};
@@ -39,7 +39,7 @@ Undistortion make_undistortion(const Lens& lens) {
     Undistortion map;
     map.width = lens.width;
     map.height = lens.height;
-    map.places.resize(size_t{lens.width} * lens.height, kUnseen);
+    map.positions.resize(size_t{lens.width} * lens.height, kUnseen);
     const auto direction = [&](double x, double y) {
         return glm::dvec2((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy);
     };
@@ -53,21 +53,22 @@ Undistortion make_undistortion(const Lens& lens) {
         for (uint32_t x = 0; x < lens.width; ++x) {
             const glm::dvec2 xy = direction(x + 0.5, y + 0.5);
             if (glm::length(xy) > fold) continue;
-            const glm::dvec2 place = project(lens, xy);
-            if (!(place.x >= 0 && place.y >= 0 && place.x <= lens.width && place.y <= lens.height)) continue;
-            map.places[size_t{y} * lens.width + x] = place;
+            const glm::dvec2 position = project(lens, xy);
+            if (!(position.x >= 0 && position.y >= 0 && position.x <= lens.width && position.y <= lens.height))
+                continue;
+            map.positions[size_t{y} * lens.width + x] = position;
             ++seen;
         }
-    map.seen = static_cast<double>(seen) / static_cast<double>(map.places.size());
+    map.seen_share = static_cast<double>(seen) / static_cast<double>(map.positions.size());
     return map;
 }
 
 media::Image undistort(const media::Image& image, const Undistortion& map, ColourOf colour) {
     assert(image.width == map.width && image.height == map.height);
     media::Image result(map.width, map.height);
-    for (size_t i = 0; i < map.places.size(); ++i) {
+    for (size_t i = 0; i < map.positions.size(); ++i) {
         if (!map.sees(i)) continue;
-        const Taps taps = taps_at(map, map.places[i]);
+        const Taps taps = taps_at(map, map.positions[i]);
         glm::vec3 light(0);
         float alpha = 0, weight = 0;
         for (size_t k = 0; k < 4; ++k) {
@@ -87,12 +88,12 @@ media::Image undistort(const media::Image& image, const Undistortion& map, Colou
 }
 
 std::vector<bool> undistort_ignored(const std::vector<bool>& ignored, const Undistortion& map) {
-    std::vector<bool> result(map.places.size());
+    std::vector<bool> result(map.positions.size());
     bool any = false;
-    for (size_t i = 0; i < map.places.size(); ++i) {
+    for (size_t i = 0; i < map.positions.size(); ++i) {
         bool unknown = !map.sees(i);
         if (!unknown && !ignored.empty()) {
-            const Taps taps = taps_at(map, map.places[i]);
+            const Taps taps = taps_at(map, map.positions[i]);
             for (size_t k = 0; k < 4; ++k) unknown |= taps.weight[k] > 0 && ignored[taps.pixel[k]];
         }
         result[i] = unknown;

@@ -15,20 +15,20 @@ Workers::~Workers() {
         closing_ = true;
         tasks_.clear();
     }
-    work_.notify_all();
+    task_added_.notify_all();
 }
 
 void Workers::add(std::function<void()> task) {
     std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return failure_ || tasks_.size() < pending_; });
+    task_ended_.wait(lock, [&] { return failure_ || tasks_.size() < pending_; });
     if (failure_) std::rethrow_exception(failure_);
     tasks_.push_back(std::move(task));
-    work_.notify_one();
+    task_added_.notify_one();
 }
 
 void Workers::finish() {
     std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return failure_ || (tasks_.empty() && running_ == 0); });
+    task_ended_.wait(lock, [&] { return failure_ || (tasks_.empty() && running_ == 0); });
     if (failure_) std::rethrow_exception(failure_);
 }
 
@@ -40,7 +40,7 @@ uint64_t Workers::finished() const {
 void Workers::run() {
     std::unique_lock lock(mutex_);
     while (true) {
-        work_.wait(lock, [&] { return closing_ || !tasks_.empty(); });
+        task_added_.wait(lock, [&] { return closing_ || !tasks_.empty(); });
         if (tasks_.empty()) return;
         const std::function<void()> task = std::move(tasks_.front());
         tasks_.pop_front();
@@ -57,7 +57,7 @@ void Workers::run() {
         ++finished_;
         if (failure) tasks_.clear();
         if (failure && !failure_) failure_ = failure;
-        room_.notify_all();
+        task_ended_.notify_all();
     }
 }
 

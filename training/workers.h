@@ -1,4 +1,4 @@
-// A few threads that finish tasks while the caller makes more of them.
+// Threads that work on tasks while the caller adds more of them.
 #pragma once
 
 #include <condition_variable>
@@ -14,16 +14,19 @@ namespace neuvv::training {
 
 class Workers {
   public:
-    // add() blocks while `pending` tasks wait: it bounds the memory that they hold.
+    // add() blocks while `pending` tasks wait, which bounds the memory that tasks take.
     Workers(uint32_t threads, size_t pending);
+    // Drops the tasks that have not begun and waits for the others.
     ~Workers();
     Workers(const Workers&) = delete;
     Workers& operator=(const Workers&) = delete;
 
-    // Both rethrow the first exception of a task; the tasks after it are dropped.
+    // Both rethrow the first exception of a task; tasks that had not begun by then are dropped.
     void add(std::function<void()> task);
+    // Waits until all tasks are done.
     void finish();
 
+    // The number of tasks that have ended.
     uint64_t finished() const;
 
   private:
@@ -31,7 +34,7 @@ class Workers {
 
     const size_t pending_;
     mutable std::mutex mutex_;
-    std::condition_variable work_, room_;
+    std::condition_variable task_added_, task_ended_;
     std::deque<std::function<void()>> tasks_;
     uint64_t finished_ = 0, running_ = 0;
     bool closing_ = false;

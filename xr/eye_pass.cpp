@@ -31,7 +31,7 @@ gpu::GraphicsShape image_shape(VkFormat colour, VkFormat depth) {
     shape.colours = {colour};
     shape.blend = false;
     shape.depth = depth;
-    shape.nearer = VK_COMPARE_OP_ALWAYS;
+    shape.depth_compare = VK_COMPARE_OP_ALWAYS;
     return shape;
 }
 
@@ -40,10 +40,10 @@ gpu::GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend, VkCompa
     shape.vertex_spirv = eye_shape_vert;
     shape.fragment_spirv = eye_shape_frag;
     shape.streams = {{0, sizeof(ShapeVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
-    shape.attributes = {{kShapePlace, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShapeVertex, position)},
+    shape.attributes = {{kShapePosition, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShapeVertex, position)},
                         {kShapeColour, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(ShapeVertex, colour)}};
     shape.blend = blend;
-    shape.nearer = nearer;
+    shape.depth_compare = nearer;
     return shape;
 }
 

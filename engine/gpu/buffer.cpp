@@ -29,7 +29,7 @@ uint32_t texel_bytes(VkFormat format) {
 namespace {
 
 struct MemoryFlags {
-    VkMemoryPropertyFlags wanted, needed;
+    VkMemoryPropertyFlags preferred, required;
 };
 
 MemoryFlags flags_of(MemoryKind kind) {
@@ -47,7 +47,7 @@ MemoryFlags flags_of(MemoryKind kind) {
 
 }  // namespace
 
-// Delegates, so that the destructor frees what is there when a later step throws.
+// Delegates to the default constructor, so that the destructor frees what was created when a later step throws.
 Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind kind, VkFormat texel_format)
     : Buffer() {
     device = &owner;
@@ -76,7 +76,7 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
     const MemoryFlags flags = flags_of(kind);
     VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocate.allocationSize = requirements.size;
-    allocate.memoryTypeIndex = owner.memory_type(requirements.memoryTypeBits, flags.wanted, flags.needed);
+    allocate.memoryTypeIndex = owner.memory_type(requirements.memoryTypeBits, flags.preferred, flags.required);
     check(vkAllocateMemory(owner.handle(), &allocate, nullptr, &memory), "vkAllocateMemory", name);
     owner.count_buffer_bytes(bytes, 0);
     check(vkBindBufferMemory(owner.handle(), buffer, memory, 0), "vkBindBufferMemory", name);

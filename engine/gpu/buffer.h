@@ -1,4 +1,5 @@
-// Device buffers. Hot arrays are read through texel buffers (a view with a format), see engine/README.md for why.
+// Device buffers. Arrays that shaders read often are read through texel buffers, that is, through a view with a format;
+// engine/README.md says why.
 #pragma once
 
 #include <string>
@@ -8,17 +9,18 @@
 namespace neuvv::gpu {
 
 enum class MemoryKind {
-    kDevice,    // device-local; also mapped where the device shares memory with the host
-    kUpload,    // host writes, device reads: always mapped, coherent
-    kReadback,  // device writes, host reads: always mapped, coherent, cached where there is such memory
+    kDevice,    // device-local, not mapped
+    kUpload,    // the host writes, the device reads: always mapped and coherent
+    kReadback,  // the device writes, the host reads: always mapped and coherent, and cached where the device offers it
 };
 
 // Move-only. Usable as storage, uniform, texel, indirect, vertex and index buffer, and as source and target of copies.
+// The device must outlive it.
 struct Buffer {
     Buffer() = default;
-    // `texel_format` other than UNDEFINED makes the view for texel bindings. Contents are undefined. Throws
-    // RuntimeFailure naming the buffer where a device limit or its memory is exceeded. `bytes` of 0 is rounded up to
-    // one texel.
+    // A `texel_format` other than UNDEFINED also creates the view for texel bindings. The contents are undefined.
+    // `bytes` below 16 are rounded up to 16. Throws RuntimeFailure, which names the buffer, where a limit of the device
+    // or its memory is exceeded.
     Buffer(const Device& device, std::string name, uint64_t bytes, MemoryKind kind,
            VkFormat texel_format = VK_FORMAT_UNDEFINED);
     ~Buffer();
@@ -36,10 +38,10 @@ struct Buffer {
     VkDeviceMemory memory = VK_NULL_HANDLE;
     VkBufferView view = VK_NULL_HANDLE;
     uint64_t bytes = 0;
-    void* mapped = nullptr;  // null where the host cannot see it
+    void* mapped = nullptr;  // null for kDevice
 };
 
-// Bytes of one texel of the formats used here.
+// Bytes of one texel. Throws RuntimeFailure for a format that the program does not use in buffers.
 uint32_t texel_bytes(VkFormat format);
 
 }  // namespace neuvv::gpu

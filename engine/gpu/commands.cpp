@@ -158,7 +158,8 @@ void dispatch_groups(Commands& commands, const ComputePass& pass, const BindingS
                      const void* push, size_t push_bytes) {
     if (groups == 0) return;
     bind(commands, pass, set, push, push_bytes);
-    // One dimension may hold as few as 65535 groups: shaders number themselves by y * gl_NumWorkGroups.x + x.
+    // A device may allow as few as 65535 groups in a dimension, so groups fill rows: a shader computes the number of
+    // its group as y * gl_NumWorkGroups.x + x.
     const VkPhysicalDeviceLimits& limits = commands.device().limits();
     const uint32_t columns = std::min(groups, limits.maxComputeWorkGroupCount[0]);
     const uint32_t rows = groups_of(groups, columns);

@@ -15,16 +15,17 @@ struct PassTime {
     double milliseconds = 0;
 };
 
-// What a submission waits for before it draws or copies to an image, and signals when it is done; null: nothing.
+// The semaphore that a submission waits for before it draws or copies to an image, and the semaphore that it signals
+// when it is done. Null: none.
 struct CommandSemaphores {
     VkSemaphore wait = VK_NULL_HANDLE, signal = VK_NULL_HANDLE;
 };
 
-// One command buffer with its fence and timestamps. begin() → record → submit() → wait(); then it may begin again. Of
-// one thread at a time; several may be used by as many threads.
+// One command buffer with its fence and timestamps. The order is begin(), recording, submit(), wait(); then begin() may
+// follow again. Only one thread at a time may use it; different threads may use different objects.
 class Commands {
   public:
-    // So many pass scopes in one submission are timed; what is beyond them is not.
+    // The first `max_scopes` pass scopes of a submission are timed, further ones are not.
     explicit Commands(const Device& device, std::string name = "commands", uint32_t max_scopes = 128);
     ~Commands();
     Commands(const Commands&) = delete;
@@ -34,20 +35,21 @@ class Commands {
     void submit(const CommandSemaphores& semaphores = {});
     // Whether wait() would return at once.
     bool is_done() const;
-    // Blocks until the submitted work is done. Returns at once when nothing is under way. Throws on device loss.
+    // Blocks until the submitted work is done. Returns at once when nothing was submitted. Throws VulkanError on device
+    // loss.
     void wait();
 
     VkCommandBuffer handle() const { return buffer_; }
     const Device& device() const { return device_; }
 
-    // A pass begins, and ends by the number that begin_pass gave it: what a PassScope calls.
+    // Mark the begin and the end of a pass; PassScope calls them. end_pass takes the number that begin_pass returned.
     uint32_t begin_pass(const std::string& pass);
     void end_pass(uint32_t number);
 
-    // GPU time of each PassScope of the last finished submission, in recording order.
+    // GPU time of each timed PassScope of the last finished submission, in the order of recording.
     std::vector<PassTime> pass_times() const;
-    // From submit() until wait() knew that the work was done, by the host's clock. Software devices that draw, too,
-    // leave compute passes out of their timestamps.
+    // Time from submit() until wait() returned, by the host's clock. It is needed because the timestamps of software
+    // devices leave out compute passes where a submission also draws.
     double milliseconds() const { return milliseconds_; }
 
   private:
@@ -77,16 +79,17 @@ class PassScope {
     uint32_t number_;
 };
 
-// Push constants must be exactly what the shader declares (assert), here and below.
+// Here and below, `push_bytes` must be the size that the shader declares (assert).
 //
-// As many workgroups as hold so many threads; nothing for 0. The shader's own size of a workgroup says how many those
-// are, and the shader ignores the threads that are left over.
+// Dispatches enough workgroups for `threads` threads, or nothing for 0. The size of a workgroup comes from the shader,
+// which has to ignore the threads of the last group that are beyond `threads`.
 void dispatch(Commands& commands, const ComputePass& pass, const BindingSet& set, uint64_t threads, const void* push,
               size_t push_bytes);
-// So many workgroups, where one of them is the unit of work: a tile of rays, a block of samples.
+// Dispatches `groups` workgroups, for passes where a workgroup is the unit of work: a tile of rays, a block of samples.
 void dispatch_groups(Commands& commands, const ComputePass& pass, const BindingSet& set, uint32_t groups,
                      const void* push, size_t push_bytes);
-// Group counts (three words) come from `arguments` at `offset`, written by an earlier pass.
+// Takes the numbers of workgroups from `arguments`: three 32-bit words from byte `offset` on, which an earlier pass
+// wrote.
 void dispatch_indirect(Commands& commands, const ComputePass& pass, const BindingSet& set, const Buffer& arguments,
                        uint64_t offset, const void* push, size_t push_bytes);
 
@@ -105,16 +108,16 @@ void dispatch_indirect(Commands& commands, const ComputePass& pass, const Bindin
     dispatch_indirect(commands, pass, set, arguments, offset, &push, sizeof(Push));
 }
 
-// What compute shaders and copies wrote before is seen by compute shaders, indirect arguments and copies after.
+// Makes what earlier compute shaders and copies wrote visible to later compute shaders, indirect arguments and copies.
 void compute_barrier(Commands& commands);
-// What compute shaders and copies wrote before is seen by the shaders of draws after.
+// Makes what earlier compute shaders and copies wrote visible to the shaders of later draws.
 void draw_barrier(Commands& commands);
-// What compute shaders and copies wrote before is seen by the host after wait().
+// Makes what earlier compute shaders and copies wrote visible to the host after wait().
 void host_barrier(Commands& commands);
 
-// The first `bytes` (a multiple of 4), or all.
+// Fills the first `bytes` (a multiple of 4) of the buffer, or all of it, with copies of `word`.
 void fill(Commands& commands, const Buffer& buffer, uint32_t word, uint64_t bytes = VK_WHOLE_SIZE);
-// Writes a few bytes (a multiple of 4, at most 64 KiB) that travel in the command buffer itself.
+// Writes a few bytes (a multiple of 4, at most 64 KiB), which are stored in the command buffer itself.
 void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes, uint64_t offset = 0);
 template <typename T>
 void update(Commands& commands, const Buffer& buffer, const T& value, uint64_t offset = 0) {
@@ -123,13 +126,14 @@ void update(Commands& commands, const Buffer& buffer, const T& value, uint64_t o
 void copy(Commands& commands, const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset = 0,
           uint64_t to_offset = 0);
 
-// What was done before, by other submissions too, is seen by all that comes after.
+// Makes all that was written before, also by other submissions, visible to all commands after.
 void full_barrier(Commands& commands);
 
 // Records, submits and waits: for set-up and tests, not for frames.
 void run_once(const Device& device, const std::string& name, const std::function<void(Commands&)>& record);
 
-// Host ↔ device through a staging buffer in pieces; set-up and tests.
+// Copy between host and device, through a staging buffer, piece by piece, and wait: for set-up and tests. They throw
+// RuntimeFailure where the buffer has fewer than `bytes` bytes.
 void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
 void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
 

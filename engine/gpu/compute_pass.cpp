@@ -38,24 +38,24 @@ void require_bindings(const Device& device, const ShaderInterface& interface, co
     const VkPhysicalDeviceLimits& limits = device.limits();
     const struct {
         VkDescriptorType type;
-        uint32_t most;
+        uint32_t max;
         const char* what;
     } kinds[] = {
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, limits.maxPerStageDescriptorStorageBuffers, "storage buffers"},
         {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, limits.maxPerStageDescriptorStorageImages, "storage texel buffers"},
         {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, limits.maxPerStageDescriptorSampledImages, "texel buffers"}};
     for (const auto& kind : kinds) {
-        const auto wanted = std::count_if(interface.bindings.begin(), interface.bindings.end(),
-                                          [&](const BindingSlot& slot) { return slot.type == kind.type; });
-        if (wanted > kind.most)
-            throw RuntimeFailure(fmt::format("pass \"{}\" binds {} {}, device \"{}\" takes {}", name, wanted, kind.what,
-                                             device.summary().name, kind.most));
+        const auto count = std::count_if(interface.bindings.begin(), interface.bindings.end(),
+                                         [&](const BindingSlot& slot) { return slot.type == kind.type; });
+        if (count > kind.max)
+            throw RuntimeFailure(fmt::format("pass \"{}\" binds {} {}, device \"{}\" takes {}", name, count, kind.what,
+                                             device.summary().name, kind.max));
     }
 }
 
 }  // namespace
 
-// Delegates, so that the destructor frees what was made before something failed.
+// Delegates, so that the destructor frees what was created when a later step throws.
 ComputePass::ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
                          const std::vector<uint32_t>& constants)
     : ComputePass(device, std::move(name)) {

@@ -1,4 +1,4 @@
-// One compute shader, its layout read from its own SPIR-V, and the buffers it is bound to.
+// One compute shader, whose layout is read from its SPIR-V, and the buffers that are bound to it.
 #pragma once
 
 #include <span>
@@ -11,15 +11,16 @@
 
 namespace neuvv::gpu {
 
-// How many groups of so many hold `items`, the last of them perhaps in part.
-constexpr uint32_t groups_of(uint64_t items, uint32_t of_group) {
-    return static_cast<uint32_t>((items + of_group - 1) / of_group);
+// How many groups of `group_size` are needed for `items`; the last group may be partly filled.
+constexpr uint32_t groups_of(uint64_t items, uint32_t group_size) {
+    return static_cast<uint32_t>((items + group_size - 1) / group_size);
 }
 
 class ComputePass {
   public:
-    // `constants` are specialisation constants by index (constant_id 0, 1, …). Compiles on creation, through the
-    // device's pipeline cache, what its table of shaders has for `spirv`.
+    // Compiles the shader through the device's pipeline cache, or the replacement of `spirv` in the device's
+    // ShaderTable. `constants` are the values of the specialisation constants with constant_id 0, 1, … Throws
+    // RuntimeFailure where the shader needs more than the device's limits allow.
     ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
                 const std::vector<uint32_t>& constants = {});
     ~ComputePass();
@@ -49,12 +50,14 @@ inline Bindings joined(Bindings first, const Bindings& second) {
     return first;
 }
 
-// The buffers of one pass, written once at set-up; nothing is written inside a frame. Every binding that the shader has
-// must be given (RuntimeFailure) but that of the debug buffer (debug_buffer.h), of several for it the first counts,
-// others are ignored; buffers must outlive the set.
+// The buffers of one pass. They are bound once at set-up, never inside a frame, and must outlive the set.
 class BindingSet {
   public:
     BindingSet() = default;
+    // `buffers` must name a buffer for every binding of the shader, except for that of the debug buffer
+    // (debug_buffer.h), which is bound by itself. Of several buffers for a binding the first is used; bindings that the
+    // shader does not have are ignored. Throws RuntimeFailure where a buffer is missing or does not fit the type of its
+    // binding.
     BindingSet(const ComputePass& pass, const Bindings& buffers);
 
     VkDescriptorSet handle() const { return set_.handle(); }

@@ -1,4 +1,4 @@
-// What shaders print and assert (shaders/debug.glsl). A device makes the buffer when the first pass wants it.
+// What shaders print and assert (shaders/debug.glsl). A device creates the buffer when the first pass binds it.
 #pragma once
 
 #include <functional>
@@ -17,10 +17,10 @@ class DebugBuffer {
 
     const Buffer& buffer() const { return buffer_; }
 
-    // What was appended since the last call, of work that was waited for; at most kMaxDebugRecords, in no order.
-    // `lost`: how many more found no room.
+    // Returns the records that finished work has appended since the last call, at most kMaxDebugRecords, in no
+    // particular order. `lost` is set to the number of further records, for which there was no room.
     std::vector<DebugRecord> drain(uint64_t& lost);
-    // Drains into the sink of shader messages, where there is one. Commands::wait() calls it.
+    // Passes drained records to the sink of shader messages, if one is set. Commands::wait() calls this.
     void report();
 
   private:
@@ -31,8 +31,9 @@ class DebugBuffer {
 // "assertion 41 failed at (3, 0, 0): 7 0 0 0 (1.4e-45 0 0 0)": the words as numbers and as floats.
 std::string text_of(const DebugRecord& record);
 
-// Where what shaders say is told, a line each, as soon as their work was waited for: for all devices of the program.
-// Without a sink the records stay until drain(). Called by any thread that waits for a device; set before there is one.
+// Sets the function that receives the messages of shaders on all devices of the program, one line each, after the work
+// that wrote them was waited for. Any thread that waits for a device calls it, so it must be set before there is a
+// device. Without a sink the records stay in the buffer until drain().
 void set_shader_message_sink(std::function<void(const std::string& line)> sink);
 
 }  // namespace neuvv::gpu

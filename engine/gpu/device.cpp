@@ -46,7 +46,7 @@ VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<con
     std::vector<VkExtensionProperties> available(count);
     vkEnumerateInstanceExtensionProperties(nullptr, &count, available.data());
 
-    std::vector<const char*> extensions = wanted;  // who asks twice gets it once
+    std::vector<const char*> extensions = wanted;  // without duplicates: a wanted one may be added below again
     const auto add = [&](const char* name) {
         if (std::none_of(extensions.begin(), extensions.end(), [&](auto* e) { return std::strcmp(e, name) == 0; }))
             extensions.push_back(name);
@@ -120,7 +120,7 @@ DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
     for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
         if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
             summary.memory_bytes = std::max<uint64_t>(summary.memory_bytes, memory.memoryHeaps[i].size);
-    find_lacking_features(physical, summary.missing, summary.lacks);
+    find_lacking_features(physical, summary.missing, summary.missing_optional);
     return summary;
 }
 
@@ -233,7 +233,7 @@ void Device::choose_physical(const std::string& choice, const DeviceMaker& maker
         if (!wanted.empty() && pick(summaries, wanted) != index)
             throw InputError("device", wanted, fmt::format("the headset is driven by \"{}\"", summaries[index].name),
                              "leave --device and NEUVV_DEVICE out");
-        pick({summaries[index]}, "0");  // is it usable?
+        pick({summaries[index]}, "0");  // throws where it is not usable
     } else {
         index = pick(summaries, wanted);
     }
@@ -322,17 +322,18 @@ void Device::save_pipeline_cache() const {
     try {
         write_file_atomically(file, [&](const ByteSink& sink) { sink(bytes.data(), size); });
     } catch (const RuntimeFailure&) {
-        // A cache that cannot be kept costs the next start some compile time, nothing else.
+        // Without the file the next start compiles the pipelines again; nothing else is lost.
     }
 }
 
-uint32_t Device::memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags needed) const {
+uint32_t Device::memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred,
+                             VkMemoryPropertyFlags required) const {
     VkPhysicalDeviceMemoryProperties memory{};
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory);
-    for (const VkMemoryPropertyFlags flags : {wanted, needed})
+    for (const VkMemoryPropertyFlags flags : {preferred, required})
         for (uint32_t i = 0; i < memory.memoryTypeCount; i++)
             if ((type_bits >> i & 1) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
-    throw RuntimeFailure(fmt::format("device \"{}\" has no memory type with flags {:#x}", summary_.name, needed));
+    throw RuntimeFailure(fmt::format("device \"{}\" has no memory type with flags {:#x}", summary_.name, required));
 }
 
 void Device::name_object(VkObjectType type, uint64_t object, const std::string& name) const {

@@ -1,4 +1,5 @@
-// The Vulkan device: chosen, created with exactly the features we use, and its validation messages.
+// The Vulkan device: its selection, its creation with exactly the features of a table (features.h), and its validation
+// messages.
 #pragma once
 
 #include <volk.h>
@@ -18,14 +19,15 @@ namespace neuvv::gpu {
 
 class DebugBuffer;
 
-// A Vulkan call failed. The result tells a lost device, of which nothing can be used any more, from a lack of room.
+// A Vulkan call failed. After the loss of a device nothing of the device can be used any more; other failures, such as
+// a lack of memory, leave it usable.
 struct VulkanError : RuntimeFailure {
     VulkanError(VkResult result, const char* call, const std::string& object);
     bool device_lost() const { return result == VK_ERROR_DEVICE_LOST; }
     VkResult result;
 };
 
-// Throws VulkanError naming the call, its object and the result unless it is VK_SUCCESS.
+// Throws VulkanError, which names the call, the object and the result, unless the result is VK_SUCCESS.
 void check(VkResult result, const char* call, const std::string& object);
 
 enum class Validation { kOff, kOn };
@@ -37,31 +39,34 @@ struct DeviceSummary {
     std::string driver;  // "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"
     uint32_t api_version = 0;
     uint64_t memory_bytes = 0;         // the largest device-local heap
-    std::vector<std::string> missing;  // required features it lacks, in our table's words; empty: usable
-    std::vector<std::string> lacks;    // optional ones, each with what stands in for it
+    std::vector<std::string> missing;  // required features that it lacks, as the table names them; empty: usable
+    std::vector<std::string> missing_optional;  // optional features that it lacks, each with its substitute
 };
 
-// Every Vulkan device of this machine, usable or not. Throws RuntimeFailure where no Vulkan loader is installed.
+// Lists every Vulkan device of this machine, usable or not. Throws RuntimeFailure where no Vulkan loader is installed.
 std::vector<DeviceSummary> list_devices();
 
-// Beyond what every use needs: those of windows (Swapchain) and headsets. Names must be literals or outlive the device.
+// Extensions beyond those that every device is created with: those that windows (Swapchain) and headsets need. Names
+// must be literals or outlive the device.
 struct DeviceExtensions {
     std::vector<const char*> instance, device;
 };
 
-// Who makes Vulkan's instance and device, where Vulkan itself does not: a headset's runtime. All functions or none.
+// Functions of a headset's runtime, which then creates the Vulkan instance and the device in place of this program.
+// Either all functions are set or none.
 struct DeviceMaker {
     std::function<VkResult(const VkInstanceCreateInfo&, VkInstance*)> create_instance;
-    // The only one that will do: a choice that names another is an error.
+    // Returns the only device that can drive the headset: a choice that names another one is an error.
     std::function<VkPhysicalDevice(VkInstance)> choose_physical;
     std::function<VkResult(VkPhysicalDevice, const VkDeviceCreateInfo&, VkDevice*)> create_device;
 };
 
 class Device {
   public:
-    // `choice` is an index or a part of a name (case-insensitive); empty: NEUVV_DEVICE from the environment, else the
-    // best usable one (discrete, integrated, virtual, cpu). Throws InputError for a choice that fits none,
-    // RuntimeFailure for a device that lacks what we need, or one of `extensions`.
+    // `choice` is an index or a part of a name (case-insensitive). Where it is empty, NEUVV_DEVICE of the environment
+    // counts, else the best usable device is taken, in the order discrete, integrated, virtual, other, cpu. Throws
+    // InputError for a choice that fits no device, RuntimeFailure for a device that lacks a required feature or one of
+    // `extensions`.
     explicit Device(const std::string& choice = "", Validation validation = Validation::kOff,
                     const DeviceExtensions& extensions = {}, const DeviceMaker& maker = {});
     ~Device();
@@ -71,7 +76,7 @@ class Device {
     VkInstance instance() const { return instance_; }
     VkDevice handle() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }
-    // One queue for all threads: who submits, presents or waits for it holds its mutex meanwhile.
+    // The one queue of all threads. A thread must lock the mutex while it submits to the queue, presents or waits.
     VkQueue queue() const { return queue_; }
     std::mutex& queue_mutex() const { return queue_mutex_; }
     uint32_t queue_family() const { return queue_family_; }
@@ -81,28 +86,30 @@ class Device {
     uint64_t max_allocation_bytes() const { return max_allocation_bytes_; }
     const DeviceSummary& summary() const { return summary_; }
     bool float_atomics() const { return float_atomics_; }
-    // Whether a vertex shader chooses the layer it draws to.
+    // Whether a vertex shader may select the layer that it draws to.
     bool output_layer() const { return output_layer_; }
     bool validating() const { return messenger_ != VK_NULL_HANDLE; }
 
-    // Of all buffers that live on the device now.
+    // The bytes of all buffers that exist on the device now. Buffer counts them.
     uint64_t buffer_bytes() const { return buffer_bytes_; }
     void count_buffer_bytes(uint64_t more, uint64_t less) const { buffer_bytes_ += more - less; }
 
-    // First memory type that has `wanted` among those in `type_bits`, or falls back to `needed`. Throws RuntimeFailure.
-    uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags needed) const;
+    // The first memory type of `type_bits` with the flags `preferred`, else the first one with the flags `required`.
+    // Throws RuntimeFailure where there is neither.
+    uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred, VkMemoryPropertyFlags required) const;
 
     // Gives a Vulkan object its debug name (no-op without the debug-utils extension).
     void name_object(VkObjectType type, uint64_t object, const std::string& name) const;
 
-    // Warnings and errors of the validation layers since the last call.
+    // Returns the warnings and errors of the validation layers since the last call.
     std::vector<std::string> drain_validation_messages() const;
 
-    // What shaders print and assert, made at the first call; and the same, where a pass has asked for it, else null.
+    // The buffer of what shaders print and assert. The first call of debug_buffer() creates it; used_debug_buffer() is
+    // null before that.
     DebugBuffer& debug_buffer() const;
     DebugBuffer* used_debug_buffer() const { return debug_buffer_.get(); }
 
-    // Seconds-scale operations end with this; throws RuntimeFailure on device loss.
+    // Waits until the device has done all submitted work. Throws VulkanError on device loss.
     void wait_idle() const;
 
   private:

@@ -21,7 +21,7 @@ struct Feature {
     VkBool32& (*field)(FeatureChain&);
 };
 
-// Required of every device. A missing one names itself by this table.
+// Required of every device. Messages about missing features take the names from here.
 const Feature kRequired[] = {
     {"scalarBlockLayout", [](FeatureChain& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"maintenance4", [](FeatureChain& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId in our SPIR-V

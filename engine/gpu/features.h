@@ -1,4 +1,4 @@
-// The one table of device features: what the program requires, and what it uses where it is there.
+// The table of device features: those that the program requires, and those that it uses where a device has them.
 #pragma once
 
 #include <volk.h>
@@ -8,8 +8,8 @@
 
 namespace neuvv::gpu {
 
-// The features of a device, or those to enable, as Vulkan wants them chained. link() sets the chain; call it after the
-// last copy or move.
+// The features that a device has, or those to enable, as the chain of structures that Vulkan expects. link() sets the
+// pointers of the chain, so it must be called after the last copy or move.
 struct FeatureChain {
     VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
     VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
@@ -17,7 +17,7 @@ struct FeatureChain {
     VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
     VkPhysicalDeviceShaderAtomicFloatFeaturesEXT atomic_float{
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_FLOAT_FEATURES_EXT};
-    bool float_atomics = false;  // the extension is there: atomic_float belongs in the chain
+    bool float_atomics = false;  // whether the device has the extension, and atomic_float is part of the chain
     std::vector<const char*> extensions;
 
     void link();
@@ -25,10 +25,11 @@ struct FeatureChain {
 
 bool has_extension(VkPhysicalDevice physical, const char* name);
 
-// Exactly the features of the table that this device has.
+// The features of the table that this device has, and no others.
 FeatureChain features_to_enable(VkPhysicalDevice physical);
 
-// `missing`: required features that the device lacks. `optional`: the others it lacks, with what stands in.
+// Appends to `missing` the required features that the device lacks, and to `optional` the optional ones, each with its
+// substitute.
 void find_lacking_features(VkPhysicalDevice physical, std::vector<std::string>& missing,
                            std::vector<std::string>& optional);
 

@@ -1,8 +1,8 @@
-// A capture by RenderDoc of all that is submitted to a device while the object lives.
+// A capture by RenderDoc of everything that is submitted to a device while the object exists.
 //
 //   renderdoccmd capture build/release/neuvv render clip.nvv -o still.png --frames 0 --capture
 //
-// RenderDoc's library is used where the program was started under RenderDoc, and never loaded otherwise.
+// The program never loads RenderDoc's library: it uses the library where the program was started under RenderDoc.
 #pragma once
 
 #include <string>
@@ -15,15 +15,15 @@ namespace neuvv::gpu {
 
 class FrameCapture {
   public:
-    // Throws InputError where the program does not run under RenderDoc.
+    // Waits for the device and begins the capture. Throws InputError where the program does not run under RenderDoc.
     explicit FrameCapture(const Device& device);
-    // Ends a capture that finish() has not ended, and throws it away.
+    // Discards the capture unless finish() has ended it.
     ~FrameCapture();
     FrameCapture(const FrameCapture&) = delete;
     FrameCapture& operator=(const FrameCapture&) = delete;
 
-    // Ends the capture, after waiting for the device. Returns the file it is written to. Throws RuntimeFailure where
-    // RenderDoc could not write it.
+    // Waits for the device and ends the capture. Returns the path of the capture's file. Throws RuntimeFailure where
+    // RenderDoc could not write the file.
     std::string finish();
 
   private:

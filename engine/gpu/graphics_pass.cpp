@@ -11,7 +11,7 @@ namespace neuvv::gpu {
 
 namespace {
 
-// What either stage declares.
+// The union of what the two shader stages declare.
 ShaderInterface merge(ShaderInterface a, const ShaderInterface& b) {
     for (const BindingSlot& slot : b.bindings)
         if (std::none_of(a.bindings.begin(), a.bindings.end(), [&](auto& s) { return s.binding == slot.binding; }))
@@ -39,7 +39,7 @@ struct FixedState {
         raster.lineWidth = 1;
         multisample.rasterizationSamples = shape.samples;
         depth.depthTestEnable = VK_TRUE;
-        depth.depthCompareOp = shape.nearer;
+        depth.depthCompareOp = shape.depth_compare;
         VkPipelineColorBlendAttachmentState attachment{};
         attachment.blendEnable = shape.blend;
         attachment.srcColorBlendFactor = attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
@@ -100,7 +100,7 @@ VkPipeline make_pipeline(const Device& device, VkPipelineLayout layout, const Gr
 
 }  // namespace
 
-// Delegates, so that the destructor frees what was made before something failed.
+// Delegates, so that the destructor frees what was created when a later step throws.
 GraphicsPass::GraphicsPass(const Device& device, std::string name, const GraphicsShape& shape)
     : GraphicsPass(device, std::move(name)) {
     const std::vector<uint32_t> vertex = device.shaders().newest(shape.vertex_spirv),

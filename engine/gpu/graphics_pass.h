@@ -1,5 +1,5 @@
 // One pair of vertex and fragment shader that draws triangles with depth, MSAA and premultiplied blending, by dynamic
-// rendering; its layout is read from the SPIR-V. And the textures and buffers that it is bound to.
+// rendering, and the textures and buffers that are bound to it. Its layout is read from the SPIR-V.
 #pragma once
 
 #include <initializer_list>
@@ -18,14 +18,14 @@ struct GraphicsShape {
     std::span<const uint32_t> fragment_spirv;
     std::vector<VkVertexInputBindingDescription> streams;
     std::vector<VkVertexInputAttributeDescription> attributes;
-    std::vector<VkFormat> colours = {VK_FORMAT_R16G16B16A16_SFLOAT};  // by location; none: depth alone
-    bool blend = true;                                                // premultiplied, over what is there
+    std::vector<VkFormat> colours = {VK_FORMAT_R16G16B16A16_SFLOAT};  // by location; empty: only depth
+    bool blend = true;                                                // premultiplied, over the target
     VkFormat depth = VK_FORMAT_D32_SFLOAT;                            // reversed: near 1, far 0
-    VkCompareOp nearer = VK_COMPARE_OP_GREATER;                       // which depths win
+    VkCompareOp depth_compare = VK_COMPARE_OP_GREATER;                // which new depths are drawn
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
 };
 
-// Dynamic: viewport, scissor, cull mode, front face, depth write.
+// Viewport, scissor, cull mode, front face and depth write are dynamic state.
 class GraphicsPass {
   public:
     GraphicsPass(const Device& device, std::string name, const GraphicsShape& shape);
@@ -34,7 +34,7 @@ class GraphicsPass {
     GraphicsPass& operator=(const GraphicsPass&) = delete;
 
     const std::string& name() const { return name_; }
-    // Bindings of both stages together; they share one block of push constants.
+    // The bindings of both stages together. The stages share one block of push constants.
     const ShaderInterface& interface() const { return interface_; }
     VkPipeline pipeline() const { return pipeline_; }
     VkPipelineLayout layout() const { return layout_.pipeline(); }
@@ -52,12 +52,12 @@ class GraphicsPass {
 
 constexpr VkShaderStageFlags kDrawStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-// What one draw reads, written once at set-up: the textures, for all of the pass's samplers in ascending order of their
-// bindings, and a buffer for each other binding. Move-only; all of them must outlive it. Throws RuntimeFailure where
-// one is missing.
+// The textures and buffers that a draw reads, bound once at set-up. They must outlive the set, which is move-only.
 class TextureSet {
   public:
     TextureSet() = default;
+    // `textures` are for all samplers of the pass, in ascending order of their bindings; `buffers` has one for each
+    // other binding. Throws RuntimeFailure where one is missing.
     TextureSet(const GraphicsPass& pass, std::span<const std::pair<const DeviceImage*, const Sampler*>> textures,
                std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers = {});
 

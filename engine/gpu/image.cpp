@@ -87,7 +87,7 @@ Sampler::Sampler(const Device& owner, const std::string& name, const SamplerShap
     info.addressModeU = shape.wrap_u;
     info.addressModeV = shape.wrap_v;
     info.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
-    info.maxLod = shape.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;  // 0 would take the magnification filter for both
+    info.maxLod = shape.mipmaps ? VK_LOD_CLAMP_NONE : 0.25f;  // with 0 both filters would be the magnification filter
     check(vkCreateSampler(owner.handle(), &info, nullptr, &sampler), "vkCreateSampler", name);
     owner.name_object(VK_OBJECT_TYPE_SAMPLER, reinterpret_cast<uint64_t>(sampler), name);
 }
@@ -108,7 +108,7 @@ Sampler& Sampler::operator=(Sampler&& other) noexcept {
 
 void move_layout(Commands& commands, VkImage image, const VkImageSubresourceRange& part, VkImageLayout from,
                  VkImageLayout to) {
-    // The stages and accesses of whole frames: images change their layout a few times an image.
+    // Waits for all stages and accesses: layouts change only a few times a frame.
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;

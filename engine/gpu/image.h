@@ -18,11 +18,11 @@ struct ImageShape {
     uint32_t layers = 1;
 };
 
-// Move-only; two-dimensional, an array where it has several layers, with one view of the whole. Layout and contents are
-// undefined after creation.
+// A two-dimensional image, an array where it has several layers, with one view of all levels and layers. Move-only; the
+// device must outlive it. Its layout and contents are undefined after creation.
 struct DeviceImage {
     DeviceImage() = default;
-    // Throws RuntimeFailure naming the image where a limit of the device or its memory is exceeded.
+    // Throws RuntimeFailure, which names the image, where a limit of the device or its memory is exceeded.
     DeviceImage(const Device& device, std::string name, const ImageShape& shape);
     ~DeviceImage();
     DeviceImage(DeviceImage&& other) noexcept;
@@ -36,7 +36,7 @@ struct DeviceImage {
     VkImageView view = VK_NULL_HANDLE;
 };
 
-// Trilinear unless told otherwise.
+// The defaults are trilinear filtering and repetition.
 struct SamplerShape {
     VkSamplerAddressMode wrap_u = VK_SAMPLER_ADDRESS_MODE_REPEAT;
     VkSamplerAddressMode wrap_v = VK_SAMPLER_ADDRESS_MODE_REPEAT;
@@ -57,18 +57,19 @@ struct Sampler {
     VkSampler sampler = VK_NULL_HANDLE;
 };
 
-// What was done with the image before, in layout `from` (UNDEFINED drops its contents), is seen by all that comes
-// after.
+// Changes the image's layout, where `from` may be UNDEFINED if the contents are no longer needed. It is also a barrier:
+// all commands after it see what was written to the image before.
 void move_layout(Commands& commands, const DeviceImage& image, VkImageLayout from, VkImageLayout to);
-// Of a colour image of one level that is somebody else's; another one by its aspects and layers.
+// The same for an image that is not a DeviceImage: one with one colour level and one layer, or the given part.
 void move_layout(Commands& commands, VkImage image, VkImageLayout from, VkImageLayout to);
 void move_layout(Commands& commands, VkImage image, const VkImageSubresourceRange& part, VkImageLayout from,
                  VkImageLayout to);
 
-// One tightly packed array of bytes a mip level, the largest first. The layout becomes SHADER_READ_ONLY; set-up only.
+// Uploads an image, waits, and leaves it in layout SHADER_READ_ONLY: for set-up. `levels` has the tightly packed bytes
+// of each mip level, the largest first.
 void upload_levels(const Device& device, const DeviceImage& image, std::span<const std::vector<uint8_t>> levels);
 
-// A part of level 0, in layout TRANSFER_SRC, tightly packed into a buffer from byte `offset` on.
+// Copies a part of level 0 of an image in layout TRANSFER_SRC, tightly packed, to a buffer from byte `offset` on.
 void copy(Commands& commands, const DeviceImage& from, const VkRect2D& part, const Buffer& to, uint64_t offset = 0);
 
 }  // namespace neuvv::gpu

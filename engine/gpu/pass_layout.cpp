@@ -52,7 +52,7 @@ VkDescriptorPool make_pool(const Device& device, const ShaderInterface& interfac
 
 }  // namespace
 
-// Delegates, here and below, so that the destructor frees what was made before something failed.
+// The constructors here and below delegate, so that the destructor frees what was created when a later step throws.
 PassLayout::PassLayout(const Device& device, const ShaderInterface& interface, VkShaderStageFlags stages,
                        const std::string& name)
     : PassLayout() {

@@ -1,5 +1,5 @@
-// What a pass is bound by, read from its shaders' SPIR-V: the layout of its descriptors and push constants, the
-// descriptors themselves, and a shader's module. Compute and graphics passes are made of these alike.
+// The parts that compute and graphics passes share: the layout of descriptors and push constants, which is read from
+// the shaders' SPIR-V, the descriptor set, and the shader module. The device must outlive all of them.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +16,22 @@ struct BindingSlot {
     VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 };
 
-// What a shader's SPIR-V says of its interface: bindings of set 0 in ascending order, bytes of push constants, and of a
-// compute shader the threads of a workgroup.
+// The interface of a shader: its bindings of set 0 in ascending order, the bytes of its push constants, and the threads
+// of a compute shader's workgroup.
 struct ShaderInterface {
     std::vector<BindingSlot> bindings;
     uint32_t push_bytes = 0;
-    uint32_t group_threads = 0;  // all along x; 0: no compute shader
+    uint32_t group_threads = 0;  // all along x; 0: not a compute shader
 };
+// Throws RuntimeFailure, which names the shader by `name`, for SPIR-V that cannot be read and for workgroups that have
+// more than one dimension.
 ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name);
 
-// Move-only. The device must outlive it, as everything below.
+// The layouts of a pass's descriptor set and pipeline. Move-only.
 class PassLayout {
   public:
     PassLayout() = default;
-    // Throws RuntimeFailure where the device takes fewer push constants.
+    // Throws RuntimeFailure where the push constants are more bytes than the device allows.
     PassLayout(const Device& device, const ShaderInterface& interface, VkShaderStageFlags stages,
                const std::string& name);
     ~PassLayout();
@@ -45,7 +47,7 @@ class PassLayout {
     VkPipelineLayout pipeline_ = VK_NULL_HANDLE;
 };
 
-// One descriptor set in a pool of its own, to be written by whoever made it. Move-only.
+// One descriptor set with a pool of its own. The caller writes its descriptors. Move-only.
 class DescriptorSet {
   public:
     DescriptorSet() = default;
@@ -63,7 +65,7 @@ class DescriptorSet {
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
-// Needed only until the pipeline is made.
+// Needed only until the pipeline is created.
 class ShaderModule {
   public:
     ShaderModule(const Device& device, std::span<const uint32_t> spirv, const std::string& name);

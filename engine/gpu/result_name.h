@@ -1,4 +1,4 @@
-// VkResult in words.
+// Names of VkResult values for messages.
 #pragma once
 
 #include <volk.h>

@@ -1,4 +1,4 @@
-// Shaders that take the place of those that the program was built with: a developer's, who changes them while it runs.
+// Shaders that replace those that the program was built with: a developer may change shaders while the program runs.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace neuvv::gpu {
 
-// SPIR-V by the SPIR-V that was built in.
+// From SPIR-V that was built in to the SPIR-V that replaces it.
 using ShaderReplacements = std::map<std::vector<uint32_t>, std::vector<uint32_t>>;
 
-// For any thread. Passes look their shaders up when they are made; those that are there stay as they are.
+// Any thread may use it. Passes look their shaders up when they are created; existing passes do not change.
 class ShaderTable {
   public:
     ShaderReplacements replacements() const {
@@ -23,7 +23,7 @@ class ShaderTable {
         const std::lock_guard lock(mutex_);
         replacements_ = std::move(replacements);
     }
-    // What stands for it now; itself, where nothing does.
+    // The replacement of `built_in`, or `built_in` itself where there is none.
     std::vector<uint32_t> newest(std::span<const uint32_t> built_in) const {
         std::vector<uint32_t> words(built_in.begin(), built_in.end());
         const std::lock_guard lock(mutex_);

@@ -10,7 +10,7 @@ namespace neuvv::gpu {
 
 namespace {
 
-constexpr uint32_t kWantedImages = 3;
+constexpr uint32_t kPreferredImages = 3;
 constexpr uint64_t kAcquireTimeout_ns = 20'000'000;
 constexpr VkImageUsageFlags kUsage =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
@@ -22,7 +22,7 @@ VkSurfaceCapabilitiesKHR capabilities_of(const Device& device, VkSurfaceKHR surf
     return capabilities;
 }
 
-// The window's own size where it says one, else the framebuffer's.
+// The size that the window reports, or else that of the framebuffer, within the limits of the window.
 VkExtent2D extent_for(const VkSurfaceCapabilitiesKHR& capabilities, VkExtent2D framebuffer) {
     if (capabilities.currentExtent.width != UINT32_MAX) return capabilities.currentExtent;
     return {std::clamp(framebuffer.width, capabilities.minImageExtent.width, capabilities.maxImageExtent.width),
@@ -82,7 +82,8 @@ void Swapchain::choose_mode() {
     check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_.physical(), surface_, &count, modes.data()),
           "vkGetPhysicalDeviceSurfacePresentModesKHR", "window");
     for (const VkPresentModeKHR wanted : {VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR})
-        if (std::find(modes.begin(), modes.end(), wanted) != modes.end()) mode_ = wanted;  // the last: it does not tear
+        if (std::find(modes.begin(), modes.end(), wanted) != modes.end())
+            mode_ = wanted;  // the last one is preferred: it does not tear
 }
 
 void Swapchain::destroy_images() {
@@ -98,13 +99,13 @@ void Swapchain::destroy_images() {
 
 void Swapchain::resize(VkExtent2D framebuffer) {
     destroy_images();
-    old_ = false;
+    outdated_ = false;
     const VkSurfaceCapabilitiesKHR capabilities = capabilities_of(device_, surface_);
     extent_ = extent_for(capabilities, framebuffer);
     if (extent_.width == 0 || extent_.height == 0) return;
     VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
     info.surface = surface_;
-    info.minImageCount = std::max(kWantedImages, capabilities.minImageCount);
+    info.minImageCount = std::max(kPreferredImages, capabilities.minImageCount);
     if (capabilities.maxImageCount > 0) info.minImageCount = std::min(info.minImageCount, capabilities.maxImageCount);
     info.imageFormat = format_;
     info.imageColorSpace = VK_COLOR_SPACE_SRGB_NONLINEAR_KHR;
@@ -139,24 +140,25 @@ void Swapchain::resize(VkExtent2D framebuffer) {
     make_semaphores();
 }
 
-// An acquired image's semaphore is free again only after the frame that waited for it: one more than images.
+// There is one more semaphore for acquired images than images: such a semaphore is free again only after the frame that
+// waited for it.
 void Swapchain::make_semaphores() {
     for (size_t i = 0; i <= images_.size(); i++) acquired_.push_back(make_semaphore(device_, "window acquired"));
     for (size_t i = 0; i < images_.size(); i++) drawn_.push_back(make_semaphore(device_, "window drawn"));
-    turn_ = 0;
+    next_acquired_ = 0;
 }
 
 std::optional<PresentTarget> Swapchain::acquire(CommandSemaphores& semaphores) {
     if (images_.empty()) return std::nullopt;
-    const VkSemaphore acquired = acquired_[turn_];
+    const VkSemaphore acquired = acquired_[next_acquired_];
     uint32_t index = 0;
     const uint64_t timeout_ns = pace_ == PresentPace::kFree ? 0 : kAcquireTimeout_ns;
     const VkResult result =
         vkAcquireNextImageKHR(device_.handle(), swapchain_, timeout_ns, acquired, VK_NULL_HANDLE, &index);
-    old_ |= result == VK_ERROR_OUT_OF_DATE_KHR;
-    if (old_ || result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
+    outdated_ |= result == VK_ERROR_OUT_OF_DATE_KHR;
+    if (outdated_ || result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
     if (result != VK_SUBOPTIMAL_KHR) check(result, "vkAcquireNextImageKHR", "window");
-    turn_ = (turn_ + 1) % acquired_.size();
+    next_acquired_ = (next_acquired_ + 1) % acquired_.size();
     semaphores = {acquired, drawn_[index]};
     return PresentTarget{images_[index], views_[index], index, extent_};
 }
@@ -170,8 +172,8 @@ void Swapchain::present(const PresentTarget& target) {
     info.pImageIndices = &target.index;
     const std::lock_guard lock(device_.queue_mutex());
     const VkResult result = vkQueuePresentKHR(device_.queue(), &info);
-    old_ |= result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
-    if (!old_) check(result, "vkQueuePresentKHR", "window");
+    outdated_ |= result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
+    if (!outdated_) check(result, "vkQueuePresentKHR", "window");
 }
 
 }  // namespace neuvv::gpu

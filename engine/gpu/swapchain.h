@@ -7,10 +7,10 @@
 
 namespace neuvv::gpu {
 
-// Extensions of the device that presenting needs, beyond those of the instance that the window system names.
+// The device extensions that presenting needs. The window system names the instance extensions that it needs.
 inline const std::vector<const char*> kPresentExtensions{VK_KHR_SWAPCHAIN_EXTENSION_NAME};
 
-// One of the window's images, while it is drawn into.
+// An acquired image of the window, to be drawn to and presented.
 struct PresentTarget {
     VkImage image = VK_NULL_HANDLE;
     VkImageView view = VK_NULL_HANDLE;
@@ -20,15 +20,19 @@ struct PresentTarget {
 
 // What presenting waits for.
 enum class PresentPace {
-    kDisplay,  // each image is shown for a period at least; acquire() waits for an image
-    kFree,     // nothing: the newest image is shown, and where there is no image it is left out. Where the system knows
-            // the display's pace alone, an image may come before it is free: what is drawn into it waits on the device
+    // The display: each image is shown for at least one period of it, and acquire() waits until an image is free.
+    kDisplay,
+    // Nothing: the newest image is shown, and acquire() returns no image where none is free. Where the system has no
+    // such mode, an image may be acquired while it is still shown; drawing to it then waits on the device.
+    kFree,
 };
 
-// 8-bit colour as it is on the screen (UNORM, sRGB values), to be copied to and drawn to. One thread's.
+// Images of 8-bit colour, which hold sRGB values in a UNORM format; they may be drawn to and copied to. Only one thread
+// may use it.
 class Swapchain {
   public:
-    // Takes the surface. Throws RuntimeFailure where the device cannot present to it, or not as needed.
+    // Takes ownership of the surface. Throws RuntimeFailure where the device cannot present to it, where images cannot
+    // be copied to it, or where it offers no 8-bit sRGB format.
     Swapchain(const Device& device, VkSurfaceKHR surface, PresentPace pace = PresentPace::kDisplay);
     ~Swapchain();
     Swapchain(const Swapchain&) = delete;
@@ -39,17 +43,18 @@ class Swapchain {
     VkExtent2D extent() const { return extent_; }
     VkImageView view(uint32_t index) const { return views_[index]; }
 
-    // For a framebuffer of so many pixels; waits until the device has finished with the images before. Without pixels
-    // (a minimised window) there are no images.
+    // Creates the images for a framebuffer of this size, after waiting for the device. A framebuffer without pixels (a
+    // minimised window) has no images.
     void resize(VkExtent2D framebuffer);
 
-    // The next image, and the semaphores that its drawing waits for and signals; none where the window has another size
-    // by now (is_old), no size, or nothing came: within 20 ms by the display's pace, at once by a free one.
+    // Returns the next image and sets the semaphores that drawing to it must wait for and signal. Returns nothing where
+    // the window's size has changed (is_outdated) or is 0, or where no image was free: within 20 ms at the display's
+    // pace, at once at a free pace.
     std::optional<PresentTarget> acquire(CommandSemaphores& semaphores);
-    // After its drawing was submitted.
+    // Shows the image. The commands that draw to it must have been submitted.
     void present(const PresentTarget& target);
-    // The window has another size by now: resize().
-    bool is_old() const { return old_; }
+    // Whether the images no longer fit the window: then resize() is due.
+    bool is_outdated() const { return outdated_; }
 
   private:
     void choose_format();
@@ -59,16 +64,16 @@ class Swapchain {
     const Device& device_;
     VkSurfaceKHR surface_ = VK_NULL_HANDLE;
     PresentPace pace_;
-    VkPresentModeKHR mode_ = VK_PRESENT_MODE_FIFO_KHR;  // the only one that every device has
+    VkPresentModeKHR mode_ = VK_PRESENT_MODE_FIFO_KHR;  // the only mode that every device has
     VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
     VkFormat format_ = VK_FORMAT_UNDEFINED;
     VkExtent2D extent_{};
     std::vector<VkImage> images_;
     std::vector<VkImageView> views_;
-    std::vector<VkSemaphore> acquired_;  // in turn, one more than images
+    std::vector<VkSemaphore> acquired_;  // used in turn; one more than images
     std::vector<VkSemaphore> drawn_;     // by image
-    size_t turn_ = 0;
-    bool old_ = true;
+    size_t next_acquired_ = 0;
+    bool outdated_ = true;
 };
 
 }  // namespace neuvv::gpu

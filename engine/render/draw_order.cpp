@@ -10,9 +10,10 @@ namespace {
 
 enum class Order { kEither, kFirstBefore, kSecondBefore, kNone };
 
-// What a plane across this axis says: kNone where it does not part the boxes, or eyes stand on both of its sides.
-Order order_along(const PlacedBox& a, const PlacedBox& b, std::span<const glm::dvec3> eyes, glm::dvec3 axis) {
-    const auto reach = [axis](const PlacedBox& box) {
+// The order by a plane perpendicular to this axis (unit length). kNone where no such plane separates the boxes, or
+// where eyes are on both sides of it.
+Order order_along(const TransformedBox& a, const TransformedBox& b, std::span<const glm::dvec3> eyes, glm::dvec3 axis) {
+    const auto half_extent = [axis](const TransformedBox& box) {
         return std::abs(glm::dot(axis, box.half[0])) + std::abs(glm::dot(axis, box.half[1])) +
                std::abs(glm::dot(axis, box.half[2]));
     };
@@ -21,7 +22,7 @@ Order order_along(const PlacedBox& a, const PlacedBox& b, std::span<const glm::d
         axis = -axis;
         from_a = -from_a;
     }
-    const double end_of_a = reach(a), begin_of_b = from_a - reach(b);  // from a's middle
+    const double end_of_a = half_extent(a), begin_of_b = from_a - half_extent(b);  // from a's middle
     if (end_of_a > begin_of_b) return Order::kNone;
     bool all_before_b = true, all_behind_a = true;
     for (const glm::dvec3& eye : eyes) {
@@ -33,7 +34,7 @@ Order order_along(const PlacedBox& a, const PlacedBox& b, std::span<const glm::d
     return all_before_b ? Order::kFirstBefore : all_behind_a ? Order::kSecondBefore : Order::kNone;
 }
 
-Order order_of(const PlacedBox& a, const PlacedBox& b, std::span<const glm::dvec3> eyes) {
+Order order_of(const TransformedBox& a, const TransformedBox& b, std::span<const glm::dvec3> eyes) {
     const auto known = [&](glm::dvec3 axis, Order& order) {
         const double length = glm::length(axis);
         if (!(length > 0)) return false;
@@ -41,8 +42,8 @@ Order order_of(const PlacedBox& a, const PlacedBox& b, std::span<const glm::dvec
         return order != Order::kNone;
     };
     Order order = Order::kNone;
-    if (known(b.middle - a.middle, order)) return order;  // most pairs
-    for (const PlacedBox* box : {&a, &b})
+    if (known(b.middle - a.middle, order)) return order;  // true for most pairs
+    for (const TransformedBox* box : {&a, &b})
         for (int i = 0; i < 3; i++)
             if (known(glm::cross(box->half[i], box->half[(i + 1) % 3]), order)) return order;
     for (int i = 0; i < 3; i++)
@@ -51,8 +52,8 @@ Order order_of(const PlacedBox& a, const PlacedBox& b, std::span<const glm::dvec
     return Order::kNone;
 }
 
-// Tarjan's strongly connected components. An edge leads from a box to each that must come before it, so components come
-// out in draw order. Boxes are visited near to far.
+// Tarjan's strongly connected components. An edge leads from a box to each box that must be drawn before it, so the
+// components are found in draw order. Boxes are visited near to far.
 struct Components {
     size_t count;
     std::vector<bool> before;  // [i * count + j]: i must be drawn before j
@@ -91,14 +92,14 @@ struct Components {
 
 }  // namespace
 
-PlacedBox placed_box(glm::dvec3 box_min, glm::dvec3 box_max, const glm::dmat4& world_from_box) {
+TransformedBox transformed_box(glm::dvec3 box_min, glm::dvec3 box_max, const glm::dmat4& world_from_box) {
     const glm::dvec3 middle = 0.5 * (box_min + box_max), half = 0.5 * (box_max - box_min);
     const glm::dmat3 turn(world_from_box);
     return {glm::dvec3(world_from_box * glm::dvec4(middle, 1)),
             glm::dmat3(turn[0] * half.x, turn[1] * half.y, turn[2] * half.z)};
 }
 
-std::vector<std::vector<uint32_t>> draw_order(std::span<const PlacedBox> boxes, std::span<const glm::dvec3> eyes) {
+std::vector<std::vector<uint32_t>> draw_order(std::span<const TransformedBox> boxes, std::span<const glm::dvec3> eyes) {
     const size_t count = boxes.size();
     Components components{count,
                           std::vector<bool>(count * count),

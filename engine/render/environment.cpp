@@ -12,18 +12,18 @@ namespace neuvv::render {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr uint32_t kMaxAcross = 2048, kLeastDown = 8;
-constexpr uint32_t kLeastRows = 256;  // of the sums over all directions: small images count their texels in parts
+constexpr uint32_t kMaxWidth = 2048, kMinHeight = 8;
+constexpr uint32_t kMinRows = 256;  // in sums over all directions; the texels of smaller images are divided
 
 struct Level {
     uint32_t width = 0, height = 0;
     std::vector<glm::vec3> texels;
 };
 
-// An image as linear light, taken down by the power of two that makes it narrow enough.
+// The image as linear light, scaled down by the power of two that makes it at most kMaxWidth wide.
 Level linear_level(const media::Image& image) {
     uint32_t block = 1;
-    while (image.width / block > kMaxAcross) block *= 2;
+    while (image.width / block > kMaxWidth) block *= 2;
     Level level{std::max(1u, image.width / block), std::max(1u, image.height / block), {}};
     level.texels.reserve(size_t{level.width} * level.height);
     for (uint32_t y = 0; y < level.height; y++)
@@ -67,14 +67,14 @@ glm::vec3 bilinear(const Level& level, const glm::dvec3& dir) {
                     glm::mix(at(left, top + 1), at(left + 1, top + 1), share_x), share_y);
 }
 
-// SH coefficients of the light times the cosine lobe's over π: 1, 2/3, 1/4 (Ramamoorthi and Hanrahan 2001), times the
-// constants of the functions.
+// The SH coefficients of the light, times those of the cosine lobe divided by π, which are 1, 2/3 and 1/4 by degree
+// (Ramamoorthi and Hanrahan 2001), times the constants of the SH functions.
 Irradiance irradiance_of(const Level& level) {
     const double y00 = 0.28209479177387814, y1 = 0.4886025119029199, y2 = 1.0925484305920792, y20 = 0.31539156525252005,
                  y22 = 0.5462742152960396;
     const double constants[9] = {y00, y1, y1, y1, y2, y2, y20, y2, y22};
     Irradiance sums{};
-    const uint32_t parts = std::max(1u, (kLeastRows + level.height - 1) / level.height);  // of a texel, each way
+    const uint32_t parts = std::max(1u, (kMinRows + level.height - 1) / level.height);  // of a texel, along each axis
     const uint32_t rows = parts * level.height, columns = parts * level.width;
     for (uint32_t row = 0; row < rows; row++) {
         const double band = std::cos(kPi * row / rows) - std::cos(kPi * (row + 1) / rows);
@@ -98,12 +98,13 @@ double radical_inverse(uint32_t i) {
     return value;
 }
 
-// What a surface of this roughness mirrors, seen from straight above: GGX by importance, each sample as wide as it
-// stands for (Křivánek and Colbert 2008).
+// The light that a surface with normal n and this roughness mirrors to a viewer straight above it. GGX is sampled by
+// importance; each sample reads the level of the pyramid whose texels are as large as the solid angle that the sample
+// represents (Křivánek and Colbert 2008).
 glm::vec3 blurred(const std::vector<Level>& pyramid, const glm::dvec3& n, double roughness, uint32_t samples) {
     const double alpha2 = std::pow(roughness, 4);
-    const glm::dvec3 aside = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 t = glm::normalize(glm::cross(aside, n)), b = glm::cross(n, t);
+    const glm::dvec3 helper_axis = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 t = glm::normalize(glm::cross(helper_axis, n)), b = glm::cross(n, t);
     const double texel = 4 * kPi / (double{1} * pyramid[0].width * pyramid[0].height);
     glm::dvec3 sum(0);
     double weights = 0;
@@ -144,7 +145,7 @@ Environment make_environment(const media::Image& image) {
     out.irradiance = irradiance_of(pyramid[0]);
     while (pyramid.back().width > 1 || pyramid.back().height > 1) pyramid.push_back(halved(pyramid.back()));
     size_t count = 1;
-    while (count < pyramid.size() && pyramid[count].height >= kLeastDown) count++;
+    while (count < pyramid.size() && pyramid[count].height >= kMinHeight) count++;
     for (size_t i = 0; i < count; i++) {
         const Level& shape = pyramid[i];
         std::vector<uint16_t>& level = out.levels.emplace_back(4 * shape.texels.size());

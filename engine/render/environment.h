@@ -1,4 +1,5 @@
-// The image around a stage as light: what diffuse surfaces return of it, and what rough ones mirror.
+// The environment image of a stage as light: the irradiance of diffuse surfaces, and the blurred images that rough
+// surfaces mirror.
 #pragma once
 
 #include <vector>
@@ -11,18 +12,18 @@ namespace neuvv::render {
 struct Environment {
     Irradiance irradiance{};
     uint32_t width = 1, height = 1;  // of the first level
-    std::vector<std::vector<uint16_t>>
-        levels;  // RGBA as binary16, linear; level i: as roughness i / (levels − 1) mirrors
+    // Linear RGBA as binary16. Level i is the image as a surface of roughness i / (number of levels − 1) mirrors it.
+    std::vector<std::vector<uint16_t>> levels;
 };
 
-// `image`: equirectangular, sRGB, opaque, the middle towards −Z and the top +Y; it is taken down to at most 2048
-// pixels across. That much takes about a second.
+// `image` is equirectangular, sRGB and opaque; its middle is in the direction −Z and its top is +Y. An image more than
+// 2048 pixels wide is scaled down; one of 2048 pixels takes about a second.
 Environment make_environment(const media::Image& image);
 
-// No light.
+// A black environment, which gives no light.
 Environment dark_environment();
 
-// Where the texel at (u, v) in [0,1]² lies.
+// The direction (unit) of the point (u, v) in [0,1]² of an environment image, from the upper left corner.
 glm::dvec3 environment_direction(double u, double v);
 
 }  // namespace neuvv::render

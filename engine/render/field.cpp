@@ -13,9 +13,9 @@ namespace neuvv::render {
 
 namespace {
 
-constexpr size_t kCachedLeaves = 256;  // whose weights a core's cache holds
+constexpr size_t kCachedLeaves = 256;  // whose weights fit in a core's cache
 
-// Calls visit(index among the leaf's weights, plane, component) for every weight of a leaf.
+// Calls visit(index among the leaf's weights, plane, component of the texel) for every weight of a leaf.
 void for_each_weight(const voctree::VOctree& tree, const std::function<void(uint32_t, uint32_t, uint32_t)>& visit) {
     const uint32_t basis_planes = (tree.bases + 3) / 4, functions = hh_count(tree.hh_degree);
     for (uint32_t kind = 0; kind < 2; kind++)
@@ -29,9 +29,10 @@ size_t plane_floats(const voctree::VOctree& tree) {
     return size_t{4} * tree.leaf_count * (2 * ((tree.bases + 3) / 4) + hh_count(tree.hh_degree));
 }
 
-// Between two frames rows mix, so neighbours count together.
+// The largest number of planes that are not 0 at any time. Between two frames their rows are mixed, so two neighbouring
+// rows count together.
 uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uint32_t bases) {
-    uint32_t most = 1;
+    uint32_t max = 1;
     for (uint32_t t = 0; t < frames; t++) {
         const uint32_t rows = std::min(2u, frames - t);
         uint32_t busy = 0;
@@ -42,15 +43,15 @@ uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uin
                     any |= basis[size_t{row} * bases + c] != 0;
             busy += any ? 1 : 0;
         }
-        most = std::max(most, busy);
+        max = std::max(max, busy);
     }
-    return most;
+    return max;
 }
 
-// Of leaves, as a share of the box's.
+// The mean edge of the leaves, as a fraction of the box's edge.
 float mean_edge(const std::vector<glm::uvec2>& leaf_positions) {
     double sum = 0;
-    for (const glm::uvec2 place : leaf_positions) sum += std::exp2(-static_cast<double>(place.y >> 16));
+    for (const glm::uvec2 position : leaf_positions) sum += std::exp2(-static_cast<double>(position.y >> 16));
     return leaf_positions.empty() ? 0 : static_cast<float>(sum / static_cast<double>(leaf_positions.size()));
 }
 
@@ -61,10 +62,10 @@ gpu::Buffer uploaded(const gpu::Device& device, const char* name, const std::vec
     return buffer;
 }
 
-// The coarsest and the finest in the tree; leaf_positions is the walk tree's.
+// Sets the coarsest and the finest level of leaves from the leaf positions of the walk tree.
 void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_positions) {
     if (leaf_positions.empty()) return;
-    const auto level = [](glm::uvec2 place) { return place.y >> 16; };
+    const auto level = [](glm::uvec2 position) { return position.y >> 16; };
     const auto [coarsest, finest] = std::ranges::minmax(leaf_positions, {}, level);
     field.coarsest_level = level(coarsest) - field.levels_above;
     field.finest_level = level(finest) - field.levels_above;
@@ -106,7 +107,7 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.box_size = tree.box_size * static_cast<float>(walk.scale);
     field.node_levels = walk.node_levels;
     field.top_levels = walk.top_levels;
-    field.levels_above = walk.scale - 1;  // its edges are one or two of the tree's
+    field.levels_above = walk.scale - 1;  // the scale is 1 or 2
     set_leaf_levels(field, walk.leaf_positions);
     const auto packed = [](glm::uvec3 cell) { return cell.x | cell.y << 10 | cell.z << 20; };
     field.top_box = {packed(walk.top_low), packed(walk.top_last)};
@@ -119,8 +120,8 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.top = uploaded(device, "tree top", walk.top, VK_FORMAT_R32_UINT);
     field.leaf_cells = uploaded(device, "leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
     field.node_cells = uploaded(device, "node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
-    field.leaf_positions = uploaded(device, "leaf places", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
-    field.node_places = uploaded(device, "node places", walk.node_places, VK_FORMAT_R32G32_UINT);
+    field.leaf_positions = uploaded(device, "leaf positions", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
+    field.node_positions = uploaded(device, "node positions", walk.node_positions, VK_FORMAT_R32G32_UINT);
     field.inner_cells = uploaded(device, "inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
     field.level_begin = walk.level_begin;
     field.sigma_basis = uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);

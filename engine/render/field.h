@@ -7,34 +7,38 @@
 
 namespace neuvv::render {
 
-enum class WeightPrecision { kHalf, kFloat };  // shaders read either; training writes, so it needs kFloat
+enum class WeightPrecision { kHalf, kFloat };  // shaders read both; training writes weights, so it needs kFloat
 
 struct Field {
     gpu::Buffer top, nodes, children, weights, sigma_basis, gamma_basis;
-    gpu::Buffer leaf_cells, node_cells;  // per leaf and node: word of LiveLeaves::node_live and its bits there
-    gpu::Buffer leaf_positions,
-        node_places;                    // per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size
-    gpu::Buffer inner_cells;            // per node: mask of the cells that are nodes
-    std::vector<uint32_t> level_begin;  // first node of each level; at the end the number of nodes
+    // Per leaf and node: the index of a 32-bit word of LiveLeaves::node_live, and the bits of the leaf or node in it.
+    gpu::Buffer leaf_cells, node_cells;
+    // Per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size.
+    gpu::Buffer leaf_positions, node_positions;
+    gpu::Buffer inner_cells;            // per node: the mask of the cells that are nodes
+    std::vector<uint32_t> level_begin;  // the first node of each level, then the number of nodes
     glm::vec3 box_min{0}, box_size{1};
-    uint32_t node_levels = 1, top_levels = 0;       // of the walk tree, whose box this is
-    uint32_t levels_above = 0;                      // octree levels by which its root lies above the tree's
-    uint32_t coarsest_level = 1, finest_level = 1;  // of the leaves, from the tree's root, which is level 0
+    uint32_t node_levels = 1, top_levels = 0;       // of the walk tree (walk_tree.h), whose box this is
+    uint32_t levels_above = 0;                      // octree levels from its root to the VOctree's root
+    uint32_t coarsest_level = 1, finest_level = 1;  // of leaves; the VOctree's root is level 0
     TopBox top_box;
-    glm::vec3 leaves_min{0}, leaves_max{1};  // metres: a box around all leaves
+    glm::vec3 leaves_min{0}, leaves_max{1};  // metres: the bounds of all leaves
     float leaf_diagonal = 0;                 // metres, of the average leaf
     uint32_t leaf_count = 0, bases = 1, hh_degree = 0, frames = 1;
-    uint32_t busy_planes = 1;  // the most planes of A_t or B_t at any t that are not 0; who moves A or B sets it to all
+    // The largest number of planes of A_t or B_t that are not 0 at any t. Code that changes A or B must set it to
+    // basis_planes().
+    uint32_t busy_planes = 1;
 
     uint32_t node_count() const { return level_begin.back(); }
     uint32_t basis_planes() const { return (bases + 3) / 4; }
     uint32_t planes() const { return 2 * basis_planes() + hh_count(hh_degree); }
 };
 
-// The tree must be sound (defect_of(tree) empty). Throws RuntimeFailure where the device cannot hold it.
+// The tree must be sound (defect_of(tree) is empty). Throws RuntimeFailure where the device lacks memory or a limit is
+// exceeded.
 Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, WeightPrecision precision);
 
-// The weights in plane order, four floats a texel, and back.
+// Converts the weights of all leaves to planes (texel plane · leaf_count + leaf, four floats a texel), and back.
 std::vector<float> weights_to_planes(const voctree::VOctree& tree);
 void weights_from_planes(const std::vector<float>& planes, voctree::VOctree& tree);
 

@@ -4,13 +4,13 @@
 
 namespace neuvv::render {
 
-// Cameras, tiles and instances are in their buffers.
+// The cameras, tiles and instances are in their buffers already.
 void FrameRenderer::record_frame(const FrameSettings& settings) {
     if (is_inspection(settings.resolve.show))
         record_inspected(settings);
     else
         record_playing(settings);
-    gpu::host_barrier(commands_);  // the host looks at what had no room
+    gpu::host_barrier(commands_);  // the host reads the counts of what had no room
 }
 
 void FrameRenderer::record_readback() {
@@ -19,11 +19,11 @@ void FrameRenderer::record_readback() {
     gpu::host_barrier(commands_);
 }
 
-// What each pass reads → writes, by the names of buffers in their structs: Field, SliceTrees, TileRanges
-// (target_.ranges), RayBatch (target_.rays) and SetRaster. On a set lights see performers and set first, and the set
-// ends rays. Without a set only the tiles of the image that see anything are worked on.
+// Comments say what each pass reads → writes, by the names of buffers in their structs: Field, SliceTrees, TileRanges
+// (target_.ranges), RayBatch (target_.rays) and SetRaster. With a set, the shadow maps of performers and set come
+// first, and rays end at the set. Without a set, only the tiles of the image that an instance may cover are resolved.
 void FrameRenderer::record_playing(const FrameSettings& settings) {
-    // nothing → blank_ (where the layout or the background is another than in the last image)
+    // nothing → blank_ (where the layout or the resolve settings are not those of blank_)
     if (!set_) record_blank(settings);
     // Field weights, bases and nodes, Paint → SliceTrees nodes, entries, entry_leaf, counts
     for (const auto& performer : performers_) record_slices(commands_, *performer);
@@ -43,37 +43,37 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
         // vertices, materials, lights_buffer, both shadow maps, volume_depth → colour, front
         set_->record_transparent(commands_, set_cameras_);
     }
-    // ranges.seen, blank_ → ranges.image_list, ranges.image_count, image_
+    // ranges.covered, blank_ → ranges.image_list, ranges.image_count, image_
     if (!set_) record_listed();
     // rays.radiance, rays.depth, rays.cameras, ranges.image_list or SetRaster colour, front, depth → image_
     const Resolver& whole = set_ ? resolver_ : listed_resolver_;
     record_resolve(commands_, layout_.upscaled() ? *upscaler_ : whole, layout_, settings.resolve);
     // Field, Paint → SliceTrees of the next frames, in parts; counts → counts_readback_
-    for (const auto& performer : performers_) record_slices_ahead(commands_, *performer, settings.parts_ahead);
+    for (const auto& performer : performers_) record_prefetch(commands_, *performer, settings.prefetch_parts);
 }
 
-// What walks are like in place of what they see. The set takes no part.
+// An inspection shows the walks of rays in place of light, and leaves out the set.
 void FrameRenderer::record_inspected(const FrameSettings& settings) {
     for (const auto& performer : performers_) record_slices(commands_, *performer);
     record_rays(settings);
     record_inspect(commands_, *inspector_, layout_, settings.resolve);
-    for (const auto& performer : performers_) record_slices_ahead(commands_, *performer, settings.parts_ahead);
+    for (const auto& performer : performers_) record_prefetch(commands_, *performer, settings.prefetch_parts);
 }
 
-// What images of this layout show where nothing is seen, where they were others so far.
+// Draws blank_ for this layout and these settings, unless it was drawn for them before.
 void FrameRenderer::record_blank(const FrameSettings& settings) {
     ViewLayout all_pixels = layout_;
     all_pixels.rays = {};
     const std::pair shown(all_pixels, settings.resolve);
-    if (blank_is_of_ == shown) return;
+    if (blank_key_ == shown) return;
     record_clear(commands_, target_.rays, all_pixels.ray_tiles());
     record_resolve(commands_, resolver_, all_pixels, settings.resolve);
     gpu::copy(commands_, image_, blank_, layout_.image_bytes());
     gpu::compute_barrier(commands_);
-    blank_is_of_ = shown;
+    blank_key_ = shown;
 }
 
-// The tiles where anything may be seen, in an image that shows nothing yet.
+// Lists the tiles that instances may cover, and fills the image with blank_.
 void FrameRenderer::record_listed() {
     record_image_list(commands_, lister_, layout_);
     const gpu::PassScope scope(commands_, "blank");
@@ -81,10 +81,10 @@ void FrameRenderer::record_listed() {
     gpu::compute_barrier(commands_);
 }
 
-// The instances, near to far.
+// Traces the instances, near to far.
 void FrameRenderer::record_rays(const FrameSettings& settings) {
     record_clear(commands_, target_.rays, layout_.ray_tiles());
-    record_unseen(commands_, target_.ranges);
+    record_clear_coverage(commands_, target_.ranges);
     for (const std::vector<DrawnInstance>& group : drawn_)
         if (group.size() == 1)
             record_instance(commands_, *performers_[group[0].field], kEyeTarget, group[0], layout_);
@@ -92,9 +92,9 @@ void FrameRenderer::record_rays(const FrameSettings& settings) {
             record_merged(group, settings);
 }
 
-// Instances that have no order: their segments, merged, go under what stands there.
+// Traces instances that have no order: their segments are merged and composited under what nearer groups left.
 void FrameRenderer::record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings) {
-    record_unshared(commands_, target_.ranges);
+    record_clear_sharing(commands_, target_.ranges);
     for (const DrawnInstance& instance : group)
         record_sharing(commands_, *performers_[instance.field], kEyeTarget, instance, layout_);
     const auto groups = static_cast<uint32_t>(

@@ -1,4 +1,4 @@
-// A whole frame: the place to start reading.
+// A whole frame: start reading here and in frame.cpp.
 #pragma once
 
 #include <memory>
@@ -16,16 +16,17 @@
 namespace neuvv::render {
 
 enum class TraceMode {
-    kPlay,    // slice trees, shaded where that shows the same (play_shading)
-    kShaded,  // slice trees with one colour a leaf
+    kPlay,    // slice trees, shaded per leaf where that looks the same (play_shading)
+    kShaded,  // slice trees with one colour per leaf
     kTree,    // slice trees, SH along each ray
 };
 
 enum class Blend {
     kExact,  // instances whose boxes overlap along a ray are marched together, in depth order
-    kPaper,  // each is a layer, blended by depth: the paper's Algorithm 1 (errata 11)
+    kPaper,  // each instance is a layer, and layers are blended by depth: the paper's Algorithm 1 (errata 11)
 };
 
+// A slice that the next images will need.
 struct NextSlice {
     SliceKey slice;
     uint32_t field = 0;
@@ -34,91 +35,96 @@ struct NextSlice {
 struct FrameSettings {
     std::vector<Instance> instances = std::vector<Instance>(1);  // at most kMaxInstances
     uint32_t width = 0, height = 0;
-    uint32_t samples = 1;                // rays a pixel, along each side: 2 averages four
-    double scale = 1;                    // below 1: so many rays a pixel along each side, upscaled; samples must be 1
-    std::vector<Fovea> foveae;           // one a view, or none; as scale
-    std::vector<NextSlice> next_slices;  // that will be shown next, the first first: built ahead,
-    uint32_t parts_ahead = 2;            // so many of kSliceParts parts a slice with each image
-    ResolveSettings resolve;             // an inspection: the set takes no part, nor do lights
+    uint32_t samples = 1;  // rays per pixel along each side: 2 averages four rays
+    double scale = 1;      // rays per pixel along each side; below 1 the image is upscaled, and `samples` must be 1
+    std::vector<Fovea> foveae;           // one per view, or none; with foveae `samples` must be 1
+    std::vector<NextSlice> next_slices;  // to be prefetched, in the order in which they will be needed
+    uint32_t prefetch_parts = 2;         // parts that are prefetched with each image; a slice has kSliceParts
+    ResolveSettings resolve;             // an inspection leaves out the set and its lights
     TraceMode mode = TraceMode::kTree;
     Blend blend = Blend::kExact;
-    bool lit = true;  // the set's lights shine on performers, who else show what was captured
+    bool lit = true;  // whether the set's lights shine on performers; else they have the light of their capture
     float stop = kStopTransmittance;
 };
 
 constexpr uint32_t kMaxInstances = 512;
 
-constexpr uint32_t kEyeTarget = 0, kLightTarget = 1;  // of each performer
+// The numbers of each performer's targets: the views, and the shadow maps of lights.
+constexpr uint32_t kEyeTarget = 0, kLightTarget = 1;
 
-// What a renderer is made for, at most.
+// The largest frames that a renderer can draw.
 struct FrameCapacity {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;
     uint32_t views = 1;
-    uint64_t slice_budget =
-        kSliceBudget;  // bytes, in equal shares for all fields; 0: no slices, all numbers at each sample
-    uint64_t segment_budget = UINT64_MAX;  // bytes for those along rays that are merged at once
+    // Bytes of slices, in equal shares for all fields. 0: no slices; the direct path draws all that is not painted.
+    uint64_t slice_budget = kSliceBudget;
+    uint64_t segment_budget = UINT64_MAX;  // bytes of segments that are merged at once
 };
 
-// Everything a frame needs on the device, made once.
+// Everything that a frame needs on the device, created once.
 class FrameRenderer {
   public:
-    // `set`: what stands around the performers, of samples · width × samples · height texels and as many views at
-    // least; its owner poses and lights it before each image.
+    // `set` is drawn with the performers. It must have at least samples · width × samples · height texels and as many
+    // views as `capacity`; its owner poses and lights it before each image. All arguments must outlive the renderer.
     FrameRenderer(const gpu::Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
                   SetRaster* set = nullptr);
     FrameRenderer(const gpu::Device& device, const Field& field, const FrameCapacity& capacity)
         : FrameRenderer(device, std::vector{&field}, capacity) {}
-    // The other one for another size, on its set, which has been resized already: slices, paints and shadows with their
-    // passes go over, what is bound to the images is made anew. The other one can only be destroyed afterwards.
+    // Takes over another renderer for another size. Its set must have been resized already. Slices, paints and shadows
+    // with their passes move to the new renderer; passes that are bound to the images are created again. The other
+    // renderer can only be destroyed afterwards.
     FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity);
 
-    // Other fields, each once; those that stay keep their paints and, as long as there are as many, their slices. No
-    // frame may be under way. Fields that go must live until this is done.
+    // Replaces the fields; each may occur only once. Fields that stay keep their paints, and also their slices where
+    // the number of fields is the same. No frame may be under way. Fields that are removed must exist until the call
+    // returns.
     void change_fields(std::vector<const Field*> fields);
 
-    // Renders and waits; the images stay on the device: R8G8B8A8, sRGB with straight alpha, of each camera behind
-    // each other in rows of settings.width, until the next one is drawn. Passes that read them elsewhere than in
-    // compute shaders and copies begin with a barrier. Throws RuntimeFailure for more or larger images than the
-    // renderer was made for, cameras of another size, fields that it has not, and transforms that cannot be inverted.
+    // Renders an image for each camera and waits. The images stay on the device until the next call: R8G8B8A8, sRGB
+    // with straight alpha, in rows of settings.width pixels, the images of the cameras one after the other. A pass that
+    // reads them, unless it is a compute shader or a copy, must begin with a barrier. Throws RuntimeFailure for more or
+    // larger images than the capacity, more than kMaxInstances instances, cameras of another size than the images,
+    // fields that the renderer does not have, frames that are not finite, and transforms that cannot be inverted.
     const gpu::Buffer& draw(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    // The same, brought to the host.
+    // The same, with the images copied to the host.
     std::vector<media::Image> render_views(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     media::Image render(const stage::Camera& camera, const FrameSettings& settings);
 
-    // What instances of a field may be painted with.
+    // The paints for the instances of a field.
     Paints& paints(uint32_t field = 0) { return *paints_[field]; }
 
-    // The next image slices anew, as if no frame had been shown yet (for measuring).
+    // Drops all slices, so that the next image builds them again (for measuring).
     void forget_slices();
 
-    // Rays of the last image's view in rows (samples times as many a side): premultiplied linear RGB and alpha;
-    // metres. Of an inspection what shared/inspect.h says.
+    // The rays of a view of the last image, in rows of layout().rays_across(): premultiplied linear RGB and alpha;
+    // depth along the ray in metres. After an inspection they hold what shared/inspect.h says.
     std::vector<glm::vec4> radiance(uint32_t view = 0) const;
     std::vector<float> depth(uint32_t view = 0) const;
 
-    // What the last image left on the device; no performer before the first.
+    // What the last image left on the device. Null before the first image.
     const Performer* performer(uint32_t field = 0) const {
         return field < performers_.size() ? performers_[field].get() : nullptr;
     }
-    // Live leaves, and the live nodes above them, of all slices that it shows; copies share theirs.
+    // The number of live leaves and of live nodes above them, in all slices that the last image used. Instances of a
+    // field at the same time share a slice.
     uint64_t live_entries() const;
     const TileRanges& ranges() const { return target_.ranges; }
     const SetRaster* set() const { return set_; }  // null where there is none
     const gpu::Device& device() const { return device_; }
     const RayBatch& rays() const { return target_.rays; }
-    // How they and the last image's pixels stand in their buffers.
+    // The layout of the rays and of the pixels of the last image in their buffers.
     const ViewLayout& layout() const { return layout_; }
-    // Instances by draw order, in groups that were merged (draw_order.h).
+    // The visible instances of the last image in draw order, in groups that were merged (draw_order.h).
     std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 
     // GPU time of each pass of the last image.
     std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
-    // From its submission until it was there (Commands::milliseconds).
+    // Time from the submission of the last image until it was finished (Commands::milliseconds).
     double milliseconds() const { return commands_.milliseconds(); }
 
   private:
-    // The frame, pass by pass (frame.cpp), and its images to the host.
+    // Record the frame, pass by pass (frame.cpp), and the copy of its images to the host.
     void record_frame(const FrameSettings& settings);
     void record_readback();
     void record_playing(const FrameSettings& settings);
@@ -127,15 +133,15 @@ class FrameRenderer {
     void record_listed();
     void record_rays(const FrameSettings& settings);
     void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
-    enum class To { kDevice, kHost };
-    void draw_to(To to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    void expect_fitting(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
-    void place_grids(const FrameSettings& settings, uint32_t views);
+    enum class Destination { kDevice, kHost };
+    void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
+    void make_grids(const FrameSettings& settings, uint32_t views);
     TargetViews views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
-    void place_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    void place_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    std::vector<std::vector<uint32_t>> order_of(std::span<const stage::Camera> cameras,
-                                                const FrameSettings& settings) const;
+    void write_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    std::vector<std::vector<uint32_t>> instance_order(std::span<const stage::Camera> cameras,
+                                                      const FrameSettings& settings) const;
     void prepare(const FrameSettings& settings);
     bool enlarge();
     const gpu::Device& device_;
@@ -144,21 +150,21 @@ class FrameRenderer {
     SetRaster* set_;
     RayTarget target_;
     gpu::Buffer image_, readback_;
-    gpu::Buffer blank_;  // what images show where nothing is seen
-    std::optional<std::pair<ViewLayout, ResolveSettings>> blank_is_of_;
-    std::vector<std::unique_ptr<Paints>> paints_;         // by field
-    std::vector<std::unique_ptr<Performer>> performers_;  // by field; paths are made when first asked for
+    gpu::Buffer blank_;  // the images of a frame without visible instances
+    std::optional<std::pair<ViewLayout, ResolveSettings>> blank_key_;  // for which blank_ was drawn
+    std::vector<std::unique_ptr<Paints>> paints_;                      // by field
+    std::vector<std::unique_ptr<Performer>> performers_;               // by field; created when first needed
     std::unique_ptr<Segments> segments_;
     ImageLister lister_;
-    Resolver resolver_, listed_resolver_;        // of all tiles; of those where anything may be seen
-    std::unique_ptr<Resolver> upscaler_;         // made when first asked for
+    Resolver resolver_, listed_resolver_;        // of all tiles; of the listed tiles
+    std::unique_ptr<Resolver> upscaler_;         // created when first needed
     std::unique_ptr<Inspector> inspector_;       // likewise
     std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
     std::unique_ptr<VolumeDepth> volume_depth_;
     std::vector<stage::Camera> set_cameras_;
     ViewLayout layout_;                              // of the last image
-    std::vector<RayGrid> grids_;                     // of its views, where they are upscaled
-    std::vector<std::vector<DrawnInstance>> drawn_;  // of the last image: those that may be seen, near to far
+    std::vector<RayGrid> grids_;                     // of its views, where it is upscaled
+    std::vector<std::vector<DrawnInstance>> drawn_;  // of the last image: the visible ones, near to far
     gpu::Commands commands_;
 };
 

@@ -32,7 +32,7 @@ std::vector<T> first_of(const gpu::Device& device, const gpu::Buffer& buffer, si
     return values;
 }
 
-// Per ray.
+// Buffers with a number per ray.
 
 PassValues of_rays(const FrameRenderer& renderer, std::vector<float> values) {
     return {renderer.layout().rays_across(), renderer.layout().rays_down(), std::move(values)};
@@ -56,7 +56,7 @@ PassValues read_depth(const FrameRenderer& renderer) {
     return of_rays(renderer, std::move(values));
 }
 
-// Per tile of 8×8 rays.
+// Buffers with a number per tile of 8×8 rays.
 
 PassValues of_tiles(const FrameRenderer& renderer) {
     const uint32_t width = renderer.layout().tiles_across(), height = renderer.layout().tiles_down();
@@ -85,14 +85,15 @@ PassValues read_tile_list(const FrameRenderer& renderer) {
     return tiles;
 }
 
-PassValues read_tiles_seen(const FrameRenderer& renderer) {
+PassValues read_covered_tiles(const FrameRenderer& renderer) {
     PassValues tiles = of_tiles(renderer);
-    const auto seen = first_of<uint32_t>(renderer.device(), renderer.ranges().seen, tiles.values.size());
-    std::transform(seen.begin(), seen.end(), tiles.values.begin(), [](uint32_t any) { return any ? 1.0f : 0.0f; });
+    const auto covered = first_of<uint32_t>(renderer.device(), renderer.ranges().covered, tiles.values.size());
+    std::transform(covered.begin(), covered.end(), tiles.values.begin(),
+                   [](uint32_t any) { return any ? 1.0f : 0.0f; });
     return tiles;
 }
 
-// Per texel of the set's image.
+// Buffers with a number per texel of the set's image.
 
 PassValues of_texels(const FrameRenderer& renderer) {
     const ViewLayout& layout = renderer.layout();
@@ -119,7 +120,7 @@ PassValues read_set_metres(const FrameRenderer& renderer) {
     return texels;
 }
 
-// Shadow maps, beside each other in the order of their lights.
+// Shadow maps, side by side in the order of their lights.
 
 std::vector<uint32_t> shadow_maps(const SetRaster& set) {
     std::vector<uint32_t> maps;
@@ -128,7 +129,8 @@ std::vector<uint32_t> shadow_maps(const SetRaster& set) {
     return maps;
 }
 
-// `value` of texel i of all maps. One empty map where no light casts a shadow.
+// Maps side by side, where value(i) is the number of texel i of the buffer of all maps. One map without numbers where
+// no light casts a shadow.
 template <typename Value>
 PassValues beside_each_other(const std::vector<uint32_t>& maps, uint32_t side, const Value& value) {
     PassValues texels{side * std::max(static_cast<uint32_t>(maps.size()), 1u), side, {}};
@@ -178,7 +180,7 @@ constexpr std::array kPasses = {
     FramePass{"tile-far", "Largest distance at which they may meet it", "m", false, read_tile_range<Bound::kFar>},
     FramePass{"tile-list", "Where a tile stands in the list of those that are traced for the last instance", "index",
               false, read_tile_list},
-    FramePass{"tiles-seen", "Tiles in which any instance may be seen", "0 or 1", false, read_tiles_seen},
+    FramePass{"tiles-seen", "Tiles in which any instance may be seen", "0 or 1", false, read_covered_tiles},
     FramePass{"radiance", "Premultiplied light of performers (luminance), a ray", "linear, 1: white", false,
               read_radiance},
     FramePass{"alpha", "Alpha of performers, a ray", "share", false, read_alpha},

@@ -1,6 +1,6 @@
 // Frame passes: the intermediate buffers of a frame, each as an image of one number a ray, a tile or a texel.
 //
-// The table in frame_passes.cpp has a row for each buffer; `neuvv render --pass NAME` shows them.
+// The table in frame_passes.cpp has a row for each buffer; `neuvv render --pass NAME` shows it.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace neuvv::render {
 
-// The numbers of a buffer in rows; NaN where it holds nothing.
+// The numbers of a buffer, in rows; NaN where the buffer has no number.
 struct PassValues {
     uint32_t width = 0, height = 0;
     std::vector<float> values;
@@ -21,22 +21,22 @@ struct PassValues {
 
 struct FramePass {
     const char* name;
-    const char* shows;  // one line
+    const char* shows;  // a line that describes the numbers
     const char* unit;
-    bool needs_set;                                     // there is one only where a stage is drawn
-    PassValues (*read)(const FrameRenderer& renderer);  // of the first view of the last frame
+    bool needs_set;  // whether the buffer exists only where a stage with its set is drawn
+    PassValues (*read)(const FrameRenderer& renderer);  // from the first view of the last frame
 };
 
-// All of them, in the order in which the frame makes them.
+// All passes of the table, in the order in which a frame writes them.
 std::span<const FramePass> frame_passes();
-// Null where there is none of that name.
+// Null where no pass has that name.
 const FramePass* find_frame_pass(std::string_view name);
 
-// The least and the largest number; nothing where the buffer holds none.
+// The smallest and the largest number; nothing where there are no numbers.
 std::optional<std::pair<float, float>> range_of(const PassValues& values);
 
-// The numbers by the colour map viridis: dark is the lower end of the range, bright the upper one. Clear where there is
-// nothing.
+// The numbers as colours of the map viridis: dark at the lower end of the range, bright at the upper end. Pixels
+// without a number are transparent.
 media::Image colour_mapped(const PassValues& values, std::pair<float, float> range);
 
 }  // namespace neuvv::render

@@ -1,4 +1,4 @@
-// FrameRenderer: what a frame needs on the device is made and placed; recording is in frame.cpp.
+// FrameRenderer: creates and fills what a frame needs on the device. Recording is in frame.cpp.
 #include "render/frame.h"
 
 #include <fmt/format.h>
@@ -14,22 +14,22 @@ namespace neuvv::render {
 
 namespace {
 
-// Three of an instance and five of its slice, seen by the eye and by the lights, and the rest.
+// Three scopes for an instance and five for its slice, for the views and again for the lights, and the other passes.
 constexpr uint32_t kMaxScopes = 16 * kMaxInstances + 64;
 
 ViewLayout largest(const FrameCapacity& capacity) {
     return {capacity.width, capacity.height, capacity.samples, capacity.views};
 }
 
-Surroundings surroundings_of(const SetRaster* set) {
+SetBuffers set_buffers_of(const SetRaster* set) {
     if (!set) return {};
     return {&set->depth, &set->lights_buffer, &set->set_shadow_maps, &set->performer_shadows};
 }
 
-// Alone, whatever it overlaps, as if there were neither set nor lights.
+// The instance as an inspection draws it: not merged with others, without set and lights.
 DrawnInstance inspected(DrawnInstance instance) {
     instance.shading = Shading::kNone;
-    instance.into = Into::kInspect;
+    instance.output = RayOutput::kInspect;
     instance.rays.set_size = {};
     instance.rays.lighting = 0;
     return instance;
@@ -46,8 +46,8 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       capacity_(capacity),
       set_(set),
       target_(device, capacity.views * (kMaxInstances + 1), checked_ray_tiles(device, largest(capacity)),
-              largest(capacity).image_tiles(), surroundings_of(set)),
-      image_(device, "picture", largest(capacity).image_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+              largest(capacity).image_tiles(), set_buffers_of(set)),
+      image_(device, "image", largest(capacity).image_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "image readback", largest(capacity).image_bytes(), gpu::MemoryKind::kReadback),
       blank_(device, "blank image", set ? 4 : largest(capacity).image_bytes(), gpu::MemoryKind::kDevice),
       lister_(device, target_.rays, target_.ranges),
@@ -70,7 +70,7 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
         if (performer) performer->replace_target(kEyeTarget, target_, capacity_.views);
 }
 
-// Slices are made anew where each field's share of the budget is another now.
+// Where the number of fields changes, each field's share of the budget changes too, and slices are created again.
 void FrameRenderer::change_fields(std::vector<const Field*> fields) {
     if (fields == fields_) return;
     std::vector<std::unique_ptr<Paints>> paints(fields.size());
@@ -88,12 +88,12 @@ void FrameRenderer::change_fields(std::vector<const Field*> fields) {
     }
     inspector_.reset();
     drawn_.clear();
-    performers_ = std::move(performers);  // before the paints that they show
+    performers_ = std::move(performers);  // before the paints that they refer to
     paints_ = std::move(paints);
     fields_ = std::move(fields);
 }
 
-void FrameRenderer::expect_fitting(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
+void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
     const ViewLayout layout{settings.width, settings.height, settings.samples, static_cast<uint32_t>(cameras.size())};
     if (layout.ray_tiles() > target_.rays.tile_capacity || cameras.size() > capacity_.views ||
         layout.image_tiles() > target_.ranges.image_tile_capacity || layout.image_bytes() > readback_.bytes)
@@ -123,8 +123,8 @@ void FrameRenderer::expect_fitting(std::span<const stage::Camera> cameras, const
     }
 }
 
-// Where rays stand, and how many there are in each view: as many as in the one that has most.
-void FrameRenderer::place_grids(const FrameSettings& settings, uint32_t views) {
+// Sets the ray grids of the views, and the number of rays of a view, which is that of the view with the most rays.
+void FrameRenderer::make_grids(const FrameSettings& settings, uint32_t views) {
     layout_ = {settings.width, settings.height, settings.samples, views};
     grids_.clear();
     if (settings.scale == 1 && settings.foveae.empty()) return;
@@ -143,25 +143,25 @@ TargetViews FrameRenderer::views_of(std::span<const stage::Camera> cameras, cons
     return {target_, layout_, cameras, grids_, settings.scale};
 }
 
-// The cameras of the world, one a view, and their tiles.
-void FrameRenderer::place_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
+// Writes the cameras of the views and their tiles.
+void FrameRenderer::write_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     const ViewLayout last = layout_;
-    place_grids(settings, static_cast<uint32_t>(cameras.size()));
-    place_cameras(views_of(cameras, settings));
-    if (layout_ != last) place_tiles(views_of(cameras, settings));
+    make_grids(settings, static_cast<uint32_t>(cameras.size()));
+    write_cameras(views_of(cameras, settings));
+    if (layout_ != last) write_tiles(views_of(cameras, settings));
     set_cameras_.clear();
     for (const stage::Camera& camera : cameras) set_cameras_.push_back(stage::enlarged(camera, layout_.samples));
 }
 
-// Near to far, so that rays that have met something solid need not look behind it.
-std::vector<std::vector<uint32_t>> FrameRenderer::order_of(std::span<const stage::Camera> cameras,
-                                                           const FrameSettings& settings) const {
+// Groups of instances, near to far, so that rays end at the first solid surface.
+std::vector<std::vector<uint32_t>> FrameRenderer::instance_order(std::span<const stage::Camera> cameras,
+                                                                 const FrameSettings& settings) const {
     std::vector<glm::dvec3> eyes;
     for (const stage::Camera& camera : cameras) eyes.emplace_back(camera.world_from_camera[3]);
-    std::vector<PlacedBox> boxes;
+    std::vector<TransformedBox> boxes;
     for (const Instance& instance : settings.instances) {
         const Field& field = *fields_[instance.field];
-        boxes.push_back(placed_box(field.leaves_min, field.leaves_max, instance.world_from_performer));
+        boxes.push_back(transformed_box(field.leaves_min, field.leaves_max, instance.world_from_performer));
     }
     if (settings.blend == Blend::kExact) return draw_order(boxes, eyes);
     glm::dvec3 eye(0);
@@ -174,19 +174,19 @@ std::vector<std::vector<uint32_t>> FrameRenderer::order_of(std::span<const stage
     return order;
 }
 
-// Those that may be seen.
-void FrameRenderer::place_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
+// Writes the cameras of the visible instances and fills drawn_.
+void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     drawn_.clear();
     uint32_t placed = 0;
-    for (const std::vector<uint32_t>& group : order_of(cameras, settings)) {
+    for (const std::vector<uint32_t>& group : instance_order(cameras, settings)) {
         std::vector<DrawnInstance> drawn;
         for (const uint32_t i : group) {
             const Instance& instance = settings.instances[i];
-            auto one = place_instance(views_of(cameras, settings), *fields_[instance.field], instance, placed);
+            auto one = write_instance_cameras(views_of(cameras, settings), *fields_[instance.field], instance, placed);
             if (!one) continue;
             if (settings.mode == TraceMode::kTree) one->shading = Shading::kPerRay;
             if (settings.mode == TraceMode::kShaded) one->shading = Shading::kPerLeaf;
-            one->into = settings.blend == Blend::kPaper ? Into::kLayerByDepth : Into::kLayer;
+            one->output = settings.blend == Blend::kPaper ? RayOutput::kLayerByDepth : RayOutput::kLayer;
             one->rays.stop = settings.stop;
             if (set_) one->rays.set_size = layout_.samples * glm::uvec2(layout_.width, layout_.height);
             if (set_ && settings.lit) one->rays.lighting = kLit | (instance.receives_shadow ? kShadowed : 0u);
@@ -197,10 +197,10 @@ void FrameRenderer::place_instances(std::span<const stage::Camera> cameras, cons
                 drawn.push_back(*one);
         }
         if (drawn.size() > 1)
-            for (DrawnInstance& instance : drawn) instance.into = Into::kSegments;
+            for (DrawnInstance& instance : drawn) instance.output = RayOutput::kSegments;
         if (!drawn.empty()) drawn_.push_back(std::move(drawn));
     }
-    if (shadows_) shadows_->place(fields_, settings.instances);
+    if (shadows_) shadows_->prepare(fields_, settings.instances);
 }
 
 void FrameRenderer::prepare(const FrameSettings& settings) {
@@ -217,7 +217,7 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
     std::vector<std::vector<SliceKey>> slices(fields_.size()), next(fields_.size());
     for (const auto& group : drawn_)
         for (const DrawnInstance& instance : group) slices[instance.field].push_back(instance.slice());
-    if (shadows_)  // these last: a slice shows more where the eye sees it
+    if (shadows_)  // after those of the views, as a missing slice matters less in a shadow
         for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
     for (const NextSlice& one : settings.next_slices)
         if (one.field < fields_.size()) next[one.field].push_back(one.slice);
@@ -233,7 +233,7 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
     }
 }
 
-// Whether something on the device had less room than the image asked for; now there is more.
+// Returns whether the image needed more room on the device than there was. Then there is more room now.
 bool FrameRenderer::enlarge() {
     bool any = false;
     for (const auto& performer : performers_) any |= performer->enlarge_slices();
@@ -253,33 +253,33 @@ void FrameRenderer::forget_slices() {
 uint64_t FrameRenderer::live_entries() const {
     uint64_t entries = 0;
     for (const auto& performer : performers_)
-        if (performer) entries += performer->shown_entries();
+        if (performer) entries += performer->used_entries();
     return entries;
 }
 
-void FrameRenderer::draw_to(To to, std::span<const stage::Camera> cameras, const FrameSettings& settings) {
-    expect_fitting(cameras, settings);
-    place_rays(cameras, settings);
-    place_instances(cameras, settings);
+void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings) {
+    check_settings(cameras, settings);
+    write_rays(cameras, settings);
+    write_instances(cameras, settings);
     do {
         prepare(settings);
         if (segments_) segments_->begin_frame();
         commands_.begin();
         record_frame(settings);
-        if (to == To::kHost) record_readback();
+        if (to == Destination::kHost) record_readback();
         commands_.submit();
         commands_.wait();
     } while (enlarge());
 }
 
 const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
-    draw_to(To::kDevice, cameras, settings);
+    draw_to(Destination::kDevice, cameras, settings);
     return image_;
 }
 
 std::vector<media::Image> FrameRenderer::render_views(std::span<const stage::Camera> cameras,
                                                       const FrameSettings& settings) {
-    draw_to(To::kHost, cameras, settings);
+    draw_to(Destination::kHost, cameras, settings);
     std::vector<media::Image> images;
     const uint8_t* from = readback_.as<uint8_t>();
     for (size_t view = 0; view < cameras.size(); view++) {

@@ -9,7 +9,7 @@ namespace neuvv::render {
 ImageLister::ImageLister(const gpu::Device& device, const RayBatch& rays, const TileRanges& given_ranges)
     : ranges(given_ranges),
       pass(device, "image list", image_list_comp),
-      set(pass, {{kListSeen, &ranges.seen},
+      set(pass, {{kListCovered, &ranges.covered},
                  {kListCameras, &rays.cameras},
                  {kListImages, &ranges.image_list},
                  {kListCount, &ranges.image_count}}) {}
@@ -22,7 +22,7 @@ void record_image_list(gpu::Commands& commands, const ImageLister& lister, const
                              layout.images_across(),
                              layout.images_down(),
                              layout.samples,
-                             layout.upscaled() ? kUpscaleReach : 0};
+                             layout.upscaled() ? kUpscaleRadius : 0};
     gpu::dispatch(commands, lister.pass, lister.set, layout.image_tiles(), push);
     gpu::compute_barrier(commands);
 }

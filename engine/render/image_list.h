@@ -13,7 +13,8 @@ struct ImageLister {
     gpu::BindingSet set;
 };
 
-// After a frame's last instance: which tiles of the images are to be resolved or upscaled.
+// Lists the tiles of the images that are to be resolved or upscaled, in TileRanges::image_list and image_count. To be
+// recorded after the last instance of a frame.
 void record_image_list(gpu::Commands& commands, const ImageLister& lister, const ViewLayout& layout);
 
 }  // namespace neuvv::render

@@ -20,7 +20,7 @@ Inspector::Inspector(const gpu::Device& device, const RayBatch& rays, const gpu:
         coarsest = std::min(coarsest, static_cast<float>(field->coarsest_level));
         finest = std::max(finest, static_cast<float>(field->finest_level));
     }
-    coarsest = std::min(coarsest, finest - 1);  // a single level is bright
+    coarsest = std::min(coarsest, finest - 1);  // so that a single level is bright
 }
 
 void record_inspect(gpu::Commands& commands, const Inspector& inspector, const ViewLayout& layout,

@@ -10,7 +10,8 @@
 namespace neuvv::render {
 
 struct Inspector {
-    // `image`: as Resolver's. Levels are shown from the coarsest of the fields' leaves, dark, to the finest, bright.
+    // `image`: as for Resolver. The colour map goes from dark at the coarsest level of the fields' leaves to bright at
+    // the finest.
     Inspector(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& image,
               std::span<const Field* const> fields);
 
@@ -19,8 +20,9 @@ struct Inspector {
     gpu::BindingSet set;
 };
 
-// Rays that instances were traced into as Into::kInspect, laid out as record_resolve's; is_inspection(settings.show).
-// Black where nothing is met, and where no walk took a step; opaque.
+// Makes an opaque image of rays to which instances were traced as RayOutput::kInspect, with the layout of
+// record_resolve. Pixels are black where rays meet no surface, or where no walk took a step.
+// is_inspection(settings.show) must hold (assert).
 void record_inspect(gpu::Commands& commands, const Inspector& inspector, const ViewLayout& layout,
                     const ResolveSettings& settings);
 

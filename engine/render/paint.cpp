@@ -16,7 +16,7 @@ namespace neuvv::render {
 
 namespace {
 
-// A paint as its shaders read it.
+// A paint in the layout that its shaders read.
 struct PackedPaint {
     std::vector<glm::uvec2> leaves, layers;
     std::vector<glm::uvec4> edits;
@@ -27,10 +27,10 @@ uint32_t halves(float low, float high) {
     return voctree::half_from_float(low) | uint32_t{voctree::half_from_float(high)} << 16;
 }
 
-// Per leaf its edits, those of the lowest layer first: each layer has its leaves in order already.
+// Sorts the edits by leaf, and those of a leaf by layer, the lowest first. Each layer has its edits sorted by leaf.
 PackedPaint pack(std::span<const PaintUse> uses) {
     PackedPaint packed;
-    std::vector<uint32_t> next;  // per leaf: where its next edit goes
+    std::vector<uint32_t> next;  // per leaf: the index for its next edit
     for (const PaintUse& use : uses) {
         next.resize(std::max<size_t>(next.size(), use.layer->field.leaf_count + size_t{1}));
         for (const voctree::LeafEdit& edit : use.layer->edits) next[edit.leaf + 1]++;

@@ -1,4 +1,5 @@
-// Layers of paint on the device, and how they go over a slice while its tree is built (shared/paint.h, errata 14).
+// Layers of paint on the device, and how they are applied to a slice while its tree is built (shared/paint.h, errata
+// 14).
 #pragma once
 
 #include <map>
@@ -12,41 +13,41 @@ namespace neuvv::render {
 
 struct SliceTrees;
 
-// Shaders have them by number.
+// Shaders know the blends by these numbers.
 static_assert(static_cast<uint32_t>(stage::PaintBlend::kNormal) == kPaintNormal);
 static_assert(static_cast<uint32_t>(stage::PaintBlend::kMultiply) == kPaintMultiply);
 static_assert(static_cast<uint32_t>(stage::PaintBlend::kTint) == kPaintTint);
 static_assert(static_cast<uint32_t>(stage::PaintBlend::kRecolour) == kPaintRecolour);
 
-// A layer as it shows. Layers that do not show are left out of a paint.
+// A visible layer of a paint and how it is blended. Invisible layers are left out of a paint.
 struct PaintUse {
     const voctree::EditLayer* layer = nullptr;
     stage::PaintBlend blend = stage::PaintBlend::kNormal;
     float opacity = 1;
 };
 
-// The layers of one performer: 20 bytes an edit, 8 a leaf that has any.
+// The layers of one performer: 20 bytes for each edit, and 8 for each leaf that has edits.
 struct Paint {
-    // The lowest first; they are not needed afterwards. Throws RuntimeFailure for more than kPaintLayerLimit, and for
-    // one that is not of a field of so many leaves.
+    // `layers`: the lowest first; they are not needed afterwards. Throws RuntimeFailure for more than kPaintLayerLimit
+    // layers, and for a layer of a field with another number of leaves than `field_leaves`.
     Paint(const gpu::Device& device, uint32_t field_leaves, std::span<const PaintUse> layers);
 
-    uint32_t leaf_count;  // that have edits
+    uint32_t leaf_count;  // the leaves that have edits
     gpu::Buffer leaves, edits, sigmas, layers;
 };
 
-// What copies of one field are painted with, each paint by a number of its own that is not given twice: a paint does
-// not change, and slices that were made with it need not be forgotten when layers do. 0 is no paint.
+// The paints of the instances of one field. Each has a number, which is never used again; 0 means no paint. A paint
+// never changes: where layers change there is a new paint, and slices with the old one stay valid.
 class Paints {
   public:
     Paints(const gpu::Device& device, const Field& field) : device_(device), leaf_count_(field.leaf_count) {}
-    // Throws RuntimeFailure as Paint does.
+    // Creates a paint and returns its number. Throws RuntimeFailure as Paint does.
     uint32_t add(std::span<const PaintUse> layers) { return add(Paint(device_, leaf_count_, layers)); }
-    // One that was made for this field.
+    // Adds a paint that was created for this field, and returns its number.
     uint32_t add(Paint paint);
-    // No frame that shows it may be under way.
+    // No frame that uses the paint may be under way.
     void remove(uint32_t paint) { paints_.erase(paint); }
-    // Null where there is none of this number.
+    // Null where there is no paint of this number.
     const Paint* find(uint32_t paint) const;
     size_t count() const { return paints_.size(); }
 
@@ -57,7 +58,7 @@ class Paints {
     uint32_t last_ = 0;
 };
 
-// The passes for the slices of one field.
+// The passes that apply paint to the slices of one field.
 struct Painter {
     // Field, live leaves and trees must outlive it.
     Painter(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees& trees);
@@ -68,7 +69,7 @@ struct Painter {
     gpu::ComputePass density, colour;
 };
 
-// A paint, bound to the passes. Both must outlive it.
+// A paint that is bound to the passes. Both must outlive it.
 struct SlicePaint {
     SlicePaint(const Painter& passes, const Paint& layers);
     const Painter& painter;
@@ -76,9 +77,9 @@ struct SlicePaint {
     gpu::BindingSet density_set, colour_set;
 };
 
-// After the densities of all leaves, before the nodes.
+// To be recorded after the densities of all leaves and before the nodes of the slice tree.
 void record_paint_density(gpu::Commands& commands, const SlicePaint& paint, float frame);
-// After all entries.
+// To be recorded after all entries of the slice tree.
 void record_paint_colour(gpu::Commands& commands, const SlicePaint& paint, uint32_t slice, float frame);
 
 }  // namespace neuvv::render

@@ -1,4 +1,4 @@
-// Layers of paint as they are on the disk, each read once for as long as its file stays the same.
+// Layers of paint on the disk. Each is read once for as long as its file stays the same.
 #pragma once
 
 #include <functional>
@@ -10,17 +10,18 @@
 
 namespace neuvv::render {
 
-// The layer that a file's path stands for, of this field: the same pointer for as long as it is the same layer, another
-// one once it has been painted on. Null: as it is on the disk.
+// Returns the layer for the path of a paint file and a field: the same pointer for as long as the layer is unchanged,
+// and another pointer once it has been painted on. Null: the layer is to be read from the disk.
 using PaintSource = std::function<std::shared_ptr<const voctree::EditLayer>(const std::filesystem::path& path,
                                                                             const voctree::PaintedField& field)>;
 
 class PaintFiles {
   public:
-    // As a source. Throws InputError as read_paint does.
+    // Reads the file, or returns the layer that was read before, where the file has not changed. Throws InputError as
+    // read_paint does.
     std::shared_ptr<const voctree::EditLayer> read(const std::filesystem::path& path,
                                                    const voctree::PaintedField& field);
-    // Those that nobody else has any more.
+    // Drops the layers to which there are no other pointers.
     void drop_unused();
 
   private:

@@ -6,18 +6,19 @@ namespace neuvv::render {
 
 namespace {
 
-// A part of a clip's leaves live in one of its frames, all those of a still.
+// A first guess: a quarter of the leaves of a clip live at a time, but all leaves of a single frame.
 uint32_t likely_entries(const Field& field) {
-    const uint32_t most = most_entries(field);
-    return field.frames == 1 ? most : std::min(most, most / 4 + 4096);
+    const uint32_t max = max_entries(field);
+    return field.frames == 1 ? max : std::min(max, max / 4 + 4096);
 }
 
 }  // namespace
 
 Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
-    // Measured on lavapipe, degree 1: shading pays from a ray for three leaves.
+    // Measured on lavapipe at degree 1: shading a leaf pays where there is at least one ray for three leaves.
     if (3 * rays < likely_entries(field)) return Shading::kPerRay;
-    // Of half a leaf, in radians. Functions of degree n turn n times as fast as those of degree 1.
+    // The angle under which half a leaf may be seen, in radians. Functions of degree n change n times as fast with the
+    // direction as those of degree 1.
     constexpr float kSmallAngle = 0.02f;
     const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
     const float half_leaf = 0.5f * field.leaf_diagonal * static_cast<float>(field.hh_degree);
@@ -25,47 +26,47 @@ Shading play_shading(const Field& field, glm::vec3 eye, double rays) {
 }
 
 TargetPasses::TargetPasses(const gpu::Device& given_device, const Field& given_field, const LiveLeaves& given_live,
-                           const SliceTrees* given_trees, const RayTarget& given_target, uint32_t most_views)
+                           const SliceTrees* given_trees, const RayTarget& given_target, uint32_t max_views)
     : device(given_device),
       field(given_field),
       live(given_live),
       trees(given_trees),
       target(given_target),
-      views(most_views) {}
+      views(max_views) {}
 
 TargetPasses::Shaded::Shaded(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t views)
     : entries(shaded_entries(device, trees.capacity, views)), shader(device, field, trees, entries) {}
 
-size_t TargetPasses::place_of(Shading shading, Into into) {
-    return 5 * static_cast<size_t>(shading) + static_cast<size_t>(into);
+size_t TargetPasses::tree_tracer_index(Shading shading, RayOutput output) {
+    return 5 * static_cast<size_t>(shading) + static_cast<size_t>(output);
 }
 
-void TargetPasses::need_tree(Shading shading, Into into, const Segments* segments) {
-    std::unique_ptr<TreeTracer>& tracer = trees_into[place_of(shading, into)];
+void TargetPasses::ensure_tree_tracer(Shading shading, RayOutput output, const Segments* segments) {
+    std::unique_ptr<TreeTracer>& tracer = tree_tracers[tree_tracer_index(shading, output)];
     if (tracer) return;
     if (!tree_ranger) tree_ranger = std::make_unique<TileRanger>(device, field, trees, target.rays, target.ranges);
     const bool shaded = shading == Shading::kPerLeaf;
     if (shaded && !per_leaf) per_leaf = std::make_unique<Shaded>(device, field, *trees, views);
     tracer = std::make_unique<TreeTracer>(device, field, *trees, shaded ? per_leaf->entries : trees->entries, target,
-                                          shading, into, segments);
+                                          shading, output, segments);
 }
 
-void TargetPasses::need_ranger() {
+void TargetPasses::ensure_direct_ranger() {
     if (!direct_ranger)
         direct_ranger = std::make_unique<TileRanger>(device, field, nullptr, target.rays, target.ranges);
 }
 
-void TargetPasses::need_direct(Into into, const Segments* segments) {
-    std::unique_ptr<DirectTracer>& tracer = direct_into[static_cast<size_t>(into)];
+void TargetPasses::ensure_direct_tracer(RayOutput output, const Segments* segments) {
+    std::unique_ptr<DirectTracer>& tracer = direct_tracers[static_cast<size_t>(output)];
     if (tracer) return;
-    need_ranger();
-    tracer = std::make_unique<DirectTracer>(device, field, live, target, into, segments);
+    ensure_direct_ranger();
+    tracer = std::make_unique<DirectTracer>(device, field, live, target, output, segments);
 }
 
 void TargetPasses::forget_segments() {
     for (const Shading shading : {Shading::kPerRay, Shading::kPerLeaf, Shading::kNone})
-        trees_into[place_of(shading, Into::kSegments)].reset();
-    direct_into[static_cast<size_t>(Into::kSegments)].reset();
+        tree_tracers[tree_tracer_index(shading, RayOutput::kSegments)].reset();
+    direct_tracers[static_cast<size_t>(RayOutput::kSegments)].reset();
 }
 
 Performer::Performer(const gpu::Device& device, const Field& field, const Paints& paints, uint64_t slice_budget)
@@ -80,17 +81,17 @@ Performer::Performer(const gpu::Device& device, const Field& field, const Paints
 
 void Performer::make_slices(uint32_t entries) {
     passes_.clear();  // they are bound to the slices
-    slices_.reset();  // before there are others
+    slices_.reset();  // frees their memory before the new ones are created
     slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
     counts_readback_ =
         gpu::Buffer(device_, "entries readback", slices_->trees().counts.bytes, gpu::MemoryKind::kReadback);
     for (const auto& [target, views] : targets_)
         passes_.push_back(std::make_unique<TargetPasses>(device_, field_, live_, &slices_->trees(), *target, views));
-    paints_sliced_ = paints_.count();
+    slice_paint_count_ = paints_.count();
 }
 
-// Slices where paint needs one, and more of them where there are more paints than they were made for.
-void Performer::make_room(bool any_painted) {
+// Creates slices where paint needs one and there are none, and more slices where there are more paints than before.
+void Performer::make_slices_for_paint(bool any_painted) {
     if (!slices_ && any_painted) {
         passes_.clear();  // they are bound to the live leaves
         finder_.reset();
@@ -98,11 +99,12 @@ void Performer::make_room(bool any_painted) {
         finder_ = std::make_unique<LiveFinder>(device_, field_, live_);
         make_slices(likely_entries(field_));
     }
-    if (!slices_ || paints_.count() <= paints_sliced_) return;
+    if (!slices_ || paints_.count() <= slice_paint_count_) return;
     const SliceTrees& trees = slices_->trees();
-    const bool all_of_clip = trees.slices >= (1 + paints_sliced_) * field_.frames;  // there may be budget for more
+    // Whether the number of slices was limited by the clip, not by the budget.
+    const bool all_of_clip = trees.slices >= (1 + slice_paint_count_) * field_.frames;
     const uint32_t entries = trees.capacity;
-    paints_sliced_ = paints_.count();
+    slice_paint_count_ = paints_.count();
     if (!all_of_clip || slice_bytes(field_, entries) * (trees.slices + uint64_t{1}) > slice_budget_) return;
     make_slices(entries);
 }
@@ -121,33 +123,34 @@ void Performer::replace_target(uint32_t number, const RayTarget& target, uint32_
 }
 
 void Performer::prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next) {
-    make_room(std::any_of(slices.begin(), slices.end(), [](const SliceKey& key) { return key.paint != 0; }));
+    make_slices_for_paint(
+        std::any_of(slices.begin(), slices.end(), [](const SliceKey& key) { return key.paint != 0; }));
     if (!slices_) return;
-    slices_->ask(slices);
-    // Else there is no room, and live leaves serve others.
+    slices_->request(slices);
+    // Otherwise there is no room for more slices, and the buffers of live leaves are used for other slices.
     if (std::all_of(slices.begin(), slices.end(),
                     [this](const SliceKey& key) { return slices_->find(key).has_value(); }))
-        slices_->ask_ahead(next);
+        slices_->request_prefetch(next);
 }
 
 void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments) {
     if (slices_ && (instance.paint != 0 || slices_->find(instance.slice())))
-        passes_[target]->need_tree(instance.shading, instance.into, segments);
+        passes_[target]->ensure_tree_tracer(instance.shading, instance.output, segments);
     if (slices_ && slices_->find(instance.slice())) return;
     if (slices_ && instance.paint != 0)
-        passes_[target]->need_ranger();
+        passes_[target]->ensure_direct_ranger();
     else
-        passes_[target]->need_direct(instance.into, segments);
+        passes_[target]->ensure_direct_tracer(instance.output, segments);
 }
 
 void Performer::forget_segments() {
     for (const auto& passes : passes_) passes->forget_segments();
 }
 
-uint64_t Performer::shown_entries() const {
+uint64_t Performer::used_entries() const {
     uint64_t entries = 0;
     for (uint32_t slice = 0; slices_ && slice < slices_->trees().slices; slice++)
-        if (slices_->is_shown(slice)) entries += counts_readback_.as<LiveCount>()[slice].slots;
+        if (slices_->is_used(slice)) entries += counts_readback_.as<LiveCount>()[slice].slots;
     return entries;
 }
 
@@ -157,7 +160,7 @@ bool Performer::enlarge_slices() {
     const std::span counts(counts_readback_.as<LiveCount>(), trees.slices);
     if (std::none_of(counts.begin(), counts.end(), [](const LiveCount& count) { return count.overflow > 0; }))
         return false;
-    make_slices(std::min(most_entries(field_), 2 * trees.capacity));
+    make_slices(std::min(max_entries(field_), 2 * trees.capacity));
     return true;
 }
 
@@ -165,25 +168,27 @@ void record_slices(gpu::Commands& commands, Performer& performer) {
     if (SliceCache* cache = performer.slices()) cache->record_slices(commands);
 }
 
-void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts) {
+void record_prefetch(gpu::Commands& commands, Performer& performer, uint32_t parts) {
     SliceCache* cache = performer.slices();
     if (!cache) return;
-    cache->record_ahead(commands, parts);
+    cache->record_prefetch(commands, parts);
     gpu::copy(commands, cache->trees().counts, performer.counts_readback(), performer.counts_readback().bytes);
     gpu::compute_barrier(commands);
 }
 
 namespace {
 
-// Where the instance may be seen. Its slice; none: it is drawn without, and its rows are there.
+// Computes the tile ranges of an instance and returns its slice. Without a slice, the rows A_t and B_t are recorded in
+// place of it (unless the instance is only counted).
 std::optional<uint32_t> record_ranges(gpu::Commands& commands, Performer& performer, uint32_t target,
                                       const DrawnInstance& instance, const ViewLayout& layout, bool counted) {
     const TargetPasses& passes = performer.passes(target);
     SliceCache* cache = performer.slices();
-    // To be counted, a slice that is still to be built may be the whole tree: more tiles are merged than need be.
+    // An instance that is counted before its slice is built takes the ranges of the whole tree: then more tiles are
+    // merged than need be.
     const std::optional<uint32_t> slice = !cache    ? std::nullopt
                                           : counted ? cache->find(instance.slice())
-                                                    : cache->record_slice_of(commands, instance.slice());
+                                                    : cache->find_or_record(commands, instance.slice());
     if (!slice && !counted) record_rows(commands, performer.finder(), instance.frame);
     record_tile_ranges(commands, slice ? *passes.tree_ranger : *passes.direct_ranger, slice.value_or(0),
                        instance.rays.first_camera, instance.range_level, layout, counted);
@@ -202,15 +207,16 @@ void record_instance(gpu::Commands& commands, Performer& performer, uint32_t tar
     const TargetPasses& passes = performer.passes(target);
     const std::optional<uint32_t> slice = record_ranges(commands, performer, target, instance, layout, false);
     if (!slice) {
-        record_direct_instance(commands, *passes.direct_into[static_cast<size_t>(instance.into)], instance.rays);
+        record_direct_instance(commands, *passes.direct_tracers[static_cast<size_t>(instance.output)], instance.rays);
         return;
     }
     const bool shaded = instance.shading == Shading::kPerLeaf;
     for (uint32_t view = 0; shaded && view < layout.views; view++) {
-        const RangeView& seen = passes.target.ranges.views.as<RangeView>()[instance.rays.first_camera + view];
-        record_shade(commands, passes.per_leaf->shader, *slice, view, glm::vec3(seen.eye));
+        const RangeView& range = passes.target.ranges.views.as<RangeView>()[instance.rays.first_camera + view];
+        record_shade(commands, passes.per_leaf->shader, *slice, view, glm::vec3(range.eye));
     }
-    record_trace_tree(commands, *passes.trees_into[TargetPasses::place_of(instance.shading, instance.into)], *slice,
+    record_trace_tree(commands,
+                      *passes.tree_tracers[TargetPasses::tree_tracer_index(instance.shading, instance.output)], *slice,
                       instance.rays);
 }
 

@@ -1,5 +1,5 @@
-// A performer: one field on the device and the slices that are kept of it, drawn as often as it is placed. What it
-// takes on the device does not grow with its instances.
+// A performer: one field on the device with its cached slices, drawn once for each of its instances. The device memory
+// that it takes does not grow with the number of instances.
 #pragma once
 
 #include <array>
@@ -11,18 +11,20 @@
 
 namespace neuvv::render {
 
-// A performer's place on stage and in its clip.
+// A performer's transform on the stage and its time in its clip.
 struct Instance {
     float frame = 0;                    // 0..frames−1, fractions allowed
     glm::mat4 world_from_performer{1};  // affine and invertible
-    uint32_t paint = 0;                 // of its field's Paints; 0: none
-    uint32_t field = 0;                 // of the renderer's
-    float opacity = 1;                  // below 1 it lets light through, however dense it is (store_instance.glsl)
+    uint32_t paint = 0;                 // number in its field's Paints; 0: none
+    uint32_t field = 0;                 // index into the renderer's fields
+    float opacity = 1;                  // below 1, light passes even its densest parts (store_instance.glsl)
     bool casts_shadow = true, receives_shadow = true;
 };
 
-// Shading::kPerLeaf where that shows the same and is less work: where leaves are small, seen from the eye (performer's
-// space, metres), on the average, and not far more than the view's `rays` of the rectangle around the field.
+// Returns Shading::kPerLeaf where shading once a leaf looks the same as shading along each ray and is less work, else
+// kPerRay. It looks the same where the average leaf is small, seen from `eye` (performer's space, metres). It is less
+// work where the entries of a slice are fewer than about three times `rays`, the rays in the rectangle around the field
+// in the view.
 Shading play_shading(const Field& field, glm::vec3 eye, double rays);
 
 // How an instance is drawn in one frame.
@@ -31,27 +33,30 @@ struct DrawnInstance {
     float frame = 0;
     uint32_t paint = 0;
     Shading shading = Shading::kPerRay;
-    Into into = Into::kLayer;
-    uint32_t range_level = 0;  // of nodes that tile ranges look at
+    RayOutput output = RayOutput::kLayer;
+    uint32_t range_level = 0;  // of the nodes that tile ranges are computed from
     InstanceRays rays;
     SliceKey slice() const { return {frame, paint}; }
 };
 
-// The passes of one performer into one target, each made when first needed. All must outlive it.
+// The passes of one performer for one target. Each is created when it is first needed. All arguments must outlive it.
 struct TargetPasses {
     TargetPasses(const gpu::Device& device, const Field& field, const LiveLeaves& live, const SliceTrees* trees,
                  const RayTarget& target, uint32_t views);
 
-    // Before an image. `segments`: bound where rays become those; null else.
-    void need_tree(Shading shading, Into into, const Segments* segments);
-    void need_direct(Into into, const Segments* segments);
-    void need_ranger();  // of the whole tree
-    // The segments have other buffers now.
+    // Create the passes for an instance, before an image is recorded. `segments` must not be null where `output` is
+    // kSegments.
+    void ensure_tree_tracer(Shading shading, RayOutput output, const Segments* segments);
+    void ensure_direct_tracer(RayOutput output, const Segments* segments);
+    // The ranger for instances without a slice, which takes all leaves as live.
+    void ensure_direct_ranger();
+    // Drops the passes that are bound to the buffers of segments: to be called before these are replaced.
     void forget_segments();
 
-    const gpu::Buffer* shaded() const { return per_leaf ? &per_leaf->entries : nullptr; }  // null before any was needed
+    // Null as long as no instance was shaded a leaf.
+    const gpu::Buffer* shaded() const { return per_leaf ? &per_leaf->entries : nullptr; }
 
-    static size_t place_of(Shading shading, Into into);
+    static size_t tree_tracer_index(Shading shading, RayOutput output);
     struct Shaded {
         gpu::Buffer entries;
         Shader shader;
@@ -60,45 +65,45 @@ struct TargetPasses {
     const gpu::Device& device;
     const Field& field;
     const LiveLeaves& live;
-    const SliceTrees* trees;  // null: it has no slices
+    const SliceTrees* trees;  // null: the performer has no slices
     const RayTarget& target;
     uint32_t views;
     std::unique_ptr<Shaded> per_leaf;
     std::unique_ptr<TileRanger> tree_ranger, direct_ranger;
-    std::array<std::unique_ptr<TreeTracer>, 15> trees_into;
-    std::array<std::unique_ptr<DirectTracer>, 5> direct_into;
+    std::array<std::unique_ptr<TreeTracer>, 15> tree_tracers;
+    std::array<std::unique_ptr<DirectTracer>, 5> direct_tracers;
 };
 
-// Of a budget of slices, the part of each of so many fields.
+// The share of each field in a budget of bytes for slices.
 inline uint64_t slice_share(uint64_t budget, size_t fields) {
     return (budget + fields - 1) / fields;
 }
 
 class Performer {
   public:
-    // A budget of 0 bytes: no slice at all, but one once a painted instance is drawn, as without a slice none shows its
-    // paint; else one at least. All must outlive it.
+    // A budget of 0 bytes means no slice, except for a single one as soon as a painted instance is drawn, because paint
+    // cannot be drawn without a slice. Any other budget has at least one slice. All arguments must outlive it.
     Performer(const gpu::Device& device, const Field& field, const Paints& paints, uint64_t slice_budget);
 
-    // Where its instances are drawn, of so many views at most; returns the target's number.
+    // Adds a target for its instances, with at most `views` views. Returns the target's number.
     uint32_t add_target(const RayTarget& target, uint32_t views);
-    // Another one by this number.
+    // Gives the number to another target.
     void replace_target(uint32_t number, const RayTarget& target, uint32_t views);
 
-    // Before an image is recorded: what its instances show in all targets, those first that shall rather have a slice,
-    // and the slices that will be shown next. Then for each target its instances there; makes what is missing on the
-    // device.
+    // Before an image is recorded, first the slices of its instances in all targets are requested, the most important
+    // first, and the slices of the next images (`next`, to be prefetched). Then the second function is called for each
+    // instance of each target. Both create on the device what is missing.
     void prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next = {});
     void prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments);
-    // After it was waited for. True: a slice had more live leaves than there was room for; now there is more, and the
-    // image must be prepared and recorded anew.
+    // To be called after the image is finished. Returns true where a slice had more entries than there was room for:
+    // the slices now have more room, and the image must be prepared and recorded again.
     bool enlarge_slices();
     void forget_segments();
-    // Live leaves, and the live nodes above them, of the slices that the last image shows.
-    uint64_t shown_entries() const;
+    // The number of live leaves and of live nodes above them, in the slices that the last image used.
+    uint64_t used_entries() const;
 
     const Field& field() const { return field_; }
-    SliceCache* slices() { return slices_.get(); }  // null where there is none
+    SliceCache* slices() { return slices_.get(); }  // null without slices
     const SliceCache* slices() const { return slices_.get(); }
     const TargetPasses& passes(uint32_t target = 0) const { return *passes_[target]; }
     const LiveFinder& finder() const { return *finder_; }
@@ -106,7 +111,7 @@ class Performer {
 
   private:
     void make_slices(uint32_t entries);
-    void make_room(bool any_painted);
+    void make_slices_for_paint(bool any_painted);
     const gpu::Device& device_;
     const Field& field_;
     const Paints& paints_;
@@ -114,23 +119,23 @@ class Performer {
     LiveLeaves live_;
     std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
-    gpu::Buffer counts_readback_;  // LiveCount of each slice as of the last image
+    gpu::Buffer counts_readback_;  // LiveCount of each slice, of the last image
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target
-    size_t paints_sliced_ = 0;                           // how many paints the slices were made for
+    size_t slice_paint_count_ = 0;                       // the number of paints for which there is room
 };
 
-// The slices of prepared instances.
+// Builds the slices of the prepared instances.
 void record_slices(gpu::Commands& commands, Performer& performer);
-// After the image: so many parts (kSliceParts a slice) of those of the next frames.
-void record_slices_ahead(gpu::Commands& commands, Performer& performer, uint32_t parts);
+// To be recorded after the image: builds `parts` parts of the slices of the next images (a slice has kSliceParts).
+void record_prefetch(gpu::Commands& commands, Performer& performer, uint32_t parts);
 
-// One prepared instance of a group: counts it among those that share the tiles where it may be seen (record_unshared).
+// Counts a prepared instance of a group in TileRanges::sharing, for each tile that it may cover.
 void record_sharing(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                     const ViewLayout& layout);
 
-// One prepared instance, into what earlier ones left in the target. Its slice is built now where it has no place of its
-// own.
+// Traces one prepared instance and combines it with what earlier instances left in the target. Where painted slices
+// share memory (SliceCache), its slice is built first.
 void record_instance(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,
                      const ViewLayout& layout);
 

@@ -18,7 +18,8 @@ std::optional<WorldBox> box_of_casting(std::span<const Field* const> fields, std
     for (const Instance& instance : instances) {
         if (!instance.casts_shadow) continue;
         const Field& field = *fields[instance.field];
-        const PlacedBox placed = placed_box(field.leaves_min, field.leaves_max, instance.world_from_performer);
+        const TransformedBox placed =
+            transformed_box(field.leaves_min, field.leaves_max, instance.world_from_performer);
         const glm::dvec3 half = glm::abs(placed.half[0]) + glm::abs(placed.half[1]) + glm::abs(placed.half[2]);
         const glm::dvec3 low = placed.middle - half, high = placed.middle + half;
         box = box ? WorldBox{glm::min(box->first, low), glm::max(box->second, high)} : WorldBox{low, high};
@@ -36,19 +37,19 @@ PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& given_s
       along_columns(device, "shadow blur", shadow_blur_comp, {1}),
       rows_set(along_rows, {{kBlurRadiance, &target.rays.radiance},
                             {kBlurDepth, &target.rays.depth},
-                            {kBlurFrom, &set.performer_shadows},  // not read
+                            {kBlurFrom, &set.performer_shadows},  // bound but not read
                             {kBlurTo, &rows}}),
       columns_set(along_columns, {{kBlurRadiance, &target.rays.radiance},
                                   {kBlurDepth, &target.rays.depth},
                                   {kBlurFrom, &rows},
                                   {kBlurTo, &set.performer_shadows}}) {}
 
-// The lights that see performers, and from where.
-void PerformerShadows::place_lights(std::span<const Field* const> fields, std::span<const Instance> instances) {
+// Finds the lights that cast performers' shadows, and their cameras.
+void PerformerShadows::prepare_lights(std::span<const Field* const> fields, std::span<const Instance> instances) {
     cameras.clear();
     maps.clear();
     const std::optional<WorldBox> box = box_of_casting(fields, instances);
-    set.shadows_of(box);
+    set.set_shadow_casters(box);
     if (!box || !set.lights().performer_shadows) return;
     for (uint32_t i = 0; i < set.lights().count; i++) {
         if (set.lights().light[i].shadow == kNoShadow) continue;
@@ -57,21 +58,22 @@ void PerformerShadows::place_lights(std::span<const Field* const> fields, std::s
     }
 }
 
-void PerformerShadows::place(std::span<const Field* const> fields, std::span<const Instance> instances) {
-    place_lights(fields, instances);
+void PerformerShadows::prepare(std::span<const Field* const> fields, std::span<const Instance> instances) {
+    prepare_lights(fields, instances);
     drawn.clear();
     const ViewLayout before = layout;
     layout = {kSide, kSide, 1, static_cast<uint32_t>(cameras.size())};
     const TargetViews views{target, layout, cameras};
-    if (layout != before) place_tiles(views);
+    if (layout != before) write_tiles(views);
     if (cameras.empty()) return;
-    place_cameras(views);
+    write_cameras(views);
     for (const Instance& instance : instances) {
         if (!instance.casts_shadow) continue;
-        auto one = place_instance(views, *fields[instance.field], instance, static_cast<uint32_t>(drawn.size()));
+        auto one =
+            write_instance_cameras(views, *fields[instance.field], instance, static_cast<uint32_t>(drawn.size()));
         if (!one) continue;
         one->shading = Shading::kNone;
-        one->into = Into::kLayerByDepth;
+        one->output = RayOutput::kLayerByDepth;
         drawn.push_back(*one);
     }
 }
@@ -80,7 +82,7 @@ void record_performer_shadows(gpu::Commands& commands, PerformerShadows& shadows
                               std::span<const std::unique_ptr<Performer>> performers, uint32_t target) {
     if (shadows.cameras.empty()) return;
     record_clear(commands, shadows.target.rays, shadows.layout.ray_tiles());
-    record_unseen(commands, shadows.target.ranges);
+    record_clear_coverage(commands, shadows.target.ranges);
     for (const DrawnInstance& instance : shadows.drawn)
         record_instance(commands, *performers[instance.field], target, instance, shadows.layout);
     const gpu::PassScope scope(commands, "shadow blur");

@@ -15,8 +15,8 @@ constexpr uint32_t kRaysAtOnce = 1u << 18;
 
 }  // namespace
 
-PickRay pick_ray(const stage::Camera& camera, glm::dvec2 at) {
-    const glm::dvec3 line((at.x - camera.cx) / camera.fx, -(at.y - camera.cy) / camera.fy, -1);
+PickRay pick_ray(const stage::Camera& camera, glm::dvec2 pixel) {
+    const glm::dvec3 line((pixel.x - camera.cx) / camera.fx, -(pixel.y - camera.cy) / camera.fy, -1);
     const glm::dvec3 direction = glm::normalize(glm::dmat3(camera.world_from_camera) * line);
     return {glm::vec4(glm::vec3(camera.world_from_camera[3]), 0), glm::vec4(glm::vec3(direction), 0)};
 }
@@ -25,7 +25,7 @@ Picker::Picker(const gpu::Device& device, const Field& field)
     : device_(device),
       field_(field),
       live_(device, field, field.leaf_count),
-      trees_(device, field, most_entries(field), 1),
+      trees_(device, field, max_entries(field), 1),
       slicer_(device, field, live_, trees_),
       painter_(device, field, live_, trees_),
       rays_(device, "pick rays", sizeof(PickRay) * kRaysAtOnce, gpu::MemoryKind::kUpload,
@@ -46,7 +46,7 @@ void Picker::show(float frame, std::span<const PaintUse> uses) {
                   [&](gpu::Commands& commands) { record_slice_tree(commands, slicer_, 0, frame, &bound); });
 }
 
-std::vector<Picked> Picker::pick_some(std::span<const PickRay> rays, float alpha) {
+std::vector<Picked> Picker::pick_batch(std::span<const PickRay> rays, float alpha) {
     std::copy(rays.begin(), rays.end(), rays_.as<PickRay>());
     const auto count = static_cast<uint32_t>(rays.size());
     gpu::run_once(device_, "pick", [&](gpu::Commands& commands) {
@@ -66,9 +66,9 @@ std::vector<Picked> Picker::pick(std::span<const PickRay> rays, float alpha) {
     std::vector<Picked> picked;
     picked.reserve(rays.size());
     for (size_t first = 0; first < rays.size(); first += kRaysAtOnce) {
-        const std::vector<Picked> some =
-            pick_some(rays.subspan(first, std::min<size_t>(kRaysAtOnce, rays.size() - first)), alpha);
-        picked.insert(picked.end(), some.begin(), some.end());
+        const std::vector<Picked> batch =
+            pick_batch(rays.subspan(first, std::min<size_t>(kRaysAtOnce, rays.size() - first)), alpha);
+        picked.insert(picked.end(), batch.begin(), batch.end());
     }
     return picked;
 }

@@ -1,4 +1,4 @@
-// Picking on a performer: where rays meet its surface at a time, as it is painted.
+// Picking on a performer: where rays meet its surface at one time, with its paint.
 #pragma once
 
 #include "render/field.h"
@@ -8,31 +8,33 @@
 
 namespace neuvv::render {
 
-constexpr float kPickAlpha = 0.99f;  // a ray meets the surface where it has gathered so much (errata 14)
+constexpr float kPickAlpha = 0.99f;  // a ray meets the surface where its alpha reaches this value (errata 14)
 
 struct Picked {
-    uint32_t leaf = kNoLeaf;  // kNoLeaf: the ray meets nothing, or too little
+    uint32_t leaf = kNoLeaf;  // kNoLeaf: the ray does not reach the alpha
     float distance_m = 0;     // from the ray's origin
     bool hit() const { return leaf != kNoLeaf; }
 };
 
-// The ray of a place in an image, as pixels count: centres at +0.5. The camera in the performer's space
-// (in_performer).
-PickRay pick_ray(const stage::Camera& camera, glm::dvec2 at);
+// The ray through a point of an image, in pixels from the upper left corner: the centres of pixels are at +0.5. The
+// camera and the ray are in the performer's space (in_performer).
+PickRay pick_ray(const stage::Camera& camera, glm::dvec2 pixel);
 
-// For set-up and editing, not for frames: it has a slice of its own, and waits for the device.
+// It has a slice of its own and waits for the device, so it is for editing, not for use within a frame.
 class Picker {
   public:
     // The field must outlive it.
     Picker(const gpu::Device& device, const Field& field);
 
-    // The time that is picked on, and the paint at it, which is not needed afterwards.
+    // Sets the time of the clip (in frames) and the paint of the surface. The layers are not needed afterwards. Throws
+    // RuntimeFailure as Paint does.
     void show(float frame, std::span<const PaintUse> paint = {});
-    // In the order of the rays; neighbours in it should be neighbours in space.
+    // Returns a result for each ray, in order. Rays that follow each other should be close in space, for speed. `alpha`
+    // is above 0 and below 1 (assert).
     std::vector<Picked> pick(std::span<const PickRay> rays, float alpha = kPickAlpha);
 
   private:
-    std::vector<Picked> pick_some(std::span<const PickRay> rays, float alpha);
+    std::vector<Picked> pick_batch(std::span<const PickRay> rays, float alpha);
     const gpu::Device& device_;
     const Field& field_;
     LiveLeaves live_;

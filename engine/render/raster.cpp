@@ -13,7 +13,7 @@ namespace {
 
 constexpr VkSampleCountFlagBits kSamples = VK_SAMPLE_COUNT_4_BIT;
 constexpr VkFormat kColour = VK_FORMAT_R16G16B16A16_SFLOAT, kDepth = VK_FORMAT_D32_SFLOAT;
-constexpr float kSkyShare = 0.4f;  // soft enough that all sides of a lit material stay readable
+constexpr float kSkyShare = 0.4f;  // soft enough that all sides of a lit object stay visible
 
 gpu::GraphicsShape pass_shape() {
     gpu::GraphicsShape shape;
@@ -78,16 +78,16 @@ RasterImage Rasterizer::draw(const stage::Camera& camera, double near_m) {
             {readback_.as<const uint16_t>(), size_t{4} * part.extent.width * part.extent.height}};
 }
 
-// Of the target: where the posed box can be seen, in whole pixels of the camera, one at least.
+// The rectangle of the target that the box of the posed scene covers, made of whole pixels of the camera, at least one.
 VkRect2D Rasterizer::visible_part(const glm::dmat4& clip_from_world) const {
     const glm::dvec2 size(width_ / kSupersample, height_ / kSupersample);
     glm::dvec2 low = size, high(0);
     for (int corner = 0; corner < 8; corner++) {
-        const glm::dvec3 place(corner & 1 ? geometry_.high.x : geometry_.low.x,
+        const glm::dvec3 point(corner & 1 ? geometry_.high.x : geometry_.low.x,
                                corner & 2 ? geometry_.high.y : geometry_.low.y,
                                corner & 4 ? geometry_.high.z : geometry_.low.z);
-        const glm::dvec4 clip = clip_from_world * glm::dvec4(place, 1);
-        const bool in_front = clip.w > clip.z && std::isfinite(clip.w);  // beyond the near plane
+        const glm::dvec4 clip = clip_from_world * glm::dvec4(point, 1);
+        const bool in_front = clip.w > clip.z && std::isfinite(clip.w);  // behind the near plane, seen from the camera
         if (!in_front) return {{0, 0}, {width_, height_}};
         const glm::dvec2 pixel = (0.5 + 0.5 * glm::dvec2(clip) / clip.w) * size;
         low = glm::min(low, pixel - 1.0);
@@ -145,7 +145,7 @@ void Rasterizer::begin_rendering(const VkRect2D& part) {
     bind_streams(commands_, geometry_);
 }
 
-// Blended materials come after all others and leave the depth alone; among themselves they keep the file's order.
+// Blended materials are drawn after all others and do not write depth. They are drawn in the file's order.
 void Rasterizer::record_draws(const glm::mat4& clip_from_world, bool blended) {
     VkCommandBuffer to = commands_.handle();
     for (size_t i = 0; i < geometry_.draws.size(); i++) {

@@ -15,26 +15,26 @@ namespace neuvv::render {
 // Images are drawn this many times larger, with 4 samples a pixel, and averaged down by box_down.
 constexpr uint32_t kSupersample = 2;
 
-// What a draw left: linear premultiplied RGBA as binary16, rows from the top, kSupersample times larger each way. Only
-// the part of the camera's image that can show something; the rest is transparent.
+// The result of a draw: linear premultiplied RGBA as binary16, in rows from the top, kSupersample times larger along
+// each axis. It covers only the part of the camera's image where the scene may be visible; the rest is transparent.
 struct RasterImage {
-    uint32_t x = 0, y = 0, width = 0, height = 0;  // the part, in the camera's pixels
+    uint32_t x = 0, y = 0, width = 0, height = 0;  // the part, in pixels of the camera's image
     std::span<const uint16_t> halves;
 };
 
-// Draws one scene at one image size. Vertices are posed on the CPU: a capture draws dozens of images of a time.
+// Draws one scene at one image size. Vertices are posed on the CPU, as a capture draws dozens of images of each time.
 class Rasterizer {
   public:
-    // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this.
+    // Throws RuntimeFailure where the scene exceeds the device's memory or limits. Device and scene must outlive it.
     Rasterizer(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height);
     Rasterizer(const Rasterizer&) = delete;
     Rasterizer& operator=(const Rasterizer&) = delete;
 
-    // The time that draw() shows.
+    // Poses the scene for the following draws.
     void pose(const stage::PosedScene& pose);
 
-    // Draws and waits; the result is valid until the next call. The camera has the rasterizer's image size. `near_m`:
-    // what is nearer to the camera's plane is cut off.
+    // Draws and waits. The result is valid until the next call. The camera must have the rasterizer's image size
+    // (assert). `near_m` is the distance of the near plane.
     RasterImage draw(const stage::Camera& camera, double near_m);
 
   private:
@@ -57,18 +57,20 @@ class Rasterizer {
     gpu::Commands commands_;
 };
 
-// Clip space of Vulkan (y down, depth reversed: near 1, infinity 0) from world.
+// The matrix from world space to Vulkan's clip space, with y downwards and reversed depth: 1 at the near plane
+// `near_m`, 0 at infinity.
 glm::dmat4 clip_from_world(const stage::Camera& camera, double near_m);
 
-// Averages kSupersample² pixels into a whole image: width × height of linear premultiplied RGBA.
+// Averages blocks of kSupersample² pixels. Returns the whole image, width × height pixels of linear premultiplied RGBA.
 std::vector<glm::vec4> box_down(const RasterImage& image, uint32_t width, uint32_t height);
 
-// Straight alpha, sRGB, 8 bits.
+// Converts linear premultiplied RGBA to sRGB with straight alpha, 8 bits a channel.
 media::Image encode_straight(std::span<const glm::vec4> premultiplied, uint32_t width, uint32_t height);
 
-// The mip levels of an image as R8G8B8A8_SRGB, averaged in linear light and weighted by alpha; the first is itself.
+// The mip levels of an sRGB image, in its encoding. They are averaged in linear light, weighted by alpha; the first
+// level is the image itself.
 std::vector<std::vector<uint8_t>> mip_levels(const media::Image& image);
-// The same of a map whose bytes are numbers (normals, roughness): plain averages.
+// The mip levels of a map whose bytes are numbers, such as normals or roughness: plain averages.
 std::vector<std::vector<uint8_t>> mip_levels_of_numbers(const media::Image& image);
 
 }  // namespace neuvv::render

@@ -29,7 +29,7 @@ const std::array<float, 256>& linear_of_byte() {
     return table;
 }
 
-// The mean of a 2×2 block whose second row or column may fall outside of the image.
+// The mean of a 2×2 block, whose second row or column may be outside the image.
 void shrink_pixel(const media::Image& from, uint32_t x, uint32_t y, uint8_t* to) {
     const auto& linear = linear_of_byte();
     glm::vec4 sum(0);
@@ -47,7 +47,7 @@ void shrink_pixel(const media::Image& from, uint32_t x, uint32_t y, uint8_t* to)
     to[3] = byte_of(sum.a / 4);
 }
 
-// The same of numbers, each channel alone.
+// The same for numbers: the mean of each channel by itself.
 void shrink_numbers(const media::Image& from, uint32_t x, uint32_t y, uint8_t* to) {
     for (int c = 0; c < 4; c++) {
         int sum = 2;
@@ -85,7 +85,7 @@ std::vector<glm::vec4> box_down(const RasterImage& image, uint32_t width, uint32
             const uint16_t* pixel = &image.halves[(size_t{y} * columns + x) * 4];
             uint64_t bits = 0;
             std::memcpy(&bits, pixel, sizeof(bits));
-            if (bits == 0) continue;  // most of an image
+            if (bits == 0) continue;  // true for most pixels
             glm::vec4& sum = out[size_t{image.y + y / kSupersample} * width + image.x + x / kSupersample];
             for (int c = 0; c < 4; c++) sum[c] += kShare * voctree::float_from_half(pixel[c]);
         }

@@ -12,7 +12,7 @@ struct AxisRays {
     uint32_t rays = 0;
 };
 
-// Whole pixels before, inside and beyond the inset, and whole rays for each.
+// Divides an axis into whole pixels before, inside and beyond the inset, with a whole number of rays for each part.
 AxisRays axis_of(uint32_t pixels, double scale, double first, double last, double beside) {
     const double size = pixels;
     const double begin = std::round(std::clamp(first, 0.0, 1.0) * (size - 1));

@@ -1,4 +1,4 @@
-// Reference paths: a frame of one instance in one view, as the renderer that plays is measured and tested against it.
+// Reference paths: other ways to draw one instance in one view, against which FrameRenderer is measured and tested.
 #pragma once
 
 #include <memory>
@@ -10,34 +10,35 @@
 namespace neuvv::render {
 
 enum class ReferencePath {
-    kSlots,   // the slice as training has it, in slots of single precision
-    kDirect,  // no slice: all numbers at each sample
+    kSlots,   // the slice of training: slots in single precision
+    kDirect,  // no slice: all numbers of a leaf at each sample
     kPaper,   // the same, walking as the paper's renderer does: from the root to every cell
 };
 
 struct ReferenceSettings {
     ReferencePath path = ReferencePath::kDirect;
     float frame = 0;
-    uint32_t samples = 1;     // rays a pixel, along each side
-    ResolveSettings resolve;  // no inspection
+    uint32_t samples = 1;     // rays per pixel along each side
+    ResolveSettings resolve;  // not an inspection
     float stop = kStopTransmittance;
 };
 
-// Draws frames by any of the paths; what a path needs on the device is made when it is first asked for.
+// Draws frames by any of the paths. What a path needs on the device is created when it is first used.
 class ReferenceRenderer {
   public:
-    // For images of at most so many pixels of samples × samples rays. The field must outlive the renderer.
+    // For images of at most width × height pixels with samples × samples rays each. The field must outlive the
+    // renderer. Throws RuntimeFailure where the device cannot address so many rays.
     ReferenceRenderer(const gpu::Device& device, const Field& field, uint32_t width, uint32_t height,
                       uint32_t samples = 1);
 
-    // Renders and waits. Throws RuntimeFailure for an image larger than the renderer was made for.
+    // Renders and waits. Throws RuntimeFailure for an image that is larger than the constructor allowed.
     media::Image render(const stage::Camera& camera, const ReferenceSettings& settings);
 
-    // Rays of the last frame in rows (samples times as many a side): premultiplied linear RGB and alpha; metres.
+    // The rays of the last frame, in rows of samples · width: premultiplied linear RGB and alpha; depth in metres.
     std::vector<glm::vec4> radiance() const;
     std::vector<float> depth() const;
 
-    // GPU time of each pass of the last frame, and the time from its submission until it was there.
+    // GPU time of each pass of the last frame, and the time from its submission until it was finished.
     std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
     double milliseconds() const { return commands_.milliseconds(); }
 
@@ -50,7 +51,7 @@ class ReferenceRenderer {
     };
     struct DirectPath {
         DirectPath(const gpu::Device& device, const Field& field, const RayBatch& rays);
-        LiveLeaves live;  // its rows alone
+        LiveLeaves live;  // only its rows are used
         LiveFinder finder;
         DirectTracer direct, paper;
     };

@@ -7,17 +7,17 @@
 
 namespace neuvv::render {
 
-// What is not there is bound to buffers of the same kinds.
+// Bindings of buffers that do not exist get other buffers of the same formats.
 Resolver::Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays,
-                   const gpu::Buffer& image, const TileRanges* given_only, const SetRaster* given_set)
-    : only(given_only),
+                   const gpu::Buffer& image, const TileRanges* given_listed, const SetRaster* given_set)
+    : listed(given_listed),
       pass(device, rays_per_pixel == RaysPerPixel::kFewer ? "upscale" : "resolve",
            rays_per_pixel == RaysPerPixel::kFewer ? std::span<const uint32_t>(upscale_comp) : resolve_comp,
-           {only ? 1u : 0u, given_set ? 1u : 0u}),
+           {listed ? 1u : 0u, given_set ? 1u : 0u}),
       set(pass, {{kResolveRadiance, &rays.radiance},
                  {kResolveDepth, &rays.depth},
                  {kResolveImage, &image},
-                 {kResolveTiles, only ? &only->image_list : &rays.tiles},
+                 {kResolveTiles, listed ? &listed->image_list : &rays.tiles},
                  {kResolveCameras, &rays.cameras},
                  {kResolveSetColour, given_set ? &given_set->colour : &rays.radiance},
                  {kResolveSetFront, given_set ? &given_set->front : &rays.radiance},
@@ -31,8 +31,8 @@ void record_resolve(gpu::Commands& commands, const Resolver& resolver, const Vie
         settings.background,   layout.width,         layout.height,  static_cast<uint32_t>(settings.show),
         settings.depth_near_m, settings.depth_far_m, layout.samples, layout.tiles_across(),
         layout.tiles_down(),   layout.views};
-    if (resolver.only)
-        gpu::dispatch_indirect(commands, resolver.pass, resolver.set, resolver.only->image_count, 0, push);
+    if (resolver.listed)
+        gpu::dispatch_indirect(commands, resolver.pass, resolver.set, resolver.listed->image_count, 0, push);
     else
         gpu::dispatch_groups(commands, resolver.pass, resolver.set, layout.image_tiles(), push);
     gpu::compute_barrier(commands);

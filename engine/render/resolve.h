@@ -1,4 +1,5 @@
-// Resolve: traced rays to an 8-bit sRGB image, one or several of them a pixel, or fewer than pixels (upscale).
+// Resolve: makes an 8-bit sRGB image of traced rays, of which there are one or several per pixel, or fewer than pixels
+// (upscale).
 #pragma once
 
 #include "gpu/commands.h"
@@ -8,42 +9,44 @@
 
 namespace neuvv::render {
 
+// What an image shows.
 enum class Show : uint32_t {
     kColour = kShowColour,
     kAlpha = kShowAlpha,
     kDepth = kShowDepth,
-    kLevel = kShowLevel,  // inspect.h: how deep in the octree the leaf lies at which a ray meets a surface
-    kCost = kShowCost,    // and how many steps its walk took
+    kLevel = kShowLevel,  // inspect.h: the depth in the octree of the leaf where a ray meets a surface
+    kCost = kShowCost,    // inspect.h: the number of steps of a ray's walks
 };
-// Whether rays are to be traced Into::kInspect, and shown by record_inspect.
+// Whether rays must be traced as RayOutput::kInspect, and the image be made by record_inspect.
 constexpr bool is_inspection(Show show) {
     return show == Show::kLevel || show == Show::kCost;
 }
 
 struct ResolveSettings {
     Show show = Show::kColour;
-    glm::vec4 background{0};  // linear RGB, opacity (0: the image keeps its alpha)
-    float depth_near_m = 0, depth_far_m = 1;
-    float cost_max = 256;  // steps that are shown brightest
+    glm::vec4 background{0};                  // linear RGB and opacity (0: the image keeps its alpha)
+    float depth_near_m = 0, depth_far_m = 1;  // kDepth: shown white and black
+    float cost_max = 256;                     // kCost: the number of steps that is shown brightest
     bool operator==(const ResolveSettings&) const = default;
 };
 
-// How many rays there are.
+// Whether there are one or several rays per pixel, or fewer than one.
 enum class RaysPerPixel { kWhole, kFewer };
 
 struct Resolver {
-    // `image`: at least views·width·height R32_UINT texels. `only`: the tiles that see anything; the others stay.
-    // `set`: behind and before the rays.
+    // `image` has at least views·width·height R32_UINT texels. `listed`, if not null: only the tiles of its image_list
+    // are resolved, and the other texels do not change. `set`, if not null, is composited behind and before the rays.
     Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const RayBatch& rays, const gpu::Buffer& image,
-             const TileRanges* only = nullptr, const SetRaster* set = nullptr);
+             const TileRanges* listed = nullptr, const SetRaster* set = nullptr);
 
-    const TileRanges* only;
+    const TileRanges* listed;
     gpu::ComputePass pass;
     gpu::BindingSet set;
 };
 
-// Whole: the rays of each view must be tiles_of_image(·, samples·width, samples·height); a pixel is the mean of
-// samples² of them. Fewer: where they stand is as the batch's first cameras say, one a view. No inspection.
+// With RaysPerPixel::kWhole, the rays of each view must be tiles_of_image(·, samples·width, samples·height), and a
+// pixel is the mean of samples² rays. With kFewer, the first cameras of the batch, one per view, have the grids of
+// rays. The settings must not be an inspection (assert).
 void record_resolve(gpu::Commands& commands, const Resolver& resolver, const ViewLayout& layout,
                     const ResolveSettings& settings);
 

@@ -26,7 +26,7 @@ struct MapUvs {
     glm::vec2 uv[stage::kGltfMaps];
 };
 
-// Calls visit(node, primitive) for all that is drawn, in the order of draws.
+// Calls visit(node, primitive) for each primitive that is drawn, in the order of SceneGeometry::draws.
 template <typename Visit>
 void for_each_drawn(const stage::GltfScene& scene, const Visit& visit) {
     for (uint32_t n = 0; n < scene.nodes.size(); n++) {
@@ -88,16 +88,16 @@ void upload_map_uvs(const gpu::Device& device, SceneGeometry& to) {
     to.map_uvs = filled(device, "raster map UVs", uvs);
 }
 
-// By their bytes: as fast as memory, whatever the elements are.
+// Compares bytes, at the speed of memory for any type of element.
 template <typename Values>
 bool same(const Values& a, const Values& b) {
     static_assert(std::is_trivially_copyable_v<typename Values::value_type>);
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
-// All that is uploaded or posed.
+// Compares everything that is uploaded or posed.
 bool same_vertices(const stage::GltfPrimitive& a, const stage::GltfPrimitive& b) {
-    if (&a == &b) return true;  // of a mesh that both scenes share
+    if (&a == &b) return true;  // the scenes share the mesh
     bool equal = same(a.positions, b.positions) && same(a.normals, b.normals) && same(a.uvs, b.uvs) &&
                  same(a.tangents, b.tangents) && same(a.colors, b.colors) && same(a.joints, b.joints) &&
                  same(a.weights, b.weights) && same(a.indices, b.indices) && a.targets.size() == b.targets.size();
@@ -108,7 +108,7 @@ bool same_vertices(const stage::GltfPrimitive& a, const stage::GltfPrimitive& b)
     return equal;
 }
 
-// Whether the draw's vertices stand elsewhere than in the pose before.
+// Whether the vertices of the draw differ between the geometry's pose and the new one.
 bool moved(const SceneGeometry& geometry, const SceneDraw& draw, const stage::PosedScene& to) {
     const stage::PosedScene& from = geometry.pose;
     const int32_t skin = geometry.scene->nodes[draw.node].skin;
@@ -167,7 +167,7 @@ void repoint_geometry(SceneGeometry& geometry, const stage::GltfScene& scene) {
         draw.material = primitive.material;
     });
     geometry.scene = &scene;
-    if (!same_nodes) geometry.pose = {};  // it is by node
+    if (!same_nodes) geometry.pose = {};  // poses are indexed by node
 }
 
 bool pose_geometry(SceneGeometry& geometry, const stage::PosedScene& pose) {

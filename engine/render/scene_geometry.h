@@ -1,5 +1,5 @@
-// A glTF scene's triangles and textures on the device, as both raster passes draw them: captures (raster.h) and the set
-// of a stage (set_raster.h). Vertices are posed on the CPU.
+// The triangles and textures of a glTF scene on the device, for both raster passes: captures (raster.h) and the set of
+// a stage (set_raster.h). Vertices are posed on the CPU.
 #pragma once
 
 #include <vector>
@@ -14,49 +14,51 @@ struct SceneDraw {
     uint32_t node = 0;
     const stage::GltfPrimitive* primitive = nullptr;
     uint32_t first_vertex = 0, first_index = 0;
-    int32_t material = -1;      // glTF's, −1: the default one
-    bool mirrored = false;      // clockwise from outside, as posed
-    glm::vec3 low{0}, high{0};  // world, metres: the box of its vertices, as posed
+    int32_t material = -1;      // index into the scene's materials; −1: the default one
+    bool mirrored = false;      // whether posed triangles are clockwise, seen from outside
+    glm::vec3 low{0}, high{0};  // world, metres: the bounds of the posed vertices
 };
 
 enum class SceneDetail {
-    kBase,     // streams 0 and 1: what the base colour needs
-    kSurface,  // and 2 and 3: tangents, and the UVs of all maps
+    kBase,     // streams 0 and 1, which the base colour needs
+    kSurface,  // also streams 2 and 3: tangents, and the UVs of all maps
 };
 
 struct SceneGeometry {
-    // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this.
+    // Throws RuntimeFailure where the scene exceeds the device's memory or 2³¹ vertices. The scene must outlive it.
     SceneGeometry(const gpu::Device& device, const stage::GltfScene& scene, SceneDetail detail);
 
     const stage::GltfScene* scene;
     SceneDetail detail;
-    std::vector<SceneDraw> draws;  // in the order of nodes and primitives
+    std::vector<SceneDraw> draws;  // in the order of nodes and their primitives
     uint32_t vertex_count = 0, index_count = 0;
-    gpu::Buffer moving, fixed;      // streams 0: position, normal; 1: UV of the base colour, colour
+    gpu::Buffer moving, fixed;      // stream 0: position, normal; stream 1: UV of the base colour, colour
     gpu::Buffer tangents, map_uvs;  // streams 2 and 3
-    gpu::Buffer indices;            // 32 bits, of the draw's own vertices
-    glm::vec3 low{0}, high{0};      // world, metres: the box of all that is posed
-    stage::PosedScene pose;         // what the vertices show
+    gpu::Buffer indices;            // 32 bits, relative to the draw's first vertex
+    glm::vec3 low{0}, high{0};      // world, metres: the bounds of all posed vertices
+    stage::PosedScene pose;         // the pose of the vertices
     stage::PosedVertices scratch;
 };
 
-// Whether the device has all vertices of what `scene` draws, in its order: then nothing need be uploaded to draw it.
+// Whether the vertices of all that `scene` draws are on the device, in the same order, so that nothing need be
+// uploaded.
 bool has_vertices_of(const SceneGeometry& geometry, const stage::GltfScene& scene);
-// From now on it draws that scene, whose vertices it must have; what stands on the same node stays posed.
+// Replaces the scene by another one, for which has_vertices_of must be true. The pose is kept where all nodes are the
+// same.
 void repoint_geometry(SceneGeometry& geometry, const stage::GltfScene& scene);
 
-// Poses what differs from `geometry.pose`, and says whether anything did. Host memory that draws read: nothing that is
-// under way may draw it.
+// Poses the draws that differ from `geometry.pose`, and returns whether there were any. It writes memory that draws
+// read, so no submitted work may draw the geometry meanwhile.
 bool pose_geometry(SceneGeometry& geometry, const stage::PosedScene& pose);
 
-// Streams and attributes of the vertex shader (shared/raster.h has their locations).
+// Sets the vertex streams and attributes of a pipeline (shared/raster.h has the locations).
 void describe_streams(SceneDetail detail, gpu::GraphicsShape& shape);
 void bind_streams(gpu::Commands& commands, const SceneGeometry& geometry);
 
-// What glTF says of a primitive without material.
+// The material of this index; −1 is the default material of glTF.
 const stage::GltfMaterial& material_at(const stage::GltfScene& scene, int32_t index);
 
-// Textures with their samplers, each once for every way it is read; the first is white.
+// Textures with their samplers. A texture has an entry for sRGB, for numbers, or for both. The first entry is white.
 struct SceneTextures {
     struct Entry {
         int32_t texture = -1;
@@ -67,9 +69,10 @@ struct SceneTextures {
     std::vector<Entry> entries;
 };
 SceneTextures make_textures(const gpu::Device& device);
-// Whether textures of one scene are those of the other, by index.
+// Whether two scenes have equal textures at each index.
 bool same_textures(const stage::GltfScene& a, const stage::GltfScene& b);
-// Index of the entry, uploaded if it is new. `texture` −1 is white. Set-up only.
+// Returns the index of the texture's entry, after uploading it if it is new. `texture` −1 is white. It waits for the
+// device, so it is for set-up.
 size_t add_texture(const gpu::Device& device, const stage::GltfScene& scene, SceneTextures& textures, int32_t texture,
                    bool srgb);
 

@@ -14,10 +14,10 @@ namespace {
 constexpr uint64_t kPageBytes = 16 * kPageWords;
 constexpr uint64_t kFirstPages = (uint64_t{16} << 20) / kPageBytes;
 
-uint64_t most_pages(const gpu::Device& device, uint64_t budget) {
+uint64_t max_pages(const gpu::Device& device, uint64_t budget) {
     const uint64_t bytes =
         std::min({uint64_t{device.limits().maxStorageBufferRange}, device.max_allocation_bytes(), budget});
-    return std::clamp<uint64_t>(bytes / kPageBytes, 2, UINT32_MAX / kPageWords);  // page 0 is none
+    return std::clamp<uint64_t>(bytes / kPageBytes, 2, UINT32_MAX / kPageWords);  // page 0 means no page
 }
 
 }  // namespace
@@ -26,43 +26,44 @@ Segments::Segments(const gpu::Device& device, const RayTarget& target, uint32_t 
     : device_(device),
       target_(target),
       merges_(merges),
-      most_pages_(most_pages(device, budget)),
+      max_pages_(max_pages(device, budget)),
       heads_(device, "heads of segments", 4 * (kFirstHead + uint64_t{kTilePixels} * target.rays.tile_capacity),
              gpu::MemoryKind::kDevice),
-      taken_(device, "pages that were taken", uint64_t{4} * merges, gpu::MemoryKind::kReadback),
+      used_pages_(device, "used pages", uint64_t{4} * merges, gpu::MemoryKind::kReadback),
       pass_(device, "merge", merge_comp) {
-    make_pages(std::min(kFirstPages, most_pages_));
+    make_pages(std::min(kFirstPages, max_pages_));
     gpu::run_once(device, "heads of segments", [this](gpu::Commands& commands) { gpu::fill(commands, heads_, 0); });
 }
 
 void Segments::make_pages(uint64_t pages) {
-    pages_ = gpu::Buffer();  // before there is another
+    pages_ = gpu::Buffer();  // frees its memory before the new buffer is created
     pages_ = gpu::Buffer(device_, "segments", kPageBytes * pages, gpu::MemoryKind::kDevice);
     page_count_ = pages;
     set_ = gpu::BindingSet(pass_, {{kMergePages, &pages_},
                                    {kMergeHeads, &heads_},
-                                   {kMergeSeen, &target_.ranges.seen},
+                                   {kMergeCovered, &target_.ranges.covered},
                                    {kMergeRadiance, &target_.rays.radiance},
                                    {kMergeDepth, &target_.rays.depth}});
 }
 
-// Twice as many as there are; false: there were not so many, and will not be.
+// Doubles the number of pages, up to the limit. Returns false where there was no memory for more; then the present
+// number is the limit from now on.
 bool Segments::make_more_pages() {
     const uint64_t before = page_count_;
-    if (before >= most_pages_) return false;
+    if (before >= max_pages_) return false;
     try {
-        make_pages(std::min(most_pages_, 2 * before));
+        make_pages(std::min(max_pages_, 2 * before));
         return true;
-    } catch (const RuntimeFailure&) {  // what is allocated elsewhere is not in the device's limits
-        most_pages_ = before;
+    } catch (const RuntimeFailure&) {  // the limits do not count other allocations
+        max_pages_ = before;
         make_pages(before);
         return false;
     }
 }
 
 bool Segments::overflowed() const {
-    const uint32_t* taken = taken_.as<uint32_t>();
-    return recorded_ > 0 && *std::max_element(taken, taken + recorded_) >= page_count_;  // page 0 is none
+    const uint32_t* counts = used_pages_.as<uint32_t>();
+    return recorded_ > 0 && *std::max_element(counts, counts + recorded_) >= page_count_;  // page 0 means no page
 }
 
 void Segments::enlarge() {
@@ -87,7 +88,7 @@ void record_merge_begin(gpu::Commands& commands, const Segments& segments) {
 
 void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop) {
     const gpu::PassScope scope(commands, "merge");
-    gpu::copy(commands, segments.heads(), segments.taken(), 4, 0, uint64_t{4} * segments.add_merge());
+    gpu::copy(commands, segments.heads(), segments.used_pages(), 4, 0, uint64_t{4} * segments.add_merge());
     gpu::compute_barrier(commands);
     if (tiles.end > tiles.first)
         gpu::dispatch_groups(commands, segments.pass(), segments.bindings(), tiles.end - tiles.first,

@@ -1,4 +1,4 @@
-// Segments: what instances that stand in each other put along rays, and its merge in depth order (exact blending).
+// Segments: samples of overlapping instances, which are stored along rays and merged in depth order (exact blending).
 #pragma once
 
 #include "render/ray_target.h"
@@ -8,32 +8,34 @@
 
 namespace neuvv::render {
 
-// Room for segments, and the merge of one frame's groups of instances, each after the other. How many there are is
-// known only after the frame, so its rays go in bands where a device cannot hold all at once.
+// The memory of segments, and the merges of a frame's groups of instances, one after the other. The number of segments
+// is known only after the frame is drawn. Where a device cannot hold all of them, the tiles are divided into bands,
+// which are traced and merged one after the other.
 class Segments {
   public:
-    // At most so many merges a frame, and bytes of segments in each, or as many as the device has.
+    // `merges`: the largest number of merges in a frame. `budget`: the largest number of bytes of segments in a merge;
+    // the device's limits may allow fewer.
     Segments(const gpu::Device& device, const RayTarget& target, uint32_t merges, uint64_t budget);
 
-    // After a frame was waited for, whether there was less room than segments. Then enlarge() makes more room, or more
-    // bands, and the frame must be recorded anew, by passes that are bound to the new buffers. It throws RuntimeFailure
-    // where even a tile has more segments than fit.
+    // Whether the last frame, which must be finished, had more segments than there was room for. Then enlarge() makes
+    // more room or more bands, and the frame must be recorded again, by passes that are bound to the new buffers.
+    // enlarge() throws RuntimeFailure where even the smallest bands have more segments than fit.
     bool overflowed() const;
     void enlarge();
 
-    // Before a frame is recorded.
+    // To be called before a frame is recorded.
     void begin_frame() { recorded_ = 0; }
 
-    // One more merge of the frame is recorded: its number. There is room for as many as the constructor was told.
+    // Returns the number of the next merge of the frame. The constructor's `merges` must not be exceeded (assert).
     uint32_t add_merge();
 
     const gpu::Buffer& pages() const { return pages_; }
     const gpu::Buffer& heads() const { return heads_; }
-    const gpu::Buffer& taken() const { return taken_; }
+    const gpu::Buffer& used_pages() const { return used_pages_; }
     const gpu::ComputePass& pass() const { return pass_; }
     const gpu::BindingSet& bindings() const { return set_; }
 
-    // Parts of the tiles that each of so many merged groups of a frame goes over.
+    // The number of bands into which the tiles are divided in a frame with this many merged groups.
     uint32_t bands(uint32_t groups) const { return std::min(bands_, std::max(1u, merges_ / std::max(groups, 1u))); }
 
   private:
@@ -42,17 +44,18 @@ class Segments {
     const gpu::Device& device_;
     const RayTarget& target_;
     uint32_t merges_, bands_ = 1;
-    uint64_t page_count_ = 0, most_pages_;
+    uint64_t page_count_ = 0, max_pages_;
     gpu::Buffer pages_, heads_;
-    gpu::Buffer taken_;  // pages of each merge of the frame, readback
+    gpu::Buffer used_pages_;  // the number of pages that each merge of the frame needed; readback
     uint32_t recorded_ = 0;
     gpu::ComputePass pass_;
     gpu::BindingSet set_;
 };
 
-// Before the first instance of a group: no page is taken.
+// To be recorded before the first instance of a group: all pages are free.
 void record_merge_begin(gpu::Commands& commands, const Segments& segments);
-// After the last: the group goes under what nearer ones left in the target.
+// To be recorded after the last instance of a group: blends its segments and composites them under what nearer groups
+// left in the target.
 void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop);
 
 }  // namespace neuvv::render

@@ -1,4 +1,4 @@
-// The lights of a stage as shaders take them (shared/lights.h), and where their shadow maps look from.
+// The lights of a stage as shaders take them (shared/lights.h), and the cameras of their shadow maps.
 #pragma once
 
 #include <array>
@@ -13,52 +13,55 @@ namespace neuvv::render {
 
 enum class SetLightKind : uint32_t { kDirectional = kLightDirectional, kPoint = kLightPoint, kSpot = kLightSpot };
 
-// KHR_lights_punctual in world space.
+// A light of KHR_lights_punctual in world space.
 struct SetLight {
     SetLightKind kind = SetLightKind::kPoint;
     glm::dvec3 position{0};          // metres
-    glm::dvec3 direction{0, -1, 0};  // unit: the way the light goes
+    glm::dvec3 direction{0, -1, 0};  // unit, from the light
     glm::dvec3 colour{1};            // linear × intensity: candela (point, spot), lux (directional)
-    double range_m = 0;              // 0: no end
-    double inner_cos = 1;            // of a spot's cone; outer < inner
+    double range_m = 0;              // 0: unlimited
+    double inner_cos = 1;            // cosines of the half angles of a spot's cones; outer_cos < inner_cos
     double outer_cos = 0.7071067811865476;
-    bool casts_shadow = false;  // spots and directional lights; points cast none
+    bool casts_shadow = false;  // ignored for point lights, which cast no shadow
 };
 
-// Light from around.
+// Light from all directions.
 struct SetAmbient {
-    glm::dvec3 light{0};               // linear, constant: a white diffuse surface returns just this
-    double environment_intensity = 1;  // factor of the environment's image, where there is one
+    glm::dvec3 light{0};  // linear, the same from all directions: the light that a white diffuse surface returns
+    double environment_intensity = 1;  // factor of the environment image, where there is one
     double environment_rotation = 0;   // radians about +Y
-    bool show_environment = false;     // and it is the background
+    bool show_environment = false;     // whether it is the background, too
 };
 
-// Which shadows there are; costs no pipeline and no new maps.
+// Which shadows are drawn. Changing them needs no new pipelines or maps.
 struct SetShadows {
-    bool set = true;
-    bool performers = true;
+    bool set = true;         // shadows of the set
+    bool performers = true;  // shadows of performers
 };
 
-// A light from around as a polynomial of the normal, in the order of ShaderLights::irradiance.
+// The light that a white diffuse surface returns, as a polynomial of its normal, in the order of
+// ShaderLights::irradiance.
 using Irradiance = std::array<glm::dvec3, 9>;
 
-// The same light turned about +Y.
+// The same light rotated about +Y, in radians.
 Irradiance turned(const Irradiance& irradiance, double rotation);
 
 using WorldBox = std::pair<glm::dvec3, glm::dvec3>;  // low, high; metres
 
-// The camera that sees what a spot lights, `side` pixels each way: set and performers are seen from it for their
-// shadows. Cones wider than 160° are cut to that.
+// The camera at a spot light that covers the light's cone with side × side pixels; the shadow maps of set and
+// performers are drawn with it. Cones wider than 160° are limited to 160°.
 stage::Camera shadow_camera(const SetLight& light, uint32_t side);
-// The camera of a light's map of performers' shadows: of a spot shadow_camera; a directional light's looks at the box
-// from so far away that its lines are parallel within 0.6°.
+// The camera for a light's map of performers' shadows. For a spot it is shadow_camera. For a directional light it looks
+// at the box of the performers from so far away that its rays are parallel within 0.6°.
 stage::Camera performer_shadow_camera(const SetLight& light, const WorldBox& performers, uint32_t side);
-// The matrix of ShaderLight: of a spot that camera's; of a directional light parallel, just around a box (world: low,
-// high), so a texel of its map is the box's width / kSetShadowSide: where the set is wide, shadows are coarse.
+// ShaderLight::clip_from_world, the projection of the set's shadow map. For a spot it is that of shadow_camera. For a
+// directional light it is a parallel projection of `box`: a texel of the map is the width of the box / kSetShadowSide,
+// so the shadows of a wide set are coarse.
 glm::dmat4 shadow_matrix(const SetLight& light, const WorldBox& box);
 
-// The first kMaxSetLights lights; the first kMaxShadows of them that cast shadows and can get maps. `set`: all that is
-// posed; `performers`: those that cast shadows, if there are any.
+// Packs the first kMaxSetLights lights. The first kMaxShadows spots and directional lights of them that cast shadows
+// get shadow maps. `set` is the box of the posed set, `performers` that of the performers that cast shadows, if there
+// are any.
 ShaderLights pack_lights(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows,
                          const Irradiance& environment, const WorldBox& set, const std::optional<WorldBox>& performers);
 

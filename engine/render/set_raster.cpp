@@ -51,7 +51,7 @@ gpu::GraphicsShape background_shape() {
     shape.fragment_spirv = set_background_frag;
     shape.colours = {kColour, kMetres};
     shape.blend = false;
-    shape.nearer = VK_COMPARE_OP_GREATER_OR_EQUAL;  // infinity where nothing stands
+    shape.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;  // so that it fills where the depth is infinite
     return shape;
 }
 
@@ -81,7 +81,7 @@ bool is_srgb(size_t map) {
     return map == static_cast<size_t>(stage::GltfMap::kEmissive);
 }
 
-// Whether materials, by index, are drawn alike with textures that are alike.
+// Whether the materials of two scenes look the same at each index if the textures do.
 bool same_materials(const stage::GltfScene& a, const stage::GltfScene& b) {
     const auto same = [](const stage::GltfMaterial& one, const stage::GltfMaterial& other) {
         const SetMaterial packed = packed_material(one), other_packed = packed_material(other);
@@ -93,8 +93,8 @@ bool same_materials(const stage::GltfScene& a, const stage::GltfScene& b) {
 
 }  // namespace
 
-SetEnvironment::SetEnvironment(const gpu::Device& device, const media::Image* image) : has_image(image != nullptr) {
-    const Environment environment = image ? make_environment(*image) : dark_environment();
+SetEnvironment::SetEnvironment(const gpu::Device& device, const media::Image* source) : has_image(source != nullptr) {
+    const Environment environment = source ? make_environment(*source) : dark_environment();
     std::vector<std::vector<uint8_t>> levels;
     for (const std::vector<uint16_t>& level : environment.levels) {
         levels.emplace_back(level.size() * sizeof(uint16_t));
@@ -146,14 +146,14 @@ void SetRaster::change(const stage::GltfScene& scene, std::shared_ptr<const SetE
         surfaces_ =
             make_surfaces(scene, *environment,
                           same_maps ? surfaces_.textures : std::make_shared<SceneTextures>(make_textures(device_)));
-    // Nothing fails from here on.
+    // Nothing may fail from here on.
     if (geometry)
         geometry_ = std::move(*geometry);
     else
         repoint_geometry(geometry_, scene);
     scene_ = &scene;
     environment_ = std::move(environment);
-    shadows_old_ |= !same_shapes || !same_surfaces;
+    shadows_outdated_ |= !same_shapes || !same_surfaces;
     find_transparent();
     pack();
 }
@@ -166,7 +166,7 @@ void SetRaster::resize(uint32_t width, uint32_t height) {
     surfaces_ = make_surfaces(*scene_, *environment_, surfaces_.textures);
 }
 
-// All that is of the images' size.
+// Creates the buffers and images that have the size of a view.
 void SetRaster::make_targets(uint32_t views) {
     const uint64_t texels = uint64_t{views} * width_ * height_;
     colour = gpu::Buffer(device_, "set colour", 8 * texels, gpu::MemoryKind::kDevice, kColour);
@@ -210,43 +210,45 @@ void SetRaster::make_light_buffers() {
     });
 }
 
-// `textures` of this scene, which may lack some. Material 0 is glTF's default one.
+// `textures` may be empty or have textures of this scene; missing ones are added. Material 0 is glTF's default
+// material.
 SetRaster::Surfaces SetRaster::make_surfaces(const stage::GltfScene& scene, const SetEnvironment& environment,
                                              std::shared_ptr<SceneTextures> textures) const {
-    Surfaces made;
-    made.textures = std::move(textures);
+    Surfaces surfaces;
+    surfaces.textures = std::move(textures);
     std::vector<SetMaterial> packed;
     for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); m++)
         packed.push_back(packed_material(material_at(scene, m)));
-    made.materials = gpu::Buffer(device_, "set materials", packed.size() * sizeof(SetMaterial),
-                                 gpu::MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT);
-    std::memcpy(made.materials.mapped, packed.data(), packed.size() * sizeof(SetMaterial));
+    surfaces.materials = gpu::Buffer(device_, "set materials", packed.size() * sizeof(SetMaterial),
+                                     gpu::MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT);
+    std::memcpy(surfaces.materials.mapped, packed.data(), packed.size() * sizeof(SetMaterial));
     using Texture = std::pair<const gpu::DeviceImage*, const gpu::Sampler*>;
-    const Texture around{&environment.image, &environment.sampler};
+    const Texture environment_texture{&environment.image, &environment.sampler};
     for (int32_t m = -1; m < static_cast<int32_t>(scene.materials.size()); m++) {
         const stage::GltfMaterial& material = material_at(scene, m);
-        std::vector<size_t> entries{add_texture(device_, scene, *made.textures, material.texture, true)};
+        std::vector<size_t> entries{add_texture(device_, scene, *surfaces.textures, material.texture, true)};
         for (size_t map = 0; map < stage::kGltfMaps; map++)
-            entries.push_back(add_texture(device_, scene, *made.textures, material.maps[map], is_srgb(map)));
-        std::vector<Texture> bound;  // of entries that do not move any more
+            entries.push_back(add_texture(device_, scene, *surfaces.textures, material.maps[map], is_srgb(map)));
+        std::vector<Texture> bound;  // taken once no more entries are added, as adding may move them
         for (const size_t entry : entries)
-            bound.emplace_back(&made.textures->entries[entry].image, &made.textures->entries[entry].sampler);
-        bound.push_back(around);
-        for (const auto& [pass, sets] :
-             {std::pair{&solid_, &made.solid}, std::pair{&masked_, &made.masked}, std::pair{&blended_, &made.blended}})
+            bound.emplace_back(&surfaces.textures->entries[entry].image, &surfaces.textures->entries[entry].sampler);
+        bound.push_back(environment_texture);
+        for (const auto& [pass, sets] : {std::pair{&solid_, &surfaces.solid}, std::pair{&masked_, &surfaces.masked},
+                                         std::pair{&blended_, &surfaces.blended}})
             sets->emplace_back(*pass, bound,
                                std::initializer_list<std::pair<uint32_t, const gpu::Buffer*>>{
-                                   {kSetMaterials, &made.materials},
+                                   {kSetMaterials, &surfaces.materials},
                                    {kSetLights, &lights_buffer},
                                    {kSetShadowMaps, &set_shadow_maps},
                                    {kSetPerformerShadows, &performer_shadows},
                                    {kSetVolumeDepth, &volume_depth}});
-        made.shadow.emplace_back(
+        surfaces.shadow.emplace_back(
             shadow_, std::span(bound).first(1),
-            std::initializer_list<std::pair<uint32_t, const gpu::Buffer*>>{{kSetMaterials, &made.materials}});
+            std::initializer_list<std::pair<uint32_t, const gpu::Buffer*>>{{kSetMaterials, &surfaces.materials}});
     }
-    made.background = gpu::TextureSet(background_, std::span(&around, 1), {{kSetLights, &lights_buffer}});
-    return made;
+    surfaces.background =
+        gpu::TextureSet(background_, std::span(&environment_texture, 1), {{kSetLights, &lights_buffer}});
+    return surfaces;
 }
 
 void SetRaster::find_transparent() {
@@ -262,7 +264,7 @@ WorldBox SetRaster::box() const {
 
 void SetRaster::pose(const stage::PosedScene& pose) {
     if (!pose_geometry(geometry_, pose)) return;
-    shadows_old_ = true;
+    shadows_outdated_ = true;
     pack();
 }
 
@@ -273,13 +275,13 @@ void SetRaster::light(std::span<const SetLight> lights, const SetAmbient& ambien
     pack();
 }
 
-void SetRaster::shadows_of(const std::optional<WorldBox>& performers) {
+void SetRaster::set_shadow_casters(const std::optional<WorldBox>& performers) {
     if (performers == performers_) return;
     performers_ = performers;
     pack();
 }
 
-// Lights as shaders see them; maps are drawn again where one's matrix is another than before.
+// Packs the lights for shaders. Shadow maps are drawn again where the matrix of one has changed.
 void SetRaster::pack() {
     const ShaderLights before = packed_;
     packed_ = pack_lights(given_lights_, ambient_, shadows_, environment_->irradiance, box(), performers_);
@@ -287,8 +289,8 @@ void SetRaster::pack() {
     packed_.environment.y = environment_->last_level;
     for (uint32_t i = 0; i < packed_.count; i++)
         if (packed_.light[i].shadow != kNoShadow)
-            shadows_old_ |= i >= before.count || packed_.light[i].shadow != before.light[i].shadow ||
-                            packed_.light[i].clip_from_world != before.light[i].clip_from_world;
+            shadows_outdated_ |= i >= before.count || packed_.light[i].shadow != before.light[i].shadow ||
+                                 packed_.light[i].clip_from_world != before.light[i].clip_from_world;
     std::memcpy(lights_buffer.mapped, &packed_, sizeof(packed_));
 }
 

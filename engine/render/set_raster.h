@@ -1,10 +1,10 @@
-// The set of a stage: a glTF scene under its lights, as volume rays end at it and are composited over it.
+// The set of a stage: a glTF scene under its lights. The rays of volumes end at it and are composited over it.
 //
 //     pose, light ─► record_shadows ─► record_solid ─► colour, depth
 //                    (volumes, up to depth ─► volume_depth) ─► record_transparent ─► colour, front
 //
-// A view's image in the end: front over the volumes over colour. One sample a texel: the frame takes several texels a
-// pixel.
+// The image of a view is then `front` over the volumes over `colour`. There is one sample per texel; a frame may take
+// several texels per pixel.
 #pragma once
 
 #include <memory>
@@ -19,12 +19,12 @@
 
 namespace neuvv::render {
 
-constexpr double kSetNear_m = 0.02;  // what is nearer to a camera's plane is cut off
+constexpr double kSetNear_m = 0.02;  // distance of the near plane
 
-// The image around a set, on the device.
+// The environment image of a set, on the device.
 struct SetEnvironment {
-    // environment.h says what the image is; null: no light. It is not needed afterwards.
-    SetEnvironment(const gpu::Device& device, const media::Image* image);
+    // `source`: as make_environment's image; null: no light. It is not needed afterwards.
+    SetEnvironment(const gpu::Device& device, const media::Image* source);
 
     gpu::DeviceImage image;
     gpu::Sampler sampler;
@@ -33,13 +33,13 @@ struct SetEnvironment {
     bool has_image = false;
 };
 
-// Draws one scene for at most `views` views of at most width × height texels. What is made here is all that it ever
-// makes until it is changed: posing, lighting and recording allocate nothing. All but recording touch memory that draws
-// read: nothing that was recorded here may be under way.
+// Draws one scene for at most `views` views of at most width × height texels. Posing, lighting and recording create no
+// Vulkan objects. All functions but the record_ functions write memory that draws read: no work that was recorded here
+// may be under way meanwhile.
 class SetRaster {
   public:
-    // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive this; the image around it need
-    // not (environment.h says what it is).
+    // Throws RuntimeFailure where the scene exceeds the device. The scene must outlive the raster. `environment` is as
+    // make_environment's image, or null; it is not needed afterwards.
     SetRaster(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
               const media::Image* environment = nullptr);
     SetRaster(const gpu::Device& device, const stage::GltfScene& scene, uint32_t width, uint32_t height, uint32_t views,
@@ -47,61 +47,62 @@ class SetRaster {
     SetRaster(const SetRaster&) = delete;
     SetRaster& operator=(const SetRaster&) = delete;
 
-    // From now on it draws this scene, which must outlive it; the one before is looked at for the last time. Pipelines
-    // and images stay, and so does what is equal on the device: comparing takes as long as reading both. Must be
-    // posed and lit anew. Throws RuntimeFailure where the scene exceeds the device, and then still draws the one
-    // before.
+    // Replaces the scene by another one, which must outlive the raster; the old scene is read for the last time.
+    // Pipelines and images stay, and so do vertices, textures and materials that are equal in both scenes; to compare
+    // them takes as long as to read both. The raster must be posed and lit again. Throws RuntimeFailure where the scene
+    // exceeds the device, and then still draws the old scene.
     void change(const stage::GltfScene& scene, std::shared_ptr<const SetEnvironment> environment);
-    // Other buffers `colour`, `front`, `depth` and `volume_depth`: who is bound to them must be made anew. Where it
-    // throws (RuntimeFailure: no room) it must be called again before anything is drawn.
+    // Replaces the buffers `colour`, `front`, `depth` and `volume_depth`: passes that are bound to them must be created
+    // again. Throws RuntimeFailure where there is no memory, and must then be called again before anything is drawn.
     void resize(uint32_t width, uint32_t height);
 
-    // The time that is drawn; vertices that did not move are left alone.
+    // Sets the pose of the scene. Vertices that did not move are not written.
     void pose(const stage::PosedScene& pose);
     void light(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows = {});
 
-    // What of each view's image nobody sees (a headset's lens): triangles, by their corners in shares of its width
-    // and height from the upper left. Rays end there at once, and nothing is shaded. As many lists as there are views,
-    // or none; until it is called again. While nothing is drawn.
+    // Sets the parts of each view's image that nobody can see (because of a headset's lenses) until the next call. A
+    // list has the corners of triangles, as fractions of the image's width and height from the upper left. Rays end
+    // there at once, and nothing is shaded. There must be a list for each view, or none (assert).
     void hide(std::span<const std::vector<glm::vec2>> corners);
 
-    // Depth of the set as the lights with shadows see it; nothing where neither pose nor those lights changed.
+    // Draws the shadow maps of the set. Records nothing where neither the set nor the lights with shadows have changed.
     void record_shadows(gpu::Commands& commands);
-    // Opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera a view,
-    // all of the same size.
+    // Draws opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera per
+    // view, all of the same size.
     void record_solid(gpu::Commands& commands, std::span<const stage::Camera> cameras);
-    // Blended pieces, far to near by the middles of their primitives' boxes: those behind volume_depth over colour, the
-    // others → front. After record_solid with the same cameras.
+    // Draws blended pieces, far to near by the middles of their primitives' boxes. What is behind volume_depth is
+    // blended over `colour`, what is before it goes → front. To be recorded after record_solid with the same cameras.
     void record_transparent(gpu::Commands& commands, std::span<const stage::Camera> cameras);
 
-    // The box of the performers that cast shadows; none until it is known. PerformerShadows says so.
-    void shadows_of(const std::optional<WorldBox>& performers);
+    // Sets the box of the performers that cast shadows; none: no performer does. PerformerShadows calls it.
+    void set_shadow_casters(const std::optional<WorldBox>& performers);
 
-    // As light() was given them.
+    // The first kMaxSetLights lights that light() was called with.
     std::span<const SetLight> given_lights() const { return given_lights_; }
-    // As shaders see them: .light[i].shadow is the i-th light's slot in both kinds of shadow map.
+    // The lights as shaders take them: light[i].shadow is the index of a light's map in both kinds of shadow maps.
     const ShaderLights& lights() const { return packed_; }
-    // Whether anything is blended: else record_transparent does nothing, and `front` stays 0.
+    // Whether the scene has blended pieces. If not, record_transparent does nothing and `front` stays 0.
     bool has_transparent() const { return has_transparent_; }
-    // World, metres: the box of all that is posed.
+    // The bounds of all posed vertices: world, metres.
     WorldBox box() const;
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
     uint32_t views() const { return static_cast<uint32_t>(colours_.size()); }
 
-    // Texel view · width · height + y · width + x, with the size of the cameras that were drawn:
+    // Texel view · width · height + y · width + x, where width and height are those of the cameras that were drawn:
     gpu::Buffer colour;  // rgba16f, linear premultiplied light; alpha 0 where there is no set
-    gpu::Buffer front;   // the same of the blended pieces before the volumes
+    gpu::Buffer front;   // the same, of the blended pieces before the volumes
     gpu::Buffer depth;   // r32f, metres along the camera's axis; infinity where there is no opaque or masked set
-    // r32f, metres along the axis at which a texel's volume is; infinity: none, and until somebody writes it.
+    // r32f, metres along the camera's axis to the volumes; infinity where there are none, and until a pass writes it.
     gpu::Buffer volume_depth;
 
-    gpu::Buffer lights_buffer;      // a uniform ShaderLights
-    gpu::Buffer set_shadow_maps;    // r32f, kMaxShadows maps: shadow.glsl reads them
-    gpu::Buffer performer_shadows;  // rg32f, kMaxShadows maps: alpha, metres from its eye; 0 until somebody writes it
+    gpu::Buffer lights_buffer;    // a uniform ShaderLights
+    gpu::Buffer set_shadow_maps;  // r32f, kMaxShadows maps; shadow.glsl reads them
+    gpu::Buffer
+        performer_shadows;  // rg32f, kMaxShadows maps: alpha, metres from the light's camera; 0 until a pass writes it
 
   private:
-    // Materials and what they read, by material, the default one first.
+    // What draws read, by material; the default material comes first.
     struct Surfaces {
         std::shared_ptr<SceneTextures> textures;
         gpu::Buffer materials;
@@ -142,15 +143,17 @@ class SetRaster {
     SetShadows shadows_;
     std::optional<WorldBox> performers_;
     ShaderLights packed_{};
-    std::vector<std::pair<float, uint32_t>> order_;  // of all draws, far to near: −distance, index
+    std::vector<std::pair<float, uint32_t>> order_;  // (−distance, index) of all draws, far to near
     bool has_transparent_ = false;
-    bool shadows_old_ = true;
+    bool shadows_outdated_ = true;
+    // The triangles that nobody can see.
     struct Hidden {
         gpu::GraphicsPass pass;
-        gpu::Buffer corners;                                 // of all views
-        std::vector<std::pair<uint32_t, uint32_t>> of_view;  // first corner, how many; none: all is seen
+        gpu::Buffer corners;  // of all views
+        std::vector<std::pair<uint32_t, uint32_t>>
+            of_view;  // (first corner, number of corners); empty: none are hidden
     };
-    std::unique_ptr<Hidden> hidden_;  // null until something was hidden
+    std::unique_ptr<Hidden> hidden_;  // null until hide() was called
 };
 
 }  // namespace neuvv::render

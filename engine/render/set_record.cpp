@@ -1,4 +1,4 @@
-// The recording half of SetRaster.
+// The part of SetRaster that records commands.
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -60,23 +60,23 @@ void to_attachment(gpu::Commands& commands, const gpu::DeviceImage& image,
                                                                 : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 }
 
-// A part of an attachment that was drawn to → the `slot`th image of that size in the buffer. The image is left in
-// layout TRANSFER_SRC.
+// Copies a part of an attachment that was drawn to, as the image number `index` of that size, to the buffer. The
+// attachment is left in layout TRANSFER_SRC.
 void store(gpu::Commands& commands, const gpu::DeviceImage& image, const VkRect2D& area, const gpu::Buffer& to,
-           uint32_t slot) {
+           uint32_t index) {
     const bool depth = image.shape.format == VK_FORMAT_D32_SFLOAT;
     gpu::move_layout(commands, image,
                      depth ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                      VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     const uint64_t bytes = image.shape.format == VK_FORMAT_R16G16B16A16_SFLOAT ? 8 : 4;
-    gpu::copy(commands, image, area, to, bytes * slot * area.extent.width * area.extent.height);
+    gpu::copy(commands, image, area, to, bytes * index * area.extent.width * area.extent.height);
 }
 
 }  // namespace
 
 void SetRaster::record_shadows(gpu::Commands& commands) {
-    if (!shadows_old_) return;
-    shadows_old_ = false;
+    if (!shadows_outdated_) return;
+    shadows_outdated_ = false;
     for (uint32_t i = 0; i < packed_.count; i++)
         if (packed_.light[i].shadow != kNoShadow) record_shadow(commands, packed_.light[i]);
     gpu::compute_barrier(commands);
@@ -159,7 +159,7 @@ void SetRaster::draw_background(gpu::Commands& commands, const stage::Camera& ca
     vkCmdDraw(to, 3, 1, 0, 0);
 }
 
-// Nearer than all else, so that nothing is drawn there.
+// Draws the hidden triangles nearer than everything else, so that nothing else is drawn there.
 void SetRaster::draw_hidden(gpu::Commands& commands, uint32_t view) const {
     const auto [first, count] = hidden_->of_view[view];
     if (count == 0) return;
@@ -173,18 +173,18 @@ void SetRaster::draw_hidden(gpu::Commands& commands, uint32_t view) const {
     vkCmdDraw(to, count, 1, first, 0);
 }
 
-// By the middles of the primitives' boxes; at equal distances in the file's order.
+// Sorts by the middles of the primitives' boxes, and by the file's order at equal distances.
 void SetRaster::sort_far_to_near(const glm::vec3& eye) {
     order_.clear();
     for (uint32_t i = 0; i < geometry_.draws.size(); i++) {
         const SceneDraw& one = geometry_.draws[i];
         const float distance = glm::length(0.5f * (one.low + one.high) - eye);
-        order_.emplace_back(std::isfinite(distance) ? -distance : 0, i);  // of vertices that overflow
+        order_.emplace_back(std::isfinite(distance) ? -distance : 0, i);  // not finite where vertices overflow
     }
     std::sort(order_.begin(), order_.end());
 }
 
-// Near to far, so that little is shaded that is hidden in the end; masked pieces last.
+// Draws near to far, so that few hidden fragments are shaded; masked pieces come last.
 void SetRaster::draw_solid(gpu::Commands& commands, const SetPush& push) {
     sort_far_to_near(glm::vec3(push.eye));
     bind_streams(commands, geometry_);

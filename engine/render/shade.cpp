@@ -16,7 +16,7 @@ Shader::Shader(const gpu::Device& device, const Field& given_field, const SliceT
       pass(device, "shade", shade_comp, {field.hh_degree}),
       set(pass, {{kShadeEntries, &trees.entries},
                  {kShadeLeaves, &trees.entry_leaf},
-                 {kShadePlaces, &field.leaf_positions},
+                 {kShadePositions, &field.leaf_positions},
                  {kShadeCount, &trees.counts},
                  {kShadeOut, &shaded}}) {}
 

@@ -19,7 +19,7 @@ LiveLeaves::LiveLeaves(const gpu::Device& device, const Field& field, uint32_t s
       head(device, "slice head", uint64_t{8} * field.leaf_count, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       slot_leaf(device, "slice leaves", uint64_t{4} * capacity, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       live(device, "live count", sizeof(LiveCount), gpu::MemoryKind::kDevice) {
-    // Of the indirect dispatches.
+    // The limit of the indirect dispatches over slots.
     if (gpu::groups_of(capacity, kSliceGroup) > device.limits().maxComputeWorkGroupCount[0])
         throw RuntimeFailure(
             fmt::format("{} leaves that may live at once are more than this device dispatches; it may "

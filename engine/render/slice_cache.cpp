@@ -10,7 +10,7 @@ namespace neuvv::render {
 
 namespace {
 
-// As many slices as budget, clip and device have room for, one at least.
+// The number of slices for which the budget, the clip and the device have room, at least one.
 uint32_t slice_count(const gpu::Device& device, const Field& field, size_t paints, uint32_t entries,
                      uint64_t budget_bytes) {
     const uint64_t texels = uint64_t{sh_count(field.hh_degree)} * std::max(entries, 1u);
@@ -32,37 +32,40 @@ SliceCache::SliceCache(const gpu::Device& device, const Field& field, const Live
       paints_(paints),
       trees_(device, field, entries, slice_count(device, field, paints.count(), entries, budget_bytes)),
       slicer_(device, field, live, trees_),
-      kept_(trees_.slices) {}
+      slices_(trees_.slices) {}
 
-SliceCache::Kept* SliceCache::kept_of(SliceKey key) {
-    const auto found = std::find_if(kept_.begin(), kept_.end(), [key](const Kept& one) { return one.key == key; });
-    return found == kept_.end() ? nullptr : &*found;
+SliceCache::CachedSlice* SliceCache::find_cached(SliceKey key) {
+    const auto found =
+        std::find_if(slices_.begin(), slices_.end(), [key](const CachedSlice& one) { return one.key == key; });
+    return found == slices_.end() ? nullptr : &*found;
 }
 
-SliceCache::Kept& SliceCache::oldest() {
-    return *std::min_element(kept_.begin(), kept_.end(),
-                             [](const Kept& a, const Kept& b) { return a.asked < b.asked; });
+SliceCache::CachedSlice& SliceCache::oldest() {
+    return *std::min_element(slices_.begin(), slices_.end(), [](const CachedSlice& a, const CachedSlice& b) {
+        return a.last_requested < b.last_requested;
+    });
 }
 
-// The place that a slice may take which is not kept; a painted one may take that of one that is not.
-SliceCache::Kept* SliceCache::place_for(SliceKey key) {
-    Kept& place = oldest();
-    if (place.asked < images_) return &place;
+// The slice that a new one may replace, or null. A painted slice may even replace one without paint that this image
+// needs.
+SliceCache::CachedSlice* SliceCache::replaceable_for(SliceKey key) {
+    CachedSlice& slice = oldest();
+    if (slice.last_requested < images_) return &slice;
     if (key.paint == 0) return nullptr;
-    const auto plain =
-        std::find_if(kept_.begin(), kept_.end(), [](const Kept& one) { return one.key && one.key->paint == 0; });
-    return plain == kept_.end() ? nullptr : &*plain;
+    const auto plain = std::find_if(slices_.begin(), slices_.end(),
+                                    [](const CachedSlice& one) { return one.key && one.key->paint == 0; });
+    return plain == slices_.end() ? nullptr : &*plain;
 }
 
-// Where least is lost.
-void SliceCache::lend_place() {
-    const auto least =
-        std::min_element(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.parts < b.parts; });
-    *least = {std::nullopt, 0, images_, images_};
-    lent_ = static_cast<uint32_t>(least - kept_.begin());
+// The one with the fewest built parts, so that the least work is lost.
+void SliceCache::choose_shared() {
+    const auto least_built = std::min_element(
+        slices_.begin(), slices_.end(), [](const CachedSlice& a, const CachedSlice& b) { return a.parts < b.parts; });
+    *least_built = {std::nullopt, 0, images_, images_};
+    shared_ = static_cast<uint32_t>(least_built - slices_.begin());
 }
 
-// Descriptors are written before the image, not in it.
+// Writes the descriptors of paints, before the image is recorded.
 void SliceCache::bind(std::span<const SliceKey> keys) {
     std::erase_if(bound_, [this](const auto& one) { return !paints_.find(one.first); });
     for (const SliceKey& key : keys) {
@@ -74,40 +77,40 @@ void SliceCache::bind(std::span<const SliceKey> keys) {
     }
 }
 
-void SliceCache::ask(std::span<const SliceKey> keys) {
+void SliceCache::request(std::span<const SliceKey> keys) {
     images_++;
-    ahead_.clear();
-    lent_.reset();
+    prefetch_.clear();
+    shared_.reset();
     bind(keys);
     for (const SliceKey& key : keys)
-        if (Kept* kept = kept_of(key)) kept->shown = kept->asked = images_;
+        if (CachedSlice* cached = find_cached(key)) cached->last_used = cached->last_requested = images_;
     for (const bool painted : {true, false})
         for (const SliceKey& key : keys) {
-            if ((key.paint != 0) != painted || kept_of(key)) continue;
-            if (Kept* place = place_for(key)) {
-                *place = {key, 0, images_, images_};
+            if ((key.paint != 0) != painted || find_cached(key)) continue;
+            if (CachedSlice* slice = replaceable_for(key)) {
+                *slice = {key, 0, images_, images_};
             } else {
-                if (painted && !lent_) lend_place();
+                if (painted && !shared_) choose_shared();
                 break;
             }
         }
 }
 
-void SliceCache::ask_ahead(std::span<const SliceKey> keys) {
-    ahead_.assign(keys.begin(), keys.end());
+void SliceCache::request_prefetch(std::span<const SliceKey> keys) {
+    prefetch_.assign(keys.begin(), keys.end());
     bind(keys);
-    for (const SliceKey& key : ahead_)
-        if (Kept* kept = kept_of(key)) kept->asked = images_;
+    for (const SliceKey& key : prefetch_)
+        if (CachedSlice* cached = find_cached(key)) cached->last_requested = images_;
 }
 
 std::optional<uint32_t> SliceCache::find(SliceKey key) const {
-    for (uint32_t i = 0; i < kept_.size(); i++)
-        if (kept_[i].key == key) return i;
+    for (uint32_t i = 0; i < slices_.size(); i++)
+        if (slices_[i].key == key) return i;
     return std::nullopt;
 }
 
 void SliceCache::forget() {
-    std::fill(kept_.begin(), kept_.end(), Kept{});
+    std::fill(slices_.begin(), slices_.end(), CachedSlice{});
 }
 
 const SlicePaint* SliceCache::paint_of(SliceKey key) const {
@@ -115,45 +118,45 @@ const SlicePaint* SliceCache::paint_of(SliceKey key) const {
 }
 
 void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) {
-    Kept& kept = kept_[slice];
-    const SliceKey key = *kept.key;
-    for (uint32_t i = 0; i < kept_.size(); i++)  // who else has a part gives up the live leaves
-        if (i != slice && kept_[i].parts < kSliceParts) kept_[i].parts = 0;
-    if (kept.parts == 0 && parts >= kSliceParts) {
+    CachedSlice& cached = slices_[slice];
+    const SliceKey key = *cached.key;
+    for (uint32_t i = 0; i < slices_.size(); i++)  // another partly built slice loses the live leaves
+        if (i != slice && slices_[i].parts < kSliceParts) slices_[i].parts = 0;
+    if (cached.parts == 0 && parts >= kSliceParts) {
         record_slice_tree(commands, slicer_, slice, key.frame, paint_of(key));
-        kept.parts = kSliceParts;
+        cached.parts = kSliceParts;
     }
-    for (; parts > 0 && kept.parts < kSliceParts; parts--)
-        record_slice_part(commands, slicer_, slice, key.frame, kept.parts++, paint_of(key));
+    for (; parts > 0 && cached.parts < kSliceParts; parts--)
+        record_slice_part(commands, slicer_, slice, key.frame, cached.parts++, paint_of(key));
 }
 
 void SliceCache::record_slices(gpu::Commands& commands) {
-    const auto is_wanted = [this](const Kept& kept) {
-        return kept.key && kept.shown == images_ && kept.parts < kSliceParts;
+    const auto is_missing = [this](const CachedSlice& cached) {
+        return cached.key && cached.last_used == images_ && cached.parts < kSliceParts;
     };
-    for (const bool begun : {true, false})  // first the one that has a part
-        for (uint32_t i = 0; i < kept_.size(); i++)
-            if (is_wanted(kept_[i]) && (kept_[i].parts > 0) == begun) build(commands, i, kSliceParts);
+    for (const bool begun : {true, false})  // first the slice that is partly built
+        for (uint32_t i = 0; i < slices_.size(); i++)
+            if (is_missing(slices_[i]) && (slices_[i].parts > 0) == begun) build(commands, i, kSliceParts);
 }
 
-std::optional<uint32_t> SliceCache::record_slice_of(gpu::Commands& commands, SliceKey key) {
+std::optional<uint32_t> SliceCache::find_or_record(gpu::Commands& commands, SliceKey key) {
     const std::optional<uint32_t> there = find(key);
-    if (there || key.paint == 0 || !lent_) return there;
-    kept_[*lent_] = {key, 0, images_, images_};
-    build(commands, *lent_, kSliceParts);
-    return lent_;
+    if (there || key.paint == 0 || !shared_) return there;
+    slices_[*shared_] = {key, 0, images_, images_};
+    build(commands, *shared_, kSliceParts);
+    return shared_;
 }
 
-void SliceCache::record_ahead(gpu::Commands& commands, uint32_t parts) {
-    for (const SliceKey& key : ahead_) {
-        Kept* kept = kept_of(key);
-        if (!kept) {
-            kept = &oldest();
-            if (kept->asked == images_) return;
-            *kept = {key, 0, 0, images_};
+void SliceCache::record_prefetch(gpu::Commands& commands, uint32_t parts) {
+    for (const SliceKey& key : prefetch_) {
+        CachedSlice* cached = find_cached(key);
+        if (!cached) {
+            cached = &oldest();
+            if (cached->last_requested == images_) return;
+            *cached = {key, 0, 0, images_};
         }
-        const uint32_t wanted = std::min(parts, kSliceParts - kept->parts);
-        if (wanted > 0) build(commands, static_cast<uint32_t>(kept - kept_.data()), wanted);
+        const uint32_t wanted = std::min(parts, kSliceParts - cached->parts);
+        if (wanted > 0) build(commands, static_cast<uint32_t>(cached - slices_.data()), wanted);
         parts -= wanted;
         if (parts == 0) return;
     }

@@ -1,4 +1,4 @@
-// Slices of one field that are kept on the device: those shown last, as many as a budget holds.
+// Slices of one field that are kept on the device: those that images used last, as many as a budget allows.
 #pragma once
 
 #include <map>
@@ -10,10 +10,10 @@
 
 namespace neuvv::render {
 
-// Bytes that the slices of a performer may take on the device, however many instances and frames are shown.
+// The default budget: bytes that slices may take on the device, however many instances and times there are.
 constexpr uint64_t kSliceBudget = uint64_t{256} << 20;
 
-// What a slice shows: a time of the clip, and how it is painted (Paints; 0: not at all).
+// The content of a slice: a time of the clip in frames, and a paint (its number in Paints; 0: none).
 struct SliceKey {
     float frame = 0;
     uint32_t paint = 0;
@@ -22,47 +22,49 @@ struct SliceKey {
 
 class SliceCache {
   public:
-    // Room for as many slices of `entries` entries as the budget allows, one at least. `live` is scratch. All must
-    // outlive it; the paints may become more and fewer.
+    // Has room for as many slices of `entries` entries as the budget, the clip and the device allow, but at least for
+    // one. `live` is scratch memory. All arguments must outlive it; paints may be added and removed meanwhile.
     SliceCache(const gpu::Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
                uint32_t entries, uint64_t budget_bytes);
 
-    // Before an image: it needs these slices. Those that are kept stay; the others take the places of those that were
-    // not asked for for longest, the painted first, the first of them first, until all places are this image's. Where
-    // the painted do not all find one, some share one of the places, and are built there while the image is drawn
-    // (record_slice_of). Throws RuntimeFailure for a paint that is not there.
-    void ask(std::span<const SliceKey> keys);
-    // Where a slice that was asked for is; none where there was no room.
+    // Requests the slices that an image needs, before the image is recorded. Cached slices stay. Each of the others
+    // replaces the slice that was requested longest ago: first those with paint, then those without, each in the order
+    // of `keys`, until all cached slices are of this image. Where there is no room for all painted slices, the rest of
+    // them share the memory of one slice, and are built there one after the other while the image is drawn
+    // (find_or_record). Throws RuntimeFailure for a paint that does not exist.
+    void request(std::span<const SliceKey> keys);
+    // The index of a requested slice among trees(); nothing where there was no room for it.
     std::optional<uint32_t> find(SliceKey key) const;
-    // Whether the image that asked last shows it.
-    bool is_shown(uint32_t slice) const { return kept_[slice].key && kept_[slice].shown == images_; }
+    // Whether the last image requested the slice of this index.
+    bool is_used(uint32_t slice) const { return slices_[slice].key && slices_[slice].last_used == images_; }
+    // Drops all slices.
     void forget();
 
-    // After ask(): these slices will be needed next. The first of them that is not kept is built in parts
-    // (record_ahead), in the place of one that this image does not need, if there is any.
-    void ask_ahead(std::span<const SliceKey> keys);
+    // Requests the slices that the next images will need, after request(). The first of them that is not cached is
+    // built in parts by record_prefetch(), and replaces a slice that this image does not need, if there is one.
+    void request_prefetch(std::span<const SliceKey> keys);
 
-    // Builds the slices that were asked for and are not there, but for those that share a place.
+    // Builds the requested slices that are not built yet, except for those that share memory.
     void record_slices(gpu::Commands& commands);
-    // Where a slice that was asked for is; one that shares its place is built there, and stays until the next of them
-    // is. None where there was no room for one without paint.
-    std::optional<uint32_t> record_slice_of(gpu::Commands& commands, SliceKey key);
-    // Builds so many parts of those that were asked for ahead.
-    void record_ahead(gpu::Commands& commands, uint32_t parts);
+    // Returns the index of a requested slice. One that shares memory is built first, and is valid until the next of
+    // them is built. Returns nothing for a slice without paint for which there was no room.
+    std::optional<uint32_t> find_or_record(gpu::Commands& commands, SliceKey key);
+    // Builds `parts` parts of the slices that request_prefetch() requested.
+    void record_prefetch(gpu::Commands& commands, uint32_t parts);
 
     const SliceTrees& trees() const { return trees_; }
 
   private:
-    struct Kept {
+    struct CachedSlice {
         std::optional<SliceKey> key;
-        uint32_t parts = 0;  // of kSliceParts that are built
-        uint64_t shown = 0;  // by which image last
-        uint64_t asked = 0;  // the same, or ahead of one
+        uint32_t parts = 0;           // how many of kSliceParts are built
+        uint64_t last_used = 0;       // the number of the last image that needed it
+        uint64_t last_requested = 0;  // the same, or an image before which it was prefetched
     };
-    Kept* kept_of(SliceKey key);
-    Kept& oldest();
-    Kept* place_for(SliceKey key);
-    void lend_place();
+    CachedSlice* find_cached(SliceKey key);
+    CachedSlice& oldest();
+    CachedSlice* replaceable_for(SliceKey key);
+    void choose_shared();
     void bind(std::span<const SliceKey> keys);
     const SlicePaint* paint_of(SliceKey key) const;
     void build(gpu::Commands& commands, uint32_t slice, uint32_t parts);
@@ -72,11 +74,11 @@ class SliceCache {
     const Paints& paints_;
     SliceTrees trees_;
     TreeSlicer slicer_;
-    std::vector<Kept> kept_;        // per slice; of one at most a part is built, which then has the live leaves
-    std::optional<uint32_t> lent_;  // the place that painted slices share in this image
-    std::vector<SliceKey> ahead_;
+    std::vector<CachedSlice> slices_;  // by index; at most one is partly built, and uses the live leaves
+    std::optional<uint32_t> shared_;   // the slice whose memory painted slices share in this image
+    std::vector<SliceKey> prefetch_;
     uint64_t images_ = 0;
-    std::unique_ptr<Painter> painter_;  // made when first needed
+    std::unique_ptr<Painter> painter_;  // created when first needed
     std::map<uint32_t, SlicePaint> bound_;
 };
 

@@ -12,7 +12,7 @@
 
 namespace neuvv::render {
 
-uint32_t most_entries(const Field& field) {
+uint32_t max_entries(const Field& field) {
     return field.leaf_count + field.node_count() - 1;
 }
 
@@ -38,7 +38,7 @@ SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t e
                         capacity));
     const std::vector<LiveCount> none(slices);
     gpu::upload(device, counts, none.data(), none.size() * sizeof(LiveCount));
-    // A node that finds no room leaves entries behind that no one writes.
+    // Entries of a node that is left out for lack of room are never written.
     gpu::run_once(device, "leaves of entries",
                   [this](gpu::Commands& commands) { gpu::fill(commands, entry_leaf, kNoLeaf); });
 }
@@ -84,7 +84,8 @@ void record_nodes(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t sl
 
 void record_slice_begin(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame) {
     gpu::fill(commands, slicer.live.node_live, 0);
-    const LiveCount none{0, 1, 1, 0, 0};  // the overflow stays: trees with any are replaced (Performer::enlarge_slices)
+    // The overflow is not cleared: trees that have any are replaced (Performer::enlarge_slices).
+    const LiveCount none{0, 1, 1, 0, 0};
     gpu::update(commands, slicer.trees.counts, &none, offsetof(LiveCount, overflow), slice * sizeof(LiveCount));
     record_rows(commands, slicer.finder, frame);
 }
@@ -125,7 +126,7 @@ void record_slice_part(gpu::Commands& commands, const TreeSlicer& slicer, uint32
     } else {
         const auto share = [slots](uint64_t i) { return static_cast<uint32_t>(slots * i / kEntryParts); };
         const uint32_t first = share(part - kDensityParts - 1);
-        // Leaves that paint erased have their slots still, and may keep others beyond as many as there are entries.
+        // Leaves that paint has erased still have slots, so slots of other leaves may lie beyond the number of entries.
         const bool last = part + 1 == kSliceParts;
         const uint32_t end = last && paint ? slicer.live.capacity : share(part - kDensityParts);
         {

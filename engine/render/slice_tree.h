@@ -1,5 +1,5 @@
-// A slice as a tree of its own, for playing (shared/slice_tree.h): masks pruned to live leaves, σ and SH where a walk
-// finds them. Built on the device in one go.
+// Slice tree: a slice as a tree of its own, for playing (shared/slice_tree.h). Its masks are pruned to live leaves, and
+// its entries hold σ and SH in the order in which a walk finds them. The device builds it.
 #pragma once
 
 #include "render/paint.h"
@@ -8,24 +8,25 @@
 
 namespace neuvv::render {
 
-// Slices of one field behind each other.
+// Several slices of one field, one after the other in the same buffers.
 struct SliceTrees {
-    // Room for `capacity` entries a slice: one for each live leaf and each live node but the root. A node that finds
-    // none is dead, and its cells are counted in LiveCount::overflow.
+    // Each slice has room for `entry_capacity` entries: one for each live leaf and each live node but the root. Where a
+    // node finds no room for its entries the node is left out, and they are counted in LiveCount::overflow. Throws
+    // RuntimeFailure where the device cannot dispatch so many entries.
     SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slices);
 
     uint32_t capacity, slices, node_count;
-    gpu::Buffer nodes;       // per slice and node of the field: live cells, first entry, wide octants
-    gpu::Buffer entries;     // σ and SH, fp16
-    gpu::Buffer entry_leaf;  // per entry its leaf, or kNoLeaf
-    gpu::Buffer counts;      // per slice LiveCount of entries; all 0 before it is built
+    gpu::Buffer nodes;       // per slice and node of the field: mask of live cells, first entry, wide octants
+    gpu::Buffer entries;     // per entry: σ and SH, fp16
+    gpu::Buffer entry_leaf;  // per entry: its leaf, or kNoLeaf
+    gpu::Buffer counts;      // per slice: LiveCount of entries; all 0 before the slice is built
 
     uint32_t node_base(uint32_t slice) const { return slice * node_count; }
     uint32_t entry_base(uint32_t slice) const { return slice * capacity; }
 };
 
-// Entries that no slice of the field exceeds, and the bytes of a slice with room for so many.
-uint32_t most_entries(const Field& field);
+// The largest number of entries that a slice of the field can have, and the bytes of a slice with room for `entries`.
+uint32_t max_entries(const Field& field);
 uint64_t slice_bytes(const Field& field, uint32_t entries);
 
 struct TreeSlicer {
@@ -40,13 +41,13 @@ struct TreeSlicer {
     gpu::BindingSet nodes_set, entries_set;
 };
 
-// `slice`: which of the trees becomes that of the frame, 0..frames−1, fractions interpolate (errata 9); painted, where
-// there is paint (bound to these trees). What finds no room is added to what LiveCount::overflow counts already.
+// Builds the slice at time `frame` (0..frames−1; fractions interpolate, errata 9) as the tree number `slice`. `paint`,
+// if not null, is bound to these trees. Entries without room are added to LiveCount::overflow.
 void record_slice_tree(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
                        const SlicePaint* paint = nullptr);
 
-// The same in parts of about as much work each, 0 to kSliceParts − 1, between which nothing else may use the live
-// leaves.
+// Builds one part, 0..kSliceParts−1, of the same. The parts are about equal in work and must be recorded in order;
+// nothing else may use the live leaves between them.
 constexpr uint32_t kSliceParts = 6;
 void record_slice_part(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame, uint32_t part,
                        const SlicePaint* paint = nullptr);

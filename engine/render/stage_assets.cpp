@@ -23,7 +23,7 @@ StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
     return assets;
 }
 
-// On the device, of a file that is as it was.
+// A clip that is still on the device and whose file has not changed, or null.
 std::shared_ptr<const LoadedClip> StageLoader::find_clip(const std::filesystem::path& path,
                                                          const FileStamp& stamp) const {
     for (const auto& one : clips_)

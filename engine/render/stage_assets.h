@@ -1,4 +1,4 @@
-// Stage assets: what the files of a stage hold, read from the disk and put on the device for a StageRenderer.
+// Stage assets: the contents of a stage's files, read from the disk and uploaded to the device for a StageRenderer.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace neuvv::render {
 
-// A clip's file, on the device.
+// A clip's file on the device.
 struct LoadedClip {
     std::filesystem::path path;
     FileStamp stamp;
@@ -21,7 +21,7 @@ struct LoadedClip {
     voctree::PaintedField painted;
 };
 
-// A layer of paint as a performer shows it.
+// A visible layer of a performer's paint.
 struct LoadedLayer {
     std::shared_ptr<const voctree::EditLayer> edits;
     stage::PaintBlend blend = stage::PaintBlend::kNormal;
@@ -30,23 +30,23 @@ struct LoadedLayer {
 };
 
 struct StageAssets {
-    std::vector<std::shared_ptr<const LoadedClip>> clips;  // as Stage::clips
-    std::shared_ptr<const SetEnvironment> environment;     // dark where the stage has none
-    std::vector<std::vector<LoadedLayer>> paint;           // by performer: the layers that show, the lowest first
+    std::vector<std::shared_ptr<const LoadedClip>> clips;  // in the order of Stage::clips
+    std::shared_ptr<const SetEnvironment> environment;     // black where the stage has none
+    std::vector<std::vector<LoadedLayer>> paint;           // by performer: the visible layers, the lowest first
 };
 
-// Reads the files of a stage, and of its next versions only what is new: whatever somebody still has of an earlier
-// load, of a file that is as it was, is not read again.
+// Reads the files of a stage, and of its later versions only what has changed: an asset of an earlier load that is
+// still in use, and whose file has not changed, is not read again.
 class StageLoader {
   public:
-    // Called with what has been read of how many clips.
+    // Called after each clip that was read, with the number of clips read so far and the number to be read.
     using Loaded = std::function<void(size_t, size_t)>;
 
-    // The device must outlive it and all that it loads. Layers for which the source has a pointer are not read.
+    // The device must outlive the loader and all that it loads. Layers that `paint` returns are not read from the disk.
     explicit StageLoader(const gpu::Device& device, PaintSource paint = {});
 
-    // `loaded` counts clips that are read. Throws InputError for files that cannot be read and RuntimeFailure where the
-    // device has no room.
+    // Throws InputError for a file that cannot be read, and for paint of another clip; RuntimeFailure where the device
+    // has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});
 
   private:
@@ -63,7 +63,7 @@ class StageLoader {
     const gpu::Device& device_;
     PaintSource paint_source_;
     PaintFiles paint_files_;
-    std::vector<std::weak_ptr<const LoadedClip>> clips_;  // all that live
+    std::vector<std::weak_ptr<const LoadedClip>> clips_;  // all that are still in use
     std::vector<KnownEnvironment> environments_;          // likewise
 };
 

@@ -58,17 +58,17 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
                                        capacity.samples * capacity.height, capacity.views, assets_.environment);
     frames_ = std::make_unique<FrameRenderer>(device, fields_of(assets_.clips), capacity, set_.get());
-    take(stage, make_paints(stage, assets_));
+    apply_paints(stage, make_paints(stage, assets_));
 }
 
 void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
     NextPaints paints = make_paints(stage, assets);
     set_->change(stage.scene, assets.environment);
-    // Nothing fails from here on.
+    // Nothing may fail from here on.
     frames_->change_fields(fields_of(assets.clips));
     assets_ = std::move(assets);
     stage_ = &stage;
-    take(stage, std::move(paints));
+    apply_paints(stage, std::move(paints));
 }
 
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
@@ -76,16 +76,16 @@ StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, 
     for (size_t i = 0; i < stage.performers.size(); i++) {
         next.of_performer.push_back({assets.clips[stage.performers[i].clip], assets.paint[i]});
         const PaintKey& key = next.of_performer.back();
-        if (key.layers.empty() || paint_numbers_.contains(key) || next.made.contains(key)) continue;
+        if (key.layers.empty() || paint_numbers_.contains(key) || next.new_paints.contains(key)) continue;
         std::vector<PaintUse> uses;
         for (const LoadedLayer& layer : key.layers) uses.push_back({layer.edits.get(), layer.blend, layer.opacity});
-        next.made.try_emplace(key, device_, key.clip->field.leaf_count, uses);
+        next.new_paints.try_emplace(key, device_, key.clip->field.leaf_count, uses);
     }
     return next;
 }
 
-// The renderer has the fields of this stage already.
-void StageRenderer::take(const stage::Stage& stage, NextPaints next) {
+// Adds the new paints and removes unused ones. The renderer must have the fields of this stage already.
+void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
     std::map<PaintKey, uint32_t> numbers;
     paints_.clear();
     for (size_t i = 0; i < stage.performers.size(); i++) {
@@ -95,7 +95,7 @@ void StageRenderer::take(const stage::Stage& stage, NextPaints next) {
             const auto kept = paint_numbers_.find(key);
             number->second = kept != paint_numbers_.end()
                                  ? kept->second
-                                 : frames_->paints(stage.performers[i].clip).add(std::move(next.made.at(key)));
+                                 : frames_->paints(stage.performers[i].clip).add(std::move(next.new_paints.at(key)));
         }
         paints_.push_back(number->second);
     }
@@ -143,7 +143,7 @@ void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_envir
     set_->light(lights, ambient, {stage_->settings.shadows, stage_->settings.shadows});
 }
 
-// As show.glsl's with_set.
+// Composites as with_set of show.glsl does.
 media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, const glm::vec4& background) const {
     std::vector<glm::vec4> light = frames_->radiance();
     std::vector<float> metres = frames_->depth();

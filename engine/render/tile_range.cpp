@@ -11,7 +11,7 @@ namespace neuvv::render {
 
 namespace {
 
-// The dispatch over a list rounds its number up to whole rows.
+// A dispatch over a list rounds the number of tiles up to whole rows.
 uint64_t list_bytes(uint32_t tiles) {
     return uint64_t{4} * tiles + uint64_t{4} * kListRow;
 }
@@ -19,20 +19,20 @@ uint64_t list_bytes(uint32_t tiles) {
 }  // namespace
 
 RangeView range_view(const ShaderCamera& camera) {
-    // A place p is seen by the pixel (x, y) with p − eye = z (corner + x·right + y·down).
+    // The pixel (x, y) shows the points p with p − eye = z (corner + x·right + y·down).
     const glm::dmat3 place_from_pixel{glm::dvec3(camera.right), glm::dvec3(camera.down), glm::dvec3(camera.corner)};
     const glm::dmat3 rows = glm::transpose(glm::inverse(place_from_pixel));
     const auto row = [&rows](int i) { return glm::vec4(glm::vec3(rows[i]), 0); };
-    double reach_m = 0;  // lines are linear in x and y: the longest is at a corner
+    double longest_m = 0;  // the vector of a pixel is linear in x and y, so the longest one is at a corner
     for (const glm::dvec2 corner : {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(1, 1)}) {
         const glm::dvec2 at = corner * glm::dvec2(pixel_of_ray(camera.across, camera.right.w),
                                                   pixel_of_ray(camera.downwards, camera.down.w));
-        reach_m = std::max(reach_m, glm::length(place_from_pixel * glm::dvec3(at, 1)));
+        longest_m = std::max(longest_m, glm::length(place_from_pixel * glm::dvec3(at, 1)));
     }
-    return {glm::vec4(glm::vec3(camera.origin), static_cast<float>(reach_m)), row(0), row(1), row(2)};
+    return {glm::vec4(glm::vec3(camera.origin), static_cast<float>(longest_m)), row(0), row(1), row(2)};
 }
 
-double pixels_around(const RangeView& view, glm::dvec2 image, glm::vec3 box_min, glm::vec3 box_max) {
+double pixels_covered(const RangeView& view, glm::dvec2 image, glm::vec3 box_min, glm::vec3 box_max) {
     glm::dvec2 low(1e30), high(-1e30);
     uint32_t behind = 0;
     for (uint32_t i = 0; i < 8; i++) {
@@ -47,8 +47,8 @@ double pixels_around(const RangeView& view, glm::dvec2 image, glm::vec3 box_min,
     }
     if (behind == 8) return 0;
     if (behind > 0) return image.x * image.y;
-    const glm::dvec2 seen = glm::max(glm::min(high, image) - glm::max(low, 0.0), 0.0);
-    return seen.x * seen.y;
+    const glm::dvec2 covered = glm::max(glm::min(high, image) - glm::max(low, 0.0), 0.0);
+    return covered.x * covered.y;
 }
 
 uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
@@ -68,8 +68,8 @@ TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t i
       ranges(device, "tile ranges", uint64_t{8} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       list(device, "tile list", list_bytes(ray_tiles), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       count(device, "count of tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice),
-      seen(device, "tiles seen", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      sharing(device, "tiles shared", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      covered(device, "covered tiles", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
+      sharing(device, "shared tiles", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       image_list(device, "images' tile list", list_bytes(image_tiles), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       image_count(device, "count of the images' tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice) {}
 
@@ -82,24 +82,24 @@ TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, cons
       list(device, "tile list", tile_list_comp),
       range_set(range, {{kRangeNodes, trees ? &trees->nodes : &field.nodes},
                         {kRangeInner, &field.inner_cells},
-                        {kRangePlaces, &field.node_places},
+                        {kRangePositions, &field.node_positions},
                         {kRangeViews, &ranges.views},
                         {kRangeCameras, &rays.cameras},
                         {kRangeTiles, &ranges.ranges}}),
       list_set(list, {{kRangeTiles, &ranges.ranges},
                       {kRangeList, &ranges.list},
                       {kRangeCount, &ranges.count},
-                      {kRangeSeen, &ranges.seen},
+                      {kRangeCovered, &ranges.covered},
                       {kRangeSharing, &ranges.sharing}}) {}
 
-void record_unseen(gpu::Commands& commands, const TileRanges& ranges) {
-    gpu::fill(commands, ranges.seen, 0);
+void record_clear_coverage(gpu::Commands& commands, const TileRanges& ranges) {
+    gpu::fill(commands, ranges.covered, 0);
     gpu::fill(commands, ranges.image_list, kNoTile);
     gpu::update(commands, ranges.image_count, LiveCount{0, 1, 1, 0, 0});
     gpu::compute_barrier(commands);
 }
 
-void record_unshared(gpu::Commands& commands, const TileRanges& ranges) {
+void record_clear_sharing(gpu::Commands& commands, const TileRanges& ranges) {
     gpu::fill(commands, ranges.sharing, 0);
     gpu::compute_barrier(commands);
 }

@@ -80,20 +80,21 @@ gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays) {
             {kTraceDepth, &rays.depth}};
 }
 
-// What is not there is bound to a buffer of the same format, and not read.
-gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments) {
-    assert(into != Into::kSegments || segments);
-    const bool bound = into == Into::kSegments;
+// Bindings of buffers that do not exist get other buffers of the same formats, which are not read.
+gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, RayOutput output,
+                                const Segments* segments) {
+    assert(output != RayOutput::kSegments || segments);
+    const bool bound = output == RayOutput::kSegments;
     return gpu::joined(trace_bindings(field, target.rays),
                        {{kTraceTileList, &target.ranges.list},
                         {kTraceTileRanges, &target.ranges.ranges},
                         {kTraceSharing, &target.ranges.sharing},
                         {kTracePages, bound ? &segments->pages() : &target.no_lights},
                         {kTraceHeads, bound ? &segments->heads() : &target.no_lights},
-                        {kTraceSetDepth, target.around.set_depth},
-                        {kTraceLights, target.around.lights},
-                        {kTraceSetShadows, target.around.set_shadows},
-                        {kTracePerformerShadows, target.around.performer_shadows}});
+                        {kTraceSetDepth, target.set_buffers.set_depth},
+                        {kTraceLights, target.set_buffers.lights},
+                        {kTraceSetShadows, target.set_buffers.set_shadows},
+                        {kTracePerformerShadows, target.set_buffers.performer_shadows}});
 }
 
 Tracer::Tracer(const gpu::Device& device, const Field& given_field, const Slice& slice, const RayBatch& rays)
@@ -108,7 +109,7 @@ void record_trace(gpu::Commands& commands, const Tracer& tracer, uint32_t tiles,
     gpu::compute_barrier(commands);
 }
 
-// What a field alone does not read is bound to buffers of the same formats.
+// Bindings that only instances need get other buffers of the same formats, which are not read.
 DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, const LiveLeaves& live,
                            const RayBatch& rays, Walk walk)
     : field(given_field),
@@ -116,7 +117,7 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
       pass(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
             walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
-            kIntoRay}),
+            kOutputRay}),
       set(pass, gpu::joined(trace_bindings(field, rays), {{kTraceWeights, &field.weights},
                                                           {kTraceRows, &live.rows},
                                                           {kTraceTileList, &rays.tiles},
@@ -130,14 +131,14 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
                                                           {kTracePerformerShadows, &rays.depth}})) {}
 
 DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, const LiveLeaves& live,
-                           const RayTarget& target, Into into, const Segments* segments)
+                           const RayTarget& target, RayOutput output, const Segments* segments)
     : field(given_field),
       tile_count(&target.ranges.count),
       pass(device, "direct", direct_comp,
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
-            static_cast<uint32_t>(into)}),
+            static_cast<uint32_t>(output)}),
       set(pass, gpu::joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
-                            instance_bindings(field, target, into, segments))) {}
+                            instance_bindings(field, target, output, segments))) {}
 
 void record_direct(gpu::Commands& commands, const DirectTracer& tracer, uint32_t tiles, float stop) {
     const gpu::PassScope scope(commands, tracer.pass.name());

@@ -1,4 +1,4 @@
-// Trace: rays of pixel tiles through a field, by its slice or directly.
+// Trace: the rays of pixel tiles through a field, by its slice or directly.
 #pragma once
 
 #include <vector>
@@ -11,26 +11,26 @@
 
 namespace neuvv::render {
 
-// Rays on the device: tiles of 8×8 pixels of some cameras, and what tracing them gave, in tile order.
+// Rays on the device: cameras, their tiles of 8×8 pixels, and the results of tracing them, in tile order.
 struct RayBatch {
-    // At most `cameras` cameras and `tiles` tiles.
+    // Has room for `cameras` cameras and `tiles` tiles.
     RayBatch(const gpu::Device& device, uint32_t cameras, uint32_t tiles);
 
     uint32_t camera_capacity, tile_capacity;
     gpu::Buffer cameras;   // ShaderCamera, host-mapped
     gpu::Buffer tiles;     // Tile, host-mapped
-    gpu::Buffer radiance;  // per ray premultiplied linear RGB and alpha
-    gpu::Buffer depth;     // per ray metres (errata 12)
+    gpu::Buffer radiance;  // per ray: premultiplied linear RGB and alpha
+    gpu::Buffer depth;     // per ray: metres (errata 12)
 };
 
-// `camera` is enlarged so that its pixels are the samples × samples rays of an image's pixel (ray.glsl spreads them);
-// 1 where rays leave pixels' centres, or tiles say where.
+// The camera as shaders take it. `camera` must be enlarged so that each of its pixels is one of the samples × samples
+// rays of an image's pixel; ray.glsl distributes them. `samples` is 1 where rays go through the centres of pixels.
 ShaderCamera shader_camera(const stage::Camera& camera, uint32_t samples = 1);
 
-// The camera in the space of a performer that stands at `world_from_performer`, which must be invertible (errata 13).
+// The camera in the space of a performer. `world_from_performer` must be invertible (errata 13).
 stage::Camera in_performer(stage::Camera camera, const glm::mat4& world_from_performer);
 
-// Every tile of one image, row by row.
+// All tiles of one image, row by row. `camera` is an index into RayBatch::cameras.
 std::vector<Tile> tiles_of_image(uint32_t camera, uint32_t width, uint32_t height);
 
 constexpr float kStopTransmittance = 1.0f / 4096;  // changes no 8-bit sRGB value by more than a step, even on black
@@ -47,44 +47,44 @@ struct Tracer {
 void record_trace(gpu::Commands& commands, const Tracer& tracer, uint32_t tiles, float stop = kStopTransmittance);
 
 enum class Walk {
-    kDown,      // from the grid over the upper levels, and within a node in registers
-    kFromRoot,  // the paper's: from the root to every cell
+    kFromGrid,  // from the grid over the upper levels, with the masks of a node in registers
+    kFromRoot,  // the paper's walk: from the root to every cell
 };
 
-// What becomes of the rays of an instance (kInto… of shared/trace.h).
-enum class Into : uint32_t {
-    kLayer = kIntoLayer,                // under all that stands there: instances in draw order
-    kLayerByDepth = kIntoLayerByDepth,  // over or under it: the paper's Algorithm 1 (errata 11)
-    kSegments = kIntoSegments,          // to be merged with others
-    kInspect = kIntoInspect,            // what their walks were like, in place of light (shared/inspect.h)
+// How the rays of an instance are combined with those of earlier instances in the target (kOutput… of shared/trace.h).
+enum class RayOutput : uint32_t {
+    kLayer = kOutputLayer,                // under what is there: for instances in draw order
+    kLayerByDepth = kOutputLayerByDepth,  // over or under it, by depth: the paper's Algorithm 1 (errata 11)
+    kSegments = kOutputSegments,          // stored as segments, to be merged with those of others
+    kInspect = kOutputInspect,            // level and steps of the walks in place of light (shared/inspect.h)
 };
 
-// Some of a target's tiles of rays: first..end−1.
+// The tiles first..end−1 of a target's tiles of rays.
 struct TileSpan {
     uint32_t first = 0, end = UINT32_MAX;
 };
 
-// How an instance's rays are traced. Its cameras stand in the batch from `first_camera` on, one a view; the batch's
-// first are the world's.
+// How an instance's rays are traced. Its cameras are in the batch from `first_camera` on, one per view. The first
+// cameras of the batch are those of the views in world space.
 struct InstanceRays {
     uint32_t first_camera = 0;
     float opacity = 1;
     float stop = kStopTransmittance;
     TileSpan tiles;
-    glm::uvec2 set_size{0};  // texels of the set's depth in a view; 0: there is no set
-    uint32_t lighting = 0;   // of kLit, kShadowed
+    glm::uvec2 set_size{0};  // texels of the set's depth in a view; 0: no set
+    uint32_t lighting = 0;   // bits kLit, kShadowed
 };
 
 struct RayTarget;
 class Segments;
 
-// The paper's way, all numbers of a leaf at each sample. Needs only the rows of a slice (record_rows).
+// Traces as the paper does, with all numbers of a leaf at each sample. It needs only the rows of a slice (record_rows).
 struct DirectTracer {
     DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayBatch& rays,
-                 Walk walk = Walk::kDown);
-    // For instances. `segments`: not null where these are what rays become.
+                 Walk walk = Walk::kFromGrid);
+    // For instances. `segments` must not be null where `output` is kSegments (assert).
     DirectTracer(const gpu::Device& device, const Field& field, const LiveLeaves& live, const RayTarget& target,
-                 Into into, const Segments* segments);
+                 RayOutput output, const Segments* segments);
 
     const Field& field;
     const gpu::Buffer* tile_count = nullptr;
@@ -96,14 +96,15 @@ struct DirectTracer {
 void record_direct(gpu::Commands& commands, const DirectTracer& tracer, uint32_t tiles,
                    float stop = kStopTransmittance);
 
-// As record_trace_tree, where an instance has no slice.
+// Traces an instance that has no slice; see record_trace_tree.
 void record_direct_instance(gpu::Commands& commands, const DirectTracer& tracer, const InstanceRays& rays);
 
-// What they pass and bind to their shader: of a field alone, and of an instance.
+// The push constants and bindings of trace shaders, for a field alone and for an instance.
 TracePush trace_push(const Field& field, float stop);
 TracePush instance_push(const Field& field, const InstanceRays& rays);
 gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays);
-// `segments` only where they are what rays become: they are made anew for more.
-gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Into into, const Segments* segments);
+// `segments` are bound only where `output` is kSegments, because their buffers may be replaced by larger ones.
+gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, RayOutput output,
+                                const Segments* segments);
 
 }  // namespace neuvv::render

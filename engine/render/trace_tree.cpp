@@ -7,17 +7,17 @@
 namespace neuvv::render {
 
 TreeTracer::TreeTracer(const gpu::Device& device, const Field& given_field, const SliceTrees& given_trees,
-                       const gpu::Buffer& entries, const RayTarget& given_target, Shading shading, Into into,
+                       const gpu::Buffer& entries, const RayTarget& given_target, Shading shading, RayOutput output,
                        const Segments* segments, const WalkSteps& steps)
     : field(given_field),
       trees(given_trees),
       target(given_target),
       pass(device, "trace tree", trace_tree_comp,
            {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
-            steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(into),
+            steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(output),
             shading == Shading::kNone ? 1u : 0u}),
       set(pass, gpu::joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
-                            instance_bindings(field, target, into, segments))) {}
+                            instance_bindings(field, target, output, segments))) {}
 
 void record_clear(gpu::Commands& commands, const RayBatch& rays, uint32_t tiles) {
     const gpu::PassScope scope(commands, "clear");

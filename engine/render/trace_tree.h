@@ -1,23 +1,27 @@
-// Trace of an instance by its slice tree: the rays of tiles that may see it.
+// Trace of an instance by its slice tree, for the tiles that it may cover.
 #pragma once
 
 #include "render/segments.h"
 
 namespace neuvv::render {
 
-// SH along each ray, the colours of record_shade, or black: for alpha and depth alone
+// SH along each ray, the colours of record_shade, or black where only alpha and depth are needed.
 enum class Shading { kPerRay, kPerLeaf, kNone };
 
-// What the walk does without, to measure what it is worth (march.glsl).
+// Variants of the walk (march.glsl), by which the benchmark measures its optimisations. The defaults are the fastest
+// walk.
 struct WalkSteps {
-    bool restart = false, from_root = false, coalesce = true;
+    bool restart = false;    // true: reads the node again at every step
+    bool from_root = false;  // true: descends from the root, not from the grid
+    bool coalesce = true;    // false: steps over each empty cell by itself
 };
 
 struct TreeTracer {
-    // `entries`: those of the trees, or shaded ones. `segments`: not null where these are what rays become.
+    // `entries` are those of the trees, or shaded ones for Shading::kPerLeaf. `segments` must not be null where
+    // `output` is kSegments (assert).
     TreeTracer(const gpu::Device& device, const Field& field, const SliceTrees& trees, const gpu::Buffer& entries,
-               const RayTarget& target, Shading shading, Into into = Into::kLayer, const Segments* segments = nullptr,
-               const WalkSteps& steps = {});
+               const RayTarget& target, Shading shading, RayOutput output = RayOutput::kLayer,
+               const Segments* segments = nullptr, const WalkSteps& steps = {});
 
     const Field& field;
     const SliceTrees& trees;
@@ -26,10 +30,11 @@ struct TreeTracer {
     gpu::BindingSet set;
 };
 
-// Makes the rays of the batch's first tiles such that see nothing: before the first instance of a frame.
+// Clears the rays of the first `tiles` tiles: transparent, at infinite depth. To be recorded before the first instance
+// of a frame.
 void record_clear(gpu::Commands& commands, const RayBatch& rays, uint32_t tiles);
 
-// Traces the tiles that record_tile_ranges listed, into what stands there.
+// Traces the tiles that record_tile_ranges listed, and combines the result with what is in the target (RayOutput).
 void record_trace_tree(gpu::Commands& commands, const TreeTracer& tracer, uint32_t slice, const InstanceRays& rays);
 
 }  // namespace neuvv::render

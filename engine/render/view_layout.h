@@ -1,4 +1,4 @@
-// How the rays and images of one frame's views stand in their buffers.
+// The layout of the rays and images of a frame's views in their buffers.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace neuvv::render {
 
-// Several views of one frame: images of one size, whose tiles stand behind each other, all of one view's first.
+// The views of a frame have images of the same size. Their tiles are one after the other in the buffers, view by view.
 struct ViewLayout {
     uint32_t width = 0, height = 0;  // pixels
-    uint32_t samples = 1;            // rays a pixel, along each side
+    uint32_t samples = 1;            // rays per pixel along each side
     uint32_t views = 1;
-    glm::uvec2 rays{0};  // of a view, where they are fewer than pixels (ray_grid.h); else (0, 0)
+    glm::uvec2 rays{0};  // of a view where they are fewer than pixels (ray_grid.h), else (0, 0)
 
     bool upscaled() const { return rays.x > 0; }
     uint32_t rays_across() const { return upscaled() ? rays.x : samples * width; }
@@ -28,11 +28,11 @@ struct ViewLayout {
     bool operator==(const ViewLayout&) const = default;
 };
 
-// The tiles of all views' rays, one or more a pixel. Throws RuntimeFailure where the device cannot address so many
-// rays.
+// The number of ray tiles of all views, without upscaling. Throws RuntimeFailure where the device cannot address so
+// many rays.
 uint32_t checked_ray_tiles(const gpu::Device& device, const ViewLayout& layout);
 
-// Per-ray values of one view from tile order into rows.
+// Downloads the values of one view's rays, and reorders them from tiles to rows.
 template <typename T>
 std::vector<T> rows_of_view(const gpu::Device& device, const gpu::Buffer& rays, const ViewLayout& layout,
                             uint32_t view) {

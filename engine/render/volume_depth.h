@@ -1,4 +1,4 @@
-// Volume depth: where performers are, for the set's blended pieces.
+// Volume depth: the depth of performers at each texel of the set, for its blended pieces.
 #pragma once
 
 #include "render/set_raster.h"
@@ -8,14 +8,14 @@
 namespace neuvv::render {
 
 struct VolumeDepth {
-    // Rays → set.volume_depth.
+    // Reads the rays, writes set.volume_depth.
     VolumeDepth(const gpu::Device& device, const RayBatch& rays, const SetRaster& set);
 
     gpu::ComputePass pass;
     gpu::BindingSet set;
 };
 
-// After the last instance.
+// To be recorded after the last instance.
 void record_volume_depth(gpu::Commands& commands, const VolumeDepth& pass, const ViewLayout& layout);
 
 }  // namespace neuvv::render

@@ -10,7 +10,7 @@ namespace {
 constexpr uint64_t kOctant = 0xff;
 constexpr uint64_t kMaxTopCells = 1u << 22;  // 16 MB
 
-glm::uvec3 octant_place(uint32_t octant) {
+glm::uvec3 octant_offset(uint32_t octant) {
     return {octant & 1, octant >> 1 & 1, octant >> 2};
 }
 
@@ -18,22 +18,22 @@ uint64_t mask_of(const TreeNode& node) {
     return uint64_t{node.mask_hi} << 32 | node.mask_lo;
 }
 
-// One leaf fills all of the octant, whose first child stands at `slot`.
+// Whether one leaf fills the whole octant. `slot` is the index of the octant's first child.
 bool is_wide(const voctree::VOctree& tree, uint64_t mask, uint32_t octant, size_t slot) {
     if ((mask >> (8 * octant) & kOctant) != kOctant || !(tree.children[slot] & kLeafBit)) return false;
     return std::all_of(&tree.children[slot], &tree.children[slot] + 8,
                        [&](uint32_t other) { return other == tree.children[slot]; });
 }
 
-glm::uvec2 packed(glm::uvec3 place, uint32_t depth) {
-    return {place.x | place.y << 16, place.z | depth << 16};
+glm::uvec2 packed(glm::uvec3 position, uint32_t depth) {
+    return {position.x | position.y << 16, position.z | depth << 16};
 }
 
-glm::uvec3 unpacked(glm::uvec2 place) {
-    return {place.x & 0xffff, place.x >> 16, place.y & 0xffff};
+glm::uvec3 unpacked(glm::uvec2 position) {
+    return {position.x & 0xffff, position.x >> 16, position.y & 0xffff};
 }
 
-// Takes the nodes level by level; child nodes get the next free number.
+// Visits the nodes level by level and numbers them in this order.
 class Walker {
   public:
     explicit Walker(const voctree::VOctree& tree) : tree_(tree) {
@@ -42,7 +42,7 @@ class Walker {
         walk_.leaf_cells.resize(tree.leaf_count);
         walk_.node_cells.resize(tree.nodes.size());
         walk_.leaf_positions.resize(tree.leaf_count);
-        walk_.node_places.resize(tree.nodes.size());
+        walk_.node_positions.resize(tree.nodes.size());
         walk_.inner_cells.resize(tree.nodes.size());
         std::vector<uint32_t> level = {0}, next;
         while (!level.empty()) {
@@ -59,16 +59,16 @@ class Walker {
   private:
     void add_node(const TreeNode& node, uint32_t first_below, std::vector<uint32_t>& below) {
         const auto index = static_cast<uint32_t>(walk_.nodes.size());
-        const uint32_t level = walk_.node_places[index].y >> 16;
-        const glm::uvec3 corner = unpacked(walk_.node_places[index]);
+        const uint32_t level = walk_.node_positions[index].y >> 16;
+        const glm::uvec3 corner = unpacked(walk_.node_positions[index]);
         TreeNode added{node.mask_lo, node.mask_hi, static_cast<uint32_t>(walk_.children.size()), 0};
         const uint64_t mask = mask_of(node);
         size_t slot = node.first_child;
         for (uint32_t bit = 0; bit < 64; bit++) {
             if (!(mask >> bit & 1)) continue;
             const uint32_t word = 2 * index + bit / 32, flag = 1u << bit % 32, entry = tree_.children[slot];
-            const glm::uvec3 octant = 2u * corner + octant_place(bit >> 3);
-            const glm::uvec3 cell = 2u * octant + octant_place(bit & 7);
+            const glm::uvec3 octant = 2u * corner + octant_offset(bit >> 3);
+            const glm::uvec3 cell = 2u * octant + octant_offset(bit & 7);
             if (bit % 8 == 0 && is_wide(tree_, mask, bit / 8, slot)) {
                 added.wide |= 1u << bit / 8;
                 add_leaf(entry, {word, 0xffu << bit % 32}, packed(octant, 2 * level + 1));
@@ -83,7 +83,7 @@ class Walker {
                 const auto child = static_cast<uint32_t>(first_below + below.size());
                 walk_.children.push_back(child);
                 walk_.node_cells[child] = {word, flag};
-                walk_.node_places[child] = packed(cell, level + 1);
+                walk_.node_positions[child] = packed(cell, level + 1);
                 walk_.inner_cells[index][static_cast<int>(bit / 32)] |= flag;
                 below.push_back(entry);
             }
@@ -91,17 +91,17 @@ class Walker {
         walk_.nodes.push_back(added);
     }
 
-    void add_leaf(uint32_t entry, glm::uvec2 cells, glm::uvec2 place) {
+    void add_leaf(uint32_t entry, glm::uvec2 cells, glm::uvec2 position) {
         walk_.children.push_back(entry);
         walk_.leaf_cells[entry & ~kLeafBit] = cells;
-        walk_.leaf_positions[entry & ~kLeafBit] = place;
+        walk_.leaf_positions[entry & ~kLeafBit] = position;
     }
 
     const voctree::VOctree& tree_;
     WalkTree walk_;
 };
 
-// The cells that hold all leaves, of a grid of 4^levels cells a side.
+// The bounds of all leaves in the cells of a grid with 4^levels cells along each side.
 struct Bounds {
     glm::uvec3 low{0}, last{0};
     uint64_t cells() const {
@@ -110,16 +110,16 @@ struct Bounds {
     }
 };
 
-Bounds bounds_of(const std::vector<voctree::LeafPosition>& places, uint32_t levels) {
+Bounds bounds_of(const std::vector<voctree::LeafPosition>& positions, uint32_t levels) {
     Bounds bounds{glm::uvec3(UINT32_MAX), glm::uvec3(0)};
-    for (const voctree::LeafPosition& place : places) {
-        const glm::uvec3 cell(place.x, place.y, place.z);
-        const bool finer = place.depth > 2 * levels;
-        const uint32_t shift = finer ? place.depth - 2 * levels : 2 * levels - place.depth;
+    for (const voctree::LeafPosition& position : positions) {
+        const glm::uvec3 cell(position.x, position.y, position.z);
+        const bool finer = position.depth > 2 * levels;
+        const uint32_t shift = finer ? position.depth - 2 * levels : 2 * levels - position.depth;
         bounds.low = glm::min(bounds.low, finer ? cell >> shift : cell << shift);
         bounds.last = glm::max(bounds.last, finer ? cell >> shift : ((cell + 1u) << shift) - 1u);
     }
-    return places.empty() ? Bounds{} : bounds;
+    return positions.empty() ? Bounds{} : bounds;
 }
 
 // Fills the grid over the upper levels.
@@ -133,7 +133,8 @@ class TopGrid {
     std::vector<uint32_t> take() { return std::move(cells_); }
 
   private:
-    // `level`: the node's side is 4^level finest cells; `corner` in those.
+    // The side of a node of level `level` is 4^level finest cells. `corner` is the node's position in units of its own
+    // size.
     void fill_node(uint32_t node, uint32_t level, glm::uvec3 corner) {
         const uint32_t size = 1u << (2 * (level - lowest_));
         const glm::uvec3 first = glm::max(corner * size, walk_.top_low) - walk_.top_low;
@@ -148,7 +149,7 @@ class TopGrid {
         for (uint32_t bit = 0; bit < 64; bit++) {
             if (!(inner >> bit & 1)) continue;
             const uint32_t child = child_of(walk_.nodes[node], bit);
-            fill_node(child, level - 1, 4u * corner + 2u * octant_place(bit >> 3) + octant_place(bit & 7));
+            fill_node(child, level - 1, 4u * corner + 2u * octant_offset(bit >> 3) + octant_offset(bit & 7));
         }
     }
 
@@ -169,25 +170,25 @@ class TopGrid {
 }  // namespace
 
 WalkTree walk_tree(const voctree::VOctree& tree) {
-    std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     uint32_t finest = 1;
     size_t odd = 0;
-    for (const voctree::LeafPosition& place : places) {
-        finest = std::max(finest, place.depth);
-        odd += place.depth % 2;
+    for (const voctree::LeafPosition& position : positions) {
+        finest = std::max(finest, position.depth);
+        odd += position.depth % 2;
     }
-    const uint32_t above = odd > places.size() / 2 && finest < 2 * kMaxNodeLevels ? 1 : 0;
+    const uint32_t above = odd > positions.size() / 2 && finest < 2 * kMaxNodeLevels ? 1 : 0;
     voctree::VOctree rooted;
     rooted.node_levels = (finest + above + 1) / 2;
-    for (voctree::LeafPosition& place : places) place.depth += above;
-    voctree::build_nodes(rooted, places);
+    for (voctree::LeafPosition& position : positions) position.depth += above;
+    voctree::build_nodes(rooted, positions);
 
     WalkTree walk = Walker(rooted).take();
     walk.node_levels = rooted.node_levels;
     walk.scale = 1 + above;
     Bounds bounds;
     for (uint32_t levels = 0; levels < walk.node_levels; levels++) {
-        const Bounds finer = bounds_of(places, levels);
+        const Bounds finer = bounds_of(positions, levels);
         if (levels > 0 && finer.cells() > kMaxTopCells) break;
         walk.top_levels = levels;
         bounds = finer;

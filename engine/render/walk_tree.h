@@ -1,8 +1,8 @@
-// A VOctree's topology as shaders walk it (march.glsl): nodes breadth first, an octant that one leaf fills with a
-// single child, and what the slice needs to know of every leaf and node.
+// Walk tree: a VOctree's topology in the form in which shaders walk it (march.glsl). Nodes are in breadth-first order,
+// an octant that one leaf fills has a single child, and the slice finds its data of every leaf and node.
 //
-// It is rooted so that most leaves fill cells, not octants: a node has up to 4×4×4 leaves then, not 2×2×2. Where most
-// lie at an odd depth, the tree is the first octant of a root twice as large.
+// The root is chosen so that most leaves fill cells, not octants: then a node has up to 4×4×4 leaves, not 2×2×2. Where
+// most leaves are at an odd depth, the VOctree becomes the first octant of a root whose box is twice as large.
 #pragma once
 
 #include <vector>
@@ -13,21 +13,21 @@ namespace neuvv::render {
 
 struct WalkTree {
     uint32_t node_levels = 1;
-    uint32_t scale = 1;                      // the box's edges are so many times the tree's
-    uint32_t top_levels = 0;                 // of nodes that the grid stands for
-    glm::uvec3 top_low{0}, top_last{0};      // the first and last of its cells, which hold all leaves (shared/tree.h)
-    std::vector<TreeNode> nodes;             // level by level, `wide` set
-    std::vector<uint32_t> level_begin;       // first node of each level; at the end the number of nodes
-    std::vector<uint32_t> children;          // of a node's cells in order, but one alone for a wide octant
+    uint32_t scale = 1;                      // the edges of its box relative to the VOctree's
+    uint32_t top_levels = 0;                 // the node levels that the grid replaces
+    glm::uvec3 top_low{0}, top_last{0};      // the grid's first and last cell; between them lie all leaves
+    std::vector<TreeNode> nodes;             // level by level, with `wide` set
+    std::vector<uint32_t> level_begin;       // the first node of each level, then the number of nodes
+    std::vector<uint32_t> children;          // of a node's cells in order; a wide octant has only one
     std::vector<uint32_t> top;               // the grid over the upper levels (shared/tree.h)
     std::vector<glm::uvec2> leaf_cells;      // per leaf: (word of the nodes' masks, its bits there)
-    std::vector<glm::uvec2> node_cells;      // per node: the same among its parent's; (0, 0) for the root
+    std::vector<glm::uvec2> node_cells;      // per node: the same in the masks of its parent; (0, 0) for the root
     std::vector<glm::uvec2> leaf_positions;  // per leaf: (x | y << 16, z | depth << 16), a LeafPosition
-    std::vector<glm::uvec2> node_places;     // per node: the same, in cells of its own size; the depth is its level
+    std::vector<glm::uvec2> node_positions;  // per node: the same, in cells of its own size; the depth is its level
     std::vector<glm::uvec2> inner_cells;     // per node: (mask_lo, mask_hi) of the cells that are nodes
 };
 
-// The tree must be sound (defect_of_topology(tree) empty).
+// The tree must be sound (defect_of_topology(tree) is empty).
 WalkTree walk_tree(const voctree::VOctree& tree);
 
 }  // namespace neuvv::render

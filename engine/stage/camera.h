@@ -13,7 +13,7 @@ struct Camera {
     uint32_t width = 0, height = 0;
 };
 
-// The same view in `factor` times as many pixels a side.
+// The same view with `factor` times as many pixels along each side.
 inline Camera enlarged(Camera camera, uint32_t factor) {
     for (double* length : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *length *= factor;
     camera.width *= factor;

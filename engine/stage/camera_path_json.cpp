@@ -14,9 +14,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kMaxPlace = 1e9;  // metres
+constexpr double kMaxPosition = 1e9;  // metres
 
-// So many numbers within ±limit.
+// Reads a list of `count` numbers within ±limit. Throws InputError where it is missing or something else.
 void read_numbers(const JsonMembers& members, const char* name, size_t count, double limit, double* values) {
     const ordered_json* found = members.find(name);
     const bool whole = found && found->is_array() && found->size() == count;
@@ -35,7 +35,7 @@ CameraPathKey key_of(const ordered_json& json, const std::string& file, const st
         if (!members.find(name)) throw InputError(file, place, fmt::format("lacks \"{}\"", name));
     members.number("time", 0, kMaxStageSeconds, key.time_s);
     members.number("yfov", kMinPathAngle_rad, kMaxPathAngle_rad, key.angle_y);
-    read_numbers(members, "position", 3, kMaxPlace, &key.position[0]);
+    read_numbers(members, "position", 3, kMaxPosition, &key.position[0]);
     double q[4];
     read_numbers(members, "rotation", 4, 2, q);
     const glm::dquat rotation(q[3], q[0], q[1], q[2]);

@@ -14,8 +14,8 @@ namespace neuvv::stage {
 
 namespace {
 
-// The node's rotation and place without its scale and shear: axes −Z and +Y are kept, as far as they are at right
-// angles.
+// The node's rotation and position without its scale and shear. The direction of −Z is kept, and that of +Y as far as
+// it is at a right angle to −Z.
 glm::dmat4 rigid(const glm::dmat4& world_from_node) {
     const auto unit = [](const glm::dvec3& v, const glm::dvec3& otherwise) {
         const double length = glm::length(v);
@@ -45,7 +45,8 @@ EvaluatedPerformer performer_at(const Stage& stage, uint32_t index, const Evalua
     const glm::dmat4& world_from_node = evaluated.pose.world_from_node[source.node];
     performer.world_from_performer = glm::rotate(world_from_node, turn_rad, glm::dvec3(0, 1, 0));
     performer.opacity = static_cast<float>(settings.opacity);
-    performer.visible = settings.visible && stage.scene.nodes[source.node].visible && is_placeable(world_from_node);
+    performer.visible =
+        settings.visible && stage.scene.nodes[source.node].visible && is_valid_transform(world_from_node);
     performer.casts_shadow = settings.casts_shadow;
     performer.receives_shadow = settings.receives_shadow;
     return performer;
@@ -53,12 +54,12 @@ EvaluatedPerformer performer_at(const Stage& stage, uint32_t index, const Evalua
 
 EvaluatedLight light_at(const GltfScene& scene, uint32_t node, const PosedScene& pose) {
     const GltfLight& source = scene.lights[static_cast<size_t>(scene.nodes[node].light)];
-    const glm::dmat4 place = rigid(pose.world_from_node[node]);
+    const glm::dmat4 world_from_light = rigid(pose.world_from_node[node]);
     EvaluatedLight light;
     light.node = node;
     light.kind = source.kind;
-    light.position = glm::dvec3(place[3]);
-    light.direction = -glm::dvec3(place[2]);
+    light.position = glm::dvec3(world_from_light[3]);
+    light.direction = -glm::dvec3(world_from_light[2]);
     light.intensity = source.color * source.intensity;
     light.range_m = source.range_m;
     light.cos_inner = std::cos(source.inner_cone_rad);
@@ -81,7 +82,7 @@ EvaluatedCamera camera_at(const GltfScene& scene, uint32_t node, const PosedScen
 }
 
 [[noreturn]] void fail_camera(const Stage& stage, const EvaluatedStage& evaluated, const std::string& problem) {
-    std::string names;  // of those that are drawn
+    std::string names;  // of the perspective cameras
     for (size_t i = 0; i < evaluated.cameras.size(); ++i)
         if (!evaluated.cameras[i].orthographic)
             names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", i, evaluated.cameras[i].name);
@@ -133,9 +134,9 @@ std::pair<glm::dvec3, glm::dvec3> performers_box(const Stage& stage, const Evalu
         const StageClip& clip = stage.clips[performer.clip];
         for (int i = 0; i < 8; i++) {
             const glm::dvec3 corner = clip.box_min + glm::dvec3(i & 1, i >> 1 & 1, i >> 2) * clip.box_size;
-            const glm::dvec3 place(performer.world_from_performer * glm::dvec4(corner, 1));
-            low = glm::min(low, place);
-            high = glm::max(high, place);
+            const glm::dvec3 corner_world(performer.world_from_performer * glm::dvec4(corner, 1));
+            low = glm::min(low, corner_world);
+            high = glm::max(high, corner_world);
         }
     }
     return {low, high};

@@ -11,7 +11,7 @@ namespace neuvv::stage {
 
 namespace {
 
-// One run of elements inside a buffer, bounds already checked.
+// Elements that lie in a buffer at a constant stride. The bounds have been checked.
 struct Run {
     const uint8_t* data = nullptr;
     size_t stride = 0;
@@ -154,7 +154,7 @@ std::vector<double> read_components(AccessorReader& reader, int index, int compo
         throw InputError(reader.file, place,
                          fmt::format("{} elements are more than this program takes", accessor.count),
                          "simplify the model");
-    // Check the bounds before taking memory for what may be a lie.
+    // The bounds are checked before memory is allocated for a count that may be false.
     Run run;
     if (accessor.bufferView >= 0)
         run = checked_run(reader, place, accessor.bufferView, accessor.byteOffset, accessor.count, width * bytes);

@@ -16,7 +16,8 @@ uint32_t gltf_word_at(const std::vector<uint8_t>& bytes, size_t offset) {
     return word;
 }
 
-// A header of 12 bytes, a JSON chunk, at most one BIN chunk that we look at; chunk headers are 8 bytes.
+// A .glb has a header of 12 bytes, then a JSON chunk, then usually a BIN chunk; chunk headers have 8 bytes. Further
+// chunks are not checked.
 GltfContainer find_gltf_json(const std::vector<uint8_t>& bytes, const std::string& file) {
     if (const voctree::FileContent ours =
             voctree::content_of(std::span(bytes).first(std::min<size_t>(bytes.size(), 16)));

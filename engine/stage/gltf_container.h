@@ -1,4 +1,4 @@
-// Where the JSON stands in the bytes of a .gltf or .glb.
+// Finds the JSON in the bytes of a .gltf or .glb file.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,15 @@
 namespace neuvv::stage {
 
 struct GltfContainer {
-    bool binary = false;  // .glb, told by content
-    size_t json_begin = 0, json_size = 0;
+    bool binary = false;                   // whether it is a .glb, as its first four bytes say
+    size_t json_begin = 0, json_size = 0;  // bytes
 };
 
-// Throws InputError naming `file` for a .glb whose header or first chunks are not sound. A .gltf is JSON as a whole.
+// A .gltf is JSON as a whole. Throws InputError naming `file` for a .glb whose header or first two chunks are invalid,
+// and for a .nvv or .nvpaint.
 GltfContainer find_gltf_json(const std::vector<uint8_t>& bytes, const std::string& file);
 
-// Little-endian; offset + 4 must lie inside.
+// The little-endian 32-bit integer at `offset`; offset + 4 must not exceed the size of `bytes`.
 uint32_t gltf_word_at(const std::vector<uint8_t>& bytes, size_t offset);
 
 }  // namespace neuvv::stage

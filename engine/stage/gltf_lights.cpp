@@ -14,8 +14,8 @@ namespace {
 constexpr const char* kExtension = "KHR_lights_punctual";
 constexpr const char* kLightsPlace = "/extensions/KHR_lights_punctual/lights";
 
-// The member, a number between these, or `otherwise` where it is missing. tinygltf's own reading takes wrong types for
-// missing members.
+// The member `name`, which must be a number from `low` to `high`, or `otherwise` where it is missing. tinygltf itself
+// treats a member of another type as missing.
 double number(const GltfScene& scene, const tinygltf::Value& object, const std::string& place, const char* name,
               double low, double high, double otherwise) {
     if (!object.Has(name)) return otherwise;
@@ -54,7 +54,7 @@ GltfLight light_of(const GltfScene& scene, const tinygltf::Value& source, const 
     light.range_m = number(scene, source, place, "range", 1e-6, 1e9, 0);
     if (light.kind != GltfLightKind::kSpot) return light;
     const std::string at = place + "/spot";
-    const tinygltf::Value& spot = source.Get("spot");  // there, says tinygltf, which reads {} as nothing
+    const tinygltf::Value& spot = source.Get("spot");  // tinygltf checks that it exists, and reads {} as null
     light.outer_cone_rad =
         number(scene, spot, at, "outerConeAngle", 1e-4, std::numbers::pi / 2 + 1e-6, std::numbers::pi / 4);
     light.inner_cone_rad = number(scene, spot, at, "innerConeAngle", 0, std::numbers::pi / 2 + 1e-6, 0);

@@ -13,7 +13,7 @@ namespace neuvv::stage {
 
 namespace {
 
-// Decoded pixels of all images together: a few bytes of PNG can ask for a gigabyte each.
+// Limit on the decoded pixels of all images together, because a few bytes of PNG can decode to a gigabyte.
 constexpr uint64_t kMaxImagePixels = uint64_t{1} << 28;
 
 GltfWrap wrap_mode(const GltfScene& scene, int value, const std::string& place) {
@@ -63,7 +63,8 @@ float number_at(const GltfScene& scene, const tinygltf::Value& value, const std:
     return number_in(scene, number, -1e6, 1e6, place);
 }
 
-// KHR_texture_transform, and which UV set the texture reads. `Info` is one of tinygltf's three alike.
+// KHR_texture_transform, and which UV set the texture uses. `Info` is tinygltf's TextureInfo, NormalTextureInfo or
+// OcclusionTextureInfo.
 template <typename Info>
 TextureTransform transform_of(const GltfScene& scene, const Info& info, const std::string& place) {
     TextureTransform transform;
@@ -128,7 +129,7 @@ GltfMaterial material_of(const GltfScene& scene, const tinygltf::Material& sourc
     return material;
 }
 
-// The texture of one slot of a material, and how its UVs are made.
+// The index of the texture of one slot of a material (−1: none), and the transform of its UVs.
 template <typename Info>
 int32_t read_texture(const GltfScene& scene, const Info& info, const std::string& place, TextureTransform& transform) {
     transform = transform_of(scene, info, place);

@@ -46,7 +46,7 @@ struct PrimitiveLoader {
         if (!out.positions.empty()) check_count(values.size(), name);
         return values;
     }
-    // For memory that the file asks for without holding as much.
+    // Counts memory that is allocated for the file without being read from it against the reader's budget.
     void spend(uint64_t components) {
         if (components > reader.budget) fail("", "has more vertices than this program takes", "simplify the model");
         reader.budget -= components;
@@ -89,7 +89,7 @@ bool has_normal_map(const GltfScene& scene, const GltfPrimitive& primitive) {
            scene.materials[static_cast<size_t>(primitive.material)].map(GltfMap::kNormal) >= 0;
 }
 
-// glTF: the file's tangents count only together with its normals.
+// As glTF demands, the file's tangents are ignored where it has no normals.
 void PrimitiveLoader::read_tangents() {
     if (attribute("TANGENT") < 0 || attribute("NORMAL") < 0 || !has_normal_map(scene, out)) return;
     out.tangents = vectors<glm::vec4>(attribute("TANGENT"), "/attributes/TANGENT");
@@ -125,7 +125,7 @@ void PrimitiveLoader::read_skin() {
             const uint32_t joint = indices[v * 4 + static_cast<size_t>(k)];
             if (weight[k] < 0 || weight[k] > 1e6f)
                 fail("/attributes/WEIGHTS_0", fmt::format("vertex {} has weight {}", v, weight[k]));
-            if (weight[k] == 0) continue;  // exporters leave anything in the joints of unused slots
+            if (weight[k] == 0) continue;  // exporters leave arbitrary joint numbers where the weight is 0
             if (joint > UINT16_MAX) fail("/attributes/JOINTS_0", fmt::format("vertex {} has joint {}", v, joint));
             out.joints[v][k] = static_cast<uint16_t>(joint);
             out.joint_count = std::max(out.joint_count, joint + 1);
@@ -136,7 +136,7 @@ void PrimitiveLoader::read_skin() {
     }
 }
 
-// Strips and fans become lists; every second triangle of a strip is turned to keep its winding.
+// Turns strips and fans into lists. Two corners of every second triangle of a strip are swapped to keep the winding.
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode) {
     if (mode == TINYGLTF_MODE_TRIANGLES) return indices;
     std::vector<uint32_t> list;
@@ -145,7 +145,8 @@ std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mo
         const uint32_t a = fan ? indices[0] : indices[i];
         const uint32_t b = fan ? indices[i + 1] : indices[odd ? i + 2 : i + 1];
         const uint32_t c = fan ? indices[i + 2] : indices[odd ? i + 1 : i + 2];
-        if (a != b && b != c && c != a) list.insert(list.end(), {a, b, c});  // strips join by empty triangles
+        // Strips are joined by triangles without area, which are left out.
+        if (a != b && b != c && c != a) list.insert(list.end(), {a, b, c});
     }
     return list;
 }
@@ -209,7 +210,7 @@ void unshare(std::vector<Vector>& values, const std::vector<uint32_t>& indices) 
     values = std::move(out);
 }
 
-// glTF: without normals, faces are flat. Each corner then needs a vertex of its own.
+// As glTF demands, faces are flat where the file has no normals. Each corner of a triangle then needs its own vertex.
 void add_flat_normals(GltfPrimitive& primitive) {
     const std::vector<uint32_t>& indices = primitive.indices;
     unshare(primitive.positions, indices);
@@ -247,7 +248,7 @@ GltfPrimitive load_primitive(const GltfScene& scene, AccessorReader& reader, con
     loader.read_targets();
     loader.read_indices();
     if (loader.out.normals.empty()) {
-        // Corners may outnumber vertices by far: they count against the same budget.
+        // There may be many more corners than vertices, so they count against the budget, too.
         const uint64_t widths = 16 + 2 * kGltfMaps + 3 * loader.out.targets.size();
         loader.spend(widths * loader.out.indices.size());
         add_flat_normals(loader.out);

@@ -27,7 +27,7 @@ struct Source {
     size_t json_size = 0;
 };
 
-// tinygltf takes a default, silently, where a member has the wrong type. So types are checked here.
+// tinygltf silently uses a default where a member has the wrong type, so types are checked here.
 enum class Member { kIndex, kSize, kNumber, kNumbers };
 struct MemberRule {
     const char* array;
@@ -114,7 +114,7 @@ void check_types(const Source& source, const json& root) {
     }
 }
 
-// The same for the members of materials' textures and factors, a level further down.
+// Checks types of materials' textures and factors, which are nested one level deeper.
 void check_materials(const Source& source, const json& root) {
     const json none = json::array();
     const json& materials = root.contains("materials") ? root["materials"] : none;
@@ -149,7 +149,8 @@ void check_materials(const Source& source, const json& root) {
     }
 }
 
-// Percent escapes decoded first (decoded_uri), so that %2e%2e is seen for what it is.
+// Whether a relative path may lead out of the folder. Percent escapes must have been decoded before (decoded_uri), so
+// that %2e%2e is recognised as `..`.
 bool leaves_folder(const std::string& relative) {
     const std::filesystem::path path(relative);
     if (relative.empty() || path.is_absolute() || relative.find('\0') != std::string::npos) return true;
@@ -201,7 +202,7 @@ void check_views(const Source& source, const json& root) {
             throw InputError(source.file, fmt::format("/images/{}/bufferView", i), "does not exist");
 }
 
-// The buffers' files; tinygltf would say less about a missing one.
+// Checks that the buffers' files exist and are long enough; tinygltf's message about a missing file says less.
 void check_buffers(const Source& source, const json& root) {
     const json none = json::array();
     const json& buffers = root.contains("buffers") ? root["buffers"] : none;
@@ -211,12 +212,12 @@ void check_buffers(const Source& source, const json& root) {
         const std::filesystem::path path = std::filesystem::path(source.folder) / decoded_uri(uri);
         std::error_code error;
         if (!std::filesystem::is_regular_file(path, error))
-            throw InputError(source.file, place, fmt::format("\"{}\" is not there", uri),
+            throw InputError(source.file, place, fmt::format("\"{}\" does not exist", uri),
                              "put it beside the scene, or export the scene anew as a .glb");
         const uint64_t bytes = std::filesystem::file_size(path, error),
-                       wanted = buffers[i].value("byteLength", uint64_t{0});
-        if (!error && bytes < wanted)
-            throw InputError(source.file, place, fmt::format("\"{}\" has {} bytes of {}", uri, bytes, wanted),
+                       needed = buffers[i].value("byteLength", uint64_t{0});
+        if (!error && bytes < needed)
+            throw InputError(source.file, place, fmt::format("\"{}\" has {} bytes of {}", uri, bytes, needed),
                              "it is cut off, or of another export: export the scene again");
     }
 }
@@ -224,7 +225,7 @@ void check_buffers(const Source& source, const json& root) {
 void check_version(const Source& source, const json& root) {
     const json asset = root.value("asset", json::object());
     for (const char* name : {"version", "minVersion"}) {
-        if (!asset.is_object() || !asset.contains(name)) continue;  // tinygltf asks for the former
+        if (!asset.is_object() || !asset.contains(name)) continue;  // tinygltf refuses a file without "version"
         const std::string version = asset[name].is_string() ? asset[name].get<std::string>() : asset[name].dump();
         if (!version.starts_with("2."))
             throw InputError(source.file, fmt::format("/asset/{}", name),
@@ -232,7 +233,7 @@ void check_version(const Source& source, const json& root) {
     }
 }
 
-// Where a required extension that is unknown comes from.
+// What an error message advises for a required extension that is unknown.
 std::string fix_of_extension(const std::string& name) {
     for (const char* compression : {"draco", "meshopt", "basisu", "texture_webp", "texture_avif", "texture_dds"})
         if (name.find(compression) != std::string::npos)
@@ -277,7 +278,7 @@ void check_json(const Source& source) {
     check_buffers(source, root);
 }
 
-// File access for tinygltf, which would also search the working folder: only below the model's folder.
+// Limits tinygltf's file access to the model's folder; by itself it would also search the working folder.
 bool is_below(const std::string& path, const std::string& folder) {
     return path.rfind(folder + "/", 0) == 0 && !leaves_folder(path.substr(folder.size() + 1));
 }
@@ -336,7 +337,7 @@ tinygltf::Model parse_gltf(const std::filesystem::path& path, std::vector<uint8_
     } catch (const std::exception& error) {
         problem = error.what();
     }
-    // tinygltf drops what it cannot read and says so in `problem` even where it returns true.
+    // tinygltf drops what it cannot read and reports that in `problem`, even where it returns true.
     if (!ok || !problem.empty())
         throw InputError(source.file, "", problem.empty() ? "cannot be read as glTF" : problem);
     return model;

@@ -1,7 +1,7 @@
-// For this module alone: the checked hand-over from bytes to tinygltf's model.
+// Internal to this module: checks the bytes of a glTF file, then parses them with tinygltf.
 #pragma once
 
-// As in third_party/tinygltf.cpp: the class's layout depends on them.
+// These must be as in third_party/tinygltf.cpp, because the layout of tinygltf's class depends on them.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_INCLUDE_JSON
@@ -20,12 +20,13 @@
 
 namespace neuvv::stage {
 
-// Promises beyond tinygltf's: the container is whole, JSON nests at most kMaxJsonNesting (json_splice.h) deep, integers
-// and number lists that we read are of that type, every buffer view lies inside its buffer, URIs stay in the file's
-// folder. Images of files and data URIs are left encoded in Image::image; those in buffer views are not copied.
+// Guarantees more than tinygltf does: the container is complete, JSON nests at most kMaxJsonNesting (json_splice.h)
+// deep, the integers and lists of numbers that this module reads have these types, every buffer view lies inside its
+// buffer, and URIs stay below the file's folder. Throws InputError with the JSON location otherwise. Images of files
+// and data URIs are left encoded in Image::image; images in buffer views are not copied.
 tinygltf::Model parse_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes);
 
-// Accessors, read with every bound checked.
+// What the functions below read accessors from; they check every bound.
 struct AccessorReader {
     const std::string& file;
     const tinygltf::Model& model;
@@ -33,28 +34,32 @@ struct AccessorReader {
     uint64_t budget = uint64_t{1} << 26;
 };
 
-// `user` is the JSON place that refers to the accessor. Integers are divided by their range where the accessor is
-// `normalized`. Values are finite; the result holds count × components.
+// Reads all elements of an accessor. `user` is the location in the JSON that refers to it, for error messages. Integers
+// are divided by the largest value of their type where the accessor is `normalized`. The result is count × components
+// finite numbers. Throws InputError.
 std::vector<float> read_floats(AccessorReader& reader, int accessor, int components, const std::string& user);
-// Unsigned integers of 8, 16 or 32 bits; floats and signed ones are refused.
+// The same for unsigned integers of 8, 16 or 32 bits. Throws InputError for floats and signed integers, too.
 std::vector<uint32_t> read_integers(AccessorReader& reader, int accessor, int components, const std::string& user);
-// Components of the accessor's type (VEC3: 3, MAT4: 16), after checking the index.
+// The number of components of the accessor's type (VEC3: 3, MAT4: 16). Throws InputError for an index out of range.
 int accessor_components(const AccessorReader& reader, int accessor, const std::string& user);
 // True for integers that are not normalised, which glTF forbids for colours, UVs and weights.
 bool is_raw_integer(const AccessorReader& reader, int accessor);
 
-// The steps of load_gltf, in the order they run; each fills its part of the scene.
+// KHR_texture_transform of one texture of a material; the rotation is in radians.
 struct TextureTransform {
     int uv_set = 0;
     glm::vec2 offset{0};
     glm::vec2 scale{1};
     float rotation = 0;
 };
-// The transforms of one material's textures: the base colour's and, by GltfMap, the others'.
+// The transforms of one material's textures.
 struct MaterialTransforms {
-    TextureTransform base;
-    std::array<TextureTransform, kGltfMaps> maps;
+    TextureTransform base;                         // of the base colour
+    std::array<TextureTransform, kGltfMaps> maps;  // of the other textures, indexed by GltfMap
 };
+
+// The steps of load_gltf, nearly in the order in which they run: images are loaded last. Each fills its part of the
+// scene and throws InputError for what it refuses.
 std::vector<MaterialTransforms> load_materials(GltfScene& scene, const tinygltf::Model& model);
 void load_images(GltfScene& scene, const tinygltf::Model& model, const GltfScene* before);
 void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<MaterialTransforms>& transforms);

@@ -14,14 +14,14 @@ namespace neuvv::stage {
 
 namespace {
 
-// A list of numbers of fixed length, or nothing.
+// Reads a list of `length` numbers; returns false where it is missing.
 bool read_list(const GltfScene& scene, const std::vector<double>& list, size_t length, double* out,
                const std::string& place) {
     if (list.empty()) return false;
     if (list.size() != length)
         throw InputError(scene.file, place, fmt::format("has {} numbers, need {}", list.size(), length));
     for (size_t i = 0; i < length; ++i) {
-        // Beyond this, products of a chain of matrices overflow.
+        // Larger numbers would overflow in products of a chain of matrices.
         if (!(std::abs(list[i]) < 1e12)) throw InputError(scene.file, place, fmt::format("{} is too large", list[i]));
         out[i] = list[i];
     }
@@ -39,7 +39,7 @@ void read_transform(const GltfScene& scene, const tinygltf::Node& source, GltfNo
     node.rotation = glm::dquat(q[3] / length, q[0] / length, q[1] / length, q[2] / length);
 }
 
-// Every joint that a vertex of this mesh leans on exists in the skin.
+// Checks that every joint that a vertex of the node's mesh uses exists in the node's skin.
 void check_skin(const GltfScene& scene, const GltfNode& node, const std::string& place) {
     const GltfMesh& mesh = scene.meshes[static_cast<size_t>(node.mesh)];
     const size_t joints = scene.skins[static_cast<size_t>(node.skin)].joints.size();
@@ -98,7 +98,7 @@ void read_node(GltfScene& scene, const tinygltf::Node& source, size_t index) {
     }
 }
 
-// Parents before children. With one parent at most each, a node is left over only if it stands in or below a cycle.
+// Orders parents before children. As each node has at most one parent, only nodes in or below a cycle are left over.
 void order_nodes(GltfScene& scene) {
     for (uint32_t i = 0; i < scene.nodes.size(); ++i)
         if (scene.nodes[i].parent < 0) scene.order.push_back(i);
@@ -114,7 +114,7 @@ void order_nodes(GltfScene& scene) {
 }
 
 void mark_scene(GltfScene& scene, const tinygltf::Model& model) {
-    if (model.scenes.empty()) {  // glTF lets a viewer choose: everything
+    if (model.scenes.empty()) {  // glTF leaves the choice to the viewer: here every node belongs to the scene
         for (GltfNode& node : scene.nodes) node.in_scene = true;
         return;
     }
@@ -210,7 +210,7 @@ GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> byte
     load_animations(scene, reader);
     load_cameras(scene, model);
     load_lights(scene, model);
-    load_images(scene, model, before);  // last: the costly part
+    load_images(scene, model, before);  // last, because it is expensive
     return scene;
 }
 

@@ -1,7 +1,7 @@
-// A glTF 2.0 model as plain, validated data: what a reader may index without checking again.
+// A glTF 2.0 model as plain, validated data: code that reads it may use its indices without checking them again.
 //
 // Units and spaces are glTF's: metres, +Y up, right-handed, colours of factors and vertices linear, UV from the top
-// left. pose.h evaluates it at a time.
+// left. pose.h evaluates a scene at a time.
 #pragma once
 
 #include <array>
@@ -33,22 +33,23 @@ struct GltfTexture {
 
 enum class GltfAlpha { kOpaque, kMask, kBlend };
 
-// The textures of a material beside its base colour.
+// The textures of a material besides its base colour.
 enum class GltfMap { kMetallicRoughness, kNormal, kOcclusion, kEmissive };
 constexpr size_t kGltfMaps = 4;
 
 struct GltfMaterial {
     std::string name;
     glm::vec4 base_color{1};  // linear, straight alpha
-    int32_t texture = -1;     // base colour, sRGB; index into GltfScene::textures, −1 without
+    int32_t texture = -1;     // of the base colour, sRGB; index into GltfScene::textures, −1: none
     GltfAlpha alpha = GltfAlpha::kOpaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
     bool unlit = false;  // KHR_materials_unlit
     float metallic = 1;
     float roughness = 1;
-    // By GltfMap, −1 without: roughness in green and metallic in blue; tangent-space normals; occlusion in red; these
-    // three are numbers, emission is sRGB.
+    // Indices into GltfScene::textures by GltfMap, −1: none. The first has roughness in green and metallic in blue, the
+    // second tangent-space normals, the third occlusion in red; these three hold linear numbers. The fourth, emission,
+    // is sRGB.
     std::array<int32_t, kGltfMaps> maps{-1, -1, -1, -1};
     float normal_scale = 1;
     float occlusion_strength = 1;
@@ -57,7 +58,7 @@ struct GltfMaterial {
     int32_t map(GltfMap which) const { return maps[static_cast<size_t>(which)]; }
 };
 
-// Displacements to add, weighted, to a primitive's vertices; normals may be empty.
+// Displacements of a primitive's vertices, which are added times the target's weight; `normals` may be empty.
 struct GltfMorphTarget {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;
@@ -67,10 +68,11 @@ struct GltfMorphTarget {
 struct GltfPrimitive {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;  // unit; never empty: flat normals where the file has none
-    std::vector<glm::vec2> uvs;      // the set its material asks for, KHR_texture_transform applied; may be empty
-    // By GltfMap: as uvs; empty where the material has no such map or the file no such set.
+    std::vector<glm::vec2> uvs;      // the base colour's UV set with KHR_texture_transform applied; may be empty
+    // The same for the other textures, by GltfMap; empty where the material has no such map or the file no such UV set.
     std::array<std::vector<glm::vec2>, kGltfMaps> map_uvs;
-    // Unit, along the normal map's U; w ±1: bitangent = cross(normal, tangent) · w. Empty without a normal map.
+    // Unit tangents along the normal map's U; w = ±1: bitangent = cross(normal, tangent) · w. Empty without a normal
+    // map.
     std::vector<glm::vec4> tangents;
     std::vector<glm::vec4> colors;     // COLOR_0, linear; may be empty
     std::vector<glm::u16vec4> joints;  // indices into GltfSkin::joints; empty where not skinned
@@ -84,25 +86,25 @@ struct GltfPrimitive {
 struct GltfMesh {
     std::string name;
     std::vector<GltfPrimitive> primitives;  // all with the same number of morph targets
-    std::vector<float> weights;             // default weight of each morph target
+    std::vector<float> weights;             // the default weight of each morph target
 };
 
-// Looks along its node's −Z. A node's scale does not count.
+// The camera looks along its node's −Z; the node's scale is ignored.
 struct GltfCamera {
     std::string name;
-    bool orthographic = false;      // no image of ours: kept so that it can be named
-    double vertical_angle_rad = 0;  // of view, 0 where orthographic
+    bool orthographic = false;      // orthographic cameras are not drawn; they are kept for messages about them
+    double vertical_angle_rad = 0;  // the whole vertical angle of view; 0 where orthographic
 };
 
 enum class GltfLightKind { kDirectional, kPoint, kSpot };
 
-// KHR_lights_punctual: shines along its node's −Z, from its origin. A node's scale does not count.
+// A light of KHR_lights_punctual. It shines from its node's origin along the node's −Z; the node's scale is ignored.
 struct GltfLight {
     std::string name;
     GltfLightKind kind = GltfLightKind::kPoint;
     glm::dvec3 color{1};                            // linear RGB
     double intensity = 1;                           // candela; lux where directional
-    double range_m = 0;                             // where the light ends; 0: nowhere
+    double range_m = 0;                             // the distance at which the light ends; 0: unlimited
     double inner_cone_rad = 0, outer_cone_rad = 0;  // half angles of a spot, inner < outer <= π/2
 };
 
@@ -117,11 +119,11 @@ struct GltfNode {
     glm::dvec3 scale{1};
     int32_t mesh = -1;
     int32_t skin = -1;           // only with a mesh whose primitives all have joints
-    std::vector<float> weights;  // one a morph target of the mesh
+    std::vector<float> weights;  // one for each morph target of the mesh
     int32_t camera = -1;         // index into GltfScene::cameras
     int32_t light = -1;          // index into GltfScene::lights
-    bool in_scene = false;       // reached from the default scene: only these are drawn
-    bool visible = true;         // KHR_node_visibility, of the node and all above it
+    bool in_scene = false;       // belongs to the default scene; other nodes are not drawn
+    bool visible = true;         // KHR_node_visibility: neither the node nor one of its ancestors is hidden
 
     bool draws_mesh() const { return in_scene && visible && mesh >= 0; }
 };
@@ -129,7 +131,7 @@ struct GltfNode {
 struct GltfSkin {
     std::string name;
     std::vector<uint32_t> joints;           // node indices
-    std::vector<glm::dmat4> inverse_binds;  // one a joint
+    std::vector<glm::dmat4> inverse_binds;  // one for each joint
 };
 
 enum class GltfPath { kTranslation, kRotation, kScale, kWeights };
@@ -141,27 +143,26 @@ struct GltfChannel {
     GltfInterpolation interpolation = GltfInterpolation::kLinear;
     uint32_t components = 3;    // of one value: 3, 4 (rotation x y z w) or the number of morph targets
     std::vector<float> times;   // seconds, strictly ascending, not empty
-    std::vector<float> values;  // times × components; kCubicSpline: × 3, [in-tangents | value | out-tangents] a key
+    std::vector<float> values;  // times × components; kCubicSpline: × 3, [in-tangents | value | out-tangents] per key
 };
 
 struct GltfAnimation {
     std::string name;
-    double duration_s = 0;  // the last key of any channel
+    double duration_s = 0;  // time of the last key of all channels
     std::vector<GltfChannel> channels;
 };
 
-// An image as its file has it, and its pixels.
 struct GltfImage {
-    std::vector<uint8_t> encoded;
+    std::vector<uint8_t> encoded;  // the image's file
     media::Image pixels;
 };
 
-// A list that copies share; it does not change.
+// An immutable list whose elements are shared by its copies.
 template <typename Element>
 class SharedList {
   public:
     SharedList() : SharedList(std::vector<Element>{}) {}
-    SharedList(std::vector<Element> elements)  // NOLINT: a list is what it holds
+    SharedList(std::vector<Element> elements)  // NOLINT: implicit, because it is the same list
         : elements_(std::make_shared<const std::vector<Element>>(std::move(elements))) {}
     size_t size() const { return elements_->size(); }
     bool empty() const { return elements_->empty(); }
@@ -169,7 +170,7 @@ class SharedList {
     const Element& at(size_t index) const { return elements_->at(index); }
     auto begin() const { return elements_->begin(); }
     auto end() const { return elements_->end(); }
-    // Whether both are the very same list.
+    // Whether both are copies of the same list, so that no comparison of elements is needed.
     bool shares(const SharedList& other) const { return elements_ == other.elements_; }
 
   private:
@@ -191,20 +192,22 @@ struct GltfScene {
     int32_t root = -1;  // the default scene's index, −1 where the file has none
 };
 
-// Reads .gltf (JSON, with buffers and images beside it or in data URIs) or .glb; told apart by content. Throws
-// InputError with file, JSON place, problem and fix for whatever breaks the promises above, for a required extension
-// it does not know, and for URIs that leave the file's folder.
+// Reads a .gltf (JSON, with buffers and images beside it or in data URIs) or a .glb; the content decides which. Throws
+// InputError with file, JSON location, problem and fix where the guarantees above would be broken, for an unknown
+// required extension, and for URIs that leave the file's folder.
 GltfScene load_gltf(const std::filesystem::path& path);
-// The same for a file's bytes that are not on the disk; what they name is read from beside `path`. Images that `before`
-// has, too, are shared with it: to decode them is the costly part.
+// The same for bytes in memory; the files that they name are read relative to the folder of `path`. Images that are
+// also in `before` are shared with it, because decoding images is the expensive part.
 GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes, const GltfScene* before = nullptr);
-// The same of a document without the members that name bytes: buffers, images, and what is made of them, which is
-// shared with `before`, the scene of that document with other nodes. Nothing where its skins or animations do not fit
-// these nodes: load_gltf says why.
+// The same for a document from which buffers, images, and all members that refer to their bytes were removed. What
+// those members hold (meshes, materials, textures, images, skins, animations) is shared with `before`, the scene of the
+// same document with other nodes. Returns nothing where the skins or animations do not fit the new nodes; load_gltf of
+// the whole document then throws the error.
 std::optional<GltfScene> load_gltf_nodes(const std::filesystem::path& path, std::vector<uint8_t> bytes,
                                          const GltfScene& before);
 
-// The animation of this name, or of this index in decimal. Throws InputError listing what there is.
+// The index of the animation of this name, or of this index in decimal. Throws InputError that lists the animations
+// where there is no such one.
 uint32_t find_animation(const GltfScene& scene, const std::string& name_or_index);
 
 }  // namespace neuvv::stage

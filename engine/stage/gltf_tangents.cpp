@@ -17,7 +17,7 @@ UvGradient uv_gradient(const GltfPrimitive& primitive, const std::vector<glm::ve
                      e2 = glm::dvec3(primitive.positions[corners[2]]) - origin;
     const glm::dvec2 d1 = glm::dvec2(uvs[corners[1]]) - glm::dvec2(uvs[corners[0]]),
                      d2 = glm::dvec2(uvs[corners[2]]) - glm::dvec2(uvs[corners[0]]);
-    // (e1 e2) = (∂p/∂u ∂p/∂v)·(d1 d2), solved but for the size of the determinant.
+    // (e1 e2) = (∂p/∂u ∂p/∂v)·(d1 d2), solved up to the determinant's absolute value.
     const double side = d1.x * d2.y - d2.x * d1.y;
     const auto unit = [](const glm::dvec3& v) {
         const double length = glm::length(v);

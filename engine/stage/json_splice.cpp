@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr size_t kMaxMatchedPairs = size_t{1} << 21;  // list elements compared with each other
+constexpr size_t kMaxMatchedPairs = size_t{1} << 21;  // pairs of list elements that are compared with each other
 
 bool is_space(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
@@ -25,7 +25,7 @@ size_t skip_space(std::string_view text, size_t at) {
     return at;
 }
 
-// One past the end of the value that begins at `at`; the text is sound JSON.
+// One past the end of the value that begins at `at`; the text must be valid JSON.
 size_t value_end(std::string_view text, size_t at) {
     int depth = 0;
     do {
@@ -37,7 +37,7 @@ size_t value_end(std::string_view text, size_t at) {
             ++depth;
         } else if (c == '}' || c == ']') {
             --depth;
-        } else if (depth == 0) {  // a number or a word
+        } else if (depth == 0) {  // a number, true, false or null
             while (at < text.size() && text[at] != ',' && text[at] != '}' && text[at] != ']' && !is_space(text[at]))
                 ++at;
             return at;
@@ -47,12 +47,12 @@ size_t value_end(std::string_view text, size_t at) {
     return at;
 }
 
-// A member or an element as it stands in the text; `begin` is its key's where it has one.
+// Offsets of a member or an element in the text. `begin` is that of its key where it has one, else that of its value.
 struct Part {
     size_t begin = 0, key_end = 0, value = 0, end = 0;
 };
 
-// The parts of the object or list that begins at `at`, and where its closing bracket stands.
+// The parts of the object or list that begins at `at`; `close` becomes the offset of its closing bracket.
 std::vector<Part> parts_of(std::string_view text, size_t at, size_t& close) {
     const bool object = text[at] == '{';
     std::vector<Part> parts;
@@ -72,7 +72,7 @@ std::vector<Part> parts_of(std::string_view text, size_t at, size_t& close) {
     return parts;
 }
 
-// White space that begins the line in which `at` stands.
+// The white space at the beginning of the line that contains `at`.
 std::string indent_at(std::string_view text, size_t at) {
     size_t line = text.rfind('\n', at);
     line = line == std::string_view::npos ? 0 : line + 1;
@@ -86,9 +86,9 @@ std::string after_last_newline(const std::string& space) {
     return newline == std::string::npos ? "" : space.substr(newline + 1);
 }
 
-// How the document is laid out, as its first member shows.
+// How the document is laid out, derived from its first member.
 struct Style {
-    bool lines = false;  // a member a line
+    bool lines = false;  // each member has its own line
     std::string newline = "\n", unit = "  ", colon = ":";
 };
 
@@ -115,7 +115,7 @@ bool holds_containers(const ordered_json& value) {
     return std::any_of(value.begin(), value.end(), [](const ordered_json& part) { return is_container(part); });
 }
 
-// A new value. Lists of plain values go into one line.
+// The text of a new value. A list without objects and lists in it goes into one line.
 std::string laid_out(const ordered_json& value, const Style& style, bool lines, const std::string& indent) {
     if (!is_container(value) || value.empty()) return value.dump();
     const bool broken = lines && (value.is_object() || holds_containers(value));
@@ -133,7 +133,7 @@ std::string laid_out(const ordered_json& value, const Style& style, bool lines, 
     return text + (value.is_object() ? '}' : ']');
 }
 
-// The members of an object, in their order.
+// The members of an object, in the object's order.
 using Members = std::vector<std::pair<std::string_view, const ordered_json*>>;
 
 Members members_of(const ordered_json& object) {
@@ -148,10 +148,10 @@ const ordered_json* find(const Members& members, std::string_view name) {
     return found == members.end() ? nullptr : found->second;
 }
 
-// What an edited part was in the text, kNew for none.
+// The index of a part that is not in the text yet.
 constexpr size_t kNew = SIZE_MAX;
 
-// 0 for equal values, 2 for those that have nothing in common.
+// The cost of changing a value into another: 0 for equal values, 2 for values that have nothing in common.
 double difference(const ordered_json& a, const ordered_json& b) {
     if (a == b) return 0;
     if (a.type() != b.type()) return a.is_number() && b.is_number() ? 1 : 2;
@@ -161,20 +161,22 @@ double difference(const ordered_json& a, const ordered_json& b) {
     return 0.5 + 1.5 * (1 - static_cast<double>(same) / static_cast<double>(std::max(a.size(), b.size())));
 }
 
-// For each element of `edited` the one of `original` that it was, ascending: the cheapest edit of one list to the
-// other, where leaving out and adding cost 1 each.
+// For each element of `edited` the index of the element of `original` that it is matched with, or kNew; the indices
+// ascend. The matching is that of the cheapest edit from one list to the other, where removing and adding an element
+// cost 1 each and changing one costs its difference(). Lists of equal length, and those that are too long for this, are
+// matched index by index between their equal ends.
 std::vector<size_t> matched(const ordered_json& original, const ordered_json& edited) {
-    std::vector<size_t> was(edited.size(), kNew);
+    std::vector<size_t> old_indices(edited.size(), kNew);
     size_t head = 0, tail = 0;
-    const size_t least = std::min(original.size(), edited.size());
-    while (head < least && original[head] == edited[head]) ++head;
-    while (tail < least - head && original[original.size() - 1 - tail] == edited[edited.size() - 1 - tail]) ++tail;
-    for (size_t i = 0; i < head; ++i) was[i] = i;
-    for (size_t i = 1; i <= tail; ++i) was[edited.size() - i] = original.size() - i;
+    const size_t shorter = std::min(original.size(), edited.size());
+    while (head < shorter && original[head] == edited[head]) ++head;
+    while (tail < shorter - head && original[original.size() - 1 - tail] == edited[edited.size() - 1 - tail]) ++tail;
+    for (size_t i = 0; i < head; ++i) old_indices[i] = i;
+    for (size_t i = 1; i <= tail; ++i) old_indices[edited.size() - i] = original.size() - i;
     const size_t rows = original.size() - head - tail, columns = edited.size() - head - tail;
     if ((rows + 1) * (columns + 1) > kMaxMatchedPairs || rows == columns) {
-        for (size_t i = 0; i < std::min(rows, columns); ++i) was[head + i] = head + i;
-        return was;
+        for (size_t i = 0; i < std::min(rows, columns); ++i) old_indices[head + i] = head + i;
+        return old_indices;
     }
     const size_t width = columns + 1;
     std::vector<double> cost((rows + 1) * width), pair((rows + 1) * width);
@@ -191,26 +193,26 @@ std::vector<size_t> matched(const ordered_json& original, const ordered_json& ed
     for (size_t r = 0, c = 0; r < rows && c < columns;) {
         const double best = cost[r * width + c];
         if (pair[r * width + c] <= best) {
-            was[head + c++] = head + r++;
+            old_indices[head + c++] = head + r++;
         } else if (1 + cost[(r + 1) * width + c] <= best) {
             ++r;
         } else {
             ++c;
         }
     }
-    return was;
+    return old_indices;
 }
 
-// A part of a container as it shall be: an old part (`was`), or a new one, whose text is that of the old part `copy_of`
-// where there is one that is equal.
+// A part of the edited container. It is the part `old_index` of the text, changed to `new_value`; or a new part, which
+// takes its text from the equal old part `copy_of` where there is one.
 struct Change {
-    size_t was = kNew, copy_of = kNew;
+    size_t old_index = kNew, copy_of = kNew;
     std::string_view key;
     const ordered_json* old_value = nullptr;
     const ordered_json* new_value = nullptr;
 };
 
-// In the order of the text; new members last.
+// The members in the order of the text, new members last.
 std::vector<Change> changes_of_object(const Members& original, const Members& edited) {
     std::vector<Change> changes;
     for (size_t i = 0; i < original.size(); ++i)
@@ -223,11 +225,11 @@ std::vector<Change> changes_of_object(const Members& original, const Members& ed
 
 std::vector<Change> changes_of_list(const ordered_json& original, const ordered_json& edited) {
     std::vector<Change> changes;
-    const std::vector<size_t> was = matched(original, edited);
-    for (size_t i = 0; i < was.size(); ++i) {
-        Change& change = changes.emplace_back(Change{was[i], kNew, {}, nullptr, &edited[i]});
-        if (was[i] != kNew)
-            change.old_value = &original[was[i]];
+    const std::vector<size_t> old_indices = matched(original, edited);
+    for (size_t i = 0; i < old_indices.size(); ++i) {
+        Change& change = changes.emplace_back(Change{old_indices[i], kNew, {}, nullptr, &edited[i]});
+        if (old_indices[i] != kNew)
+            change.old_value = &original[old_indices[i]];
         else if (is_container(edited[i]) && original.size() * original.size() <= kMaxMatchedPairs)
             for (size_t k = 0; k < original.size() && change.copy_of == kNew; ++k)
                 if (original[k] == edited[i]) change.copy_of = k;
@@ -241,7 +243,7 @@ struct Splicer {
 
     std::string_view between(size_t begin, size_t end) const { return text.substr(begin, end - begin); }
 
-    // The value at `at`, edited; `indent` is that of a new value in its place.
+    // The text of the value at `at`, edited. `indent` is used where a new value replaces it.
     std::string value(size_t at, const ordered_json& original, const ordered_json& edited, bool lines,
                       const std::string& indent) const {
         if (&original == &edited || original == edited) return std::string(between(at, value_end(text, at)));
@@ -250,7 +252,7 @@ struct Splicer {
                                                 : changes_of_list(original, edited));
     }
 
-    // An object or list. Kept parts bring along what stood between them.
+    // The text of an object or list. Between two parts that were kept, the old separator stays.
     std::string container(size_t at, const std::vector<Change>& changes) const {
         if (changes.empty()) return text[at] == '{' ? "{}" : "[]";
         size_t close = 0;
@@ -264,9 +266,9 @@ struct Splicer {
             parts.size() > 1 ? std::string(between(parts[parts.size() - 2].end, parts.back().begin)) : "," + lead;
 
         std::string out = text[at] + lead;
-        size_t before = kNew;  // the part last written
+        size_t before = kNew;  // old_index of the change written last
         for (const Change& change : changes) {
-            const size_t i = change.was;
+            const size_t i = change.old_index;
             if (&change != changes.data())
                 out += i != kNew && i > 0 && before != kNew ? between(parts[i - 1].end, parts[i].begin) : separator;
             if (i != kNew) {
@@ -313,14 +315,14 @@ void expect_shallow_json(std::string_view text, const std::string& file) {
 
 ordered_json parse_document(std::string_view text, const std::string& file) {
     expect_shallow_json(text, file);
-    std::vector<std::set<std::string>> keys(kMaxJsonNesting + 2);  // of the object at each depth
+    std::vector<std::set<std::string>> keys(kMaxJsonNesting + 2);  // of the open object at each depth
     const auto check = [&](int depth, ordered_json::parse_event_t event, ordered_json& parsed) {
         const auto level = static_cast<size_t>(depth);
         if (event == ordered_json::parse_event_t::object_start) keys[level + 1].clear();
         if (event != ordered_json::parse_event_t::key) return true;
         const auto& key = parsed.get_ref<const std::string&>();
         if (!keys[level].insert(key).second)
-            throw InputError(file, "", fmt::format("says the member \"{}\" of one object twice", key),
+            throw InputError(file, "", fmt::format("has the member \"{}\" of one object twice", key),
                              "keep one of them");
         if (keys[level].size() > kMaxJsonMembers)
             throw InputError(file, "", fmt::format("has an object of more than {} members", kMaxJsonMembers));

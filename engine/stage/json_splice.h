@@ -1,8 +1,8 @@
-// JSON text in, edited JSON text out: what was not edited stays as it was written, byte for byte.
+// Applies edits of a parsed JSON document to its text: what was not edited keeps its bytes.
 //
-// A document of another program says things that a parsed copy loses: numbers as they were typed (1.0, 1e-3), white
-// space, escapes. So an edit is not written from the copy: the copy is compared with what the text says, and only the
-// values that differ are cut out of the text and replaced.
+// Parsing loses how a text was written: numbers as they were typed (1.0, 1e-3), white space, escapes. So an edited
+// document is not serialised as a whole. It is compared with the document that the text was parsed to, and only values
+// that differ are replaced in the text.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,23 +13,24 @@
 
 namespace neuvv::stage {
 
-// One value nests at most so deep, an object has at most so many members.
+// Limits on a document: how deep its values nest, and how many members an object has.
 constexpr int kMaxJsonNesting = 64;
 constexpr size_t kMaxJsonMembers = 4096;
 
-// Before a parser, which is as deep as the text. Throws InputError naming `file`.
+// Throws InputError naming `file` where the text nests deeper than kMaxJsonNesting. To be called before a parser, which
+// recurses as deep as the text nests.
 void expect_shallow_json(std::string_view text, const std::string& file);
 
-// What the text says. Throws InputError naming `file` for what is no JSON, no UTF-8, nests too deep or says one member
-// twice, of which programs take either.
+// Parses a document. Throws InputError naming `file` where the text is not JSON or not UTF-8, nests too deep, has an
+// object of too many members, or has a member of one object twice, where programs differ in which of the two they take.
 nlohmann::ordered_json parse_document(std::string_view text, const std::string& file);
 
-// `text`, which says `original` (parse_document), changed to say `edited`. New members and elements are laid out as
-// their neighbours are, and go last in their object; list elements are matched so that few values differ. Order of
-// members is the text's.
+// Changes `text`, which parses to `original`, so that it parses to `edited`, and returns it. New members and elements
+// are laid out as their neighbours are. Members keep the order of the text, and new ones come last in their object;
+// list elements are matched so that few values differ.
 std::string spliced(std::string_view text, const nlohmann::ordered_json& original,
                     const nlohmann::ordered_json& edited);
-// The same of a document; members that both share are not looked at.
+// The same for StageJson; members that both documents share are not compared.
 std::string spliced(std::string_view text, const StageJson& original, const StageJson& edited);
 
 }  // namespace neuvv::stage

@@ -1,4 +1,5 @@
-// NEUVV_performer: what puts a volumetric video on a node. Its schema is NEUVV_performer.schema.json.
+// The glTF extension NEUVV_performer, which makes a node play a volumetric video. Its schema is
+// NEUVV_performer.schema.json.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,13 +14,14 @@ constexpr const char* kPerformerExtension = "NEUVV_performer";
 constexpr size_t kMaxPaintLayers = 64;
 constexpr double kMaxSpin = 1e6;  // degrees per second
 
-// How a layer's colours go over what is below (paint.glsl): the target; its product with the colour; as if lit by the
-// target, as bright as before; hue and saturation of the target, as bright as before.
+// How a paint layer's target colour is blended with the colour below it (paint.glsl). kNormal: the target replaces the
+// colour. kMultiply: the product of both. kTint: the colour as if lit by the target, as bright as before. kRecolour:
+// hue and saturation of the target, as bright as before.
 enum class PaintBlend { kNormal, kMultiply, kTint, kRecolour };
 constexpr const char* kPaintBlendNames[] = {"normal", "multiply", "tint", "recolour"};
 
 struct PaintLayer {
-    std::string uri;   // of a .nvpaint, relative
+    std::string uri;   // of a .nvpaint, relative to the stage
     std::string name;  // may be empty
     bool visible = true;
     double opacity = 1;  // 0..1
@@ -27,21 +29,22 @@ struct PaintLayer {
 };
 
 struct PerformerSettings {
-    std::string uri;            // of the .nvv, relative
+    std::string uri;            // of the .nvv, relative to the stage
     TimeMap time;               // stage time to clip time
-    double spin_deg_per_s = 0;  // about its own +Y while stage time runs
+    double spin_deg_per_s = 0;  // about the performer's +Y, proportional to stage time
     bool visible = true;
     double opacity = 1;  // 0..1
     bool casts_shadow = true, receives_shadow = true;
-    std::vector<PaintLayer> paint;  // the lowest first
+    std::vector<PaintLayer> paint;  // the lowest layer first
 };
 
-// `place` is the extension's JSON place. Throws InputError; members it does not know are nobody's business.
+// `place` is the extension's (or the layer's) location in the JSON, for error messages. Throws InputError where a known
+// member is invalid; unknown members are ignored.
 PerformerSettings performer_settings_of(const nlohmann::ordered_json& json, const std::string& file,
                                         const std::string& place);
 PaintLayer paint_layer_of(const nlohmann::ordered_json& json, const std::string& file, const std::string& place);
 
-// Members that are not at their defaults, and the uri.
+// Writes the URI, and the members that differ from their defaults.
 nlohmann::ordered_json json_of(const PerformerSettings& settings);
 nlohmann::ordered_json json_of(const PaintLayer& layer);
 

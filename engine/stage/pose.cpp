@@ -11,11 +11,11 @@ namespace neuvv::stage {
 
 namespace {
 
-// Where t falls between the keys: the key before, and the share of the way to the next (0 outside the keys).
+// Where a time lies between keys.
 struct KeySpan {
-    size_t key = 0;
-    double share = 0;
-    double length_s = 0;
+    size_t key = 0;       // the last key at or before the time; the first key for times before it
+    double share = 0;     // the time, from 0 at this key to 1 at the next; 0 outside of all keys
+    double length_s = 0;  // from this key to the next
 };
 
 KeySpan find_span(const std::vector<float>& times, double t) {
@@ -101,13 +101,13 @@ void animate(const GltfAnimation& animation, double t, std::vector<LocalTransfor
     }
 }
 
-// Normals go by the inverse transpose; its cofactor form also serves matrices that flatten space.
+// Normals are transformed by the inverse transpose; its cofactor form also works for singular matrices.
 glm::dmat3 normal_matrix(const glm::dmat3& m) {
     const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
     return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
-// Tangents go as positions do; a mirror turns the bitangent's side around.
+// Tangents are transformed as directions between positions; a matrix that mirrors flips the side of the bitangent (w).
 glm::vec4 turned(const glm::vec4& tangent, const glm::dmat3& m) {
     const glm::dvec3 along = m * glm::dvec3(tangent);
     const double length = glm::length(along);

@@ -15,9 +15,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kMinScale = 1e-6, kMaxScale = 1e6, kMinVolume = 1e-6, kMaxPlace = 1e9;
+constexpr double kMinScale = 1e-6, kMaxScale = 1e6, kMinVolume = 1e-6, kMaxPosition_m = 1e9;
 
-// The extension of nodes[index] or scenes[index], null where it has none. The document is sound glTF.
+// The extension of nodes[index] or scenes[index], null where it has none. The document must be valid glTF.
 const ordered_json* extension_of(const StageJson& json, const char* list, size_t index, const char* name) {
     const ordered_json* objects = json.find(list);
     if (!objects || index >= objects->size()) return nullptr;
@@ -31,12 +31,12 @@ std::string extension_place(const char* list, size_t index, const char* name) {
     return fmt::format("/{}/{}/extensions/{}", list, index, name);
 }
 
-// Where a performer's .nvv lies.
+// The path of a performer's .nvv.
 std::filesystem::path clip_path(const Stage& stage, const StagePerformer& performer, const std::string& place) {
     return absolute_path(file_of_uri(stage.file, performer.settings.uri, place + "/uri"));
 }
 
-// Index into stage.clips; a new one is read.
+// The index of a performer's clip in stage.clips; the header of a file that is not there yet is read.
 uint32_t clip_of(Stage& stage, const std::filesystem::path& path, const StagePerformer& performer,
                  const std::string& place) {
     for (uint32_t i = 0; i < stage.clips.size(); ++i)
@@ -75,12 +75,12 @@ void read_performers(Stage& stage, bool clips_needed) {
     }
 }
 
-// Of the nodes as they stand; what animations do to them is looked at at each time.
-void expect_placeable(const Stage& stage) {
+// Checks the nodes' transforms without animations; stage_at checks them again at its time, animated.
+void expect_valid_transforms(const Stage& stage) {
     const std::string file = stage.file.path.string();
     const PosedScene pose = pose_scene(stage.scene, kNoAnimation, 0);
     for (const StagePerformer& performer : stage.performers)
-        if (!is_placeable(pose.world_from_node[performer.node]))
+        if (!is_valid_transform(pose.world_from_node[performer.node]))
             throw InputError(file, fmt::format("/nodes/{}", performer.node),
                              fmt::format("the transform of \"{}\" is flat, too large or not finite, together with "
                                          "those of the nodes above it",
@@ -90,13 +90,13 @@ void expect_placeable(const Stage& stage) {
         if (stage.scene.nodes[i].in_scene && !is_on_stage(pose.world_from_node[i]))
             throw InputError(file, fmt::format("/nodes/{}", i),
                              fmt::format("\"{}\" stands farther than {} m from the origin, or nowhere",
-                                         node_title(stage.scene, i), kMaxPlace),
+                                         node_title(stage.scene, i), kMaxPosition_m),
                              "look at its transform and those of the nodes above it");
 }
 
-// How long a performer's part takes: until its end, or where it has none as long as its clip.
+// How long a performer plays: until its time map ends, or as long as its clip where the time map is endless.
 double performance_s(const Stage& stage, const StagePerformer& performer) {
-    if (stage.clips.empty()) return 0;  // missing ones are allowed
+    if (stage.clips.empty()) return 0;  // expect_sound_document allows missing clips
     const StageClip& clip = stage.clips[performer.clip];
     const double length = length_s(performer.timeline);
     return std::isfinite(length) ? length : clip.frames / clip.fps;
@@ -123,9 +123,9 @@ void read_settings(Stage& stage) {
     stage.ambient = stage.settings.ambient.value_or(glm::dvec3(stage.scene.lights.empty() ? 1 : 0));
 }
 
-// The members that name bytes, and those that are made of such bytes: the costly part of a scene.
-constexpr const char* kCostlyMembers[] = {"buffers",  "bufferViews", "accessors", "images", "textures",
-                                          "samplers", "materials",   "meshes",    "skins",  "animations"};
+// The members that name buffers and images, and those whose content is read from such bytes: expensive to load.
+constexpr const char* kExpensiveMembers[] = {"buffers",  "bufferViews", "accessors", "images", "textures",
+                                             "samplers", "materials",   "meshes",    "skins",  "animations"};
 
 std::vector<std::pair<std::filesystem::path, FileStamp>> read_files_of(const StageFile& file) {
     std::vector<std::pair<std::filesystem::path, FileStamp>> files;
@@ -143,7 +143,7 @@ std::vector<std::pair<std::filesystem::path, FileStamp>> read_files_of(const Sta
     return files;
 }
 
-// A .glb has a buffer behind its JSON.
+// Whether the chunks behind the JSON, where a .glb has its buffer, are the same.
 bool has_same_chunks(const StageFile::Saved& a, const StageFile::Saved& b) {
     if (&a == &b || (!a.binary && !b.binary)) return true;
     return a.binary && b.binary &&
@@ -151,20 +151,20 @@ bool has_same_chunks(const StageFile::Saved& a, const StageFile::Saved& b) {
                       b.bytes.begin() + static_cast<std::ptrdiff_t>(b.json_begin + b.json_size), b.bytes.end());
 }
 
-// Whether all that is made of bytes is in both the same: known without looking at any.
+// Whether the expensive members and the bytes that they name are the same in both, which needs no reading of files.
 bool has_same_bytes(const StageFile& file, const Stage& before) {
-    const bool stays = before.read_files.empty() || file.path.parent_path() == before.file.path.parent_path();
-    const bool unread = std::any_of(before.read_files.begin(), before.read_files.end(),
-                                    [](const auto& read) { return stamp_of(read.first) != read.second; });
-    return stays && !unread && has_same_chunks(*file.saved, *before.file.saved) &&
-           std::all_of(std::begin(kCostlyMembers), std::end(kCostlyMembers),
+    const bool same_folder = before.read_files.empty() || file.path.parent_path() == before.file.path.parent_path();
+    const bool files_changed = std::any_of(before.read_files.begin(), before.read_files.end(),
+                                           [](const auto& read) { return stamp_of(read.first) != read.second; });
+    return same_folder && !files_changed && has_same_chunks(*file.saved, *before.file.saved) &&
+           std::all_of(std::begin(kExpensiveMembers), std::end(kExpensiveMembers),
                        [&](const char* member) { return file.json.shares(before.file.json, member); });
 }
 
-// The document without its costly members.
+// The document without its expensive members.
 std::vector<uint8_t> bytes_of_nodes(const StageFile& file) {
     StageJson json = file.json;
-    for (const char* member : kCostlyMembers) json.erase(member);
+    for (const char* member : kExpensiveMembers) json.erase(member);
     const std::string text = json.text();
     return {text.begin(), text.end()};
 }
@@ -185,7 +185,7 @@ Stage checked_stage(StageFile file, bool clips_needed, const Stage* before) {
     read_scene(stage, file, before);
     stage.file = std::move(file);
     read_performers(stage, clips_needed);
-    expect_placeable(stage);
+    expect_valid_transforms(stage);
     read_settings(stage);
     return stage;
 }
@@ -193,11 +193,12 @@ Stage checked_stage(StageFile file, bool clips_needed, const Stage* before) {
 }  // namespace
 
 bool is_on_stage(const glm::dmat4& world_from_node) {
-    const glm::dvec3 place(world_from_node[3]);
-    return std::abs(place.x) <= kMaxPlace && std::abs(place.y) <= kMaxPlace && std::abs(place.z) <= kMaxPlace;
+    const glm::dvec3 position(world_from_node[3]);
+    return std::abs(position.x) <= kMaxPosition_m && std::abs(position.y) <= kMaxPosition_m &&
+           std::abs(position.z) <= kMaxPosition_m;
 }
 
-bool is_placeable(const glm::dmat4& world_from_node) {
+bool is_valid_transform(const glm::dmat4& world_from_node) {
     double volume = 1;
     for (int axis = 0; axis < 3; ++axis) {
         const double length = glm::length(glm::dvec3(world_from_node[axis]));

@@ -1,4 +1,5 @@
-// A stage: a glTF 2.0 scene with performers on its nodes, as plain, validated data. stage_instant.h evaluates it.
+// A stage: a glTF 2.0 scene with performers on its nodes, as plain, validated data. evaluated_stage.h evaluates it at a
+// time.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +16,7 @@
 
 namespace neuvv::stage {
 
-// A volumetric video, once, however many performers play it.
+// A volumetric video. A stage has each file once, however many performers play it.
 struct StageClip {
     std::filesystem::path path;  // absolute
     uint32_t frames = 1;
@@ -26,7 +27,7 @@ struct StageClip {
 // A node of the default scene that has NEUVV_performer.
 struct StagePerformer {
     uint32_t node = 0;  // index into GltfScene::nodes
-    std::string name;   // the node's, or "node 3"
+    std::string name;   // node_title
     uint32_t clip = 0;  // index into Stage::clips
     PerformerSettings settings;
     Timeline timeline;
@@ -35,32 +36,34 @@ struct StagePerformer {
 struct Stage {
     StageFile file;
     GltfScene scene;
-    // Beside the stage, that buffers and images were read from.
+    // The files outside of the stage's own from which buffers and images were read.
     std::vector<std::pair<std::filesystem::path, FileStamp>> read_files;
-    std::vector<StageClip> clips;  // distinct files
+    std::vector<StageClip> clips;  // one for each file
     std::vector<StagePerformer> performers;
     StageSettings settings;
-    // Of the settings, or what they leave to the stage.
+    // From the settings, or the defaults that StageSettings names where these are not given.
     double duration_s = 0, fps = 25;
     glm::dvec3 ambient{0};
 };
 
-// Any glTF scene is a stage. Throws InputError for what load_gltf refuses, for wrong members of our extensions, for a
-// .nvv that is missing or damaged (its header is read, no more), and for performers whose transform cannot be inverted.
+// Any glTF scene is a stage. Throws InputError for what load_gltf refuses, for invalid members of the NEUVV extensions,
+// for a .nvv that is missing or damaged (only its header is read), for performers whose transform cannot be inverted,
+// and for nodes farther than 1e9 m from the origin.
 Stage load_stage(const std::filesystem::path& path);
-// The same of a file with edits that are not saved. Of `before`, a stage of an earlier state of the document, it shares
-// what did not change: where only nodes, scenes, cameras and lights did, buffers are not even looked at.
+// The same for a file with unsaved edits. What did not change since `before`, a stage of an earlier state of the
+// document, is shared with it: where only nodes, scenes, cameras and lights changed, no buffer or image is read.
 Stage make_stage(StageFile file, const Stage* before = nullptr);
 
-// Everything that make_stage checks, but a .nvv may be missing: whether a file may be saved.
+// Throws InputError where the file must not be saved: makes all checks of make_stage except that a .nvv may be missing.
 void expect_sound_document(const StageFile& file, const Stage* before = nullptr);
 
-// What people call a node: its name, or "node 3" where it has none.
+// The name by which a node is shown: its own, or "node 3" where it has none.
 std::string node_title(const GltfScene& scene, uint32_t node);
 
-// Whether the node stands at a finite place, within 1e9 m.
+// Whether the node's position is finite and each of its coordinates within 1e9 m of the origin.
 bool is_on_stage(const glm::dmat4& world_from_node);
-// Whether `world_from_node` can be a performer's: finite, and far enough from flat to be inverted in single precision.
-bool is_placeable(const glm::dmat4& world_from_node);
+// Whether `world_from_node` can be a performer's: on the stage, with scales of 1e-6 to 1e6, and far enough from flat to
+// be inverted in single precision.
+bool is_valid_transform(const glm::dmat4& world_from_node);
 
 }  // namespace neuvv::stage

@@ -21,7 +21,7 @@ std::string_view json_text(const StageFile::Saved& saved) {
         .substr(saved.json_begin, saved.json_size);
 }
 
-// The JSON shares what it has in common with `known`.
+// Reads the file's JSON from its bytes. Members that are equal to those of `known` are shared with it.
 std::shared_ptr<const StageFile::Saved> saved_of(std::vector<uint8_t> bytes, const std::string& file,
                                                  bool on_disk = true, const StageJson& known = {}) {
     const auto saved = std::make_shared<StageFile::Saved>();
@@ -48,11 +48,11 @@ bool is_named_binary(const std::filesystem::path& path) {
     return ending == ".glb";
 }
 
-// Calls edit(uri, place, below) for every URI of a file beside the stage in one of the document's members; `below`: it
-// must lie below the stage's folder.
+// Calls edit(uri, place, below) for every URI in `value`, the document's member of this name, that names a file.
+// `below` says that the file must be below the stage's folder.
 template <typename Edit>
 void edit_uris(ordered_json& value, const std::string& member, const Edit& edit) {
-    const auto visit = [&](ordered_json& owner, const std::string& place, bool below) {
+    const auto edit_uri = [&](ordered_json& owner, const std::string& place, bool below) {
         if (!owner.is_object() || !owner.contains("uri") || !owner["uri"].is_string()) return;
         if (!owner["uri"].get_ref<const std::string&>().starts_with("data:")) edit(owner["uri"], place + "/uri", below);
     };
@@ -66,16 +66,16 @@ void edit_uris(ordered_json& value, const std::string& member, const Edit& edit)
         return extensions.is_object() && extensions.contains(name) ? &extensions[name] : nullptr;
     };
     each_of(value, member, [&](ordered_json& owner, const std::string& place) {
-        if (member == "buffers" || member == "images") return visit(owner, place, true);
+        if (member == "buffers" || member == "images") return edit_uri(owner, place, true);
         if (ordered_json* performer = extension(owner, "NEUVV_performer"); performer && member == "nodes") {
-            visit(*performer, place + "/extensions/NEUVV_performer", false);
+            edit_uri(*performer, place + "/extensions/NEUVV_performer", false);
             if (performer->is_object() && performer->contains("paint"))
                 each_of((*performer)["paint"], "paint",
-                        [&](ordered_json& layer, const std::string& at) { visit(layer, place + at, false); });
+                        [&](ordered_json& layer, const std::string& at) { edit_uri(layer, place + at, false); });
         }
         if (ordered_json* stage = extension(owner, "NEUVV_stage"); stage && member == "scenes")
             if (stage->is_object() && stage->contains("environment"))
-                visit((*stage)["environment"], place + "/extensions/NEUVV_stage/environment", false);
+                edit_uri((*stage)["environment"], place + "/extensions/NEUVV_stage/environment", false);
     });
 }
 
@@ -83,7 +83,7 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
     return absolute_path(file).parent_path();
 }
 
-// URIs of the stage as they must be in the folder of `path`.
+// The document with its URIs rewritten for the folder of `path`.
 StageJson rebased(const StageFile& file, const std::filesystem::path& path) {
     StageJson json = file.json;
     StageFile there{path, {}, {}};
@@ -97,7 +97,7 @@ StageJson rebased(const StageFile& file, const std::filesystem::path& path) {
     };
     for (const char* member : {"buffers", "images", "nodes", "scenes"})
         if (json.contains(member)) edit_uris(json.edit(member), member, rebase);
-    json.share(file.json);  // members that name no files
+    json.share(file.json);  // members in which no URI changed
     return json;
 }
 
@@ -105,10 +105,11 @@ void append_word(std::vector<uint8_t>& bytes, size_t value) {
     for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<uint8_t>(value >> shift));
 }
 
-// A .glb with this JSON; what follows the old JSON chunk stays.
+// The bytes of a .glb with this JSON; what follows the JSON chunk in `saved` is kept.
 std::vector<uint8_t> glb_of(const std::string& json, const StageFile::Saved* saved) {
     const size_t padded = (json.size() + 3) / 4 * 4;
-    uint64_t tail_begin = 0, length = 0, after = 0;  // of the old chunks; what follows the container
+    // Of the old file: where the JSON chunk ends, the container's length, and the bytes that follow the container.
+    uint64_t tail_begin = 0, length = 0, after = 0;
     if (saved) {
         tail_begin = saved->json_begin + saved->json_size;
         length = gltf_word_at(saved->bytes, 8);
@@ -211,11 +212,11 @@ std::string encoded_uri(const std::string& path) {
 
 std::filesystem::path file_of_uri(const StageFile& file, const std::string& uri, const std::string& place) {
     const std::string name = decoded_uri(uri);
-    // A colon that was escaped is part of a name; else it ends a scheme, or a drive.
+    // An escaped colon is part of a name; any other ends a scheme or a drive letter.
     if (uri.empty() || name[0] == '/' || uri.find(':') != std::string::npos || name.find('\\') != std::string::npos ||
         name.find('\0') != std::string::npos)
         throw InputError(file.path.string(), place, fmt::format("\"{}\" is no relative path of a file", uri),
-                         "name the file by its way from the stage's folder, as in ../captures/anna.nvv");
+                         "name the file by its path from the stage's folder, as in ../captures/anna.nvv");
     return file.path.parent_path() / name;
 }
 

@@ -22,7 +22,7 @@ uint64_t bytes_of(const ordered_json& json) {
 
 }  // namespace
 
-// Written by edit() alone, and only while one document holds it.
+// A value is written only through edit(), and only while a single document refers to it.
 struct StageJson::Value {
     ordered_json json;
     mutable std::atomic<uint64_t> bytes{0};  // 0: not counted yet
@@ -63,7 +63,7 @@ ordered_json& StageJson::edit(std::string_view name) {
     if (index == members_.size()) members_.push_back({std::string(name), std::make_shared<Value>(ordered_json())});
     std::shared_ptr<Value>& value = members_[index].value;
     if (value.use_count() > 1) value = std::make_shared<Value>(value->json);
-    // Another thread may just have let go of its copy: what it read, it read before this writes.
+    // Another thread may just have released its copy. The fence orders that thread's reads before the caller's writes.
     std::atomic_thread_fence(std::memory_order_acquire);
     value->bytes = 0;
     return value->json;

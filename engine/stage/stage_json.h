@@ -1,6 +1,7 @@
-// A stage's JSON whose copies share what they have in common: each top-level member ("nodes", "buffers", …) is a value
-// of its own, which is copied when it is edited while another copy of the document holds it. So a copy costs a pointer
-// a member, an edit costs the member that it changes, and whoever keeps a copy can tell by pointers what changed since.
+// A stage's JSON with copy-on-write members. Copies of a document share each top-level member ("nodes", "buffers", …)
+// until one of them edits that member, which copies its value first. So a copy of a document costs one pointer per
+// member, an edit costs a copy of the member that it changes, and comparing pointers shows which members differ between
+// two copies.
 #pragma once
 
 #include <cstdint>
@@ -33,28 +34,28 @@ class StageJson {
     }
     size_t size() const { return members_.size(); }
     bool empty() const { return members_.empty(); }
-    // In their order.
+    // All members, in the order of the document.
     std::vector<std::pair<std::string_view, const nlohmann::ordered_json*>> members() const;
 
-    // The member to be written, made (null) where it is missing. The reference lasts until the document is copied or
-    // the member erased: after that it is somebody else's value.
+    // The member for writing; it is added with the value null where it is missing. Write through the reference only
+    // until the document is next copied or the member erased: the value may then be shared with a copy.
     nlohmann::ordered_json& edit(std::string_view name);
     void set(std::string_view name, nlohmann::ordered_json value) { edit(name) = std::move(value); }
     void erase(std::string_view name);
-    // Takes over the values of `other` that are equal to its own, so that both hold them once.
+    // Shares with `other` each member whose value is equal in both documents.
     void share(const StageJson& other);
 
-    // Whether both hold the very same value of a member, or neither has it: known without looking at it.
+    // Whether both documents share the value of a member, or neither has the member. The values are not compared.
     bool shares(const StageJson& other, std::string_view name) const { return find(name) == other.find(name); }
     // Values that are shared are not compared. The order of members counts, as in ordered_json.
     friend bool operator==(const StageJson& a, const StageJson& b);
 
-    // About how many bytes of memory each member takes, by its address.
+    // For each member the address of its value, and roughly the bytes of memory that the value takes.
     std::vector<std::pair<const void*, uint64_t>> sizes() const;
 
-    // All of it as one value, for who cannot do with members: a deep copy.
+    // The document as one JSON value: a deep copy.
     nlohmann::ordered_json whole() const;
-    // As whole().dump() would write it, without the copy. Bytes that are no UTF-8 are replaced.
+    // The text that whole().dump() would return, without the copy. Bytes that are not UTF-8 are replaced.
     std::string text() const;
 
   private:

@@ -18,7 +18,7 @@ ordered_json color_json(const glm::dvec3& color) {
     return {color.r, color.g, color.b};
 }
 
-// Three numbers from 0. A missing colour leaves `value` as it is.
+// Reads three numbers from 0. A missing colour leaves `value` as it is.
 void read_color(const JsonMembers& members, const char* name, glm::dvec3& value) {
     const ordered_json* found = members.find(name);
     if (!found) return;

@@ -11,9 +11,10 @@ namespace neuvv::stage {
 
 namespace {
 
-constexpr double kMaxStageFrames = 1e15;  // beyond, the first or the last frame is as good an answer
+// Stage times are clamped to ± this many frames, where doubles still resolve fractions of a frame.
+constexpr double kMaxStageFrames = 1e15;
 
-// To the whole frame that it stands for.
+// `frame`, or the whole frame that is within kFrameTolerance of it.
 double snapped(double frame) {
     const double whole = std::round(frame);
     return std::abs(frame - whole) <= kFrameTolerance ? whole : frame;
@@ -23,18 +24,18 @@ double in_frames(const ClipTime& time, double fps) {
     return snapped(time.frames ? time.value : time.value * fps);
 }
 
-// t mod period, where what is just short of the period is its start.
+// t mod period; a result less than kFrameTolerance below the period becomes 0.
 double wrapped(double t, double period) {
     const double rest = std::fmod(t, period);
     return rest > period - kFrameTolerance ? 0 : rest;
 }
 
-// From the first to the last frame of the part.
-double ping_pong_way(const Timeline::Step& step) {
+// The number of frames from the first to the last frame of the part.
+double ping_pong_length(const Timeline::Step& step) {
     return std::max(0.0, step.b - step.a - step.frame);
 }
 
-// The time before the operator that it shows at t, which is from 0 to the length after it.
+// The time of the clip before the operator that is shown at t after it; t is from 0 to the length after the operator.
 double shown_by(const Timeline::Step& step, double t) {
     switch (step.verb) {
         case TimeVerb::kOffset:
@@ -54,10 +55,10 @@ double shown_by(const Timeline::Step& step, double t) {
         case TimeVerb::kLoop:
             return step.a + std::min(wrapped(t, step.b - step.a), std::max(0.0, step.b - step.a - step.frame));
         case TimeVerb::kPingPong: {
-            const double way = ping_pong_way(step);
-            if (way <= kFrameTolerance) return step.a;
-            const double there_and_back = std::fmod(t, 2 * way);
-            return step.a + std::min(there_and_back, 2 * way - there_and_back);
+            const double length = ping_pong_length(step);
+            if (length <= kFrameTolerance) return step.a;
+            const double there_and_back = std::fmod(t, 2 * length);
+            return step.a + std::min(there_and_back, 2 * length - there_and_back);
         }
         case TimeVerb::kHold:
             return t;
@@ -65,7 +66,7 @@ double shown_by(const Timeline::Step& step, double t) {
     return t;
 }
 
-bool has_own_part(const TimeOperator& op) {
+bool cuts_a_part(const TimeOperator& op) {
     return op.verb == TimeVerb::kClip ||
            ((op.verb == TimeVerb::kLoop || op.verb == TimeVerb::kPingPong) && op.has_part);
 }
@@ -109,7 +110,7 @@ Timeline timeline_of(const TimeMap& map, uint32_t frames, double fps, const std:
             step.a = 0;
             step.b = length;
         }
-        if (has_own_part(op) && !(step.b - step.a >= kFrameTolerance))
+        if (cuts_a_part(op) && !(step.b - step.a >= kFrameTolerance))
             throw InputError(file, fmt::format("{}/{}", place, i), "plays an empty part of the clip",
                              "its second time is where the part ends");
         if (loops) step.b = std::max(step.b, step.a + kFrameTolerance * 10);
@@ -152,7 +153,7 @@ double period_s(const Timeline& timeline) {
     double period = 0;
     for (const Timeline::Step& step : timeline.steps) {
         if (step.verb == TimeVerb::kLoop) period = step.b - step.a;
-        if (step.verb == TimeVerb::kPingPong) period = 2 * ping_pong_way(step);
+        if (step.verb == TimeVerb::kPingPong) period = 2 * ping_pong_length(step);
         if (step.verb == TimeVerb::kSpeed) period /= step.factor;
         if (step.verb == TimeVerb::kFreeze || step.verb == TimeVerb::kClip) period = 0;
     }

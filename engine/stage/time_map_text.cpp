@@ -1,4 +1,4 @@
-// The two forms in which people and files have a TimeMap.
+// The two forms of a TimeMap: text, for people, and JSON, for files.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -23,7 +23,7 @@ struct VerbForm {
     TimeVerb verb;
     const char* name;
     const char* times[2];
-    bool optional;  // its times
+    bool optional;  // whether the times may be left out
 };
 constexpr VerbForm kForms[] = {
     {TimeVerb::kOffset, "offset", {"by", nullptr}, false},
@@ -69,7 +69,7 @@ double checked_factor(double factor, const std::string& file, const std::string&
     return factor;
 }
 
-// What every operator promises, however it was written.
+// Checks an operator of either form. Throws InputError.
 void check(const TimeOperator& op, const std::string& file, const std::string& place) {
     const bool may_be_negative = op.verb == TimeVerb::kOffset;
     if (!may_be_negative && (op.a.value < 0 || op.b.value < 0))

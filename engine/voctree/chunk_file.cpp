@@ -17,14 +17,16 @@ namespace neuvv::voctree {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the file is little-endian, and is copied as it stands");
+static_assert(std::endian::native == std::endian::little, "the file is little-endian, and its numbers are copied");
 
-// As PNG's: a byte with the high bit set, CRLF, ^Z and LF catch transfers that strip bits or convert line ends.
+// Like PNG's signature: a byte with the high bit set, CRLF, ^Z and LF reveal transfers that strip bits or convert line
+// ends.
 constexpr unsigned char kMagic[8] = {0x89, 'N', 'V', 'V', '\r', '\n', 0x1a, '\n'};
 constexpr const char* kEndName = "END ";
 constexpr size_t kMaxChunks = 256;
 constexpr uint64_t kMaxChunkBytes = uint64_t{1} << 36;
-// A file of n bytes may unpack to 64 MiB + 1024 n. Real files unpack to a few times their size; a bomb does not pass.
+// A file of n bytes may unpack to at most 64 MiB + 1024 n, which refuses decompression bombs: real files unpack to a
+// few times their size.
 constexpr uint64_t kFreeRawBytes = uint64_t{64} << 20;
 constexpr uint64_t kMaxRatio = 1024;
 constexpr size_t kPieceBytes = size_t{1} << 20;
@@ -48,8 +50,8 @@ bool ratio_allowed(uint64_t raw_total, uint64_t file_bytes) {
     return raw_total <= kFreeRawBytes + kMaxRatio * file_bytes;
 }
 
-// XXH3-64 of header and stored bytes, seeded with the checksum of the chunk before: chunks cannot be swapped, dropped
-// or mixed between files unnoticed.
+// XXH3-64 of header and stored bytes, seeded with the checksum of the chunk before. So it reveals where chunks were
+// swapped, dropped or taken from another file.
 class Checksum {
   public:
     Checksum(uint64_t seed, const StoredHeader& header) : state_(XXH3_createState(), XXH3_freeState) {
@@ -92,21 +94,21 @@ ChunkWriter::ChunkWriter(std::string path, const ByteSink& sink, int compression
     FileStart start{};
     std::memcpy(start.magic, kMagic, sizeof kMagic);
     start.version = kNvvVersion;
-    put(&start, sizeof start);
+    write(&start, sizeof start);
 }
 
-void ChunkWriter::put(const void* data, size_t bytes) {
+void ChunkWriter::write(const void* data, size_t bytes) {
     sink_(data, bytes);
     file_bytes_ += bytes;
 }
 
-void ChunkWriter::put_chunk(const std::string& name, uint64_t raw_bytes, const void* stored, size_t stored_bytes) {
+void ChunkWriter::write_chunk(const std::string& name, uint64_t raw_bytes, const void* stored, size_t stored_bytes) {
     StoredHeader header = stored_header({name, raw_bytes, stored_bytes, 0});
     Checksum checksum(previous_checksum_, header);
     checksum.add(stored, stored_bytes);
     header.checksum = previous_checksum_ = checksum.value();
-    put(&header, sizeof header);
-    put(stored, stored_bytes);
+    write(&header, sizeof header);
+    write(stored, stored_bytes);
 }
 
 void ChunkWriter::add(const std::string& name, const void* data, size_t bytes) {
@@ -123,17 +125,17 @@ void ChunkWriter::add(const std::string& name, const void* data, size_t bytes) {
     const std::unique_ptr<ZSTD_CCtx, size_t (*)(ZSTD_CCtx*)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
     if (!context) throw std::bad_alloc();
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, compression_);
-    // Refused by a library built without threads, which then works in this one.
+    // A zstd that was built without threads refuses this setting and compresses in the calling thread.
     const auto workers = static_cast<int>(std::min(std::thread::hardware_concurrency(), 16u));
     if (bytes > kPieceBytes) ZSTD_CCtx_setParameter(context.get(), ZSTD_c_nbWorkers, workers);
     std::vector<uint8_t> stored(ZSTD_compressBound(bytes));
     const size_t size = ZSTD_compress2(context.get(), stored.data(), stored.size(), data, bytes);
     if (ZSTD_isError(size)) refuse(ZSTD_getErrorName(size));
-    put_chunk(name, bytes, stored.data(), size);
+    write_chunk(name, bytes, stored.data(), size);
 }
 
 void ChunkWriter::finish() {
-    put_chunk(kEndName, 0, nullptr, 0);
+    write_chunk(kEndName, 0, nullptr, 0);
     if (!ratio_allowed(raw_bytes_, file_bytes_))
         throw RuntimeFailure(
             fmt::format("{}: not written: {} bytes of content pack into {}, and readers refuse files "
@@ -167,13 +169,13 @@ ChunkReader::ChunkReader(const std::filesystem::path& path, const FileKind& kind
     if (error || !file_) throw InputError(path_, "", "cannot open", "check its permissions");
 
     FileStart start{};
-    get(start.magic, std::min<uint64_t>(sizeof start.magic, file_bytes_));
+    read(start.magic, std::min<uint64_t>(sizeof start.magic, file_bytes_));
     if (std::memcmp(start.magic, kMagic, 4) != 0)
         throw InputError(path_, "", fmt::format("is not an {} file", kind.ending),
                          fmt::format("name a file that `{}` wrote", kind.writer));
     if (std::memcmp(start.magic, kMagic, sizeof kMagic) != 0)
         throw InputError(path_, "", "was damaged by a text-mode transfer", "copy it again as binary");
-    get(&start.version, sizeof start.version);
+    read(&start.version, sizeof start.version);
     if (start.version != kNvvVersion)
         throw InputError(path_, "",
                          fmt::format("has format version {}, this program reads {}", start.version, kNvvVersion),
@@ -190,7 +192,7 @@ void ChunkReader::fail_damaged(const std::string& problem) const {
     fail(problem, "the file is damaged: copy or write it again");
 }
 
-void ChunkReader::get(void* data, size_t bytes) {
+void ChunkReader::read(void* data, size_t bytes) {
     if (bytes > file_bytes_ - position_) fail_damaged("the file ends here, but more must follow");
     file_.read(static_cast<char*>(data), static_cast<std::streamsize>(bytes));
     if (!file_) fail_damaged("cannot read on");
@@ -200,7 +202,7 @@ void ChunkReader::get(void* data, size_t bytes) {
 bool ChunkReader::next(ChunkHeader& header) {
     open_ = {};
     StoredHeader stored{};
-    get(&stored, sizeof stored);
+    read(&stored, sizeof stored);
     const std::string name(stored.name, 4);
     if (name != kEndName && !is_chunk_name(name)) fail_damaged("no chunk starts here");
     open_ = {name, stored.raw_bytes, stored.stored_bytes, stored.checksum};
@@ -229,7 +231,7 @@ std::vector<uint8_t> ChunkReader::take(uint64_t raw_bytes) {
     if (open_.raw_bytes != raw_bytes)
         fail_damaged(fmt::format("holds {} bytes, not the {} it must", open_.raw_bytes, raw_bytes));
     std::vector<uint8_t> stored(open_.stored_bytes);
-    get(stored.data(), stored.size());
+    read(stored.data(), stored.size());
     Checksum checksum(previous_checksum_, stored_header(open_));
     checksum.add(stored.data(), stored.size());
     if (checksum.value() != open_.checksum) fail_damaged("checksum does not match");
@@ -259,7 +261,7 @@ void ChunkReader::skip(bool verify) {
     std::vector<uint8_t> piece(std::min<uint64_t>(kPieceBytes, open_.stored_bytes));
     for (uint64_t left = open_.stored_bytes; left > 0;) {
         const size_t bytes = std::min<uint64_t>(piece.size(), left);
-        get(piece.data(), bytes);
+        read(piece.data(), bytes);
         checksum.add(piece.data(), bytes);
         left -= bytes;
     }

@@ -1,4 +1,5 @@
-// Clips that can be played: .nvv files, and PlenOctrees (.npz) as clips of one frame. Told apart by their first bytes.
+// Clips that can be played: .nvv files, and PlenOctrees (.npz) as clips of one frame. The first bytes of a file decide
+// which it is.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +8,7 @@
 
 namespace neuvv::voctree {
 
-// Throws InputError (nvv.h, plenoctree.h).
+// Reads a clip of either kind. Throws InputError where read_nvv or read_plenoctree does.
 VOctree read_clip(const std::filesystem::path& path);
 
 struct ClipHead {
@@ -16,13 +17,13 @@ struct ClipHead {
     glm::vec3 box_min, box_size;  // metres
 };
 
-// What is known of a clip without reading its leaves. Throws InputError for what it does read.
+// Reads a clip's head without its leaves. Throws InputError where the file's headers are damaged.
 ClipHead read_clip_head(const std::filesystem::path& path);
 
-// ".nvv" or ".npz".
+// Whether the path ends with ".nvv" or ".npz".
 bool has_clip_ending(const std::filesystem::path& path);
 
-// A zip file, which among clips only PlenOctrees are. False where it cannot be read.
+// Whether the file is a zip file, as only PlenOctrees are among clips. False where it cannot be read.
 bool is_plenoctree(const std::filesystem::path& path);
 
 }  // namespace neuvv::voctree

@@ -11,7 +11,8 @@ namespace neuvv::voctree {
 
 namespace {
 
-// Beyond these logits sRGB is a straight line on either side, and the curve a step of constant height.
+// Beyond ± this logit sRGB is a straight line of linear light, so that the curve runs at a constant distance from the
+// identity.
 constexpr double kLastLogit = 20;
 constexpr int kStepsPerLogit = 128;
 
@@ -47,7 +48,7 @@ ColourDecoder::ColourDecoder(uint32_t degree) : functions_(sh_count(degree)) {
     }
     for (int i = 0; i < 27; ++i) {
         const glm::dvec3 cell(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-        const double squared = glm::dot(cell, cell);  // 1: an axis, 2: an edge, 3: a corner of the cube
+        const double squared = glm::dot(cell, cell);  // 1: along an axis, 2: to an edge, 3: to a corner of the cube
         if (squared == 0) continue;
         basis_.push_back(sh_basis(cell / std::sqrt(squared)));
         weights_.push_back(4 * std::numbers::pi * (squared == 1 ? 1.0 / 21 : squared == 2 ? 4.0 / 105 : 9.0 / 280));
@@ -55,11 +56,11 @@ ColourDecoder::ColourDecoder(uint32_t degree) : functions_(sh_count(degree)) {
 }
 
 double ColourDecoder::decoded_logit(double logit) const {
-    const double near = std::clamp(logit, -kLastLogit, kLastLogit);
-    const double at = (near + kLastLogit) * kStepsPerLogit;
+    const double clamped = std::clamp(logit, -kLastLogit, kLastLogit);
+    const double at = (clamped + kLastLogit) * kStepsPerLogit;
     const size_t step = std::min(static_cast<size_t>(at), curve_.size() - 2);
     const double share = at - static_cast<double>(step);
-    return (1 - share) * curve_[step] + share * curve_[step + 1] + (logit - near);
+    return (1 - share) * curve_[step] + share * curve_[step + 1] + (logit - clamped);
 }
 
 ChannelSh ColourDecoder::decode(const ChannelSh& k) const {
@@ -67,8 +68,8 @@ ChannelSh ColourDecoder::decode(const ChannelSh& k) const {
     for (size_t i = 0; i < basis_.size(); ++i) {
         double logit = 0;
         for (size_t j = 0; j < functions_; ++j) logit += k[j] * basis_[i][j];
-        const double wanted = weights_[i] * decoded_logit(logit);
-        for (size_t j = 0; j < functions_; ++j) decoded[j] += wanted * basis_[i][j];
+        const double weighted = weights_[i] * decoded_logit(logit);
+        for (size_t j = 0; j < functions_; ++j) decoded[j] += weighted * basis_[i][j];
     }
     return decoded;
 }

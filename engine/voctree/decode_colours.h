@@ -1,4 +1,4 @@
-// Colours as a display is sent them, decoded to linear light while they are still SH under a sigmoid.
+// Decodes sRGB colours that are given as the sigmoid of SH into linear light in the same form.
 #pragma once
 
 #include <array>
@@ -8,13 +8,14 @@
 
 namespace neuvv::voctree {
 
-// One channel's coefficients, index l² + l + m (sh.glsl); those beyond the degree are 0.
+// The SH coefficients of one colour channel, index l² + l + m (sh.glsl); those beyond the degree are 0.
 using ChannelSh = std::array<double, kMaxShCount>;
 
-// What sigmoid(Σ k_lm Y_lm(d)) shows as sRGB, as k'_lm whose sigmoid is linear light. Without dependence on d exact (to
-// 1e-5 of the logit); else the logit that is wanted is projected onto SH by 26 directions, which are exact for
-// polynomials of degree 7 (Lebedev); sRGB is off by 0.002 in the mean where other coefficients are a fifth of the first
-// (plenoctree_test).
+// From coefficients k_lm, where sigmoid(Σ k_lm Y_lm(d)) is sRGB, to k'_lm, where sigmoid(Σ k'_lm Y_lm(d)) is the same
+// colour in linear light. A colour that is the same from all directions d is decoded exactly (to 1e-5 of the logit).
+// Otherwise the logits of linear light in 26 directions are projected onto SH; as a quadrature these directions are
+// exact for polynomials of degree 7 (Lebedev). The mean error is 0.002 in sRGB where other coefficients are a fifth of
+// the first (plenoctree_test).
 class ColourDecoder {
   public:
     explicit ColourDecoder(uint32_t degree);
@@ -22,9 +23,9 @@ class ColourDecoder {
 
   private:
     uint32_t functions_;
-    std::vector<double> curve_;     // by logit
-    std::vector<ChannelSh> basis_;  // Y by direction
-    std::vector<double> weights_;   // of directions, 4π in sum
+    std::vector<double> curve_;     // the logit of linear light by the logit of sRGB, at equal steps
+    std::vector<ChannelSh> basis_;  // Y_lm in each of the 26 directions
+    std::vector<double> weights_;   // quadrature weights of the directions; their sum is 4π
 
     double decoded_logit(double logit) const;
 };

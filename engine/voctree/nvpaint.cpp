@@ -13,7 +13,7 @@ namespace neuvv::voctree {
 
 namespace {
 
-// In file order: PTHD first, then columns of the edits.
+// The columns of the edits, in file order; PTHD and PTLF come before them.
 enum ColumnIndex { kFirst, kLast, kRed, kGreen, kBlue, kAlpha, kSigma, kColumns };
 constexpr const char* kHeadName = "PTHD";
 constexpr const char* kLeafName = "PTLF";
@@ -54,7 +54,7 @@ void expect_field(const ChunkReader& file, const PaintHead& head, const PaintedF
 
 void expect_next(ChunkReader& file, ChunkHeader& chunk, const char* name) {
     if (!file.next(chunk)) throw InputError(file.path(), "", fmt::format("ends before chunk {}", name), kWriteAgain);
-    if (chunk.name != name) file.fail_damaged(fmt::format("stands where {} must", name));
+    if (chunk.name != name) file.fail_damaged(fmt::format("is where chunk {} must be", name));
 }
 
 }  // namespace

@@ -18,11 +18,11 @@ namespace {
 static_assert(sizeof(NvvHead) == 56);
 
 enum ChunkIndex { kHead, kNode, kChld, kBasA, kBasB, kMask, kWSig, kWGam, kWHhc, kChunkCount };
-// In file order: topology stands before the weights, so that a count of leaves is proven before memory is taken for
-// them.
+// The chunks in file order. The topology comes before the weights, so that the number of leaves is verified before
+// memory is allocated for their weights.
 using ChunkNames = std::array<const char*, kChunkCount>;
 constexpr ChunkNames kChunkNames = {"HEAD", "NODE", "CHLD", "BASA", "BASB", "MASK", "WSIG", "WGAM", "WHHC"};
-// The same of the coarse tree: ancillary, so that a reader that knows nothing of it skips them.
+// The chunks of the coarse tree: ancillary, so that a reader that does not know them skips them.
 constexpr ChunkNames kCoarseNames = {"hEAD", "nODE", "cHLD", "bASA", "bASB", "mASK", "wSIG", "wGAM", "wHHC"};
 constexpr uint64_t kMaxExtraBytes = uint64_t{4} << 30;
 constexpr size_t kStoredNodeBytes = 12;
@@ -38,7 +38,7 @@ std::vector<uint8_t> pack_nodes(const VOctree& tree) {
     return bytes;
 }
 
-// Bounds every count, so that sizes computed from them do not overflow.
+// Checks that every count is within its bounds, so that sizes that are computed from them do not overflow.
 NvvHead read_head(ChunkReader& file) {
     NvvHead head;
     std::memcpy(&head, file.take(sizeof head).data(), sizeof head);
@@ -83,14 +83,15 @@ WeightRange weight_range(const VOctree& tree, int chunk) {
     return chunk == kWSig ? sigma_range(tree) : chunk == kWGam ? gamma_range(tree) : colour_range(tree);
 }
 
-// What all weights take as halves: chunks hold fewer bytes, but a reader must expect these.
+// The size of all weights as halves. Chunks leave out weights that are 0, so a reader needs this much memory even where
+// the chunks are smaller.
 uint64_t weight_bytes(const VOctree& tree) {
     return uint64_t{2} * tree.leaf_count * tree.weights_per_leaf();
 }
 
 void read_presence(ChunkReader& file, VOctree& tree, std::vector<uint8_t>& presence) {
     presence = file.take(uint64_t{(tree.bases + 7) / 8} * tree.leaf_count);
-    if (!presence_fits(tree, presence)) file.fail("names a basis that is not there", "write the file again");
+    if (!presence_fits(tree, presence)) file.fail("names a basis that does not exist", "write the file again");
     file.claim(weight_bytes(tree));
     tree.weights.resize(size_t{tree.leaf_count} * tree.weights_per_leaf());
 }
@@ -103,7 +104,7 @@ struct PartialTree {
     size_t done = 0;
 };
 
-// The next of the tree's chunks.
+// Reads the tree's next chunk, which the file has opened.
 void read_chunk(ChunkReader& file, PartialTree& part) {
     VOctree& tree = part.tree;
     NvvHead& head = part.head;
@@ -141,7 +142,7 @@ void read_chunk(ChunkReader& file, PartialTree& part) {
             const WeightRange range = weight_range(tree, chunk);
             const std::vector<uint8_t> bytes = file.take(packed_weight_bytes(tree, range, presence));
             if (!unpack_weights(tree, range, presence, bytes))
-                file.fail("codes a column in an unknown way", "write the file again");
+                file.fail("has a column of unknown coding", "write the file again");
         }
     }
 }
@@ -151,7 +152,7 @@ void add_head(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
     file.add(names[kHead], &head, sizeof head);
 }
 
-// All but the head.
+// Writes all chunks of a tree but the head.
 void add_body(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
     const std::vector<uint8_t> nodes = pack_nodes(tree);
     file.add(names[kNode], nodes.data(), nodes.size());
@@ -168,12 +169,12 @@ void add_body(ChunkWriter& file, const VOctree& tree, const ChunkNames& names) {
     }
 }
 
-// Whoever plays may put one tree in the other's place.
+// Whether one tree may replace the other while the clip is played.
 bool same_clip(const NvvHead& a, const NvvHead& b) {
     return a.frames == b.frames && a.fps == b.fps && a.box_min == b.box_min && a.box_size == b.box_size;
 }
 
-// What no reader would take, or an empty string.
+// What a reader would refuse in the file to be written, or an empty string.
 std::string defect_of_file(const VOctree& tree, const std::vector<NvvChunk>& extra,
                            const std::optional<VOctree>& coarse) {
     const std::string defect = defect_of(tree);
@@ -241,7 +242,7 @@ VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra
             if (part.done == kChunkCount || chunk.name != kChunkNames[part.done])
                 file.fail_damaged(part.done == kChunkCount
                                       ? "is one too many"
-                                      : fmt::format("stands where {} must", kChunkNames[part.done]));
+                                      : fmt::format("is where chunk {} must be", kChunkNames[part.done]));
             read_chunk(file, part);
         } else if (!is_ancillary(chunk.name)) {
             file.fail("is unknown to this program", "open the file with a newer neuvv");
@@ -263,13 +264,13 @@ VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra
 std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path) {
     ChunkReader file(path);
     ChunkHeader chunk;
-    if (!file.next(chunk) || chunk.name != kChunkNames[kHead]) file.fail_damaged("stands where HEAD must");
+    if (!file.next(chunk) || chunk.name != kChunkNames[kHead]) file.fail_damaged("is where chunk HEAD must be");
     const NvvHead whole = read_head(file);
     PartialTree part;
     for (const char* name : kCoarseNames) {
         const bool there = file.next(chunk) && chunk.name == name;
         if (!there && part.done == kHead) return std::nullopt;
-        if (!there) file.fail_damaged(fmt::format("stands where {} must", name));
+        if (!there) file.fail_damaged(fmt::format("is where chunk {} must be", name));
         if (chunk.raw_bytes > kMaxExtraBytes) file.fail_damaged("is larger than 4 GiB");
         read_chunk(file, part);
         if (part.done > kHead + 1) continue;

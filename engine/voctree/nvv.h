@@ -1,4 +1,4 @@
-// The .nvv file: a VOctree at rest. The byte layout is specified in engine/voctree/README.md.
+// Reads and writes .nvv files, each a VOctree. The byte layout is specified in engine/voctree/README.md.
 #pragma once
 
 #include <filesystem>
@@ -10,29 +10,31 @@
 
 namespace neuvv::voctree {
 
-// Extra named chunks that ride along: the optimiser's state, later paint. A reader keeps what it does not know. A name
-// is four ASCII letters or digits, the first a lower-case letter, and none of the coarse tree's; each at most once in a
-// file, at most 4 GiB of bytes.
+// An additional chunk of a file, for instance the optimiser's state, whose bytes this module does not interpret. Its
+// name is four ASCII letters or digits, the first a lower-case letter, and differs from the names of the coarse tree's
+// chunks and of the file's other chunks. It has at most 4 GiB.
 struct NvvChunk {
     std::string name;
     std::vector<uint8_t> bytes;
 };
 
-// Weights are stored as fp16 (out of range saturates), A and B as fp32. Atomic: the path holds the old or the new file.
-// `compression` is zstd's level. Throws RuntimeFailure (the disk; a tree with a defect_of, as a diverged training
-// leaves behind; an extra chunk with a bad name) and then leaves the old file. `coarse` (coarse.h), of the same clip
-// and box, goes before the tree.
+// Writes the file atomically: at any time the path has the complete old or new file. Weights are stored as fp16,
+// clamped to its range, A and B as fp32. `compression` is zstd's level. `coarse` (coarse.h), which must have the same
+// frames, fps and box, is written before the tree. Throws RuntimeFailure where the disk fails, where a tree has a
+// defect_of (as a diverged training leaves behind), or where an extra chunk is invalid; the old file is then left as it
+// was.
 void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunk>& extra = {},
                int compression = 3, const std::optional<VOctree>& coarse = std::nullopt);
 
-// Throws InputError naming the file, the chunk and the fix; never trusts a size or an index in the file.
+// Reads the tree, and in `extra` the additional chunks. Throws InputError naming the file, the chunk and the fix; every
+// size and index in the file is checked, and the result has no defect_of.
 VOctree read_nvv(const std::filesystem::path& path, std::vector<NvvChunk>* extra = nullptr);
 
-// The coarse tree alone, as well checked, from the file's first bytes: the rest is not looked at. Nothing where the
-// file has none. Throws InputError.
+// Reads the coarse tree alone, with the same checks; the file behind it is not read. Nothing where the file has no
+// coarse tree. Throws InputError as read_nvv.
 std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path);
 
-// The chunk HEAD as it stands in the file.
+// The chunk HEAD, laid out as in the file.
 struct NvvHead {
     uint32_t node_levels, node_count, child_count, leaf_count;
     uint32_t bases, hh_degree, frames;
@@ -49,11 +51,11 @@ struct NvvSummary {
     uint32_t version = 0;
     uint64_t file_bytes = 0;
     NvvHead head{};
-    std::vector<Chunk> chunks;  // in file order, END left out
+    std::vector<Chunk> chunks;  // in file order, without END
 };
 
-// What a file holds, from its headers alone: no topology or weights are read, nor their checksums verified. Throws
-// InputError for what it does read.
+// Summarises a file from its headers alone: topology and weights are not read, and their checksums not verified. Throws
+// InputError where the headers are damaged.
 NvvSummary summarise_nvv(const std::filesystem::path& path);
 
 }  // namespace neuvv::voctree

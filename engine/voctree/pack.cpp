@@ -11,19 +11,19 @@ namespace neuvv::voctree {
 
 namespace {
 
-// How a column stands in the file: its first byte.
-//   0..24       the numbers are multiples of 2^−coding, each stored as its multiple less that of the one before it
+// The coding of a column, which the file stores as a byte:
+//   0..24       the numbers are multiples of 2^−coding, each stored as the difference of its multiple to the one before
 //   128..143    the numbers are halves, stored as their bits without the lowest coding − 128, which are 0
-constexpr uint32_t kFinestStep = 24;  // a half's finest digit is 2^−24
-constexpr uint32_t kHalfCoding = 128, kMostShift = 15;
+constexpr uint32_t kFinestStep = 24;  // the smallest positive half is 2^−24
+constexpr uint32_t kHalfCoding = 128, kMaxShift = 15;
 
-// One column on its way in or out.
+// A column while it is encoded or decoded.
 struct Column {
     uint32_t coding = 0;
     float scale = 1;     // 2^coding
-    size_t count = 0;    // numbers in it
-    size_t at = 0;       // of its next number, in all columns' numbers
-    int16_t before = 0;  // multiple of the number before
+    size_t count = 0;    // numbers in the column
+    size_t at = 0;       // index of the column's next number among the numbers of all columns
+    int16_t before = 0;  // the multiple of the number before the next
 
     void set_coding(uint32_t value) {
         coding = value;
@@ -35,15 +35,15 @@ bool is_present(const std::vector<uint8_t>& presence, size_t leaves, size_t leaf
     return presence[column / 8 * leaves + leaf] >> column % 8 & 1;
 }
 
-constexpr uint32_t kBlockLeaves = 1u << 14;  // that are decoded in one go
+constexpr uint32_t kBlockLeaves = 1u << 14;  // leaves of a block; blocks are decoded in parallel
 
-struct Leaves {
+struct LeafRange {
     uint32_t begin, end;
 };
 
-// Calls visit(leaf, column in range) for each number, leaf by leaf: its weights lie together.
+// Calls visit(leaf, column in range) for each number, leaf by leaf, because a leaf's weights are adjacent in memory.
 template <typename Visit>
-void for_each_number(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence, Leaves leaves,
+void for_each_number(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence, LeafRange leaves,
                      Visit visit) {
     for (uint32_t leaf = leaves.begin; leaf < leaves.end; leaf++)
         for (uint32_t column = 0; column < range.count; column++)
@@ -58,12 +58,12 @@ void set_offsets(std::vector<Column>& columns) {
     }
 }
 
-Leaves leaves_of_block(const VOctree& tree, size_t block) {
+LeafRange leaves_of_block(const VOctree& tree, size_t block) {
     const auto begin = static_cast<uint32_t>(block * kBlockLeaves);
     return {begin, std::min(begin + kBlockLeaves, tree.leaf_count)};
 }
 
-// What of each column lies in each block of leaves, codings included, so that blocks can be decoded side by side.
+// For each block of leaves the part of each column that belongs to it, so that blocks can be decoded in parallel.
 std::vector<std::vector<Column>> columns_of_blocks(const VOctree& tree, WeightRange range,
                                                    const std::vector<uint8_t>& presence,
                                                    const std::vector<uint8_t>& codings) {
@@ -83,11 +83,11 @@ std::vector<std::vector<Column>> columns_of_blocks(const VOctree& tree, WeightRa
     return blocks;
 }
 
-// The digits that a column's halves have.
+// What decides the coding of a column.
 struct Digits {
-    uint16_t bits = 0;
-    uint32_t finest = 0;  // all numbers are multiples of 2^−finest
-    uint16_t largest = 0;
+    uint16_t bits = 0;     // the halves' bits, or-ed
+    uint32_t finest = 0;   // all numbers are multiples of 2^−finest
+    uint16_t largest = 0;  // the bits of the largest magnitude
 
     void add(uint16_t half) {
         const uint16_t magnitude = half & 0x7fff;
@@ -105,7 +105,7 @@ struct Digits {
     }
 };
 
-// A signed step as an unsigned number, small where it is small.
+// Maps a signed step to an unsigned number: 0, −1, 1, −2, … to 0, 1, 2, 3, …
 uint16_t folded(int16_t step) {
     return static_cast<uint16_t>((step << 1) ^ (step >> 15));
 }
@@ -209,13 +209,13 @@ bool unpack_weights(VOctree& tree, WeightRange range, const std::vector<uint8_t>
                     const std::vector<uint8_t>& bytes) {
     for (uint32_t column = 0; column < range.count; column++) {
         const uint32_t coding = bytes[column];
-        if (coding > kFinestStep && (coding < kHalfCoding || coding > kHalfCoding + kMostShift)) return false;
+        if (coding > kFinestStep && (coding < kHalfCoding || coding > kHalfCoding + kMaxShift)) return false;
     }
     const size_t numbers = (bytes.size() - range.count) / 2;
     const uint8_t* low = bytes.data() + range.count;
     const auto number_at = [&](size_t at) { return static_cast<uint16_t>(low[at] | low[numbers + at] << 8); };
     std::vector<std::vector<Column>> blocks = columns_of_blocks(tree, range, presence, bytes);
-    // Where each block's steps begin is the sum of all before it.
+    // The multiple before a block's first number is the sum of all steps before the block.
     parallel_for(range.count, 1, [&](size_t first, size_t) {
         int16_t sum = 0;
         for (std::vector<Column>& block : blocks) {

@@ -29,7 +29,7 @@ LeafEdit between(LeafEdit edit, float first, float last) {
     return edit;
 }
 
-// Both where both hold: the colour of source over destination, straight alpha.
+// Two edits as one, for frames where both apply: source over destination with straight alpha.
 LeafEdit over(const LeafEdit& above, const LeafEdit& below) {
     LeafEdit both = above;
     both.alpha = above.alpha + below.alpha * (1 - above.alpha);
@@ -40,23 +40,23 @@ LeafEdit over(const LeafEdit& above, const LeafEdit& below) {
     return both;
 }
 
-bool looks_alike(const LeafEdit& a, const LeafEdit& b) {
+bool has_same_effect(const LeafEdit& a, const LeafEdit& b) {
     return a.colour == b.colour && a.alpha == b.alpha && a.sigma == b.sigma;
 }
 
-// Adds an edit after those before it, as one with the last where it goes on with the same.
+// Appends an edit; where it continues the last one with the same effect, both become one.
 void append(std::vector<LeafEdit>& edits, const LeafEdit& edit) {
-    if (!edits.empty() && looks_alike(edits.back(), edit) && just_after(edits.back().last) == edit.first)
+    if (!edits.empty() && has_same_effect(edits.back(), edit) && just_after(edits.back().last) == edit.first)
         edits.back().last = edit.last;
     else
         edits.push_back(edit);
 }
 
-// `edits` are one leaf's, in order; so they are afterwards.
-void put_over(std::vector<LeafEdit>& edits, const LeafEdit& top) {
+// Adds `top` over the edits of one leaf, which are in order of frames before and after.
+void add_over(std::vector<LeafEdit>& edits, const LeafEdit& top) {
     std::vector<LeafEdit> result;
-    float from = top.first;  // of what is left of `top`
-    const auto put_rest_until = [&](float last) {
+    float from = top.first;  // the first frame of the part of `top` that is not in `result` yet
+    const auto append_top_until = [&](float last) {
         if (from <= last) append(result, between(top, from, last));
         from = just_after(last);
     };
@@ -67,19 +67,19 @@ void put_over(std::vector<LeafEdit>& edits, const LeafEdit& top) {
             continue;
         }
         if (below.first > top.last) {
-            if (!done) put_rest_until(top.last);
+            if (!done) append_top_until(top.last);
             done = true;
             append(result, below);
             continue;
         }
         if (below.first < top.first) append(result, between(below, below.first, just_before(top.first)));
         const float begin = std::max(below.first, top.first), end = std::min(below.last, top.last);
-        if (from < begin) put_rest_until(just_before(begin));
+        if (from < begin) append_top_until(just_before(begin));
         append(result, between(over(top, below), begin, end));
         from = just_after(end);
         if (below.last > top.last) append(result, between(below, just_after(top.last), below.last));
     }
-    if (!done) put_rest_until(top.last);
+    if (!done) append_top_until(top.last);
     edits = std::move(result);
 }
 
@@ -122,7 +122,7 @@ void add_edits(EditLayer& layer, std::span<const LeafEdit> edits) {
         for (; below != layer.edits.end() && below->leaf < leaf; ++below) result.push_back(*below);
         of_leaf.clear();
         for (; below != layer.edits.end() && below->leaf == leaf; ++below) of_leaf.push_back(*below);
-        for (; above != added.end() && above->leaf == leaf; ++above) put_over(of_leaf, *above);
+        for (; above != added.end() && above->leaf == leaf; ++above) add_over(of_leaf, *above);
         result.insert(result.end(), of_leaf.begin(), of_leaf.end());
     }
     result.insert(result.end(), below, layer.edits.end());
@@ -153,18 +153,18 @@ std::string defect_of(const EditLayer& layer) {
     for (size_t i = 0; i < layer.edits.size(); i++) {
         const LeafEdit& edit = layer.edits[i];
         const auto of_edit = [i](const char* what) { return fmt::format("edit {} {}", i, what); };
-        if (edit.leaf >= layer.field.leaf_count) return of_edit("names a leaf that is not there");
+        if (edit.leaf >= layer.field.leaf_count) return of_edit("names a leaf that does not exist");
         if (!(edit.first >= 0 && edit.first <= edit.last && edit.last <= end))
-            return of_edit("holds at frames that are not there");
+            return of_edit("applies to frames that do not exist");
         if (!in_unit(edit.colour.r) || !in_unit(edit.colour.g) || !in_unit(edit.colour.b))
             return of_edit("has a colour beyond 0 to 1");
         if (!in_unit(edit.alpha)) return of_edit("has an alpha beyond 0 to 1");
         if (edit.sigma != kKeepSigma && !(edit.sigma >= 0 && edit.sigma <= kMaxPaintSigma))
-            return of_edit("has a density that is none");
+            return of_edit("has an invalid density");
         if (i == 0) continue;
         const LeafEdit& before = layer.edits[i - 1];
         if (before.leaf > edit.leaf || (before.leaf == edit.leaf && before.last >= edit.first))
-            return of_edit("stands out of order, or over the one before it");
+            return of_edit("is out of order, or overlaps the one before it");
     }
     return "";
 }

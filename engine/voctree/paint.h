@@ -1,6 +1,6 @@
-// A layer of paint on a field: what leaves shall look like instead, and when (errata 14). Layers lie beside the shared
-// weights, so that copies of one field are painted each for itself. How a layer shows (its blend, its opacity) is said
-// where it is used.
+// A layer of paint on a field: edits that change the colour or density of leaves during some frames (errata 14). Layers
+// are stored beside the field's weights, so that performers that share a field can be painted differently. A layer's
+// blend and opacity belong to the performer that uses it (stage/performer_settings.h).
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace neuvv::voctree {
 
-// The field that paint was made for: its leaves by number, its clip by frames.
+// Identifies the field that paint was made for.
 struct PaintedField {
     uint64_t topology = 0;  // XXH3-64 of levels, nodes and children
     uint32_t leaf_count = 0;
@@ -22,27 +22,29 @@ constexpr float kKeepSigma = -1;
 
 struct LeafEdit {
     uint32_t leaf = 0;
-    float first = 0, last = 0;  // frames, both within: it holds where first <= t <= last
-    glm::vec3 colour{0};        // target, linear RGB of 0 to 1
-    float alpha = 0;            // how much of it; 0: the colour stays
-    float sigma = kKeepSigma;   // target, 1/m; 0 erases; kKeepSigma: the density stays
+    float first = 0, last = 0;  // frames: the edit applies where first <= t <= last
+    glm::vec3 colour{0};        // target colour, linear RGB of 0 to 1
+    float alpha = 0;            // weight of the target colour, 0 to 1; 0: the colour stays
+    float sigma = kKeepSigma;   // target density, 1/m; 0 erases the leaf; kKeepSigma: the density stays
     bool operator==(const LeafEdit&) const = default;
 };
 
-// In order of leaf and first frame; of one leaf, no two edits hold at the same time.
+// Edits are in order of leaf, then of first frame, and no two edits of a leaf apply at the same time.
 struct EditLayer {
     PaintedField field;
     std::vector<LeafEdit> edits;
 };
 
-// Later edits go over earlier ones, those of the layer before all: where both hold, alpha covers (a whole one
-// replaces), and a density replaces; elsewhere the earlier stays as it is. Edits must be sound but for their order.
+// Adds edits over those of the layer, each over those before it. Where two edits apply at the same time, the upper
+// one's colour is composited over the lower one's by its alpha (1 replaces it), and its density, where it has one,
+// replaces the lower one's. At other times the lower edit stays. The new edits may be in any order and overlap;
+// otherwise they must be valid (defect_of).
 void add_edits(EditLayer& layer, std::span<const LeafEdit> edits);
 
-// Takes out what holds on these leaves (in any order) between two frames, both within.
+// Removes what applies to these leaves (in any order) from frame `first` to frame `last`, both included.
 void remove_edits(EditLayer& layer, std::span<const uint32_t> leaves, float first, float last);
 
-// What is wrong with a layer, or an empty string: numbers out of range, edits out of order or over each other.
+// What is wrong with a layer, or an empty string: numbers out of range, edits out of order or overlapping in time.
 std::string defect_of(const EditLayer& layer);
 
 }  // namespace neuvv::voctree

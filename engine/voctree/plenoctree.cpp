@@ -21,7 +21,7 @@ constexpr uint32_t kMaxDepth = 2 * kMaxNodeLevels;
 constexpr double kY00 = 0.28209479177387814;
 constexpr const char* kFix = "write it with N3Tree.save of svox";
 
-// An array as it stands in the file.
+// An array of the file, with its header.
 struct RawArray {
     NpyHeader header;
     std::vector<uint8_t> bytes;
@@ -60,11 +60,11 @@ PlenoctreeBox read_box(const NpzReader& npz, const std::string& file) {
     return box;
 }
 
-// How a leaf's numbers are coded: those of R, then G, then B, then σ.
+// The format of a leaf's numbers: those of R, then G, then B, then σ.
 struct Format {
     uint32_t numbers = 0;  // of each channel
     uint32_t degree = 0;   // of SH
-    double scale = 1;      // of a number as a coefficient
+    double scale = 1;      // from a number to an SH coefficient
 };
 
 Format format_of(const std::string& name, const std::string& file) {
@@ -75,7 +75,7 @@ Format format_of(const std::string& name, const std::string& file) {
                      "convert it with svox, or extract the tree anew");
 }
 
-// Files of the first versions do not name it.
+// The name of the format. Files of svox' first versions do not have it, so it is derived from the numbers of a leaf.
 std::string format_name(const NpzReader& npz, const std::string& file, uint64_t data_dim) {
     if (!npz.has("data_format")) return data_dim == 4 ? "RGBA" : fmt::format("SH{}", (data_dim - 1) / 3);
     const RawArray text = read_array(npz, file, "data_format");
@@ -113,7 +113,7 @@ class Plenoctree {
         reached_.resize(of_child[0]);
         reached_[0] = true;
         visit(0, {0, 0, 0, 0});
-        if (places_.empty()) throw InputError(file, "data", "is empty everywhere", "extract the tree anew");
+        if (positions_.empty()) throw InputError(file, "data", "is empty everywhere", "extract the tree anew");
     }
 
     VOctree tree(PlenoctreeColours colours) const {
@@ -123,9 +123,9 @@ class Plenoctree {
         tree.hh_degree = format_.degree;
         tree.sigma_basis = {1};
         tree.gamma_basis = {0};
-        build_topology(tree, places_);
+        build_topology(tree, positions_);
         const ColourDecoder decoder(format_.degree);
-        parallel_for(places_.size(), 4096, [&](size_t begin, size_t end) {
+        parallel_for(positions_.size(), 4096, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) fill_leaf(tree, i, colours, decoder);
         });
         return tree;
@@ -137,9 +137,9 @@ class Plenoctree {
     bool halves_ = true;
     uint64_t numbers_ = 0;  // of a leaf
     Format format_;
-    std::vector<bool> reached_;         // nodes
-    std::vector<LeafPosition> places_;  // of leaves that are seen
-    std::vector<uint64_t> cells_;       // where they stand in `data`
+    std::vector<bool> reached_;            // nodes that the walk has reached
+    std::vector<LeafPosition> positions_;  // of leaves with σ > 0
+    std::vector<uint64_t> cells_;          // the indices of these leaves in `data`
     uint32_t deepest_ = 1;
 
     std::string name_of(const char* array, uint64_t cell) const {
@@ -155,13 +155,13 @@ class Plenoctree {
         return value;
     }
 
-    // In the order in which ours walks: z is the highest bit of a cell here, the lowest in the file. As deep as the
-    // tree at most.
-    void visit(uint64_t node, const LeafPosition& place) {
+    // Adds the leaves below a node in the order of a VOctree's cells, where z is the highest bit of a cell's number; in
+    // the file it is the lowest. The recursion is at most kMaxDepth deep, because child_of refuses deeper nodes.
+    void visit(uint64_t node, const LeafPosition& position) {
         for (uint32_t i = 0; i < 8; ++i) {
             const uint32_t x = i & 1, y = i >> 1 & 1, z = i >> 2;
             const uint64_t cell = 8 * node + 4 * x + 2 * y + z;
-            const LeafPosition at{2 * place.x + x, 2 * place.y + y, 2 * place.z + z, place.depth + 1};
+            const LeafPosition at{2 * position.x + x, 2 * position.y + y, 2 * position.z + z, position.depth + 1};
             if (child_.at<int32_t>(cell) == 0)
                 add_leaf(cell, at);
             else
@@ -184,13 +184,13 @@ class Plenoctree {
         return index;
     }
 
-    void add_leaf(uint64_t cell, const LeafPosition& place) {
+    void add_leaf(uint64_t cell, const LeafPosition& position) {
         if (number(cell, numbers_ - 1) <= 0) return;
-        if (places_.size() == kMaxLeaves)
+        if (positions_.size() == kMaxLeaves)
             throw InputError(file_, "child", fmt::format("has more than {} leaves", kMaxLeaves),
                              "extract a coarser tree");
-        deepest_ = std::max(deepest_, place.depth);
-        places_.push_back(place);
+        deepest_ = std::max(deepest_, position.depth);
+        positions_.push_back(position);
         cells_.push_back(cell);
     }
 
@@ -203,20 +203,20 @@ class Plenoctree {
             for (uint32_t i = 0; i < format_.numbers; ++i)
                 k[i] = format_.scale * double{number(cells_[leaf], uint64_t{channel} * format_.numbers + i)};
             turn_signs(k);
-            put_channel(weights, colours == PlenoctreeColours::kLinear ? decoder.decode(k) : k);
+            write_channel(weights, colours == PlenoctreeColours::kLinear ? decoder.decode(k) : k);
             weights += hh_count(format_.degree);
         }
     }
 
-    // To functions without the Condon-Shortley phase.
+    // Converts coefficients to SH without the Condon-Shortley phase.
     static void turn_signs(ChannelSh& k) {
         for (int l = 0; l <= static_cast<int>(kMaxHhDegree); ++l)
             for (int m = -l; m <= l; ++m)
                 if (m % 2 != 0) k[static_cast<size_t>(l * l + l + m)] *= -1;
     }
 
-    // R_ll(π/2) = 2^l l! √(2(l+1) / (π (2l+1)!)) (errata 1); with n > l the functions stay without weight.
-    void put_channel(float* weights, const ChannelSh& k) const {
+    // R_ll(π/2) = 2^l l! √(2(l+1) / (π (2l+1)!)) (errata 1). The weights of functions with n > l stay 0.
+    void write_channel(float* weights, const ChannelSh& k) const {
         double power = 1, factorial = 1, odd_factorial = 1;  // 2^l, l!, (2l+1)!
         for (uint32_t l = 0; l <= format_.degree; ++l) {
             if (l > 0) power *= 2, factorial *= l, odd_factorial *= 2.0 * l * (2.0 * l + 1);

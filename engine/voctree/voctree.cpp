@@ -17,14 +17,14 @@ uint64_t mask_of(const TreeNode& node) {
     return uint64_t{node.mask_hi} << 32 | node.mask_lo;
 }
 
-// Index into the child array of an occupied cell.
+// The index of an occupied cell's entry in the child array.
 size_t child_slot(const TreeNode& node, uint32_t cell) {
     const uint64_t below = mask_of(node) & ((uint64_t{1} << cell) - 1);
     return size_t{node.first_child} + static_cast<size_t>(std::popcount(below));
 }
 
-// A leaf of the node's upper level: all eight cells of the octant, one and the same leaf entry. `slot` is the octant's
-// first child.
+// Whether a leaf of the node's upper level fills the octant: all eight cells are occupied and have the same leaf entry.
+// `slot` is the index of the octant's first entry in the child array.
 bool is_whole_octant_leaf(const VOctree& tree, uint64_t mask, uint32_t octant, size_t slot) {
     if ((mask >> (8 * octant) & kOctantMask) != kOctantMask) return false;
     const uint32_t entry = tree.children[slot];
@@ -46,35 +46,34 @@ uint64_t morton_code(uint32_t x, uint32_t y, uint32_t z) {
     return spread_bits(x) | spread_bits(y) << 1 | spread_bits(z) << 2;
 }
 
-// A leaf on its way into the tree: the Morton code of its first cell at the finest depth.
-struct PlacedLeaf {
-    uint64_t code;
+struct SortedLeaf {
+    uint64_t code;  // first_cell at the finest depth
     uint32_t leaf;
     uint32_t depth;
 };
 
-std::vector<PlacedLeaf> sort_places(const std::vector<LeafPosition>& places, uint32_t finest_depth) {
-    std::vector<PlacedLeaf> placed(places.size());
-    for (size_t i = 0; i < places.size(); ++i) {
-        const LeafPosition& place = places[i];
-        assert(place.depth >= 1 && place.depth <= finest_depth && "leaf depth must fit node_levels");
-        assert(std::max({place.x, place.y, place.z}) >> place.depth == 0 && "leaf must lie inside the box");
-        placed[i] = {first_cell(place, finest_depth), static_cast<uint32_t>(i), place.depth};
+std::vector<SortedLeaf> sort_leaves(const std::vector<LeafPosition>& positions, uint32_t finest_depth) {
+    std::vector<SortedLeaf> sorted(positions.size());
+    for (size_t i = 0; i < positions.size(); ++i) {
+        const LeafPosition& position = positions[i];
+        assert(position.depth >= 1 && position.depth <= finest_depth && "leaf depth must fit node_levels");
+        assert(std::max({position.x, position.y, position.z}) >> position.depth == 0 && "leaf must lie inside the box");
+        sorted[i] = {first_cell(position, finest_depth), static_cast<uint32_t>(i), position.depth};
     }
-    std::sort(placed.begin(), placed.end(), [](const PlacedLeaf& a, const PlacedLeaf& b) { return a.code < b.code; });
-    for ([[maybe_unused]] size_t i = 1; i < placed.size(); ++i)
-        assert(placed[i].code - placed[i - 1].code >= uint64_t{1} << (3 * (finest_depth - placed[i - 1].depth)) &&
+    std::sort(sorted.begin(), sorted.end(), [](const SortedLeaf& a, const SortedLeaf& b) { return a.code < b.code; });
+    for ([[maybe_unused]] size_t i = 1; i < sorted.size(); ++i)
+        assert(sorted[i].code - sorted[i - 1].code >= uint64_t{1} << (3 * (finest_depth - sorted[i - 1].depth)) &&
                "leaves must not overlap");
-    return placed;
+    return sorted;
 }
 
-// A node on a walk: where its first cell lies, in cells of the depth above its own cells (0..4^level−1).
-struct NodeTransform {
+// A node and its position among the nodes of its level, 0..4^level−1 on each axis.
+struct NodePosition {
     uint32_t node;
     uint32_t x, y, z;
 };
 
-NodeTransform child_place(const NodeTransform& parent, uint32_t node, uint32_t cell) {
+NodePosition child_position(const NodePosition& parent, uint32_t node, uint32_t cell) {
     const uint32_t x = (cell & 1) | (cell >> 2 & 2);
     const uint32_t y = (cell >> 1 & 1) | (cell >> 3 & 2);
     const uint32_t z = (cell >> 2 & 1) | (cell >> 4 & 2);
@@ -83,36 +82,36 @@ NodeTransform child_place(const NodeTransform& parent, uint32_t node, uint32_t c
 
 }  // namespace
 
-uint64_t first_cell(const LeafPosition& place, uint32_t finest_depth) {
-    return morton_code(place.x, place.y, place.z) << (3 * (finest_depth - place.depth));
+uint64_t first_cell(const LeafPosition& position, uint32_t finest_depth) {
+    return morton_code(position.x, position.y, position.z) << (3 * (finest_depth - position.depth));
 }
 
-void build_nodes(VOctree& tree, const std::vector<LeafPosition>& places) {
+void build_nodes(VOctree& tree, const std::vector<LeafPosition>& positions) {
     assert(tree.node_levels >= 1 && tree.node_levels <= kMaxNodeLevels);
-    assert(places.size() <= kMaxLeaves);
-    const std::vector<PlacedLeaf> placed = sort_places(places, 2 * tree.node_levels);
+    assert(positions.size() <= kMaxLeaves);
+    const std::vector<SortedLeaf> sorted = sort_leaves(positions, 2 * tree.node_levels);
 
-    tree.leaf_count = static_cast<uint32_t>(places.size());
+    tree.leaf_count = static_cast<uint32_t>(positions.size());
     tree.nodes.clear();
     tree.children.clear();
 
-    // Breadth first: node i owns the leaves [begin, end), and its child nodes queue up behind all nodes known so far.
+    // Breadth first: node i contains the sorted leaves [begin, end), and its child nodes are queued behind all others.
     struct Pending {
         size_t begin, end;
         uint32_t level;
     };
-    std::vector<Pending> queue = {{0, placed.size(), 0}};
+    std::vector<Pending> queue = {{0, sorted.size(), 0}};
     for (size_t at = 0; at < queue.size(); ++at) {
         const Pending pending = queue[at];
         const uint32_t shift = 6 * (tree.node_levels - 1 - pending.level);
         const uint32_t first_child = static_cast<uint32_t>(tree.children.size());
         uint64_t mask = 0;
         for (size_t i = pending.begin; i < pending.end;) {
-            const uint64_t prefix = placed[i].code >> shift;
+            const uint64_t prefix = sorted[i].code >> shift;
             const uint32_t cell = prefix & 63;
-            const uint32_t entry = placed[i].leaf | kLeafBit;
-            const bool is_leaf = placed[i].depth <= 2 * pending.level + 2;
-            if (placed[i].depth == 2 * pending.level + 1) {
+            const uint32_t entry = sorted[i].leaf | kLeafBit;
+            const bool is_leaf = sorted[i].depth <= 2 * pending.level + 2;
+            if (sorted[i].depth == 2 * pending.level + 1) {
                 mask |= kOctantMask << cell;
                 tree.children.insert(tree.children.end(), 8, entry);
             } else {
@@ -121,52 +120,52 @@ void build_nodes(VOctree& tree, const std::vector<LeafPosition>& places) {
             }
             const size_t begin = i++;
             if (is_leaf) continue;
-            while (i < pending.end && placed[i].code >> shift == prefix) ++i;
+            while (i < pending.end && sorted[i].code >> shift == prefix) ++i;
             queue.push_back({begin, i, pending.level + 1});
         }
         tree.nodes.push_back({static_cast<uint32_t>(mask), static_cast<uint32_t>(mask >> 32), first_child, 0});
     }
 }
 
-void build_topology(VOctree& tree, const std::vector<LeafPosition>& places) {
-    build_nodes(tree, places);
+void build_topology(VOctree& tree, const std::vector<LeafPosition>& positions) {
+    build_nodes(tree, positions);
     tree.weights.assign(size_t{tree.leaf_count} * tree.weights_per_leaf(), 0.0f);
 }
 
-void replace_leaves(VOctree& tree, const std::vector<LeafPosition>& places, const std::vector<const float*>& from) {
-    assert(places.size() == from.size());
-    const std::vector<float> old = std::move(tree.weights);  // where `from` may point
-    build_topology(tree, places);
+void replace_leaves(VOctree& tree, const std::vector<LeafPosition>& positions, const std::vector<const float*>& from) {
+    assert(positions.size() == from.size());
+    const std::vector<float> old = std::move(tree.weights);  // kept because `from` may point into it
+    build_topology(tree, positions);
     for (uint32_t i = 0; i < tree.leaf_count; ++i) std::copy_n(from[i], tree.weights_per_leaf(), tree.leaf(i));
 }
 
 std::vector<LeafPosition> leaf_positions(const VOctree& tree) {
-    std::vector<LeafPosition> places(tree.leaf_count);
-    std::vector<NodeTransform> level_nodes = {{0, 0, 0, 0}}, next;
+    std::vector<LeafPosition> positions(tree.leaf_count);
+    std::vector<NodePosition> level_nodes = {{0, 0, 0, 0}}, next;
     for (uint32_t level = 0; !level_nodes.empty(); ++level, level_nodes.swap(next), next.clear()) {
-        for (const NodeTransform& here : level_nodes) {
+        for (const NodePosition& here : level_nodes) {
             const TreeNode& node = tree.nodes[here.node];
             const uint64_t mask = mask_of(node);
             size_t slot = node.first_child;
             for (uint32_t cell = 0; cell < 64; ++cell) {
                 if (!(mask >> cell & 1)) continue;
                 const uint32_t entry = tree.children[slot];
-                const NodeTransform place = child_place(here, entry & ~kLeafBit, cell);
+                const NodePosition position = child_position(here, entry & ~kLeafBit, cell);
                 if (!(entry & kLeafBit)) {
-                    next.push_back(place);
+                    next.push_back(position);
                     ++slot;
                 } else if (cell % 8 == 0 && is_whole_octant_leaf(tree, mask, cell / 8, slot)) {
-                    places[place.node] = {place.x / 2, place.y / 2, place.z / 2, 2 * level + 1};
+                    positions[position.node] = {position.x / 2, position.y / 2, position.z / 2, 2 * level + 1};
                     cell += 7;
                     slot += 8;
                 } else {
-                    places[place.node] = {place.x, place.y, place.z, 2 * level + 2};
+                    positions[position.node] = {position.x, position.y, position.z, 2 * level + 2};
                     ++slot;
                 }
             }
         }
     }
-    return places;
+    return positions;
 }
 
 uint32_t find_leaf(const VOctree& tree, glm::dvec3 position_tree) {
@@ -203,7 +202,7 @@ std::string defect_of_sizes(const VOctree& tree) {
     return defect;
 }
 
-// Walks the tree level by level and ticks off what it meets.
+// Walks the tree level by level and marks the nodes and leaves that it reaches.
 struct TopologyCheck {
     const VOctree& tree;
     std::vector<bool> node_seen = std::vector<bool>(tree.nodes.size());
@@ -248,7 +247,7 @@ struct TopologyCheck {
 
 std::string defect_of_numbers(const VOctree& tree) {
     for (int axis = 0; axis < 3; ++axis) {
-        // Normal numbers only, so that a shader's reciprocal is finite.
+        // The size must be a normal number, so that its reciprocal is finite in a shader.
         if (!std::isfinite(tree.box_min[axis]) || !std::isnormal(tree.box_size[axis]) || tree.box_size[axis] < 0 ||
             !std::isfinite(tree.box_min[axis] + tree.box_size[axis]))
             return "the box must be finite and of positive size";

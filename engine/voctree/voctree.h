@@ -17,7 +17,7 @@
 
 namespace neuvv::voctree {
 
-// What a tree may hold at most, in memory and in a file.
+// Limits of a tree in memory and in a file.
 constexpr uint32_t kMaxNodes = 1u << 26;
 constexpr uint32_t kMaxLeaves = 1u << 27;
 constexpr uint32_t kMaxFrames = 100000;
@@ -46,37 +46,39 @@ struct VOctree {
     const float* leaf(uint32_t index) const { return &weights[size_t{index} * weights_per_leaf()]; }
 };
 
-// One leaf's place: cell coordinates at its own depth (0..2^depth−1 on each axis) and octree depth (1..2·node_levels).
+// The position of a leaf: coordinates of its cell among the cells of its depth (0..2^depth−1 on each axis).
 struct LeafPosition {
     uint32_t x, y, z;
-    uint32_t depth;
+    uint32_t depth;  // octree depth, 1..2·node_levels
 };
 
-// Morton code of a place's first cell at the finest depth (at least the place's own): the order of leaves on walks.
-uint64_t first_cell(const LeafPosition& place, uint32_t finest_depth);
+// The Morton code of the leaf's first cell at `finest_depth`, which is at least the leaf's depth. The codes are in the
+// order in which a walk over the tree meets the leaves.
+uint64_t first_cell(const LeafPosition& position, uint32_t finest_depth);
 
-// Builds nodes and children of a tree whose leaf i stands at places[i]. Places must not overlap and must fit
-// node_levels (assert). Weights are left to the caller (resized, zero).
-void build_topology(VOctree& tree, const std::vector<LeafPosition>& places);
+// Builds nodes and children of a tree whose leaf i is at positions[i]. The leaves must not overlap and must fit
+// node_levels (assert). The weights are resized and set to 0.
+void build_topology(VOctree& tree, const std::vector<LeafPosition>& positions);
 
-// The same but for the weights, which stay as they are.
-void build_nodes(VOctree& tree, const std::vector<LeafPosition>& places);
+// The same, but leaves the weights as they are.
+void build_nodes(VOctree& tree, const std::vector<LeafPosition>& positions);
 
-// The inverse: where each leaf stands, by leaf index.
+// The inverse: the position of each leaf, by leaf index.
 std::vector<LeafPosition> leaf_positions(const VOctree& tree);
 
-// build_topology, where leaf i takes the weights at `from[i]`, which may point into the tree's own.
-void replace_leaves(VOctree& tree, const std::vector<LeafPosition>& places, const std::vector<const float*>& from);
+// As build_topology, but leaf i gets the weights (weights_per_leaf() numbers) at `from[i]`, which may point into
+// tree.weights.
+void replace_leaves(VOctree& tree, const std::vector<LeafPosition>& positions, const std::vector<const float*>& from);
 
-// Index of the leaf that holds this tree-space position in [0,1)³, or UINT32_MAX where it is empty.
+// The index of the leaf that contains this tree-space position, or UINT32_MAX where there is none.
 uint32_t find_leaf(const VOctree& tree, glm::dvec3 position_tree);
 
-// Everything a reader of a foreign file must know before a shader walks the tree: sizes agree, every child index is in
-// range, no node is reached twice (so walks end), every leaf is reached (once, or as the eight cells of one octant),
-// all numbers are finite. Returns what is wrong, or an empty string.
+// What makes a tree unsafe for a shader to walk, or an empty string. Checks that sizes agree, that every child index is
+// in range, that no node is reached twice (so walks end), that every leaf is reached (once, or as the eight cells of
+// one octant), and that all numbers are finite.
 std::string defect_of(const VOctree& tree);
 
-// The part of it that needs no weights, rows or box: counts, nodes, children.
+// The part of defect_of that needs no weights, rows or box: counts, nodes, children.
 std::string defect_of_topology(const VOctree& tree);
 
 }  // namespace neuvv::voctree

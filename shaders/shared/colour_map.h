@@ -1,5 +1,5 @@
-// The colour map viridis: the polynomials of degree 6 that stay nearest to matplotlib's table (S. van der Walt, N.
-// Smith; CC0), 3 steps of 255 at most. A value v of 0..1 has the sRGB colour Σ kViridisN v^N.
+// The colour map viridis (S. van der Walt, N. Smith; CC0) as polynomials of degree 6, which differ from matplotlib's
+// table by at most 3/255. A value v of 0..1 has the sRGB colour Σ kViridisN v^N.
 #ifndef NEUVV_SHARED_COLOUR_MAP_H
 #define NEUVV_SHARED_COLOUR_MAP_H
 #include "shared/types.h"

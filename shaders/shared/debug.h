@@ -1,16 +1,16 @@
-// The debug buffer: records that shaders append with debug.glsl and the host reads when the work is done.
+// The debug buffer: shaders append records to it (debug.glsl), and the host reads them when the work is done.
 #ifndef NEUVV_SHARED_DEBUG_H
 #define NEUVV_SHARED_DEBUG_H
 #include "shared/types.h"
 
 NEUVV_SHARED
 
-CONSTEXPR uint kDebugBinding = 63u;  // of every shader that includes debug.glsl
+CONSTEXPR uint kDebugBinding = 63u;  // the same in every shader that includes debug.glsl
 CONSTEXPR uint kMaxDebugRecords = 4096u;
-CONSTEXPR uint kDebugAssert = 0x80000000u;  // this bit of a code: an assertion failed
+CONSTEXPR uint kDebugAssert = 0x80000000u;  // the bit of a code that marks a failed assertion
 
 struct DebugRecord {
-    uint code;  // whatever the shader said, __LINE__ for instance
+    uint code;  // any number that the shader chooses, for instance __LINE__
     uint x;     // gl_GlobalInvocationID
     uint y;
     uint z;
@@ -18,7 +18,7 @@ struct DebugRecord {
 };
 
 struct DebugHead {
-    uint count;  // of records that were appended, also of those that found no room
+    uint count;  // of appended records, including those beyond kMaxDebugRecords, which are lost
     uint pad0;
     uint pad1;
     uint pad2;

@@ -1,12 +1,13 @@
-// What goes to a headset: both eyes' images with their depth, and over them what hands hold and point with.
+// The passes that draw a headset's images: the images of both eyes with their depth, and over them shapes (controllers,
+// rays, boxes).
 #ifndef NEUVV_SHARED_EYE_H
 #define NEUVV_SHARED_EYE_H
 #include "shared/types.h"
 
 NEUVV_SHARED
 
-CONSTEXPR uint kEyeImage = 0u;     // as resolve.comp leaves it, the left eye's first
-CONSTEXPR uint kEyeRadiance = 1u;  // and the rays that it is of
+CONSTEXPR uint kEyeImage = 0u;     // the output of resolve.comp, the left eye first
+CONSTEXPR uint kEyeRadiance = 1u;  // the rays from which that image was resolved
 CONSTEXPR uint kEyeDepth = 2u;
 CONSTEXPR uint kEyeCameras = 3u;
 CONSTEXPR uint kEyeSetDepth = 4u;
@@ -14,17 +15,17 @@ CONSTEXPR uint kEyeSetDepth = 4u;
 struct EyePush {
     uint width;  // pixels of an eye
     uint height;
-    uint tiles_across;  // of an eye's rays
+    uint tiles_across;  // tiles of an eye's rays
     uint tiles_down;
-    float near_m;    // what is there has depth 1, infinity 0
+    float near_m;    // distance along the axis, metres, that has depth 1; depth 0 is infinitely far
     float vignette;  // 0 none, 1 strongest
 };
 
-CONSTEXPR uint kShapePlace = 0u;   // vec3, world
-CONSTEXPR uint kShapeColour = 1u;  // vec4, linear, premultiplied
+CONSTEXPR uint kShapePosition = 0u;  // vec3, world, metres
+CONSTEXPR uint kShapeColour = 1u;    // vec4, linear, premultiplied
 
 struct ShapePush {
-    mat4 clip_from_world[2];  // by eye
+    mat4 clip_from_world[2];  // of the left and the right eye
 };
 
 NEUVV_SHARED_END

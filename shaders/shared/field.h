@@ -1,7 +1,8 @@
 // A VOctree in device memory, as rendering and training bind it.
 //
-// Weights are planes of four: texel(leaf, plane) = plane * leaf_count + leaf, so that neighbouring threads read
-// neighbouring texels. Planes of a leaf: w^σ in ⌈C/4⌉, w^γ in ⌈C/4⌉, then one plane (R, G, B, unused) per HH function.
+// Weights are stored in planes of four weights per leaf: texel(leaf, plane) = plane * leaf_count + leaf, so that
+// neighbouring threads read neighbouring texels. The planes are ⌈C/4⌉ of w^σ, ⌈C/4⌉ of w^γ, then one plane (R, G, B,
+// unused) per HH function.
 #ifndef NEUVV_SHARED_FIELD_H
 #define NEUVV_SHARED_FIELD_H
 #include "shared/hh_counts.h"
@@ -11,22 +12,22 @@ NEUVV_SHARED
 
 CONSTEXPR uint kMaxBasisPlanes = kMaxBases / 4u;
 
-// Rows A_t and B_t at one (fractional) frame; a uniform buffer. Bases that training has not spread are 0 in most
-// planes: those that are not stand first, and the rest is 0 in the first one's place, so that loops over
-// Field::busy_planes miss nothing.
+// Rows A_t and B_t at one (fractional) frame, a uniform buffer. The planes of a row that are not all 0 come first, so
+// that loops need only run over the first Field::busy_planes elements; the other elements are 0, and their `planes` are
+// valid. Before training spreads a basis over several frames, most planes of a row are 0.
 struct BasisRows {
     vec4 sigma[kMaxBasisPlanes];
     vec4 gamma[kMaxBasisPlanes];
-    uvec4 planes[kMaxBasisPlanes];  // x: which plane sigma[i] belongs to, y: gamma[i]
+    uvec4 planes[kMaxBasisPlanes];  // x: the plane of w^σ that sigma[i] belongs to, y: that of w^γ for gamma[i]
 };
 
-// Counters that the slice pass leaves behind; the first three words are arguments of dispatch_indirect.
+// A counter of list elements, for instance of live leaves. The first three members are arguments of dispatch_indirect.
 struct LiveCount {
     uint groups_x;
     uint groups_y;
     uint groups_z;
-    uint slots;     // live leaves of this frame, those without a slot included: take min(slots, capacity)
-    uint overflow;  // live leaves that found no slot (then the slice is incomplete)
+    uint slots;     // elements, including those for which there was no room: use min(slots, capacity)
+    uint overflow;  // elements for which there was no room; if not 0, the list is incomplete
 };
 
 NEUVV_SHARED_END

@@ -2,7 +2,7 @@
 //
 // For n_max the basis has Σ_{n≤n_max} (n+1)² functions H_nlm, ordered by n, then l ≤ n, then m = −l..l:
 //   index(n,l,m) = n(n+1)(2n+1)/6 + l² + l + m.
-// A slice at one time is real SH of degree n_max with (n_max+1)² functions, index l² + l + m.
+// The colour of a slice is given in real SH of degree n_max: (n_max+1)² functions, index l² + l + m.
 #ifndef NEUVV_SHARED_HH_COUNTS_H
 #define NEUVV_SHARED_HH_COUNTS_H
 #include "shared/types.h"

@@ -1,7 +1,7 @@
-// Paint over a slice (errata 14): edits of leaves in layers, as the device has them.
+// Paint over a slice (errata 14): layers of edits of leaves in device memory.
 //
-// Leaves that have edits stand in order, each with the number of its first edit; the edits of a leaf are those of the
-// lowest layer first. An edit is one texel of four words and one of one:
+// Leaves that have edits are listed in order, each with the index of its first edit; the edits of a leaf begin with
+// those of the lowest layer. An edit has a texel of four words and a texel of one word:
 //   first and last frame (float bits), R | G << 16, B | alpha << 16 (fp16);   σ (fp16, below 0: stays) | layer << 16.
 #ifndef NEUVV_SHARED_PAINT_H
 #define NEUVV_SHARED_PAINT_H
@@ -9,20 +9,20 @@
 
 NEUVV_SHARED
 
-CONSTEXPR float kMaxPaintSigma = 65504.0f;  // 1/m: what fp16 holds
-CONSTEXPR uint kPaintLayerLimit = 256u;     // of one paint
+CONSTEXPR float kMaxPaintSigma = 65504.0f;  // 1/m: the largest fp16 number
+CONSTEXPR uint kPaintLayerLimit = 256u;     // layers over one slice
 
-// How a layer's colours go over what is below (paint.glsl)
+// How a layer's colours are blended with those below (paint.glsl)
 CONSTEXPR uint kPaintNormal = 0u;
 CONSTEXPR uint kPaintMultiply = 1u;
 CONSTEXPR uint kPaintTint = 2u;
 CONSTEXPR uint kPaintRecolour = 3u;
 
-// Colours come from and go to logits that a display still tells from black and white.
+// Painted colours are clamped to [kPaintBlack, 1 − kPaintBlack], so that their logits are finite.
 CONSTEXPR float kPaintBlack = 1.0f / 4096.0f;
 
 // paint_density.comp
-CONSTEXPR uint kPaintLeaves = 0u;  // per painted leaf (leaf, its first edit); at the end (0, all edits)
+CONSTEXPR uint kPaintLeaves = 0u;  // per painted leaf (leaf, its first edit); at the end (0, number of edits)
 CONSTEXPR uint kPaintEdits = 1u;
 CONSTEXPR uint kPaintSigmas = 2u;
 CONSTEXPR uint kPaintLayers = 3u;    // per layer (blend, opacity's bits)
@@ -37,9 +37,9 @@ CONSTEXPR uint kPaintEntries = 10u;  // read and written
 
 struct PaintPush {
     float frame;
-    uint leaves;     // that have edits
-    uint capacity;   // slots of live leaves
-    uint node_base;  // of the slice
+    uint leaves;     // number of leaves that have edits
+    uint capacity;   // number of slots for live leaves
+    uint node_base;  // the slice's first node
 };
 
 NEUVV_SHARED_END

@@ -1,4 +1,5 @@
-// The pick pass: rays of their own through a slice tree, each to the leaf where it has met enough.
+// The pick pass: traces given rays through a slice tree, each to the leaf in which its transmittance falls below a
+// threshold.
 #ifndef NEUVV_SHARED_PICK_H
 #define NEUVV_SHARED_PICK_H
 #include "shared/slice_tree.h"
@@ -10,8 +11,8 @@ CONSTEXPR uint kPickTop = 0u;
 CONSTEXPR uint kPickNodes = 1u;
 CONSTEXPR uint kPickEntries = 2u;
 CONSTEXPR uint kPickLeaves = 3u;  // per entry its leaf
-CONSTEXPR uint kPickRays = 4u;    // a PickRay each: two texels
-CONSTEXPR uint kPickOut = 5u;     // a Pick each: one texel
+CONSTEXPR uint kPickRays = 4u;    // per ray a PickRay: two texels
+CONSTEXPR uint kPickOut = 5u;     // per ray a Pick: one texel
 
 // In the performer's space, metres.
 struct PickRay {
@@ -20,12 +21,12 @@ struct PickRay {
 };
 
 struct Pick {
-    uint leaf;    // kNoLeaf: the ray never meets enough
-    uint metres;  // bits of the distance from its origin
+    uint leaf;    // kNoLeaf: the ray's transmittance stays above the threshold
+    uint metres;  // bits of the float distance from the ray's origin to where it reaches the threshold
 };
 
 struct PickPush {
-    vec4 box_min;   // metres; w: transmittance at which a ray has met enough
+    vec4 box_min;   // metres; w: the threshold of transmittance
     vec4 box_size;  // metres
     TopBox top;
     uint node_base;

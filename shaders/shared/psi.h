@@ -1,17 +1,17 @@
-// The neural mapping module Ψ(x, y, z) = (w^σ, w^γ, w^HH) as the passes of training and conversion bind it.
+// The neural mapping module Ψ(x, y, z) = (w^σ, w^γ, w^HH): layouts, bindings and push constants of its passes.
 //
-// Samples come in blocks of 64: block tile·n + i holds the i-th of the n samples of the 64 rays of a tile, in lanes.
-// What a network knows of a block is rows of 64 floats, 16 texels each; a layer's rows follow those of the layer before
-// it.
+// Samples are processed in blocks of 64: block tile·n + i holds the i-th of the n samples of each of the tile's 64
+// rays, one ray per lane. The activations of a block are rows of 64 floats, 16 texels each; the rows of a layer follow
+// those of the layer before it.
 //
 // Parameters are one array of floats, in this order:
-//   hidden layers: matrices (inputs + 1) × width, row k all that input k says, the last row the bias
-//   head:          (width + 1) × heads, not learnt: the output layer folded with the rows A_t and B_t of one time,
-//                  columns σ, γ, then w^HH as in the output layer, then zeros
-//   output layer:  (width + 1) × outputs, columns in the order of a leaf's weights (voctree.h)
+//   hidden layers: matrices of (inputs + 1) × width; row k has the weights of input k, the last row is the bias
+//   head:          (width + 1) × head columns, not learnt: the output layer folded with the rows A_t and B_t of one
+//                  time; its columns are σ, γ, then w^HH as in the output layer, then zeros
+//   output layer:  (width + 1) × outputs; columns in the order of a leaf's weights (voctree.h)
 //   A, B:          frames × bases each
-// As w^σ and w^γ enter σ and γ only by A_t·w^σ and B_t·w^γ, the fold is exact; a sample then costs 2 + 3 N columns in
-// place of 2 C + 3 N, and ∂A, ∂B need no pass over the samples.
+// The fold is exact, as σ and γ depend on w^σ and w^γ only through A_t·w^σ and B_t·w^γ. A sample then costs 2 + 3 N
+// columns in place of 2 C + 3 N, where N is the number of HH functions, and ∂A, ∂B need no pass over the samples.
 #ifndef NEUVV_SHARED_PSI_H
 #define NEUVV_SHARED_PSI_H
 #include "shared/hh_counts.h"
@@ -22,30 +22,30 @@ NEUVV_SHARED
 CONSTEXPR uint kPsiBlock = 64u;  // samples and threads of a workgroup
 CONSTEXPR uint kPsiBlockTexels = 16u;
 
-// Bindings; every pass has those that it needs.
-CONSTEXPR uint kPsiPoints = 0u;  // per sample: place in [−1, 1]³ of the box's longest side, segment's length in m
+// Bindings. Each pass has those that it needs.
+CONSTEXPR uint kPsiPoints = 0u;  // per sample: position in the network's coordinates, length of the segment in metres
 CONSTEXPR uint kPsiDirections = 1u;  // per ray: unit direction, unused
-CONSTEXPR uint kPsiRanges = 2u;      // per ray: metres along it where it enters and leaves the box, unused × 2
+CONSTEXPR uint kPsiRanges = 2u;      // per ray: distances in metres at which it enters and leaves the box, unused × 2
 CONSTEXPR uint kPsiParameters = 3u;
-CONSTEXPR uint kPsiActivations = 4u;  // per block psi_rows rows
-CONSTEXPR uint kPsiAdjoints = 5u;     // per block psi_adjoint_rows rows: ∂L by what enters each activation function
+CONSTEXPR uint kPsiActivations = 4u;  // per block psi_activation_rows rows
+CONSTEXPR uint kPsiAdjoints = 5u;     // per block psi_adjoint_rows rows: ∂L/∂z; z enters an activation function
 CONSTEXPR uint kPsiValues = 6u;       // per sample: σ in 1/m, linear RGB
 CONSTEXPR uint kPsiValueAdjoints = 7u;
-CONSTEXPR uint kPsiPartials = 8u;   // per split of the samples: gradients of hidden layers and head
-CONSTEXPR uint kPsiGradients = 9u;  // as the parameters
-CONSTEXPR uint kPsiFirst = 10u;     // moments, as the parameters
-CONSTEXPR uint kPsiSecond = 11u;
+CONSTEXPR uint kPsiPartials = 8u;       // per split of the samples: sums of the gradients of hidden layers and head
+CONSTEXPR uint kPsiGradients = 9u;      // laid out as the parameters
+CONSTEXPR uint kPsiFirstMoments = 10u;  // laid out as the parameters, as are the second moments
+CONSTEXPR uint kPsiSecondMoments = 11u;
 CONSTEXPR uint kPsiCameras = 12u;
 CONSTEXPR uint kPsiTiles = 13u;
 CONSTEXPR uint kPsiRadiance = 14u;
 CONSTEXPR uint kPsiRayAdjoints = 15u;
 
-// What a forward pass leaves in the activations.
+// What a forward pass writes into the activations.
 CONSTEXPR uint kPsiKeepNothing = 0u;
-CONSTEXPR uint kPsiKeepAll = 1u;     // all rows, for the adjoint; and values
-CONSTEXPR uint kPsiKeepHidden = 2u;  // the last hidden layer's rows alone, block after block; no values
+CONSTEXPR uint kPsiKeepAll = 1u;     // all rows, as the adjoint needs them; colours are evaluated, too
+CONSTEXPR uint kPsiKeepHidden = 2u;  // the rows of the last hidden layer alone, block after block; no σ and colour
 
-// Features of the encoding: x and sin, cos of 2^k π x for k < frequencies, filled up to whole texels.
+// The number of features of the encoding: x and sin, cos of 2^k π x for k < frequencies, rounded up to whole texels.
 #ifdef __cplusplus
 constexpr
 #endif
@@ -54,37 +54,37 @@ constexpr
     return (3u + 6u * frequencies + 3u) / 4u * 4u;
 }
 
-// Columns of the head.
+// The number of columns of the head: 2 + 3 N, rounded up to a multiple of 32.
 #ifdef __cplusplus
 constexpr
 #endif
     uint
-    psi_heads(uint degree) {
+    psi_head_columns(uint degree) {
     return (2u + 3u * hh_count(degree) + 31u) / 32u * 32u;
 }
 
-// Rows of a block: encoding, hidden layers, head.
+// The number of rows in a block's activations: encoding, hidden layers, head.
 #ifdef __cplusplus
 constexpr
 #endif
     uint
-    psi_rows(uint inputs, uint width, uint layers, uint heads) {
-    return inputs + layers * width + heads;
+    psi_activation_rows(uint inputs, uint width, uint layers, uint head_columns) {
+    return inputs + layers * width + head_columns;
 }
 #ifdef __cplusplus
 constexpr
 #endif
     uint
-    psi_adjoint_rows(uint width, uint layers, uint heads) {
-    return layers * width + heads;
+    psi_adjoint_rows(uint width, uint layers, uint head_columns) {
+    return layers * width + head_columns;
 }
 
-// Where a hidden layer's matrix begins among the parameters, in floats; that of number `layers` is the head.
+// Where the matrix of a hidden layer begins among the parameters, in floats. Layer number `layers` is the head.
 #ifdef __cplusplus
 constexpr
 #endif
     uint
-    psi_layer_first(uint layer, uint inputs, uint width) {
+    psi_layer_offset(uint layer, uint inputs, uint width) {
     return layer == 0u ? 0u : (inputs + 1u + (layer - 1u) * (width + 1u)) * width;
 }
 
@@ -94,34 +94,34 @@ struct PsiRayPush {
     vec4 box_size;  // metres
     vec4 centre;    // metres; w: 2 / the box's longest side
     uint tiles;
-    uint coarse;  // samples a ray of the first pass
-    uint fine;    // of the second
+    uint coarse;  // samples per ray of the first pass
+    uint fine;    // samples per ray of the second pass
     uint seed;
 };
 
 // psi_forward.comp, psi_adjoint.comp, psi_composite.comp, psi_composite_adjoint.comp
 struct PsiBlockPush {
     uint blocks;
-    uint per_ray;   // samples a ray
+    uint samples_per_ray;
     uint keep;      // kPsiKeep…
-    float revival;  // 1/m, psi_head.glsl; negative: none
+    float revival;  // 1/m; psi_head.glsl explains it; negative: relu's own derivative
 };
 
-// psi_weights_adjoint.comp, once a layer
+// psi_weights_adjoint.comp, dispatched once per layer
 struct PsiWeightsPush {
     uint blocks;
-    uint splits;      // workgroups that share the samples
-    uint inputs;      // rows of the matrix but the bias
-    uint outputs;     // its columns
-    uint input_row;   // first among the block's rows
-    uint output_row;  // first among its adjoint rows
-    uint first;       // of the matrix among the parameters, in floats
-    uint stride;      // floats of one split's partial sums
+    uint splits;           // how many workgroups share the samples of one part of the matrix
+    uint inputs;           // rows of the matrix but the bias
+    uint outputs;          // its columns
+    uint input_row;        // first row of the layer's inputs in a block's activations
+    uint output_row;       // first row of the layer's outputs in a block's adjoints
+    uint matrix_offset;    // among the parameters, in floats
+    uint partials_stride;  // floats in the partial sums of one split
 };
 
 // psi_reduce.comp
 struct PsiReducePush {
-    uint count;  // parameters with partial sums
+    uint count;  // how many parameters have partial sums
     uint splits;
 };
 
@@ -131,13 +131,13 @@ struct PsiFoldPush {
     uint frames;
     uint bases;
     uint outputs;
-    uint head_first;  // all in floats
-    uint output_first;
-    uint sigma_first;  // of A; B follows
-    float density;     // 1/m: what one unit of the network's w^σ means
+    uint head_offset;  // offsets are in floats
+    uint output_offset;
+    uint sigma_rows_offset;  // of A; B follows
+    float density;           // 1/m: the meaning of one unit of the network's w^σ
 };
 
-// psi_adam.comp. `emit`: nothing moves, the gradients alone are of interest.
+// psi_adam.comp. With `emit` nothing moves, as only the gradients are needed.
 struct PsiAdamPush {
     float beta1;
     float beta2;
@@ -145,9 +145,9 @@ struct PsiAdamPush {
     float bias1;  // 1 − β1^step
     float bias2;
     uint emit;
-    uint head_first;  // the head, which is not learnt, is passed over
-    uint output_first;
-    uint sigma_first;  // from here on rows_rate
+    uint head_offset;  // parameters from here to output_offset are the head, which is not learnt
+    uint output_offset;
+    uint sigma_rows_offset;  // parameters from here on move by rows_rate
     uint count;
     float rate;
     float rows_rate;

@@ -9,16 +9,16 @@ CONSTEXPR uint kRasterPosition = 0u;  // vertex attributes
 CONSTEXPR uint kRasterNormal = 1u;
 CONSTEXPR uint kRasterUv = 2u;
 CONSTEXPR uint kRasterColour = 3u;
-CONSTEXPR uint kRasterTangent = 4u;  // the set alone: see shared/set.h
-CONSTEXPR uint kRasterMapUvs = 5u;   // and 6
+CONSTEXPR uint kRasterTangent = 4u;  // only in the set's passes (shared/set.h), as the next
+CONSTEXPR uint kRasterMapUvs = 5u;   // 5 and 6
 
 CONSTEXPR uint kRasterTexture = 0u;
 
 struct RasterPush {
     mat4 clip_from_world;
     vec4 base_colour;    // linear, straight alpha
-    float alpha_cutoff;  // below it a fragment is dropped; < 0: none is
-    float opaque;        // 1: alpha counts as 1, once it passed the cutoff
+    float alpha_cutoff;  // fragments of smaller alpha are dropped; < 0: none is
+    float opaque;        // 1: alpha is set to 1 after the cutoff
     float sky;           // share of the light that comes from above; 0 for unlit materials
 };
 

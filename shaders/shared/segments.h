@@ -1,9 +1,13 @@
-// Segments of rays that several instances put there, to be blended together in depth order (merge.comp).
+// Lists of segments: the samples of several instances along the same ray, which merge.comp blends in depth order.
 //
-// A page is kPageWords texels: a header, then segments. Header: x the next page of the list, or kLastPage | the number
-// of its segments; of a list's first page y the first page of the ray's next list, z the light that shines on it as
-// light_of_bits says, w where the merge has come to in the list (0 at its end). Segment: x, y where it begins and ends
-// along the ray (bits of floats, world metres), z its optical depth | R << 16, w G | B << 16, fp16. Page 0 is none.
+// Each ray has a list for each instance that it meets. A list is a chain of pages of kPageWords texels, a header and
+// then segments. Page 0 is not used; as an index it means "none".
+//   header.x   the next page of the list, or kLastPage | the number of segments in this page, which is then the last
+//   header.y   in a list's first page: the first page of the ray's next list
+//   header.z   in a list's first page: the light that shines on the instance (light_of_bits)
+//   header.w   in a list's first page: the texel of the segment that the merge has come to, 0 at the list's end
+//   segment.x  where it begins along the ray (bits of a float, world metres); segment.y: where it ends
+//   segment.z  optical depth | R << 16; segment.w: G | B << 16 (fp16)
 #ifndef NEUVV_SHARED_SEGMENTS_H
 #define NEUVV_SHARED_SEGMENTS_H
 #include "shared/types.h"
@@ -15,19 +19,19 @@ CONSTEXPR uint kPageSegments = kPageWords - 1u;
 
 CONSTEXPR uint kLastPage = 0x80000000u;
 
-// Heads: the pages that are taken, then per ray the first page of its first list.
+// The buffer `heads` has the number of pages in use, then per ray the first page of its first list.
 CONSTEXPR uint kFirstHead = 1u;
 
 // merge.comp
 CONSTEXPR uint kMergePages = 0u;
 CONSTEXPR uint kMergeHeads = 1u;
-CONSTEXPR uint kMergeSeen = 2u;  // as kRangeSeen
+CONSTEXPR uint kMergeCovered = 2u;  // as kRangeCovered
 CONSTEXPR uint kMergeRadiance = 3u;
 CONSTEXPR uint kMergeDepth = 4u;
 
 struct MergePush {
-    float stop;       // rays stop where transmittance falls below this (0: never)
-    uint first_tile;  // of those that are merged, and their end
+    float stop;       // the transmittance below which a ray ends (0: never)
+    uint first_tile;  // the tiles from first_tile to before end_tile are merged
     uint end_tile;
 };
 

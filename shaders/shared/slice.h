@@ -1,4 +1,4 @@
-// The slice passes: a VOctree at one frame as σ and SH per live leaf (errata 7).
+// The slice passes: from a VOctree to σ and SH of each live leaf at one frame (errata 7).
 #ifndef NEUVV_SHARED_SLICE_H
 #define NEUVV_SHARED_SLICE_H
 #include "shared/field.h"
@@ -6,7 +6,7 @@
 NEUVV_SHARED
 
 CONSTEXPR uint kSliceGroup = 64u;
-CONSTEXPR uint kLeavesPerThread = 4u;  // of slice_density.comp
+CONSTEXPR uint kLeavesPerThread = 4u;  // in slice_density.comp
 
 // rows.comp: interpolates A and B (errata 9).
 CONSTEXPR uint kRowsSigmaBasis = 0u;
@@ -33,7 +33,7 @@ struct RowsPush {
 struct SlicePush {
     uint leaf_count;
     uint capacity;    // slots
-    uint first_leaf;  // slice_density.comp: of those that are looked at, and the end of these
+    uint first_leaf;  // slice_density.comp works on the leaves from first_leaf to before end_leaf
     uint end_leaf;
 };
 

@@ -1,13 +1,13 @@
-// The trace pass: rays of 8×8 pixel tiles through a slice.
+// The trace passes: the rays of tiles of 8×8 pixels through a slice or a field.
 #ifndef NEUVV_SHARED_TRACE_H
 #define NEUVV_SHARED_TRACE_H
 #include "shared/field.h"
 
 NEUVV_SHARED
 
-CONSTEXPR uint kTile = 8u;  // pixels a side
+CONSTEXPR uint kTile = 8u;  // pixels of a tile's side
 CONSTEXPR uint kTilePixels = 64u;
-CONSTEXPR uint kNoTile = 0xffffffffu;  // ends a list of tiles
+CONSTEXPR uint kNoTile = 0xffffffffu;  // the end of a list of tiles
 
 CONSTEXPR uint kTraceNodes = 0u;
 CONSTEXPR uint kTraceChildren = 1u;
@@ -25,12 +25,12 @@ CONSTEXPR uint kTraceRows = 9u;
 
 // trace_tree.comp reads a slice tree
 CONSTEXPR uint kTraceEntries = 10u;
-// of instances: the tiles where an instance may be seen
+// Only where instances are traced: the tiles that the instance may cover
 CONSTEXPR uint kTraceTileList = 11u;
 CONSTEXPR uint kTraceTileRanges = 12u;
 CONSTEXPR uint kTracePages = 16u;  // shared/segments.h
 CONSTEXPR uint kTraceHeads = 17u;
-CONSTEXPR uint kTraceSetDepth = 18u;  // metres along the camera's axis, a texel of the set's image each
+CONSTEXPR uint kTraceSetDepth = 18u;  // per texel of the set's image: metres along the camera's axis
 CONSTEXPR uint kTraceLights = 19u;    // ShaderLights (shared/lights.h)
 CONSTEXPR uint kTraceSetShadows = 20u;
 CONSTEXPR uint kTracePerformerShadows = 21u;
@@ -40,26 +40,26 @@ CONSTEXPR uint kTraceSharing = 22u;  // as kRangeSharing
 CONSTEXPR uint kLit = 1u;
 CONSTEXPR uint kShadowed = 2u;
 
-// What becomes of a ray's result (store_instance.glsl)
-CONSTEXPR uint kIntoRay = 0u;           // it alone
-CONSTEXPR uint kIntoLayer = 1u;         // under what stands there
-CONSTEXPR uint kIntoLayerByDepth = 2u;  // over or under it, by depth (errata 11)
-CONSTEXPR uint kIntoSegments = 3u;
-CONSTEXPR uint kIntoInspect = 4u;  // no light, but what the walk was like (shared/inspect.h)
+// How a ray's result is stored (store_instance.glsl)
+CONSTEXPR uint kOutputRay = 0u;           // it replaces what is stored
+CONSTEXPR uint kOutputLayer = 1u;         // it is blended under what is stored
+CONSTEXPR uint kOutputLayerByDepth = 2u;  // it is blended over or under what is stored, by depth (errata 11)
+CONSTEXPR uint kOutputSegments = 3u;      // its segments are stored for merge.comp
+CONSTEXPR uint kOutputInspect = 4u;       // statistics of the walk are stored instead of light (shared/inspect.h)
 
-// Where the rays of an axis stand in the image: as dense as the slopes say before, inside and beyond an inset
+// The positions of rays along one axis of the image; their density differs before, inside and beyond an inset
 // (grid.glsl).
 struct GridAxis {
     vec4 knots;   // the rays and the pixels at which the inset begins and ends: ray, ray, pixel, pixel
-    vec4 slopes;  // pixels a ray before, inside and beyond it
+    vec4 slopes;  // pixels per ray before, inside and beyond the inset
 };
 
-// Place (x, y) of the image, in pixels, is seen along normalize(corner + x·right + y·down), world space.
+// The ray through the position (x, y) of the image, in pixels, has the direction normalize(corner + x·right + y·down).
 struct ShaderCamera {
-    vec4 origin;
+    vec4 origin;  // metres
     vec4 right;   // w: rays across
     vec4 down;    // w: rays down
-    vec4 corner;  // w: rays of an image's pixel along each side, which are pixels here
+    vec4 corner;  // w: rays per pixel of the final image along each side; "pixels" of this camera are these samples
     GridAxis across;
     GridAxis downwards;
 };
@@ -70,23 +70,23 @@ struct Tile {
     uint camera;
     uint x;  // of the top left pixel
     uint y;
-    uint jitter;  // packSnorm2x16 of a shift in pixels: its rays leave from there, not from the pixels' centres
+    uint jitter;  // packSnorm2x16 of a shift in pixels from the pixels' centres to the positions of the rays
 };
 
 struct TracePush {
-    vec4 box_min;   // metres; w: rays stop where transmittance falls below this (0: never)
+    vec4 box_min;   // metres; w: the transmittance below which a ray ends (0: never)
     vec4 box_size;  // metres; w: the instance's opacity
     TopBox top;
     uint leaf_count;  // direct.comp
     uint node_base;   // trace_tree.comp
     uint entry_base;
     uint shaded_stride;  // shaded entries of a view
-    uint first_camera;   // of the instance's, one a view; before them stand the world's
-    uint first_tile;     // of those that are traced, and their end
+    uint first_camera;   // the instance's camera of the first view; the world's cameras come before all instances'
+    uint first_tile;     // the tiles from first_tile to before end_tile are traced
     uint end_tile;
-    uint set_width;     // texels of the set's image, in rows; 0: there is no set
-    uint set_texels;    // of a view
-    uint lighting;      // of kLit, kShadowed
+    uint set_width;     // texels of a row of the set's image; 0: there is no set
+    uint set_texels;    // texels of a view of the set's image
+    uint lighting;      // kLit, kShadowed, both or 0
     uint levels_above;  // Field::levels_above
 };
 

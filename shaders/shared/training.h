@@ -1,4 +1,4 @@
-// The passes of training that run backwards: loss → rays → slice → weights and rows.
+// The passes of training that run backwards: loss → rays → slice → weights and rows of A and B.
 #ifndef NEUVV_SHARED_TRAINING_H
 #define NEUVV_SHARED_TRAINING_H
 #include "shared/slice.h"
@@ -6,7 +6,7 @@
 
 NEUVV_SHARED
 
-// How much the losses weigh against L_rgb, from the option (training/loss.h names them) to the kernels.
+// The weights of the losses relative to L_rgb; training/loss.h names them.
 struct LossWeights {
     float grad;        // of L_grad (errata 16)
     float point;       // of the point loss (ray_adjoint.glsl)
@@ -22,25 +22,26 @@ CONSTEXPR uint kLossSums = 4u;        // per tile: (Σ rgb, Σ grad, pixels, unu
 
 struct LossPush {
     LossWeights weights;
-    uint samples;  // a pixel is the mean of samples × samples neighbouring rays; divides kTile
+    uint samples;  // a pixel is the mean of samples × samples neighbouring rays; must divide kTile
 };
 
-// trace_adjoint.comp and direct_adjoint.comp: the bindings of trace.comp and direct.comp up to kTraceRadiance, and
+// trace_adjoint.comp and direct_adjoint.comp have the bindings of trace.comp and direct.comp up to kTraceRadiance, and:
 CONSTEXPR uint kTraceAdjoint = 10u;
 CONSTEXPR uint kTraceGradients = 11u;  // per slot gradient_stride floats; direct: laid out as the weights
 CONSTEXPR uint kTraceTarget = 13u;     // per ray, as kLossTarget
-CONSTEXPR uint kTraceReach = 12u;      // per slot: bits of the largest blending weight of this step; 0: no ray came
+CONSTEXPR uint kTraceMaxWeight = 12u;  // per slot: bits of the largest blending weight of this step; 0: no ray came
 
 struct TraceAdjointPush {
     vec4 box_min;  // as in TracePush
     vec4 box_size;
     TopBox top;
     LossWeights weights;
-    float share;      // what a ray takes of its pixel
-    uint leaf_count;  // direct_adjoint.comp alone reads it
+    float pixel_share;  // the share that a ray has in its pixel
+    uint leaf_count;    // read by direct_adjoint.comp alone
 };
 
-// Floats of one slot's gradient: ∂L/∂σ, the pull Σ |α ∂L/∂α| of its samples, then ∂L/∂k_lm (R, G, B) per SH function.
+// The number of floats in one slot's gradient: ∂L/∂σ, the opacity sensitivity Σ |α ∂L/∂α| over its samples, then
+// ∂L/∂k_lm (R, G, B) per SH function.
 #ifdef __cplusplus
 constexpr
 #endif
@@ -49,15 +50,15 @@ constexpr
     return 2u + 3u * sh_count(degree);
 }
 
-// touched.comp: the slots that rays reached, so that the passes after it run over those alone
-CONSTEXPR uint kTouchedReach = 0u;
+// touched.comp lists the slots that rays touched, so that the passes after it run over those alone.
+CONSTEXPR uint kTouchedMaxWeight = 0u;
 CONSTEXPR uint kTouchedLive = 1u;
 CONSTEXPR uint kTouchedSlots = 2u;  // slots, in the order of the workgroups that found them
 CONSTEXPR uint kTouchedCount = 3u;  // a LiveCount
 
-// smooth.comp: the bindings of trace.comp but for rays and radiance, and
+// smooth.comp has the bindings of trace.comp except those of rays and radiance, and:
 CONSTEXPR uint kSmoothLeaves = 4u;     // per slot: its leaf
-CONSTEXPR uint kSmoothPlaces = 5u;     // per leaf: as Field::leaf_positions
+CONSTEXPR uint kSmoothPositions = 5u;  // per leaf: as Field::leaf_positions
 CONSTEXPR uint kSmoothTouched = 6u;    // slots to run over
 CONSTEXPR uint kSmoothCount = 7u;      // how many
 CONSTEXPR uint kSmoothGradients = 8u;  // as kTraceGradients
@@ -66,35 +67,35 @@ struct SmoothPush {
     TopBox top;
     float box_size;  // the tree's edge, metres
     LossWeights weights;
-    float share;  // as in TraceAdjointPush
+    float pixel_share;  // as in TraceAdjointPush
 };
 
 // slice_adjoint.comp
 CONSTEXPR uint kAdjointWeights = 0u;
-CONSTEXPR uint kAdjointFirst = 1u;   // first moments, laid out as the weights
-CONSTEXPR uint kAdjointSecond = 2u;  // second moments
+CONSTEXPR uint kAdjointFirstMoments = 1u;   // first moments, laid out as the weights
+CONSTEXPR uint kAdjointSecondMoments = 2u;  // second moments
 CONSTEXPR uint kAdjointRows = 3u;
 CONSTEXPR uint kAdjointLeaves = 4u;       // per slot: its leaf
 CONSTEXPR uint kAdjointTouched = 5u;      // slots to run over
 CONSTEXPR uint kAdjointCount = 10u;       // how many
 CONSTEXPR uint kAdjointGradients = 6u;    // read and cleared
-CONSTEXPR uint kAdjointReach = 7u;        // read and cleared
+CONSTEXPR uint kAdjointMaxWeight = 7u;    // read and cleared
 CONSTEXPR uint kAdjointLeafUse = 8u;      // per leaf since the tree last changed: largest blending weight, sum of pulls
 CONSTEXPR uint kAdjointPartials = 9u;     // per workgroup: 2·kMaxBases sums of ∂L/∂A_t and ∂L/∂B_t
 CONSTEXPR uint kAdjointLeafFrames = 11u;  // per 32 frames and leaf, leaves fastest: a bit for each frame that used it
-CONSTEXPR uint kAdjointPlaces = 12u;      // per leaf: as Field::leaf_positions
+CONSTEXPR uint kAdjointPositions = 12u;   // per leaf: as Field::leaf_positions
 CONSTEXPR uint kAdjointHead = 13u;        // the slice, kept as the moved weights have it: as kSliceHead
 CONSTEXPR uint kAdjointSh = 14u;          // as kSliceSh
 
 // rows_adjoint.comp
 CONSTEXPR uint kRowsAdjointPartials = 0u;
 CONSTEXPR uint kRowsAdjointCount = 1u;
-CONSTEXPR uint kRowsAdjointSigma = 2u;  // A, frames × bases
-CONSTEXPR uint kRowsAdjointGamma = 3u;  // B
-CONSTEXPR uint kRowsAdjointFirst = 4u;  // moments: those of A, then those of B
-CONSTEXPR uint kRowsAdjointSecond = 5u;
+CONSTEXPR uint kRowsAdjointSigma = 2u;         // A, frames × bases
+CONSTEXPR uint kRowsAdjointGamma = 3u;         // B
+CONSTEXPR uint kRowsAdjointFirstMoments = 4u;  // moments: those of A, then those of B
+CONSTEXPR uint kRowsAdjointSecondMoments = 5u;
 
-// How the optimiser moves (Adam). `emit`: moments take no part; the first moment receives the gradient itself.
+// The optimiser's settings (Adam). With `emit` nothing moves, and the first moment receives the gradient itself.
 struct AdamPush {
     float beta1;
     float beta2;
@@ -107,14 +108,14 @@ struct AdamPush {
 struct SliceAdjointPush {
     AdamPush adam;
     uint leaf_count;
-    uint frame;         // at or before that of the slice
-    uint frame_after;   // the same, or the next where it lies between
-    float used_from;    // blending weight from which a frame counts as using a leaf
-    float sigma_rate;   // learning rate of w^σ, optical depths of the leaf's edge
-    float gamma_rate;   // of w^γ
-    float colour_rate;  // of w^HH with l = 0
-    float detail_rate;  // of w^HH with l > 0
-    float box_size;     // the tree's edge, metres
+    uint frame;             // the frame at or before the slice's time
+    uint frame_after;       // the next frame where the slice's time lies between frames, else the same
+    float min_used_weight;  // a frame uses a leaf if it gives it at least this blending weight
+    float sigma_rate;       // learning rate of w^σ, in optical depths over the leaf's edge
+    float gamma_rate;       // of w^γ
+    float colour_rate;      // of w^HH with l = 0
+    float detail_rate;      // of w^HH with l > 0
+    float box_size;         // the tree's edge, metres
 };
 
 struct RowsAdjointPush {

@@ -1,10 +1,10 @@
-// The VOctree's topology as CPU and GPU both see it.
+// The VOctree's topology, as the host and shaders read it.
 //
-// A node covers two octree levels: 4×4×4 cells, numbered in Morton order (z1 y1 x1 z0 y0 x0; the high three bits name
-// the 2×2×2 octant). mask_lo/mask_hi hold one bit per occupied cell; its entry in the child array is first_child +
-// popcount(mask bits below it). An entry with kLeafBit set names a leaf, else a node. A leaf of the node's upper level
-// (twice the cell's edge) fills all eight cells of its octant with the same entry; on the device, such a wide octant
-// has one entry alone, and the node says which octants are wide (render/walk_tree.h).
+// A node covers two octree levels: 4×4×4 cells, numbered in Morton order (z1 y1 x1 z0 y0 x0; the high three bits are
+// the number of the 2×2×2 octant). mask_lo and mask_hi have a bit for each occupied cell, whose entry in the child
+// array is first_child + popcount(mask bits below it). An entry with kLeafBit set is the index of a leaf, else of a
+// node. A leaf of the node's upper level (twice the cell's edge) fills all eight cells of its octant with the same
+// entry; on the device, such a wide octant has only one entry, and the node's `wide` marks it (render/walk_tree.h).
 #ifndef NEUVV_SHARED_TREE_H
 #define NEUVV_SHARED_TREE_H
 #include "shared/types.h"
@@ -12,22 +12,22 @@
 NEUVV_SHARED
 
 CONSTEXPR uint kLeafBit = 0x80000000u;
-CONSTEXPR uint kMaxNodeLevels = 6u;  // two octree levels each: at most 4096 cells a side
+CONSTEXPR uint kMaxNodeLevels = 6u;  // two octree levels each: at most 4096 cells along each side of the box
 
 struct TreeNode {
     uint mask_lo;
     uint mask_hi;
     uint first_child;
-    uint wide;  // on the device, a bit for each octant; else 0
+    uint wide;  // on the device, a bit for each wide octant; else 0
 };
 
-// The device's grid over the upper levels of the tree, so that a walk need not begin at the root: those of 4^levels
-// cells a side that lie between the first and the last with leaves on each axis, x fastest. A cell names the deepest
-// node of those levels around it, and above kTopLevelShift a half of log2 of the side of that node's cells in finest
-// cells.
+// The top grid replaces the upper `levels` node levels on the device, so that a walk need not begin at the root. Of the
+// box's 4^levels cells along each side it has those between the first and the last that contain leaves, on each axis, x
+// fastest. An element has the index of the deepest node of those levels that contains the cell, and from bit
+// kTopLevelShift on log4 of the side of that node's cells in finest cells.
 CONSTEXPR uint kTopLevelShift = 28u;
 
-// The grid's first and last cell: 10 bits each of x, y, z from the lowest.
+// The grid's first and last cell: x in the lowest 10 bits, then y, then z.
 struct TopBox {
     uint first;
     uint last;

@@ -1,4 +1,4 @@
-// Lets one header serve C++ and GLSL: the shared names of scalar and vector types.
+// Names of scalar and vector types, and macros, with which the headers of this folder compile as C++ and as GLSL.
 #ifndef NEUVV_SHARED_TYPES_H
 #define NEUVV_SHARED_TYPES_H
 

@@ -34,7 +34,7 @@ class Drawn {
           uint32_t pairs = kPairs)
         : field(render::upload_field(device, tree, render::WeightPrecision::kFloat)),
           live(device, field, field.leaf_count),
-          trees(device, field, render::most_entries(field), 2),
+          trees(device, field, render::max_entries(field), 2),
           shaded(render::shaded_entries(device, trees.capacity)),
           tiles(render::tiles_of_image(0, width, height)),
           target(device, 1, static_cast<uint32_t>(tiles.size()), 1),
@@ -60,7 +60,7 @@ class Drawn {
         return draw(camera, samples, [&](gpu::Commands& commands, const ShaderCamera& seen) {
             *target.ranges.views.as<RangeView>() = render::range_view(seen);
             render::record_clear(commands, rays, static_cast<uint32_t>(tiles.size()));
-            render::record_unseen(commands, target.ranges);
+            render::record_clear_coverage(commands, target.ranges);
             render::record_tile_ranges(commands, ranger_, kSlice, 0, field.node_levels - 1,
                                        {camera.width, camera.height, samples});
             render::record_trace_tree(commands, tracer_, kSlice, {.stop = stop});
@@ -221,7 +221,7 @@ TEST_F(LeafRasterTest, EveryRayIsTheReferences) {
         for (const View& view : views(tree)) {
             SCOPED_TRACE(std::string(view.name) + ", node levels " + std::to_string(options.node_levels));
             const Rays raster = drawn.raster(view.camera, 0);
-            ASSERT_LE(bench::pairs_wanted(device(), drawn.rasterizer), kPairs);
+            ASSERT_LE(bench::pair_count(device(), drawn.rasterizer), kPairs);
             const Difference found = difference(raster, shade_by_reference(tree, view.camera, raster.radiance.size()));
             EXPECT_LE(found.light, kHalfLight);
             EXPECT_LE(found.depth_m, kDepth_m);
@@ -290,9 +290,9 @@ TEST_F(LeafRasterTest, PairsWithoutRoomAreCounted) {
     const stage::Camera camera = views(tree)[0].camera;
     Drawn all(device(), tree, kWidth, kHeight), some(device(), tree, kWidth, kHeight, 50);
     const Rays truth = all.raster(camera, 0), part = some.raster(camera, 0);
-    const uint32_t wanted = bench::pairs_wanted(device(), all.rasterizer);
+    const uint32_t wanted = bench::pair_count(device(), all.rasterizer);
     EXPECT_GT(wanted, 50u);
-    EXPECT_EQ(bench::pairs_wanted(device(), some.rasterizer), wanted);
+    EXPECT_EQ(bench::pair_count(device(), some.rasterizer), wanted);
     EXPECT_GT(difference(part, truth).light, 0.1) << "as if nothing were missing";
     Drawn fitting(device(), tree, kWidth, kHeight, wanted);
     EXPECT_EQ(fitting.raster(camera, 0).radiance, truth.radiance);

@@ -112,9 +112,9 @@ std::string complaint_about_paint(const std::function<voctree::EditLayer()>& loa
         const auto within = [](float number, float low, float high) { return number >= low && number <= high; };
         std::vector<uint32_t> odd;
         for (const voctree::LeafEdit& edit : layer.edits) {
-            if (edit.leaf >= layer.field.leaf_count) return "gave paint on a leaf that is not there";
+            if (edit.leaf >= layer.field.leaf_count) return "gave paint on a leaf that does not exist";
             if (!within(edit.last, edit.first, static_cast<float>(layer.field.frames - 1)) || !(edit.first >= 0))
-                return "gave paint at frames that are not there";
+                return "gave paint at frames that do not exist";
             for (int c = 0; c < 3; ++c)
                 if (!within(edit.colour[c], 0, 1)) return "gave a colour that cannot be";
             if (!within(edit.alpha, 0, 1)) return "gave an alpha that cannot be";

@@ -1,18 +1,19 @@
-// A stage as another program would write it, to be looked at: a checked floor, a camera that moves around the performer
-// in two seconds, and a spotlight; figure.nvv is the one thing of ours.
+// A stage as another program might write it: a checked floor, a camera that moves around the performer in two seconds,
+// and a spotlight. Only the performer's clip, figure.nvv, is in this program's format.
 #pragma once
 
 #include <string>
 
 namespace neuvv::test {
 
-// Little-endian: 4 positions, 4 normals, 4 texture coordinates, 6 indices of 2 bytes, 2 times, 2 places, 2 rotations.
+// Little-endian: 4 positions, 4 normals, 4 texture coordinates, 6 indices of 2 bytes, 2 times, 2 translations, 2
+// rotations.
 inline const std::string kForeignBuffer =
     "AABAwAAAAAAAAEBAAABAQAAAAAAAAEBAAABAQAAAAAAAAEDAAABAwAAAAAAAAEDAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAA"
     "AAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAQEAAAEBAAABAQAAAQEAAAAAAAAAAAAAAAAAAAAEAAgAAAAIAAwAAAAAA"
     "AAAAQAAAAABmZqY/ZmaGQGZmJkAzM/M/zcxMQAo+hb0AAACAAAAAgCd1fz/T1QK++bipPqzOOT28BG8/";
 
-// 2×2 texels, brown and green, each squared off from the next.
+// A PNG of 2×2 texels, brown and green.
 inline const std::string kForeignChecks =
     "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAE0lEQVR42mM4MS0qKs+GAYiBLAAnbgV5PntA8AAAAABJRU5E"
     "rkJggg==";

@@ -1,4 +1,4 @@
-// Comparing an image with its golden one.
+// The comparison of an image with its golden image.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace neuvv::test {
 
-// An image is right when LDR-FLIP against its golden one stays below both. One step of 8 bits in every pixel, which
-// devices may round differently, is about 0.03.
+// An image is right when LDR-FLIP against its golden image exceeds neither of these, in the mean and in the 99th
+// percentile. One step of 8 bits in a pixel, as devices may round differently, is about 0.03.
 constexpr double kGoldenMean = 0.01;
 constexpr double kGoldenPercentile99 = 0.05;
 
@@ -21,12 +21,12 @@ struct GoldenDifference {
     bool passes() const { return same_size && mean <= kGoldenMean && percentile_99 <= kGoldenPercentile99; }
 };
 
-// Both over black and over white, so that alpha counts; the worse one is reported.
+// Compares both over black and over white, so that alpha counts, and returns the worse result.
 GoldenDifference compare_with_golden(const media::Image& result, const media::Image& truth);
 
-// Compares with NEUVV_GOLDEN_DIR/NAME.png. On a failure writes the side by side image as failures/NAME.png and
-// returns what is wrong and where to look, else an empty string. With NEUVV_ACCEPT_GOLDEN=NAME (or all) in the
-// environment the result becomes the golden image.
+// Compares the result with NEUVV_GOLDEN_DIR/NAME.png and returns an empty string where it is right. Otherwise it writes
+// truth, result and difference side by side as failures/NAME.png, and returns a message. With NEUVV_ACCEPT_GOLDEN=NAME
+// (or all) in the environment, the result becomes the golden image.
 std::string check_golden(const std::string& name, const media::Image& result,
                          const std::filesystem::path& failures = NEUVV_GOLDEN_FAILURES);
 

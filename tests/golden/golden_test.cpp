@@ -52,12 +52,12 @@ media::Image swapped_red_and_blue(const media::Image& image) {
     return out;
 }
 
-// Without the density of the leaves in one eighth of the box.
+// The scene without the density of the leaves in one eighth of the box.
 GoldenScene without_a_cluster(GoldenScene scene) {
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(scene.tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(scene.tree);
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
-        const uint32_t half = 1u << (places[leaf].depth - 1);
-        if (places[leaf].x < half && places[leaf].y < half && places[leaf].z >= half)
+        const uint32_t half = 1u << (positions[leaf].depth - 1);
+        if (positions[leaf].x < half && positions[leaf].y < half && positions[leaf].z >= half)
             std::fill_n(scene.tree.leaf(leaf), scene.tree.bases, 0.0f);
     }
     return scene;

@@ -1,4 +1,4 @@
-// Images of painted figures against the committed ones: one for each tool, one of the blends beside each other.
+// Images of painted figures against the committed ones: one for each tool, and one of the blends side by side.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -54,7 +54,7 @@ struct PaintGolden : GpuTest {
         voctree::add_edits(layer, edit::at_frames(canvas, edits, frames));
         EXPECT_EQ(voctree::defect_of(layer), "");
     }
-    // From a little beside the camera that tools worked from.
+    // From a position a little beside the camera of the tools.
     void expect_golden(const std::string& name, float frame = 0) {
         const stage::Camera camera = look_at({0.8, 0.75, 2.0}, {0.5, 0.45, 0.5}, kSide, kSide, 1.6);
         const render::PaintUse use{&layer};
@@ -81,7 +81,7 @@ TEST_F(PaintGolden, StrokesOfABrush) {
     };
     line({0.05f, 0.2f, {0.9f, 0.02f, 0.02f}}, {{50, 60}, {120, 50}});
     line({0.03f, 0.9f, {0.02f, 0.1f, 0.9f}}, {{60, 150}, {80, 140}, {100, 155}, {120, 140}});
-    line({0.09f, 1, glm::vec3(0), 0, 0}, {{105, 45}, {150, 10}});  // a bite
+    line({0.09f, 1, glm::vec3(0), 0, 0}, {{105, 45}, {150, 10}});  // erases a piece
     expect_golden("paint_brush");
 }
 
@@ -92,7 +92,7 @@ TEST_F(PaintGolden, RegionsErasedRecolouredAndBroughtToLife) {
     add(edit::erase_leaves(edit::leaves_in(canvas, wedge, 0, 1)));
     const std::vector<uint32_t> shoulders = edit::leaves_in(canvas, edit::box_region({0, 0, 0}, {1, 0.36f, 1}), 0, 0);
     voctree::add_edits(layer, edit::shift_colours(canvas, shoulders, 0, 1, {140, 2.5f}));
-    // A collar where leaves live in the second frame alone.
+    // A collar where leaves live only in the second frame.
     const std::vector<uint32_t> later =
         edit::all_leaves_in(canvas, edit::box_region({0.75f, 0.1f, 0.3f}, {1, 0.3f, 0.7f}));
     add(edit::set_density(later, 250), {0, 0});
@@ -106,7 +106,7 @@ TEST_F(PaintGolden, PaintThatFollowsTheSurfacesLeavesAndPaintThatDoesNot) {
     for (const uint32_t leaf : head) (canvas.middles[leaf].y > kHead.y ? upper : lower).push_back(leaf);
     add(edit::fill_leaves(upper, {0.9f, 0.1f, 0.1f}, 1), {0, 0, edit::Follow::kAll});
     add(edit::fill_leaves(lower, {0.1f, 0.1f, 0.9f}, 1), {0, 0, edit::Follow::kNot});
-    expect_golden("paint_follow", 1);  // the upper leaves that the head still fills are red, of the lower none is blue
+    expect_golden("paint_follow", 1);  // upper leaves that the head still fills are red, no lower leaf is blue
 }
 
 TEST_F(PaintGolden, BlendsBesideEachOther) {
@@ -132,7 +132,7 @@ TEST_F(PaintGolden, BlendsBesideEachOther) {
     const media::Image painted = row(true), plain = row(false);
     EXPECT_EQ(check_golden("paint_blends", painted), "");
     EXPECT_FALSE(compare_with_golden(plain, painted).passes());
-    // The fifth has no paint, and shows what it would without the others'.
+    // The fifth has no paint, and the others' paint does not change it.
     for (uint32_t y = 0; y < painted.height; y++)
         for (uint32_t x = 210; x < painted.width; x++)
             EXPECT_TRUE(std::equal(painted.at(x, y), painted.at(x, y) + 4, plain.at(x, y)));

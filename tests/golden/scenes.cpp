@@ -23,12 +23,12 @@ GoldenScene random_scene(const std::string& name) {
 
 constexpr double kBlobRadius = 0.2;
 
-// Where the ball is at a frame, in the unit box.
+// The centre of the ball in a frame, in the unit box.
 glm::dvec3 blob_centre(uint32_t frame) {
     return {0.25 + 0.25 * frame, 0.35 + 0.15 * (frame % 2), 0.5};
 }
 
-// How far a cell at the finest depth is from the nearest of the ball's places.
+// The distance of a cell's centre from the nearest of the ball's centres.
 double blob_distance(glm::dvec3 cell, uint32_t frames) {
     double nearest = 1;
     for (uint32_t frame = 0; frame < frames; frame++)
@@ -36,8 +36,8 @@ double blob_distance(glm::dvec3 cell, uint32_t frames) {
     return nearest;
 }
 
-// A ball of checks that jumps to the right, one basis a frame; seen between two frames, both of its places show at half
-// density. Its red depends on the direction it is seen from.
+// A checked ball that jumps to the right, with a basis function for each frame. Between two frames the ball appears at
+// both positions with half the density. Its red depends on the viewing direction.
 GoldenScene blob_scene() {
     constexpr uint32_t kSide = 64, kDepth = 6;
     GoldenScene scene;
@@ -48,18 +48,18 @@ GoldenScene blob_scene() {
     tree.hh_degree = 1;
     tree.sigma_basis = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     tree.gamma_basis = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-    std::vector<voctree::LeafPosition> places;
+    std::vector<voctree::LeafPosition> positions;
     const auto centre = [](const voctree::LeafPosition& p) {
         return (glm::dvec3(p.x, p.y, p.z) + 0.5) / double{kSide};
     };
     for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
-        const voctree::LeafPosition place{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
-        if (blob_distance(centre(place), tree.frames) < kBlobRadius) places.push_back(place);
+        const voctree::LeafPosition position{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
+        if (blob_distance(centre(position), tree.frames) < kBlobRadius) positions.push_back(position);
     }
-    voctree::build_topology(tree, places);
+    voctree::build_topology(tree, positions);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
-        const glm::dvec3 at = centre(places[leaf]);
+        const glm::dvec3 at = centre(positions[leaf]);
         for (uint32_t frame = 0; frame < tree.frames; frame++)
             weights[frame] = glm::length(at - blob_centre(frame)) < kBlobRadius ? 10.0f : -1.0f;
         const glm::dvec3 checks = glm::floor(at * 12.0);

@@ -10,7 +10,7 @@ namespace neuvv::test {
 
 namespace {
 
-constexpr uint32_t kSize = 160, kTexels = 2;  // pixels, and texels a pixel each way
+constexpr uint32_t kSize = 160, kTexels = 2;  // pixels, and texels per pixel along each axis
 
 // Tiles of 8 pixels in two colours.
 media::Image checks(glm::u8vec3 a, glm::u8vec3 b) {
@@ -24,7 +24,7 @@ media::Image checks(glm::u8vec3 a, glm::u8vec3 b) {
     return image;
 }
 
-// Round studs, as normals.
+// A normal map of round studs.
 media::Image studs() {
     media::Image image(64, 64);
     for (uint32_t y = 0; y < 64; y++)
@@ -38,7 +38,7 @@ media::Image studs() {
     return image;
 }
 
-// A sky that brightens upwards, with a warm window to the right, over dark ground.
+// An environment image: a sky that brightens upwards, with a warm window to the right, over dark ground.
 media::Image sky() {
     media::Image image(128, 64);
     for (uint32_t y = 0; y < 64; y++)
@@ -84,7 +84,8 @@ render::SetLight fill_light() {
     return light;
 }
 
-// Balls of chrome, red plastic and gold on studded tiles, a column, one spot with shadows, a blue point, a sky.
+// Balls of chrome, red plastic and gold on studded tiles, a column, a spot light with shadows, a blue point light, a
+// sky.
 GoldenSet spot_set() {
     GlbBuilder glb;
     add_floor(glb);
@@ -105,8 +106,8 @@ GoldenSet spot_set() {
     return set;
 }
 
-// Three panes of glass one behind the other over a floor, lit; to the right of the middle a volume is said to be
-// between the second and the third.
+// Three lit panes of glass, one behind the other, over a floor. In the right half of the image a volume is assumed
+// between the second and the third pane.
 GoldenSet pane_set() {
     GlbBuilder glb;
     add_floor(glb);
@@ -153,7 +154,7 @@ media::Image render_set(const gpu::Device& device, const GoldenSet& set) {
     const SetImages drawn = draw_set(device, raster, {set.camera});
     std::vector<glm::vec4> pixels(kSize * kSize, glm::vec4(0));
     for (size_t i = 0; i < drawn.colour.size(); i++) {
-        // Where a volume is said to be, it is a grey of one half: what lies behind it is darker.
+        // The assumed volume is half transparent grey: what lies behind it is darker.
         const bool split = set.volume_depth_m > 0 && i % side >= side / 2;
         const glm::dvec4 light = drawn.front[i] + (1 - drawn.front[i].a) * (split ? 0.5 : 1.0) * drawn.colour[i];
         pixels[i / side / kTexels * kSize + i % side / kTexels] += glm::vec4(light) / float{kTexels * kTexels};

@@ -16,11 +16,11 @@ struct GoldenSet {
     stage::Camera camera;
     std::vector<render::SetLight> lights;
     render::SetAmbient ambient;
-    float volume_depth_m = 0;  // of a made-up volume over the right half of the image; 0: none
+    float volume_depth_m = 0;  // of an assumed volume over the right half of the image; 0: none
 };
 
 std::vector<GoldenSet> golden_sets();
-// Four texels a pixel; front over colour.
+// Renders with four texels a pixel, and composites front over colour.
 media::Image render_set(const gpu::Device& device, const GoldenSet& set);
 
 }  // namespace neuvv::test

@@ -62,7 +62,7 @@ stage::Camera wide_camera() {
     return look_at({0, 1.9, 5}, {0, 0.8, 0}, kWidth, kHeight, 1.15);
 }
 
-// Turned, stretched and sheared, in one row.
+// Performers in a row: rotated, stretched and sheared.
 media::Image space(const gpu::Device& device) {
     Builder builder;
     builder.add("turned", {-1.6, 0, 0}, {0, 60, 20});
@@ -75,7 +75,7 @@ media::Image space(const gpu::Device& device) {
     return render(device, builder, look_at({0, 2.1, 6.8}, {0, 0.75, 0}, kWidth, kHeight, 1.15));
 }
 
-// Twelve times half a second apart, side by side: the clip has eight frames at four a second.
+// Images at twelve times half a second apart, side by side. The clip has eight frames at four a second.
 media::Image film(const gpu::Device& device, const std::string& time, double spin = 0) {
     constexpr uint32_t kTimes = 12, kFilmWidth = 20, kFilmHeight = 40;
     Builder builder;
@@ -113,7 +113,7 @@ media::Image ring(const gpu::Device& device) {
     return render(device, builder, look_at({0, 4.6, 6.5}, {0, 0.3, -0.4}, kWidth, kHeight, 0.95));
 }
 
-// Two that walked into each other, one of them translucent or not.
+// Two overlapping performers, one of which may be translucent.
 media::Image blend(const gpu::Device& device, stage::StageBlend way, double opacity) {
     Builder builder;
     edit::PerformerEdit edit;
@@ -163,7 +163,7 @@ media::Image two_lights(const gpu::Device& device) {
     return render(device, builder, wide_camera());
 }
 
-// A directional light: shadows all alike.
+// A directional light, whose shadows are parallel.
 media::Image sun(const gpu::Device& device) {
     Builder builder;
     builder.add("one", {-0.7, 0, -0.3}, {0, 20, 0});
@@ -180,7 +180,7 @@ media::Image sun(const gpu::Device& device) {
     return render(device, builder, wide_camera());
 }
 
-// Another program's stage through its own camera, at its start and at its end.
+// The stage of another program through its camera, at the start and the end of the camera's path.
 media::Image foreign(const gpu::Device& device) {
     const TemporaryFolder folder;
     voctree::write_nvv(folder.path / "figure.nvv", waver_tree());

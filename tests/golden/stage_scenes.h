@@ -1,4 +1,4 @@
-// The stages of the golden images: built by the operations that users have, rendered as neuvv render does.
+// The stages of the golden images, built by the operations of neuvv::edit and rendered as `neuvv render` does.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ struct GoldenStage {
     media::Image image;
 };
 
-// Renders all of them, or the one of this name.
+// Renders all stages, or only the one named `only`.
 std::vector<GoldenStage> golden_stages(const gpu::Device& device, const std::string& only = "");
 
 }  // namespace neuvv::test

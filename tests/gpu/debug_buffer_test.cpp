@@ -1,4 +1,4 @@
-// What shaders print and assert reaches the host, on every device.
+// What shaders print and assert arrives at the host on every device.
 #include "gpu/debug_buffer.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Says and asserts something for every thread, for the test of the debug buffer.
+// Prints and asserts something in every thread, for the test of the debug buffer.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "debug.glsl"

@@ -1,4 +1,4 @@
-// engine/gpu: the choice of a device, limits, copies, reflection and bindings.
+// engine/gpu: selection of a device, limits, copies, reflection and bindings.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -67,7 +67,7 @@ TEST_F(DeviceTest, AChoiceThatFitsNoneIsBadInput) {
 }
 
 TEST_F(DeviceTest, ValidationIsHeard) {
-    // A buffer of no use at all: the layers must say so, or no test of ours would notice anything.
+    // A buffer without usage flags is an error. The layers must report it; otherwise no test would notice errors.
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     info.size = 16;
     const VkDevice handle = device().handle();
@@ -104,7 +104,7 @@ TEST_F(BufferTest, LimitsAreNamed) {
     expect_failure([] { gpu::texel_bytes(VK_FORMAT_R8_UNORM); }, "texel_bytes");
 }
 
-// Longer than one staging buffer, and every kind of float as it is.
+// Data longer than a staging buffer, with every kind of float bit pattern.
 TEST_F(BufferTest, WhatGoesUpComesDown) {
     std::vector<float> data((uint64_t{64} << 20) / sizeof(float) + 1023);
     for (size_t i = 0; i < data.size(); i++) data[i] = static_cast<float>(i % 8191) - 0.1f;
@@ -184,7 +184,7 @@ TEST_F(BindingTest, EveryBindingWantsAFittingBuffer) {
     const gpu::ComputePass pass(device(), "resolve", resolve_comp);
     const gpu::Buffer radiance(device(), "radiance", 1024, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
     const gpu::Buffer depth(device(), "depth", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);
-    const gpu::Buffer image(device(), "picture", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const gpu::Buffer image(device(), "image", 256, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     const gpu::Buffer plain(device(), "plain", 256, gpu::MemoryKind::kDevice), none;
     const auto bind = [&](const gpu::Buffer& in, uint32_t last) {
         gpu::BindingSet(pass, {{kResolveRadiance, &in},
@@ -204,7 +204,7 @@ TEST_F(BindingTest, EveryBindingWantsAFittingBuffer) {
 
 TEST_F(BindingTest, AStorageBufferBeyondTheRangeIsNamed) {
     const uint64_t bytes = uint64_t{device().limits().maxStorageBufferRange} + 4;
-    // To go beyond the range, such a buffer must be made; real GPUs bind 2 or 4 GiB, which a test does not take.
+    // The test has to create a buffer beyond the range. Real GPUs bind 2 or 4 GiB, which is too much for a test.
     if (bytes > uint64_t{1} << 30) GTEST_SKIP() << "this device binds storage buffers of " << (bytes >> 20) << " MiB";
     const gpu::ComputePass pass(device(), "rows", rows_comp);
     const gpu::Buffer basis(device(), "basis", 64, gpu::MemoryKind::kDevice, VK_FORMAT_R32_SFLOAT);

@@ -72,12 +72,13 @@ TEST_F(AdamTest, MovesWeightsAndRowsAsTheReferenceDoes) {
     const training::LearningRates rates{
         .sigma = 0.3f, .gamma = 0.01f, .colour = 0.2f, .detail = 0.05f, .sigma_rows = 1e-2f, .gamma_rows = 2e-2f};
     const uint32_t basis_planes = step.field().basis_planes(), leaves = all.tree.leaf_count;
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(all.tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(all.tree);
     const auto weight_rate = [&](size_t i) {
         const size_t plane = i / (size_t{4} * leaves);
         if (plane < basis_planes) {  // against the leaf's edge
-            const voctree::LeafPosition& place = places[i / 4 % leaves];
-            return static_cast<double>(rates.sigma) * std::exp2(place.depth) / static_cast<double>(all.tree.box_size.x);
+            const voctree::LeafPosition& position = positions[i / 4 % leaves];
+            return static_cast<double>(rates.sigma) * std::exp2(position.depth) /
+                   static_cast<double>(all.tree.box_size.x);
         }
         if (plane < 2 * basis_planes) return static_cast<double>(rates.gamma);
         const size_t function = plane - 2 * basis_planes;
@@ -115,7 +116,7 @@ TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
     ASSERT_GE(scene.tree.frames, 3u);
     training::TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
     training::StepSettings settings = settings_of(scene);
-    settings.adam.used_from = 0.05f;
+    settings.adam.min_used_weight = 0.05f;
     const auto run_at = [&](float frame) {
         load_scene(step, scene);
         settings.frame = frame;
@@ -126,14 +127,15 @@ TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
     const training::LeafUse once = run_at(0.5f), twice = run_at(2);
     size_t reached = 0, weakly = 0, grown = 0;
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
-        EXPECT_EQ(once.frames[leaf], once.reach[leaf] >= 0.05f ? 0b011u : 0u);
+        EXPECT_EQ(once.frames[leaf], once.max_weight[leaf] >= 0.05f ? 0b011u : 0u);
         EXPECT_EQ(once.frames[leaf] & ~twice.frames[leaf], 0u);
-        EXPECT_GE(twice.reach[leaf], once.reach[leaf]);
-        EXPECT_GE(twice.pull[leaf], once.pull[leaf]);
-        EXPECT_TRUE(once.reach[leaf] > 0 || once.pull[leaf] == 0);
+        EXPECT_GE(twice.max_weight[leaf], once.max_weight[leaf]);
+        EXPECT_GE(twice.opacity_sensitivity[leaf], once.opacity_sensitivity[leaf]);
+        EXPECT_TRUE(once.max_weight[leaf] > 0 || once.opacity_sensitivity[leaf] == 0);
         reached += once.frames[leaf] != 0 ? 1 : 0;
-        weakly += once.reach[leaf] > 0 && once.frames[leaf] == 0 ? 1 : 0;
-        grown += twice.frames[leaf] == 0b111u && twice.pull[leaf] > once.pull[leaf] ? 1 : 0;
+        weakly += once.max_weight[leaf] > 0 && once.frames[leaf] == 0 ? 1 : 0;
+        grown +=
+            twice.frames[leaf] == 0b111u && twice.opacity_sensitivity[leaf] > once.opacity_sensitivity[leaf] ? 1 : 0;
     }
     EXPECT_GT(reached, 20u);
     EXPECT_GT(weakly, 5u);

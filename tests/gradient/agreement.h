@@ -1,5 +1,5 @@
-// How gradients are compared: each number relative to its own size, numbers smaller than a thousandth of the group's
-// largest relative to that. Single precision sums of hundreds of rays do not allow for less there.
+// How gradients are compared: the error of each number is relative to the number, or to a thousandth of the group's
+// largest where the number is smaller. Sums over hundreds of rays in single precision are not more exact than that.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,13 +12,13 @@
 namespace neuvv::test {
 
 constexpr double kGradientTolerance = 1e-3;
-constexpr double kSmall = 1e-3;
+constexpr double kSmall = 1e-3;  // of the group's largest number
 
 struct GradientPair {
     double found = 0, truth = 0;
 };
 
-// max |found − truth| / max(|truth|, kSmall ‖truth‖∞); infinite where something is not a number.
+// max |found − truth| / max(|truth|, kSmall ‖truth‖∞); infinite where an error is not a number.
 inline double gradient_disagreement(const std::vector<GradientPair>& group) {
     double largest = 0, worst = 0;
     for (const GradientPair& pair : group) largest = std::max(largest, std::abs(pair.truth));
@@ -29,7 +29,7 @@ inline double gradient_disagreement(const std::vector<GradientPair>& group) {
     return worst;
 }
 
-// The group agrees, and says something: at least nine in ten of its truths are not 0.
+// Expects that the group agrees and can fail: at least nine in ten of its truths are not 0.
 inline void expect_gradients(const std::string& name, const std::vector<GradientPair>& group) {
     SCOPED_TRACE(name);
     const auto zeros = std::count_if(group.begin(), group.end(), [](const GradientPair& p) { return p.truth == 0; });

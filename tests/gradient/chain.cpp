@@ -59,7 +59,7 @@ Chain::Chain(const Scene& scene)
         }
     slice_rows();
     for (const reference::LeafSlice& slice : slices_) first_sigmas_.push_back(slice.sigma);
-    places_ = voctree::leaf_positions(scene.tree);
+    positions_ = voctree::leaf_positions(scene.tree);
     seen_ = seen_leaves();
 }
 
@@ -127,9 +127,9 @@ double Chain::loss() const {
 // A leaf's own term, weighted: its density as it is now, its neighbours' as they were at first.
 double Chain::leaf_smoothness(uint32_t leaf) const {
     std::array<double, 6> neighbours{};
-    const std::array<uint32_t, 6> found = reference::face_neighbours(places_, leaf, 2 * scene_.tree.node_levels);
+    const std::array<uint32_t, 6> found = reference::face_neighbours(positions_, leaf, 2 * scene_.tree.node_levels);
     for (size_t i = 0; i < 6; i++) neighbours[i] = found[i] == UINT32_MAX ? 0 : first_sigmas_[found[i]];
-    const double edge = static_cast<double>(scene_.tree.box_size.x) / (1u << places_[leaf].depth);
+    const double edge = static_cast<double>(scene_.tree.box_size.x) / (1u << positions_[leaf].depth);
     return static_cast<double>(scene_.weights.smoothness) *
            reference::smoothness(slices_[leaf].sigma, edge, neighbours);
 }

@@ -1,5 +1,5 @@
-// The forward chain in double precision, with parameters that can be nudged: weights and rows → slice → samples →
-// pixels → loss. Built of the functions of tests/reference alone.
+// The forward pass of training in double precision: weights and rows → slice → samples → pixels → loss. It is built of
+// the functions of tests/reference alone, and differentiates by changing single parameters a little.
 #pragma once
 
 #include "gradient/scene.h"
@@ -12,14 +12,14 @@ class Chain {
   public:
     explicit Chain(const Scene& scene);
 
-    // The sum over pixels, as the device takes it, with the point loss and the smoothness of the leaves that were seen
-    // at first.
+    // The loss as a sum over pixels, as on the device, with the point loss, and the smoothness of the leaves that were
+    // seen before any parameter changed.
     double loss() const;
-    // Central differences.
+    // ∂loss by one parameter, by central differences.
     double by_weight(uint32_t leaf, uint32_t weight);
     double by_row(bool of_gamma, size_t element);
 
-    // Leaves with density at this frame that some ray crosses before it ends.
+    // Leaves with density at the scene's frame that at least one ray crosses before it ends.
     std::vector<uint32_t> seen_leaves() const;
     uint32_t rays_ended_early() const;
 
@@ -40,9 +40,9 @@ class Chain {
     std::vector<reference::LeafWeights> weights_;  // by leaf
     std::vector<double> sigma_basis_, gamma_basis_, row_a_, row_b_;
     std::vector<reference::LeafSlice> slices_;
-    std::vector<double> first_sigmas_;  // by leaf, before any nudge
+    std::vector<double> first_sigmas_;  // by leaf, before any parameter changed
     std::vector<std::vector<size_t>> tiles_of_leaf_;
-    std::vector<voctree::LeafPosition> places_;
+    std::vector<voctree::LeafPosition> positions_;
     std::vector<uint32_t> seen_;
 };
 

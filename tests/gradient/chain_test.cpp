@@ -44,7 +44,7 @@ void expect_weight_gradients(const Scene& scene, Chain& chain, const Gradients& 
         for (size_t i = 0; i < kPicks; i++) {
             const uint32_t leaf = seen[random.below(seen.size())];
             const uint32_t weight = group.weights[random.below(group.weights.size())];
-            const float found = gradients.weights[place_in_planes(scene.tree, leaf, weight)];
+            const float found = gradients.weights[index_in_planes(scene.tree, leaf, weight)];
             pairs.push_back({static_cast<double>(found), chain.by_weight(leaf, weight)});
         }
         // Degree 0 knows no hyper angle: H_000 is constant.
@@ -84,7 +84,7 @@ void expect_nothing_elsewhere(const Scene& scene, const Chain& chain, const Grad
         if (seen[leaf]) continue;
         unseen++;
         for (uint32_t weight = 0; weight < scene.tree.weights_per_leaf(); weight++)
-            ASSERT_EQ(gradients.weights[place_in_planes(scene.tree, leaf, weight)], 0.0f) << leaf;
+            ASSERT_EQ(gradients.weights[index_in_planes(scene.tree, leaf, weight)], 0.0f) << leaf;
     }
     EXPECT_GT(unseen, 0u);
 }

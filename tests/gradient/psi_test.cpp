@@ -31,10 +31,10 @@ training::PsiNetwork random_psi(const Scene& scene, const PsiOptions& options) {
     training::PsiNetwork network = training::initial_psi(shape, scene.tree.box_min, scene.tree.box_size, options.seed);
     network.density = 3;
     Random random(options.seed + 1);
-    for (uint32_t i = shape.output_first(); i < shape.count(); i++)
-        network.parameters[i] = static_cast<float>((i < shape.sigma_first() ? 0.4 : 0.6) * random.bell());
+    for (uint32_t i = shape.output_offset(); i < shape.parameter_count(); i++)
+        network.parameters[i] = static_cast<float>((i < shape.sigma_rows_offset() ? 0.4 : 0.6) * random.bell());
     for (uint32_t layer = 0; layer < shape.layers; layer++) {
-        float* bias = &network.parameters[psi_layer_first(layer + 1, shape.inputs(), shape.width) - shape.width];
+        float* bias = &network.parameters[psi_layer_offset(layer + 1, shape.inputs(), shape.width) - shape.width];
         for (uint32_t o = 0; o < shape.width; o++) bias[o] = static_cast<float>(0.3 * random.bell());
     }
     return network;
@@ -56,10 +56,10 @@ reference::Psi reference_of(const training::PsiNetwork& network) {
     };
     reference::Psi psi{shape.frequencies, shape.bases, shape.hh_degree, static_cast<double>(network.density), {}, {}};
     for (uint32_t layer = 0; layer < shape.layers; layer++)
-        psi.hidden.push_back(layer_at(psi_layer_first(layer, shape.inputs(), shape.width),
+        psi.hidden.push_back(layer_at(psi_layer_offset(layer, shape.inputs(), shape.width),
                                       layer == 0 ? 3 + 6 * shape.frequencies : shape.width,
                                       layer == 0 ? shape.inputs() : shape.width, shape.width));
-    psi.output = layer_at(shape.output_first(), shape.width, shape.width, shape.outputs());
+    psi.output = layer_at(shape.output_offset(), shape.width, shape.width, shape.outputs());
     return psi;
 }
 
@@ -85,8 +85,8 @@ class PsiChain {
             return reference::basis_row({at, at + network.shape.frames * network.shape.bases}, network.shape.bases,
                                         rows);
         };
-        row_a = basis(network.shape.sigma_first());
-        row_b = basis(network.shape.gamma_first());
+        row_a = basis(network.shape.sigma_rows_offset());
+        row_b = basis(network.shape.gamma_rows_offset());
         for (const Tile& tile : scene.tiles)
             for (uint32_t lane = 0; lane < kTilePixels; lane++)
                 directions_.push_back(ray_of(scene, tile, lane).direction);
@@ -179,14 +179,14 @@ struct PsiGroup {
 std::vector<PsiGroup> groups_of(const training::PsiShape& shape, PsiChain& chain) {
     std::vector<PsiGroup> groups;
     for (uint32_t layer = 0; layer < shape.layers; layer++) {
-        const uint32_t first = psi_layer_first(layer, shape.inputs(), shape.width);
+        const uint32_t first = psi_layer_offset(layer, shape.inputs(), shape.width);
         reference::PsiLayer& truth = chain.psi.hidden[layer];
         PsiGroup weights{"weights of layer " + std::to_string(layer), {}},
             bias{"bias of layer " + std::to_string(layer), {}};
         const auto inputs = static_cast<uint32_t>(truth.inputs);
         for (uint32_t i = 0; i < inputs * shape.width; i++) weights.numbers.emplace_back(first + i, &truth.numbers[i]);
         for (uint32_t o = 0; o < shape.width; o++)
-            bias.numbers.emplace_back(psi_layer_first(layer + 1, shape.inputs(), shape.width) - shape.width + o,
+            bias.numbers.emplace_back(psi_layer_offset(layer + 1, shape.inputs(), shape.width) - shape.width + o,
                                       &truth.numbers[inputs * shape.width + o]);
         groups.push_back(weights);
         groups.push_back(bias);
@@ -198,7 +198,7 @@ std::vector<PsiGroup> groups_of(const training::PsiShape& shape, PsiChain& chain
                           : column < shape.bases             ? sigma
                           : column < 2 * shape.bases         ? gamma
                                                              : hh;
-        group.numbers.emplace_back(shape.output_first() + i, &chain.psi.output.numbers[i]);
+        group.numbers.emplace_back(shape.output_offset() + i, &chain.psi.output.numbers[i]);
     }
     groups.insert(groups.end(), {sigma, gamma, hh, bias});
     return groups;
@@ -253,12 +253,12 @@ TEST_F(PsiTest, SamplesStandWhereTheReferencePutsThem) {
         if (scene.target[r].a < 0) continue;
         const reference::Ray ray = ray_of(scene, scene.tiles[r / kTilePixels], r % kTilePixels);
         const auto [enter, leave] = box_range(scene, ray);
-        const auto place = [&](double t) { return (ray.origin + t * ray.direction - centre) * scale; };
+        const auto position = [&](double t) { return (ray.origin + t * ray.direction - centre) * scale; };
         const double stride = (leave - enter) / kSampling.coarse;
         std::vector<double> sigmas;
         for (uint32_t i = 0; i < kSampling.coarse; i++)
             sigmas.push_back(reference::psi_sample(chain.psi, chain.row_a, chain.row_b,
-                                                   place(enter + (i + random_at(77, r, i)) * stride), ray.direction)
+                                                   position(enter + (i + random_at(77, r, i)) * stride), ray.direction)
                                  .sigma);
         const auto edges = reference::importance_edges(sigmas, enter, leave, kSampling.fine, 0.2);
         for (uint32_t i = 0; i < kSampling.fine; i++) {
@@ -266,7 +266,7 @@ TEST_F(PsiTest, SamplesStandWhereTheReferencePutsThem) {
             const double length = edges[i + 1] - edges[i];
             const double t = edges[i] + length * random_at(77, r, kSampling.coarse + i);
             ASSERT_NEAR(static_cast<double>(found.w), length, 2e-4) << r << ' ' << i;
-            const double off = leave > enter ? glm::length(glm::dvec3(found) - place(t)) : 0;
+            const double off = leave > enter ? glm::length(glm::dvec3(found) - position(t)) : 0;
             ASSERT_LT(off, 2e-4 * scale) << r << ' ' << i;
             uneven += std::abs(length - (leave - enter) / kSampling.fine) > 0.05 * (leave - enter) ? 1 : 0;
         }
@@ -367,18 +367,18 @@ TEST_P(PsiShapes, GradientsAreTheAdjointOfTheReference) {
     first_layer.insert(first_layer.end() - shape.width, (shape.inputs() - real) * shape.width, 0.0);
     compare("layer 0", 0, first_layer, 1);
     for (uint32_t layer = 1; layer < shape.layers; layer++)
-        compare("hidden layer", psi_layer_first(layer, shape.inputs(), shape.width),
+        compare("hidden layer", psi_layer_offset(layer, shape.inputs(), shape.width),
                 truth.network.hidden[layer].numbers, 1);
-    compare("output", shape.output_first(), truth.network.output.numbers, 1);
+    compare("output", shape.output_offset(), truth.network.output.numbers, 1);
     const double blend = static_cast<double>(scene.frame) - 1;
-    compare("A before", shape.sigma_first() + shape.bases, truth.row_a, 1 - blend);
-    compare("A after", shape.sigma_first() + 2 * shape.bases, truth.row_a, blend);
+    compare("A before", shape.sigma_rows_offset() + shape.bases, truth.row_a, 1 - blend);
+    compare("A after", shape.sigma_rows_offset() + 2 * shape.bases, truth.row_a, blend);
     if (shape.hh_degree > 0) {
-        compare("B before", shape.gamma_first() + shape.bases, truth.row_b, 1 - blend);
-        compare("B after", shape.gamma_first() + 2 * shape.bases, truth.row_b, blend);
+        compare("B before", shape.gamma_rows_offset() + shape.bases, truth.row_b, 1 - blend);
+        compare("B after", shape.gamma_rows_offset() + 2 * shape.bases, truth.row_b, blend);
     }
-    for (uint32_t i = shape.sigma_first(); i < shape.count(); i++) {
-        const uint32_t row = (i - shape.sigma_first()) % (shape.frames * shape.bases) / shape.bases;
+    for (uint32_t i = shape.sigma_rows_offset(); i < shape.parameter_count(); i++) {
+        const uint32_t row = (i - shape.sigma_rows_offset()) % (shape.frames * shape.bases) / shape.bases;
         if (row == 1 || row == 2) continue;
         ASSERT_EQ(found[i], 0) << i;
     }
@@ -392,17 +392,17 @@ TEST_F(PsiTest, HiddenLayerAtAnyPlaces) {
     const Scene scene = psi_scene(45, 1);
     const training::PsiNetwork network = random_psi(scene, {});
     training::PsiStep step(device(), network, kSampling, 2, 1);  // smaller than the places: several runs
-    std::vector<glm::vec3> places;
+    std::vector<glm::vec3> positions;
     Random random(3);
     for (size_t i = 0; i < 1000; i++)
-        places.push_back(network.box_min +
-                         network.box_size * glm::vec3(random.uniform(), random.uniform(), random.uniform()));
-    const std::vector<float> found = step.hidden_at(places);
+        positions.push_back(network.box_min +
+                            network.box_size * glm::vec3(random.uniform(), random.uniform(), random.uniform()));
+    const std::vector<float> found = step.hidden_at(positions);
     const reference::Psi psi = reference_of(network);
     double worst = 0, largest = 0;
-    for (size_t i = 0; i < places.size(); i++) {
-        const auto truth =
-            reference::psi_hidden(psi, glm::dvec3(places[i] - network.centre()) * static_cast<double>(network.scale()));
+    for (size_t i = 0; i < positions.size(); i++) {
+        const auto truth = reference::psi_hidden(
+            psi, glm::dvec3(positions[i] - network.centre()) * static_cast<double>(network.scale()));
         for (size_t o = 0; o < truth.size(); o++) {
             worst = std::max(worst, std::abs(truth[o] - static_cast<double>(found[i * truth.size() + o])));
             largest = std::max(largest, truth[o]);
@@ -442,9 +442,9 @@ TEST_F(PsiTest, AdamMovesWhatIsLearnt) {
     step.wait();
     const std::vector<float> gradients = step.gradients(), after = step.network().parameters;
     size_t moved = 0;
-    for (uint32_t i = 0; i < shape.count(); i++) {
-        if (i >= shape.head_first() && i < shape.output_first()) continue;
-        const double rate = static_cast<double>(i < shape.sigma_first() ? settings.rate : settings.rows_rate);
+    for (uint32_t i = 0; i < shape.parameter_count(); i++) {
+        if (i >= shape.head_offset() && i < shape.output_offset()) continue;
+        const double rate = static_cast<double>(i < shape.sigma_rows_offset() ? settings.rate : settings.rows_rate);
         reference::AdamElement truth{before.parameters[i], 0, 0};
         reference::adam_update(
             truth, gradients[i], {rate, settings.adam.beta1, settings.adam.beta2, settings.adam.epsilon},
@@ -452,7 +452,7 @@ TEST_F(PsiTest, AdamMovesWhatIsLearnt) {
         ASSERT_NEAR(after[i], truth.weight, 1e-3 * rate + 1e-6 * std::abs(truth.weight)) << i;
         moved += after[i] != before.parameters[i] ? 1 : 0;
     }
-    EXPECT_GT(moved, shape.count() / 2);
+    EXPECT_GT(moved, shape.parameter_count() / 2);
 }
 
 // A ramp of colours under full alpha where rays meet the box by half a metre at least: the fog becomes matter.

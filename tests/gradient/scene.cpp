@@ -99,7 +99,7 @@ Gradients emitted_gradients(const gpu::Device& device, training::TrainingStep& s
     return gradients;
 }
 
-size_t place_in_planes(const voctree::VOctree& tree, uint32_t leaf, uint32_t weight) {
+size_t index_in_planes(const voctree::VOctree& tree, uint32_t leaf, uint32_t weight) {
     const uint32_t basis_planes = (tree.bases + 3) / 4, functions = hh_count(tree.hh_degree);
     uint32_t plane, part;
     if (weight < 2 * tree.bases) {

@@ -1,5 +1,5 @@
-// What gradients are checked on: a random tree, some tiles of two cameras, random truths. And how to get the device's
-// gradients of it.
+// The scene on which gradients are checked: a random tree, some tiles of two cameras, random truths. Also functions
+// that get the device's gradients for it.
 #pragma once
 
 #include <cstring>
@@ -14,7 +14,7 @@ struct Scene {
     voctree::VOctree tree;
     std::vector<stage::Camera> cameras;
     std::vector<Tile> tiles;
-    std::vector<glm::vec4> target, background;  // as LossBatch holds them
+    std::vector<glm::vec4> target, background;  // as in LossBatch
     float frame = 1.3f;                         // between two rows
     LossWeights weights{0.1f, 0.3f, 0};
     float stop = 0;  // 0: rays never end early
@@ -28,16 +28,16 @@ struct SceneOptions {
 
 Scene random_scene(const SceneOptions& options);
 
-// The same with other tiles and truths; `from` and `count` choose among all tiles of both cameras.
+// The same scene with other tiles and other random truths: `count` of the tiles of both cameras, beginning with `from`.
 Scene with_tiles(Scene scene, size_t from, size_t count, uint64_t seed);
 
-// Settings of a step on the scene, rows included; rates are 0.
+// Settings of a step on the scene that moves rows, too; learning rates are 0.
 training::StepSettings settings_of(const Scene& scene);
 
-// The ray of a lane of one of its tiles, jitter included.
+// The ray of a lane of one of the scene's tiles, jitter included.
 reference::Ray ray_of(const Scene& scene, const Tile& tile, uint32_t lane);
 
-// Into the rays() and batch() of any step.
+// Writes the scene into the rays() and batch() of a step of any kind.
 template <typename Step>
 void load_scene(const Step& step, const Scene& scene) {
     for (size_t i = 0; i < scene.cameras.size(); i++)
@@ -49,14 +49,14 @@ void load_scene(const Step& step, const Scene& scene) {
 
 struct Gradients {
     std::vector<float> weights;  // in planes
-    std::vector<float> rows;     // of A, then of B
+    std::vector<float> rows;     // those of A, then those of B
 };
-// Runs one step that only emits. Leaves the moments as they were.
+// The gradients of one step with AdamSettings::emit_only. The moments are restored afterwards.
 Gradients emitted_gradients(const gpu::Device& device, training::TrainingStep& step, const Scene& scene);
 
 std::vector<float> download_floats(const gpu::Device& device, const gpu::Buffer& buffer, size_t count);
 
-// Where the plane order keeps a leaf's weight number `weight` (voctree.h).
-size_t place_in_planes(const voctree::VOctree& tree, uint32_t leaf, uint32_t weight);
+// The index, among weights in planes, of number `weight` of a leaf's weights (voctree.h).
+size_t index_in_planes(const voctree::VOctree& tree, uint32_t leaf, uint32_t weight);
 
 }  // namespace neuvv::test

@@ -15,9 +15,9 @@ namespace neuvv::test {
 namespace {
 
 struct SlotSums {
-    std::vector<glm::uvec2> head;  // per leaf (σ bits, slot)
-    std::vector<float> gradients;  // per slot
-    std::vector<uint32_t> reach;   // per slot
+    std::vector<glm::uvec2> head;      // per leaf (σ bits, slot)
+    std::vector<float> gradients;      // per slot
+    std::vector<uint32_t> max_weight;  // per slot
 };
 
 SlotSums scatter_on(const gpu::Device& device, const Scene& scene, const std::vector<glm::vec4>& d_rays,
@@ -43,17 +43,17 @@ SlotSums scatter_on(const gpu::Device& device, const Scene& scene, const std::ve
     SlotSums sums;
     sums.head.resize(field.leaf_count);
     sums.gradients.resize(size_t{gradient_stride(field.hh_degree)} * slice.capacity);
-    sums.reach.resize(slice.capacity);
+    sums.max_weight.resize(slice.capacity);
     gpu::download(device, slice.head, sums.head.data(), sums.head.size() * sizeof(glm::uvec2));
     gpu::download(device, gradients.gradients, sums.gradients.data(), sums.gradients.size() * sizeof(float));
-    gpu::download(device, gradients.reach, sums.reach.data(), sums.reach.size() * sizeof(uint32_t));
+    gpu::download(device, gradients.max_weight, sums.max_weight.data(), sums.max_weight.size() * sizeof(uint32_t));
     return sums;
 }
 
 // By leaf: ∂L/∂σ, the pull, ∂L/∂k, and the largest blending weight of a ray that has a derivative.
 struct LeafSums {
     std::vector<std::vector<double>> gradients;
-    std::vector<double> reach;
+    std::vector<double> max_weight;
 };
 
 void add_ray(const Scene& scene, const std::vector<reference::LeafSlice>& slices, const reference::Ray& ray,
@@ -78,7 +78,7 @@ void add_ray(const Scene& scene, const std::vector<reference::LeafSlice>& slices
         if (transmittance < stop) break;
         const double behind =
             transmittance * std::exp(-slices[segment.leaf].sigma * (segment.t_exit - segment.t_enter));
-        sums.reach[segment.leaf] = std::max(sums.reach[segment.leaf], transmittance - behind);
+        sums.max_weight[segment.leaf] = std::max(sums.max_weight[segment.leaf], transmittance - behind);
         transmittance = behind;
     }
 }
@@ -100,21 +100,21 @@ LeafSums scatter_by_reference(const Scene& scene, const std::vector<glm::vec4>& 
 
 void expect_scatter(const Scene& scene, const SlotSums& found, const LeafSums& truth) {
     const uint32_t stride = gradient_stride(scene.tree.hh_degree);
-    std::vector<GradientPair> sigmas, pulls, coefficients, reaches;
+    std::vector<GradientPair> sigmas, sensitivities, coefficients, max_weights;
     for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
         const auto [sigma_bits, slot] = std::pair(found.head[leaf].x, found.head[leaf].y);
-        if (std::bit_cast<float>(sigma_bits) == 0 || truth.reach[leaf] == 0) continue;
+        if (std::bit_cast<float>(sigma_bits) == 0 || truth.max_weight[leaf] == 0) continue;
         sigmas.push_back({found.gradients[size_t{slot} * stride], truth.gradients[leaf][0]});
-        pulls.push_back({found.gradients[size_t{slot} * stride + 1], truth.gradients[leaf][1]});
+        sensitivities.push_back({found.gradients[size_t{slot} * stride + 1], truth.gradients[leaf][1]});
         for (uint32_t i = 2; i < stride; i++)
             coefficients.push_back({found.gradients[size_t{slot} * stride + i], truth.gradients[leaf][i]});
-        reaches.push_back({std::bit_cast<float>(found.reach[slot]), truth.reach[leaf]});
+        max_weights.push_back({std::bit_cast<float>(found.max_weight[slot]), truth.max_weight[leaf]});
     }
     EXPECT_GT(sigmas.size(), 30u);
     expect_gradients("sigma", sigmas);
-    expect_gradients("pull", pulls);
+    expect_gradients("opacity sensitivity", sensitivities);
     expect_gradients("SH coefficients", coefficients);
-    expect_gradients("reach", reaches);
+    expect_gradients("max weight", max_weights);
 }
 
 class TraceAdjointTest : public GpuTest, public ::testing::WithParamInterface<training::AtomicAdd> {};

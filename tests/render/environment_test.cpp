@@ -1,4 +1,4 @@
-// The image around a stage: irradiance and blurred levels against quadrature, its place behind the set.
+// The environment of a stage: irradiance and blurred levels against quadrature, and the background behind the set.
 #include "render/environment.h"
 
 #include "render/set_truth.h"
@@ -9,7 +9,7 @@ namespace {
 
 using EnvironmentTest = GpuTest;
 
-// A smooth light: polynomials of degree 2, which nine SH functions hold without loss.
+// A smooth light: polynomials of degree 2, which nine SH functions represent exactly.
 glm::dvec3 smooth_light(glm::dvec3 d) {
     return {0.4 + 0.3 * d.y, 0.35 + 0.2 * d.x - 0.1 * d.z, 0.3 + 0.2 * d.x * d.z + 0.15 * d.y * d.y};
 }
@@ -48,14 +48,14 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
 TEST(EnvironmentLight, IrradianceIsTheIntegral) {
     const render::Environment environment = render::make_environment(smooth_image(128));
     for (const glm::dvec3& n : some_directions())
-        // 8 bits of sRGB are 0.002 of light at most, and average out.
+        // Rounding to 8 bits of sRGB is an error of 0.002 of light at most, and averages out.
         expect_near(value_of(environment.irradiance, n), reference::irradiance(smooth_light, n, 256), 5e-4);
     EXPECT_GT(std::abs(value_of(environment.irradiance, {0, 1, 0}).r - value_of(environment.irradiance, {0, -1, 0}).r),
               0.3);
 }
 
 TEST(EnvironmentLight, WidePicturesAreTakenDown) {
-    media::Image image(8200, 12);  // four times as wide as may be, and a little
+    media::Image image(8200, 12);  // a little more than four times the largest width
     for (uint32_t y = 0; y < image.height; y++)
         for (uint32_t x = 0; x < image.width; x++) image.at(x, y)[x % 2] = 255;  // red, green, red, ...
     const render::Environment environment = render::make_environment(image);
@@ -77,7 +77,7 @@ TEST(EnvironmentLight, TurnsWithItsPicture) {
         expect_near(value_of(by_angle, n), value_of(environment.irradiance, back * n), 1e-12);
 }
 
-// ∫ L(l) N·L p(l) dl / ∫ N·L p(l) dl with N = V and p of GGX, as the mip levels hold it.
+// ∫ L(l) N·L p(l) dl / ∫ N·L p(l) dl with N = V and p of GGX, as the mip levels store it.
 glm::dvec3 mirrored(glm::dvec3 n, double roughness) {
     const double alpha2 = std::pow(roughness, 4);
     glm::dvec3 sum(0);
@@ -105,7 +105,7 @@ TEST(EnvironmentLight, LevelsAreBlurredAsRoughSurfacesMirror) {
         for (const auto& [x, y] : {std::pair{3u, 2u}, {width / 2, height / 2}, {width - 1, height - 2}}) {
             const uint16_t* texel = &environment.levels[level][4 * (size_t{y} * width + x)];
             const glm::dvec3 n = render::environment_direction((x + 0.5) / width, (y + 0.5) / height);
-            // The light differs by 0.6 over the sphere, and a sample is as wide as its texel of a coarse level.
+            // The light varies by 0.6 over the sphere, and a sample has the size of a texel of a coarse level.
             expect_near({voctree::float_from_half(texel[0]), voctree::float_from_half(texel[1]),
                          voctree::float_from_half(texel[2])},
                         mirrored(n, static_cast<double>(level) / 4), 0.012);
@@ -139,24 +139,24 @@ TEST_F(EnvironmentTest, StandsBehindTheSetAndTurns) {
     ambient.environment_intensity = 2;
     ambient.environment_rotation = 0.9;
     set.light({}, ambient);
-    EXPECT_EQ(draw_set(device(), set, {camera}).colour[0].a, 0) << "not asked for";
+    EXPECT_EQ(draw_set(device(), set, {camera}).colour[0].a, 0) << "not requested";
     ambient.show_environment = true;
     set.light({}, ambient);
     const SetImages drawn = draw_set(device(), set, {camera});
     const double c = std::cos(0.9), s = std::sin(0.9);
     const glm::dmat3 back(c, 0, s, 0, 1, 0, -s, 0, c);
-    size_t around = 0;
+    size_t beside = 0;
     for (uint32_t y = 0; y < kSide; y++)
         for (uint32_t x = 0; x < kSide; x++) {
             const size_t texel = y * kSide + x;
             ASSERT_EQ(drawn.colour[texel].a, 1);
             if (drawn.depth_m[texel] != INFINITY) continue;
-            around++;
+            beside++;
             expect_near(glm::dvec3(drawn.colour[texel]),
                         2.0 * smooth_light(back * reference::camera_ray(camera, x, y).direction), 0.012);
         }
-    EXPECT_GT(around, 2000u);
-    EXPECT_LT(around, 2300u) << "the rectangle stands before it";
+    EXPECT_GT(beside, 2000u);
+    EXPECT_LT(beside, 2300u) << "the rectangle stands before it";
 }
 
 }  // namespace

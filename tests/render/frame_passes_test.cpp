@@ -32,7 +32,7 @@ render::SetLight lamp() {
     return light;
 }
 
-// A floor, a wall of glass before all, and a performer between them under a lamp that casts shadows.
+// A floor, a wall of glass in front, and a performer between them under a lamp that casts shadows.
 struct Scene {
     voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 2500});
     render::Field field;
@@ -101,24 +101,25 @@ TEST_F(FramePassesTest, RaysHaveWhatTheRendererSays) {
         ASSERT_EQ(pass->width, kAcross);
         ASSERT_EQ(pass->height, kDown);
     }
-    size_t seen = 0;
+    size_t covered = 0;
     for (size_t i = 0; i < depth.size(); i++) {
         EXPECT_EQ(alpha.values[i], radiance[i].a);
         EXPECT_NEAR(light.values[i], 0.2126f * radiance[i].r + 0.7152f * radiance[i].g + 0.0722f * radiance[i].b, 1e-6);
         EXPECT_EQ(std::isnan(metres.values[i]), std::isinf(depth[i]));
         if (std::isinf(depth[i])) continue;
         EXPECT_EQ(metres.values[i], depth[i]);
-        seen++;
+        covered++;
     }
-    EXPECT_GT(seen, 100u);
-    EXPECT_LT(seen, depth.size());
+    EXPECT_GT(covered, 100u);
+    EXPECT_LT(covered, depth.size());
 }
 
-// The bounds of a tile hold the depths of its rays; the tiles that have bounds are those that are listed and seen.
+// The bounds of a tile contain the depths of its rays; the tiles that have bounds are those that are listed and
+// covered.
 TEST_F(FramePassesTest, TilesBoundTheirRays) {
     const Scene scene(device());
     const render::PassValues near = scene.read("tile-near"), far = scene.read("tile-far");
-    const render::PassValues list = scene.read("tile-list"), seen = scene.read("tiles-seen");
+    const render::PassValues list = scene.read("tile-list"), covered = scene.read("tiles-seen");
     const std::vector<float> depth = scene.frames.depth();
     ASSERT_EQ(near.width, kTilesAcross);
     ASSERT_EQ(near.height, kTilesDown);
@@ -132,17 +133,17 @@ TEST_F(FramePassesTest, TilesBoundTheirRays) {
             EXPECT_LE(depth[size_t{y} * kAcross + x], far.values[tile] + 1e-3f);
         }
     EXPECT_GT(rays, 100u);
-    std::set<float> places;
+    std::set<float> indices;
     for (size_t tile = 0; tile < near.values.size(); tile++) {
         const bool bounded = !std::isnan(near.values[tile]);
         EXPECT_EQ(std::isnan(far.values[tile]), !bounded);
         EXPECT_EQ(std::isnan(list.values[tile]), !bounded);
-        EXPECT_EQ(seen.values[tile], bounded ? 1 : 0);
-        if (bounded) places.insert(list.values[tile]);
+        EXPECT_EQ(covered.values[tile], bounded ? 1 : 0);
+        if (bounded) indices.insert(list.values[tile]);
     }
-    EXPECT_EQ(places.size(), numbers_in(near)) << "each tile has a place of its own";
-    EXPECT_EQ(*places.rbegin(), static_cast<float>(places.size() - 1));
-    EXPECT_LT(places.size(), near.values.size());
+    EXPECT_EQ(indices.size(), numbers_in(near)) << "each tile has an index of its own";
+    EXPECT_EQ(*indices.rbegin(), static_cast<float>(indices.size() - 1));
+    EXPECT_LT(indices.size(), near.values.size());
 }
 
 TEST_F(FramePassesTest, TheSetIsWhereItStands) {
@@ -156,7 +157,7 @@ TEST_F(FramePassesTest, TheSetIsWhereItStands) {
         for (uint32_t x = 0; x < kAcross; x++) {
             const glm::dvec3 line((x + 0.5 - rays.cx) / rays.fx, (rays.cy - y - 0.5) / rays.fy, -1);
             const glm::dvec3 along = glm::dmat3(world) * line, eye(world[3]);
-            const double axis_m = (-1 - eye.y) / along.y;  // of the floor's plane
+            const double axis_m = (-1 - eye.y) / along.y;  // to the floor's plane
             const glm::dvec3 at = eye + axis_m * along;
             if (axis_m <= 0 || std::abs(at.x) > 3.9 || std::abs(at.z) > 3.9) continue;
             on_floor++;

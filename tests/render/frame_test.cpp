@@ -1,4 +1,4 @@
-// Whole frames, by slice and directly, against the reference's march: every pixel's light, alpha and depth.
+// Whole frames, by slice and by the direct path, against the reference: every pixel's light, alpha and depth.
 #include "render/frame.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ stage::Camera axis_camera(glm::dvec3 eye, double focal_pixels) {
 struct View {
     std::string name;
     stage::Camera camera;
-    bool sees = true;  // hits the volume
+    bool sees = true;  // whether it hits the volume
 };
 
 std::vector<View> views(const voctree::VOctree& tree) {
@@ -47,7 +47,7 @@ std::vector<View> views(const voctree::VOctree& tree) {
     all.push_back({"axis-parallel", axis_camera(world_of(tree, {0.371, 0.523, 1.9}), 64)});
     all.push_back({"nearly axis-parallel", axis_camera(world_of(tree, {0.371, 0.523, 1.9}), 61.7)});
     all.push_back({"in a plane between cells", axis_camera(world_of(tree, {0.5, 0.523, 1.9}), 64)});
-    // Rays that cross a face between cells at slopes of at most 1/100, a thousandth of a cell above it at the entry.
+    // Rays that cross a face between cells at slopes of at most 1/100, and enter a thousandth of a cell above it.
     all.push_back({"grazing faces", looking(world_of(tree, {1.5, 0.5 + 1e-3 / side, 0.47}),
                                             world_of(tree, {0.5, 0.5 - 1e-3 / side, 0.47}), 50)});
     all.push_back({"beside", looking(world_of(tree, {1.2, 0.5, 0.5}), world_of(tree, {1.4, 0.5, 3}), 2), false});
@@ -57,7 +57,7 @@ std::vector<View> views(const voctree::VOctree& tree) {
 
 size_t wide_leaves(const voctree::VOctree& tree) {
     size_t count = 0;
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) count += place.depth % 2;
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) count += position.depth % 2;
     return count;
 }
 
@@ -100,14 +100,14 @@ void expect_agreement(const voctree::VOctree& tree, const View& view, Renderers&
 
 using FrameTest = GpuTest;
 
-// Where the ray in `column` and `row` of a pixel's samples × samples cells leaves from, in pixels from its corner: in
-// each column of cells as many places across as there are rows, and in each row as many down as columns, so that no two
-// rays share either.
+// The position of the ray of cell (column, row) of a pixel's samples × samples cells, in pixels from the pixel's
+// corner. The rays of a column of cells are at different positions across, and those of a row at different positions
+// down, so that no two rays of the pixel share either coordinate.
 glm::dvec2 rook(uint32_t column, uint32_t row, double samples) {
     return {(column + (row + 0.5) / samples) / samples, (row + (samples - column - 0.5) / samples) / samples};
 }
 
-// Rays of a pixel stand inside it so that no two share a column or a row, and the image is their mean.
+// No two rays of a pixel share a coordinate, and the pixel is their mean.
 TEST_F(FrameTest, SeveralRaysAPixel) {
     constexpr uint32_t kSamples = 3;
     const voctree::VOctree tree = random_tree({.seed = 5, .leaves = 300, .bases = 5, .hh_degree = 2});
@@ -140,7 +140,7 @@ TEST_F(FrameTest, SeveralRaysAPixel) {
             }
             alpha_mean += mean.a / (kWidth * kHeight);
             ASSERT_NEAR(image.at(x, y)[3], 255 * mean.a, 0.6);
-            if (mean.a < 0.1) continue;  // straight colour of a nearly clear pixel says little
+            if (mean.a < 0.1) continue;  // straight colour is inexact where a pixel is nearly transparent
             for (int channel = 0; channel < 3; channel++)
                 ASSERT_NEAR(image.at(x, y)[channel], 255 * reference::display_value(mean[channel] / mean.a), 0.6);
         }
@@ -167,17 +167,17 @@ TEST_F(FrameTest, TraceAndDirectMatchTheReferenceInEveryPixel) {
     }
 }
 
-// Where most leaves lie at odd depths the device roots the tree anew (render/walk_tree.h), also where it has levels to
-// spare.
+// Where most leaves are at odd depths, the walk tree has another root (render/walk_tree.h), also where levels are
+// unused.
 TEST_F(FrameTest, ATreeOfOddDepthsMatchesTheReference) {
     for (const uint32_t node_levels : {2u, 3u, 5u}) {
         voctree::VOctree tree = random_tree({.seed = 7, .node_levels = node_levels, .leaves = 300 * (node_levels - 1)});
         std::vector<voctree::LeafPosition> odd;
         std::vector<const float*> weights;
-        const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+        const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-            if (places[leaf].depth % 2 == 0) continue;
-            odd.push_back(places[leaf]);
+            if (positions[leaf].depth % 2 == 0) continue;
+            odd.push_back(positions[leaf]);
             weights.push_back(tree.leaf(leaf));
         }
         voctree::replace_leaves(tree, odd, weights);
@@ -222,7 +222,7 @@ TEST_F(FrameTest, EarlyTerminationChangesLessThanAStep) {
     }
 }
 
-// The worst case: what is left out is white, what stands before it is black, where sRGB is steepest.
+// The worst case: what early termination leaves out is white, and what is before it is black, where sRGB is steepest.
 TEST_F(FrameTest, EarlyTerminationBehindBlackChangesLessThanAStep) {
     voctree::VOctree tree;
     tree.bases = 1;
@@ -243,7 +243,7 @@ TEST_F(FrameTest, EarlyTerminationBehindBlackChangesLessThanAStep) {
     EXPECT_LE(difference(stopped, whole).steps, 1);
 }
 
-// More tiles than one dimension of a dispatch may hold on many devices.
+// More tiles than a dimension of a dispatch may have on many devices.
 TEST_F(FrameTest, AImageOfVeryManyTilesIsWhole) {
     const voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 1, .leaves = 20, .bases = 1, .hh_degree = 0});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
@@ -273,8 +273,8 @@ TEST_F(FrameTest, LeavesAreShadedOnceWhereTheyAreSmallFromTheEye) {
         << "few rays are less work than many leaves";
 }
 
-// Shaded images are to be within 1/255 of those by ray, in the mean: here over what is covered, from as near as
-// leaves are shaded at all.
+// The mean difference between shaded images and images shaded per ray must be at most 1/255, here over the covered
+// pixels and at the smallest distance at which leaves are shaded.
 TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
     for (uint32_t degree = 1; degree <= kMaxHhDegree; degree++) {
         const voctree::VOctree tree =
@@ -303,11 +303,11 @@ TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
     }
 }
 
-// A slice tree and what an empty image shows stay for the next image: only while they are the same.
+// A slice tree and the blank image are reused for the next image only where they are the same.
 TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
     const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
-    render::FrameRenderer kept(device(), field, {kWidth, kHeight, 2});
+    render::FrameRenderer cached(device(), field, {kWidth, kHeight, 2});
     const stage::Camera camera = views(tree)[0].camera;
     const auto render = [&](render::FrameRenderer& renderer, float frame, uint32_t samples, glm::vec4 background,
                             render::Show show) {
@@ -323,7 +323,7 @@ TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
           std::tuple(2.5f, 2u, red, render::Show::kColour), std::tuple(2.5f, 2u, red, render::Show::kDepth),
           std::tuple(2.5f, 2u, red, render::Show::kAlpha)}) {
         render::FrameRenderer fresh(device(), field, {kWidth, kHeight, 2});
-        const std::pmr::vector<uint8_t> image = render(kept, frame, samples, background, show);
+        const std::pmr::vector<uint8_t> image = render(cached, frame, samples, background, show);
         EXPECT_EQ(image, render(fresh, frame, samples, background, show));
         EXPECT_NE(image, last);
         last = image;
@@ -343,31 +343,31 @@ TEST_F(FrameTest, SlicesShownLastAreKeptWithinTheBudget) {
     const auto render = [&](render::FrameRenderer& renderer, float frame) {
         return renderer.render(camera, {.instances = {{frame}}, .width = kWidth, .height = kHeight}).rgba;
     };
-    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::max_entries(field));
     for (const uint32_t slices : {1u, 2u, 3u}) {
         render::FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, slices * one});
         render::FrameRenderer reference(device(), field, {kWidth, kHeight, 1, 1, 1});
-        std::vector<float> kept;  // the frames of the slices, those shown last in front
+        std::vector<float> cached;  // the frames of the cached slices, the last used one first
         for (const float frame : {0.0f, 1.0f, 0.0f, 2.5f, 0.0f, 1.0f, 2.5f, 2.5f, 5.0f, 1.0f, 0.0f}) {
             EXPECT_EQ(render(renderer, frame), render(reference, frame)) << slices << " slices, frame " << frame;
-            const auto found = std::find(kept.begin(), kept.end(), frame);
-            EXPECT_EQ(has_sliced(renderer), found == kept.end()) << slices << " slices, frame " << frame;
-            if (found != kept.end()) kept.erase(found);
-            kept.insert(kept.begin(), frame);
-            kept.resize(std::min<size_t>(kept.size(), slices));
+            const auto found = std::find(cached.begin(), cached.end(), frame);
+            EXPECT_EQ(has_sliced(renderer), found == cached.end()) << slices << " slices, frame " << frame;
+            if (found != cached.end()) cached.erase(found);
+            cached.insert(cached.begin(), frame);
+            cached.resize(std::min<size_t>(cached.size(), slices));
         }
         EXPECT_EQ(renderer.performer()->slices()->trees().slices, slices);
     }
 }
 
-// Room is made for a quarter of a clip's leaves at first.
+// At first there is room for about a quarter of a clip's leaves.
 TEST_F(FrameTest, AFrameInWhichAllLeavesLiveFindsRoom) {
     voctree::VOctree tree = random_tree({.seed = 6, .node_levels = 6, .leaves = 9000, .bases = 3});
     for (float& row : tree.sigma_basis) row = std::abs(row) + 0.01f;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t c = 0; c < tree.bases; c++) tree.leaf(leaf)[c] = std::abs(tree.leaf(leaf)[c]) + 0.01f;
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
-    ASSERT_GT(field.leaf_count, render::most_entries(field) / 4 + 4096);
+    ASSERT_GT(field.leaf_count, render::max_entries(field) / 4 + 4096);
     Renderers renderers(device(), field);
     expect_agreement(tree, views(tree)[0], renderers, 1.3f);
 }
@@ -385,7 +385,7 @@ TEST_F(FrameTest, ARendererRefusesLargerImages) {
     EXPECT_THROW(reference.render(look_at({3, 3, 3}, {0, 0, 0}, 16, 16), {.samples = 2}), RuntimeFailure);
 }
 
-// A volume that training made: NEUVV_TEST_NVV=scene.nvv render_test --gtest_filter='*RealTree*'
+// A trained volume: NEUVV_TEST_NVV=scene.nvv render_test --gtest_filter='*RealTree*'
 TEST_F(FrameTest, ARealTreeMatchesTheReference) {
     const char* file = std::getenv("NEUVV_TEST_NVV");
     if (!file || !*file) GTEST_SKIP() << "set NEUVV_TEST_NVV to a trained .nvv";
@@ -405,7 +405,7 @@ TEST_F(FrameTest, ARealTreeMatchesTheReference) {
               trace_on_device(renderers.frames, camera, frame, render::TraceMode::kTree, stop)}) {
             const Difference found = difference(traced, truth);
             EXPECT_LE(found.steps, 1);
-            EXPECT_LE(found.depth_m, 1e-2);  // the tail that early termination leaves out counts in the mean
+            EXPECT_LE(found.depth_m, 1e-2);  // the mean depth includes what early termination leaves out
             EXPECT_GT(found.alpha_mean, 0.001) << "this camera sees nothing";
         }
     }

@@ -1,4 +1,4 @@
-// Evaluates hh.glsl and sh.glsl at given points, one thread a point.
+// Evaluates hh.glsl and sh.glsl at the points of a buffer, one thread per point.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "hh_probe.h"

@@ -1,4 +1,4 @@
-// hh_probe.comp: the shaders' HH and SH functions at points that a test chooses.
+// hh_probe.comp: the shaders' HH and SH functions at points that a test passes.
 #ifndef NEUVV_TESTS_HH_PROBE_H
 #define NEUVV_TESTS_HH_PROBE_H
 #include "shared/hh_counts.h"

@@ -49,7 +49,7 @@ std::vector<HhProbe> probe(const gpu::Device& device, const std::vector<glm::vec
     return probes;
 }
 
-// Single precision with the sines and cosines of a GPU, which are exact to an absolute, not a relative error.
+// The tolerance of single precision with a GPU's sines and cosines, whose error is absolute, not relative.
 constexpr double kTolerance = 1e-5;
 
 void expect_close(double value, double truth, const char* what, int n, int l, double at) {
@@ -86,7 +86,7 @@ TEST_F(HhTest, SphericalHarmonicsMatchTheReferenceAndEndAtTheDegree) {
     }
 }
 
-// The comparison above has to notice a wrong constant in the fifth digit.
+// The comparison above must notice a constant that is wrong in the fifth digit.
 TEST(HhComparison, NoticesASmallError) {
     EXPECT_NONFATAL_FAILURE(
         expect_close(reference::radial(3, 2, 1.0) + 2e-5, reference::radial(3, 2, 1.0), "R", 3, 2, 1), "reference");

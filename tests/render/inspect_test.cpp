@@ -21,7 +21,7 @@ constexpr float kFrame = 1.5f;
 
 using InspectTest = GpuTest;
 
-// Dense enough that most rays that meet leaves pass alpha 0.5, some of them more than one leaf deep.
+// Dense enough that most rays that meet leaves pass alpha 0.5, some of them not in their first leaf.
 voctree::VOctree dense_tree(uint64_t seed, uint32_t node_levels) {
     voctree::VOctree tree = random_tree({.seed = seed, .node_levels = node_levels, .leaves = 1500});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
@@ -46,7 +46,7 @@ render::FrameSettings settings_of(std::vector<render::Instance> instances, rende
 struct Rays {
     std::vector<glm::vec4> walks;  // level, steps, 0, alpha
     std::vector<float> metres;
-    std::vector<reference::Interval> ranges;  // of each ray's tile for the instance that was traced last
+    std::vector<reference::Interval> ranges;  // per ray: its tile's range for the instance that was traced last
 };
 
 reference::Interval range_of(glm::uvec2 bits) {
@@ -66,7 +66,7 @@ Rays inspect_on_device(const gpu::Device& device, render::FrameRenderer& rendere
     return rays;
 }
 
-// σ as slice trees hold it, so that rays end in the same leaves.
+// σ in fp16, as slice trees store it, so that rays end in the same leaves.
 std::vector<reference::LeafSlice> slices_of(const voctree::VOctree& tree, bool half) {
     std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, double{kFrame});
     for (reference::LeafSlice& slice : slices)
@@ -75,7 +75,7 @@ std::vector<reference::LeafSlice> slices_of(const voctree::VOctree& tree, bool h
     return slices;
 }
 
-// The twin of all rays of one instance, with the ranges that the device walked.
+// The reference's walks of all rays of one instance, between the ranges of the device.
 struct Truth {
     const voctree::VOctree& tree;
     std::vector<reference::LeafSlice> slices;
@@ -123,7 +123,7 @@ Agreement compare(const Truth& truth, const stage::Camera& camera, const render:
     return agreement;
 }
 
-// Rays that graze an edge may go through another leaf or node there in single precision.
+// In single precision, rays that graze an edge may pass through another leaf or node there.
 constexpr uint32_t kTies = kWidth * kHeight / 500;
 
 TEST_F(InspectTest, LevelsAndStepsAreThoseOfTheReference) {
@@ -159,7 +159,7 @@ TEST_F(InspectTest, LevelsAndStepsAreThoseOfTheReference) {
         }
 }
 
-// In each other, before each other, and far from each other.
+// Two instances that overlap, that are one before the other, and that are far apart.
 TEST_F(InspectTest, CostsOfInstancesAddAndTheNearestLevelShows) {
     const voctree::VOctree tree = dense_tree(5, 2);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -185,7 +185,8 @@ TEST_F(InspectTest, CostsOfInstancesAddAndTheNearestLevelShows) {
                 const reference::Inspected far = truth.at(camera, there, x, y, second.ranges[i]);
                 const bool nearer = near.level > 0 && (far.level == 0 || near.distance_m < far.distance_m);
                 uint32_t steps = near.nodes + near.leaves + far.nodes + far.leaves;
-                // What lies behind something solid, all of it, is not walked through. `there` is farther off.
+                // An instance is not walked where its whole range is behind something solid. `there` is the farther
+                // one.
                 const double begins = 1.2 * second.ranges[i].enter;
                 if (near.alpha > 1 - double{render::kStopTransmittance} && near.distance_m < begins && far.nodes > 0) {
                     steps = near.nodes + near.leaves;
@@ -202,10 +203,10 @@ TEST_F(InspectTest, CostsOfInstancesAddAndTheNearestLevelShows) {
         }
 }
 
-void expect_colour(const uint8_t* shown, bool any, double place) {
-    const glm::dvec3 wanted = any ? reference::viridis(glm::clamp(place, 0.0, 1.0)) : glm::dvec3(0);
-    for (int channel = 0; channel < 3; channel++) EXPECT_NEAR(shown[channel], 255 * wanted[channel], 0.75);
-    EXPECT_EQ(shown[3], 255);
+void expect_colour(const uint8_t* pixel, bool any, double value) {
+    const glm::dvec3 wanted = any ? reference::viridis(glm::clamp(value, 0.0, 1.0)) : glm::dvec3(0);
+    for (int channel = 0; channel < 3; channel++) EXPECT_NEAR(pixel[channel], 255 * wanted[channel], 0.75);
+    EXPECT_EQ(pixel[3], 255);
 }
 
 TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
@@ -213,9 +214,9 @@ TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const stage::Camera camera = camera_on();
     uint32_t coarsest = 99, finest = 0;
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) {
-        coarsest = std::min(coarsest, place.depth);
-        finest = std::max(finest, place.depth);
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) {
+        coarsest = std::min(coarsest, position.depth);
+        finest = std::max(finest, position.depth);
     }
     ASSERT_LT(coarsest, finest);
     for (const uint32_t samples : {1u, 2u})
@@ -245,7 +246,7 @@ TEST_F(InspectTest, PicturesShowLevelsAndCostsByTheMap) {
         }
 }
 
-// matplotlib's own table, at five of its 256 places, and brighter all the way.
+// The map equals matplotlib's table at five of its 256 entries, and its brightness increases.
 TEST_F(InspectTest, TheMapIsViridis) {
     const std::pair<int, glm::dvec3> table[] = {
         {0, {68, 1, 84}}, {64, {59, 82, 139}}, {128, {33, 145, 140}}, {191, {92, 200, 99}}, {255, {253, 231, 37}}};
@@ -255,7 +256,7 @@ TEST_F(InspectTest, TheMapIsViridis) {
     double last = 0;
     for (int at = 0; at <= 255; at++) {
         const glm::dvec3 colour = reference::viridis(at / 255.0);
-        double light = 0;  // luminance of sRGB's primaries
+        double light = 0;  // luminance, by the weights of sRGB's primaries
         for (int channel = 0; channel < 3; channel++)
             light += glm::dvec3(0.2126, 0.7152, 0.0722)[channel] * std::pow(colour[channel], 2.2);
         EXPECT_GT(light, last) << at;
@@ -263,7 +264,7 @@ TEST_F(InspectTest, TheMapIsViridis) {
     }
 }
 
-// Where rays are fewer than pixels each pixel shows the ray that is nearest.
+// Where rays are fewer than pixels, each pixel shows the nearest ray.
 TEST_F(InspectTest, FewerRaysThanPixelsShowTheNearest) {
     const voctree::VOctree tree = dense_tree(7, 2);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -285,7 +286,7 @@ TEST_F(InspectTest, FewerRaysThanPixelsShowTheNearest) {
         }
 }
 
-// The next image of light is what it would have been.
+// An inspection does not change the next image of light.
 TEST_F(InspectTest, LightComesBackAsItWas) {
     const voctree::VOctree tree = dense_tree(8, 2);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);

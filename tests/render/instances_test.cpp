@@ -17,7 +17,7 @@ constexpr uint32_t kWidth = 61, kHeight = 43;
 
 using InstancesTest = GpuTest;
 
-// One layer: an instance's ray in its own space (errata 13), its depth in the world's metres.
+// The layer of one instance: its ray in the performer's space (errata 13), its depth in metres of the world.
 reference::RayResult trace_instance(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
                                     const render::Instance& instance, reference::Ray ray) {
     const glm::dmat4 performer_from_world = glm::inverse(glm::dmat4(instance.world_from_performer));
@@ -29,14 +29,14 @@ reference::RayResult trace_instance(const voctree::VOctree& tree, const std::vec
     return result;
 }
 
-// Algorithm 1 (errata 11), layers in the order in which the instances' middles are away from the eye.
+// Algorithm 1 (errata 11), with layers in the order of the distances of the instances' middles from the eye.
 Traced compose_by_reference(const voctree::VOctree& tree, std::vector<render::Instance> instances,
                             const stage::Camera& camera) {
     const auto [low, high] = [&] {
         glm::dvec3 first(1e30), last(-1e30);
-        for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) {
-            const double edge = std::exp2(-static_cast<double>(place.depth));
-            const glm::dvec3 corner = edge * glm::dvec3(place.x, place.y, place.z);
+        for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) {
+            const double edge = std::exp2(-static_cast<double>(position.depth));
+            const glm::dvec3 corner = edge * glm::dvec3(position.x, position.y, position.z);
             first = glm::min(first, corner);
             last = glm::max(last, corner + edge);
         }
@@ -74,7 +74,7 @@ glm::mat4 placed(glm::vec3 at, float turn, glm::vec3 scale) {
     return glm::scale(glm::rotate(glm::translate(glm::mat4(1), at), turn, glm::vec3(0.3f, 0.9f, 0.1f)), scale);
 }
 
-// A row of performers: turned, stretched, mirrored, sheared, one of them far, two at the same time.
+// A row of performers: rotated, stretched, mirrored, sheared, one of them far away, two at the same time of the clip.
 std::vector<render::Instance> a_stage() {
     glm::mat4 shear(1);
     shear[1][0] = 0.4f;
@@ -112,7 +112,7 @@ TEST_F(InstancesTest, StandAndMoveAsTheirTransformsAndTimesSayWhateverTheBudget)
         random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const Traced truth = compose_by_reference(tree, a_stage(), stage_camera());
-    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::max_entries(field));
     for (const auto& [budget, slices] : {std::pair(render::kSliceBudget, size_t{4}), std::pair(2 * one, size_t{2}),
                                          std::pair(uint64_t{0}, size_t{0})}) {
         SCOPED_TRACE("budget " + std::to_string(budget));
@@ -190,7 +190,7 @@ TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
         copies.push_back({2.4f * static_cast<float>(i),
                           placed({2.5f * static_cast<float>(i % 4), 0, -2.5f * static_cast<float>(i / 4)},
                                  static_cast<float>(i), glm::vec3(1))});
-    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::max_entries(field));
     for (const uint64_t budget : {uint64_t{0}, one, 3 * one}) {
         const auto bytes_with = [&](const std::vector<render::Instance>& instances) {
             const uint64_t before = device().buffer_bytes();
@@ -206,7 +206,7 @@ TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
     }
 }
 
-// A part with each image; whatever else is drawn meanwhile, the slice that results is the one that is built at once.
+// Prefetched in a part per image, whatever is drawn meanwhile, a slice is the same as one that is built at once.
 TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
     const voctree::VOctree tree =
         random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
@@ -214,7 +214,7 @@ TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
     const auto draw = [&](render::FrameRenderer& renderer, float frame, const std::vector<float>& next) {
         render::FrameSettings settings = settings_of({{frame}}, render::TraceMode::kTree);
         for (const float later : next) settings.next_slices.push_back({later});
-        settings.parts_ahead = 1;
+        settings.prefetch_parts = 1;
         return renderer.render(stage_camera(), settings).rgba;
     };
     const auto slice_passes = [](const render::FrameRenderer& renderer) {

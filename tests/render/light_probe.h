@@ -5,14 +5,15 @@
 
 NEUVV_SHARED
 
-CONSTEXPR uint kProbePlaces = 0u;  // rgba32f: world; w unused
+CONSTEXPR uint kProbePositions = 0u;  // rgba32f: world; w unused
 CONSTEXPR uint kProbeLights = 1u;
 CONSTEXPR uint kProbeSetShadows = 2u;
 CONSTEXPR uint kProbePerformerShadows = 3u;
-CONSTEXPR uint kProbeOut = 4u;  // per place and light: (light, set shadow), (way to the light, performer shadow)
+CONSTEXPR uint kProbeOut =
+    4u;  // per position and light: (light, set shadow), (direction to the light, performer shadow)
 
 struct LightProbePush {
-    uint places;
+    uint positions;
 };
 
 NEUVV_SHARED_END

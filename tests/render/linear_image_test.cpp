@@ -1,4 +1,4 @@
-// Rays to a linear image, against sums written out.
+// linear_image against sums that are written out.
 #include "render/linear_image.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Two pixels by one, four rays each: the second is empty.
+// 2×1 pixels of four rays each; the second pixel is empty.
 const std::vector<glm::vec4> kRays = {{0.4f, 0, 0, 0.5f}, {0, 0.4f, 0, 0.25f}, {}, {}, {}, {1, 1, 1, 1}, {}, {}};
 const std::vector<float> kDepth = {2, 4, kInfinity, kInfinity, kInfinity, 8, kInfinity, kInfinity};
 

@@ -1,5 +1,5 @@
-// Instances that stand in each other, merged in depth order, against brute force; and the draw order of those that do
-// not.
+// Overlapping instances, merged in depth order, against brute force; and the draw order of instances that do not
+// overlap.
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -20,7 +20,7 @@ constexpr uint32_t kWidth = 61, kHeight = 43;
 
 using MergeTest = GpuTest;
 
-// A pixel's ray through all instances together.
+// A pixel's ray through all instances as one medium.
 reference::RayResult march_together(const std::vector<const voctree::VOctree*>& trees,
                                     const std::vector<render::Instance>& instances,
                                     const std::vector<std::vector<reference::LeafSlice>>& slices,
@@ -58,7 +58,7 @@ glm::mat4 placed(glm::vec3 at, float turn, glm::vec3 scale) {
     return glm::scale(glm::rotate(glm::translate(glm::mat4(1), at), turn, glm::vec3(0.3f, 0.9f, 0.1f)), scale);
 }
 
-// Three that stand in each other, of two fields, one of them translucent; one before them and one behind.
+// Three overlapping instances of two fields, one of them translucent; one instance before them and one behind.
 std::vector<render::Instance> a_crowd() {
     return {{1.3f, glm::mat4(1), 0, 0, 1},
             {0.0f, placed({0.4f, 0.2f, -0.3f}, 0.7f, glm::vec3(1.2f, 0.8f, 1)), 0, 1, 1},
@@ -116,7 +116,7 @@ TEST_F(MergeTest, InstancesThatStandInEachOtherAreOneMedium) {
     }
 }
 
-// What the paper's algorithm is for: layers. It must be right for those, and is not for these.
+// The paper's algorithm must be right for layers that do not overlap; it is not for overlapping instances.
 TEST_F(MergeTest, ThePapersBlendIsWrongWhereInstancesStandInEachOther) {
     const Crowd crowd(device());
     const Traced truth = together_by_reference(crowd.trees, a_crowd(), crowd_camera());
@@ -132,7 +132,7 @@ TEST_F(MergeTest, ThePapersBlendIsWrongWhereInstancesStandInEachOther) {
     RecordProperty("mean_linear", std::to_string(mean / static_cast<double>(truth.radiance.size())));
 }
 
-// More segments than fit at first.
+// More segments than there is room for at first.
 constexpr uint32_t kSide = 256;
 
 voctree::VOctree a_thicket() {
@@ -159,7 +159,7 @@ TEST_F(MergeTest, SegmentsFindRoom) {
     render::FrameRenderer renderer(device(), field, {kSide, kSide});
     renderer.render(camera, settings);
     const std::vector<glm::vec4> grown = renderer.radiance();
-    const stage::Camera part = look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 16, 16, 1);  // fits at once
+    const stage::Camera part = look_at({0, 0.5, 2.2}, {0, 0.5, 0}, 16, 16, 1);  // has few enough segments at once
     settings.width = settings.height = 16;
     const Traced truth = together_by_reference({&tree}, settings.instances, part);
     renderer.render(part, settings);
@@ -167,12 +167,13 @@ TEST_F(MergeTest, SegmentsFindRoom) {
     settings.width = settings.height = kSide;
     renderer.render(camera, settings);
     EXPECT_EQ(grown, renderer.radiance()) << "what was rendered while room was found is what is rendered with room";
-    double seen = 0;
-    for (const glm::vec4& ray : grown) seen += static_cast<double>(ray.a) / (kSide * kSide);
-    EXPECT_GT(seen, 0.3);
+    double mean_alpha = 0;
+    for (const glm::vec4& ray : grown) mean_alpha += static_cast<double>(ray.a) / (kSide * kSide);
+    EXPECT_GT(mean_alpha, 0.3);
 }
 
-// One that stands apart is drawn by passes of its own, which must not hold on to room that was too little.
+// An instance apart from the others is drawn by other passes; these must not stay bound to the buffers that were too
+// small.
 TEST_F(MergeTest, AnInstanceBesideAGroupSeesRoomGrow) {
     const render::Field field = render::upload_field(device(), a_thicket(), render::WeightPrecision::kHalf);
     render::FrameSettings settings = thicket_settings();
@@ -228,29 +229,29 @@ TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {
     for (const glm::vec4& ray : radiance(0)) EXPECT_EQ(ray, glm::vec4(0));
 }
 
-render::PlacedBox box_at(glm::dvec3 at, double turn = 0, glm::dvec3 half = glm::dvec3(0.5)) {
-    const glm::dmat4 place = glm::rotate(glm::translate(glm::dmat4(1), at), turn, glm::dvec3(0, 1, 0));
-    return render::placed_box(-half, half, place);
+render::TransformedBox box_at(glm::dvec3 at, double turn = 0, glm::dvec3 half = glm::dvec3(0.5)) {
+    const glm::dmat4 transform = glm::rotate(glm::translate(glm::dmat4(1), at), turn, glm::dvec3(0, 1, 0));
+    return render::transformed_box(-half, half, transform);
 }
 
 using Groups = std::vector<std::vector<uint32_t>>;
 
 TEST(DrawOrder, IsNearToFarWhereBoxesStandApart) {
-    const std::vector<render::PlacedBox> row = {box_at({0, 0, -6}), box_at({0, 0, -2}), box_at({0, 0, -4})};
+    const std::vector<render::TransformedBox> row = {box_at({0, 0, -6}), box_at({0, 0, -2}), box_at({0, 0, -4})};
     EXPECT_EQ(render::draw_order(row, std::vector{glm::dvec3(0)}), (Groups{{1}, {2}, {0}}));
     EXPECT_EQ(render::draw_order(row, std::vector{glm::dvec3(0, 0, -10)}), (Groups{{0}, {2}, {1}}));
     EXPECT_EQ(render::draw_order({}, std::vector{glm::dvec3(0)}), Groups{});
 }
 
-// A long wall whose middle is nearer than a box before its far end.
+// A long wall, whose middle is nearer than a box before its far end.
 TEST(DrawOrder, IsNotThatOfMiddles) {
-    const render::PlacedBox wall = box_at({0, 0, -5}, 0, {20, 1, 0.1}), before = box_at({15, 0, -4});
+    const render::TransformedBox wall = box_at({0, 0, -5}, 0, {20, 1, 0.1}), before = box_at({15, 0, -4});
     EXPECT_EQ(render::draw_order(std::vector{wall, before}, std::vector{glm::dvec3(0)}), (Groups{{1}, {0}}));
 }
 
 TEST(DrawOrder, BoxesThatOverlapAreOneGroup) {
-    const std::vector<render::PlacedBox> boxes = {box_at({0, 0, -5}), box_at({0.9, 0, -5}), box_at({1.8, 0, -5}),
-                                                  box_at({3, 0, -5})};
+    const std::vector<render::TransformedBox> boxes = {box_at({0, 0, -5}), box_at({0.9, 0, -5}), box_at({1.8, 0, -5}),
+                                                       box_at({3, 0, -5})};
     EXPECT_EQ(render::draw_order(boxes, std::vector{glm::dvec3(0)}), (Groups{{0, 1, 2}, {3}}));
     // Touching is not overlapping.
     EXPECT_EQ(
@@ -258,15 +259,15 @@ TEST(DrawOrder, BoxesThatOverlapAreOneGroup) {
 }
 
 TEST(DrawOrder, TurnedBoxesPartAlongAnEdgeOfEach) {
-    // Boxes whose boxes along the axes overlap.
-    const std::vector<render::PlacedBox> boxes = {box_at({0, 0, -5}, std::numbers::pi / 4),
-                                                  box_at({1.15, 0, -5.75}, 0.9)};
+    // Boxes whose axis-aligned bounds overlap.
+    const std::vector<render::TransformedBox> boxes = {box_at({0, 0, -5}, std::numbers::pi / 4),
+                                                       box_at({1.15, 0, -5.75}, 0.9)};
     EXPECT_EQ(render::draw_order(boxes, std::vector{glm::dvec3(0)}), (Groups{{0}, {1}}));
 }
 
-// Three beams, each before the next at one end and behind the third at the other.
+// Three beams, each before the next one at one end and behind the third one at the other.
 TEST(DrawOrder, BoxesThatCoverEachOtherInACircleAreOneGroup) {
-    std::vector<render::PlacedBox> beams;
+    std::vector<render::TransformedBox> beams;
     for (int i = 0; i < 3; i++) {
         const double angle = 2 * std::numbers::pi * i / 3;
         const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.35), across(-std::sin(angle), std::cos(angle), 0);
@@ -279,17 +280,17 @@ TEST(DrawOrder, BoxesThatCoverEachOtherInACircleAreOneGroup) {
 }
 
 TEST(DrawOrder, MustHoldForAllEyes) {
-    const std::vector<render::PlacedBox> pair = {box_at({-1, 0, 0}), box_at({1, 0, 0})};
+    const std::vector<render::TransformedBox> pair = {box_at({-1, 0, 0}), box_at({1, 0, 0})};
     EXPECT_EQ(render::draw_order(pair, std::vector{glm::dvec3(-5, 0, 0), glm::dvec3(-5, 0, 1)}), (Groups{{0}, {1}}));
     EXPECT_EQ(render::draw_order(pair, std::vector{glm::dvec3(-5, 0, 0), glm::dvec3(5, 0, 0)}), (Groups{{0, 1}}));
 }
 
-// Random boxes and lines: whatever the line meets first is in no later group.
+// Random boxes and lines: what a line meets first is not in a later group.
 TEST(DrawOrder, HoldsAlongEveryLine) {
     Random random(5);
     uint32_t met = 0, groups_of_one = 0;
     for (int scene = 0; scene < 20; scene++) {
-        std::vector<render::PlacedBox> boxes;
+        std::vector<render::TransformedBox> boxes;
         for (int i = 0; i < 12; i++) {
             const auto vector = [&](double size) {
                 return glm::dvec3(random.uniform(-size, size), random.uniform(-size, size),
@@ -308,7 +309,7 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
             for (const auto& group : groups) {
                 double begin = INFINITY, end = -INFINITY;
                 for (const uint32_t i : group) {
-                    // Slabs in the box's own axes.
+                    // The slab test in the axes of the box.
                     const glm::dmat3 own = glm::inverse(boxes[i].half);
                     const glm::dvec3 origin = own * (eye - boxes[i].middle), along = own * direction;
                     const glm::dvec3 a = (-1.0 - origin) / along, b = (1.0 - origin) / along;

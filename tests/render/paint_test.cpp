@@ -1,4 +1,4 @@
-// Paint on slice trees against the reference: every entry; and images of painted copies beside unpainted ones.
+// Paint on slice trees against the reference, entry by entry; and images of painted and unpainted instances.
 #include "render/paint.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ double as_half(double value) {
     return double{voctree::float_from_half(voctree::half_from_float(static_cast<float>(value)))};
 }
 
-// Colours, densities, both, erased leaves, revived ones; at parts of the clip, fractions included.
+// Colours, densities, both, erased and revived leaves, in parts of the clip, at fractions of frames, too.
 voctree::EditLayer random_layer(const voctree::VOctree& tree, Random& random) {
     voctree::EditLayer layer{voctree::painted_field(tree), {}};
     std::vector<voctree::LeafEdit> edits;
@@ -44,7 +44,7 @@ voctree::EditLayer random_layer(const voctree::VOctree& tree, Random& random) {
     return layer;
 }
 
-// Where edits covered each other, colours are not of few bits any more.
+// Blends of edits that cover each other, so that colours do not have few bits.
 void round_to_halves(voctree::EditLayer& layer) {
     for (voctree::LeafEdit& edit : layer.edits) {
         for (int c = 0; c < 3; c++) edit.colour[c] = static_cast<float>(as_half(double{edit.colour[c]}));
@@ -52,7 +52,7 @@ void round_to_halves(voctree::EditLayer& layer) {
     }
 }
 
-// As entries hold them before paint.
+// In fp16, as entries have them before paint.
 std::vector<reference::LeafSlice> slices_in_halves(const voctree::VOctree& tree, double frame) {
     std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, frame);
     for (reference::LeafSlice& leaf : slices)
@@ -62,12 +62,12 @@ std::vector<reference::LeafSlice> slices_in_halves(const voctree::VOctree& tree,
 }
 
 struct PaintTest : GpuTest {
-    // How far the painted tree's entries are off at worst, in what they may be off by.
+    // The largest error of the painted tree's entries, in units of the tolerance.
     static double worst_entry(const voctree::VOctree& tree, const std::vector<render::PaintUse>& uses, float frame,
                               bool in_parts, const std::vector<render::PaintUse>& expected_uses) {
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         const render::LiveLeaves live(device(), field, field.leaf_count);
-        const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+        const render::SliceTrees sliced(device(), field, render::max_entries(field), 1);
         const render::TreeSlicer slicer(device(), field, live, sliced);
         const render::Paint paint(device(), tree.leaf_count, uses);
         const render::Painter painter(device(), field, live, sliced);
@@ -84,13 +84,14 @@ struct PaintTest : GpuTest {
             steps.push_back({use.layer, static_cast<uint32_t>(use.blend), double{use.opacity}});
         reference::paint(truth, tree.hh_degree, steps, double{frame});
         TreeCheck check{host, tree, truth};
-        check.least_scale = 4;  // what is made grey may cancel
+        check.least_scale = 4;  // terms may cancel where a colour becomes grey
         check.visit(0, 0);
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
             EXPECT_EQ(check.met[leaf], truth[leaf].sigma > 0) << "leaf " << leaf;
         EXPECT_EQ(check.entries, host.count.slots);
-        // fp16 rounds numbers to 2^-11 of them, before paint and after. Mean colours are compared as such: the logit of
-        // one near white or black tells what no display shows. 2^-11 is an eighth of a step of 255.
+        // fp16 rounds numbers by up to 2^-11 of their value, before and after paint. Mean colours are compared as
+        // colours, not as logits, whose differences near white or black are invisible. 2^-11 is an eighth of a step of
+        // 255.
         return std::max(check.worst_rest / 0x1p-10, check.worst_mean / 0x1p-11);
     }
 };
@@ -195,7 +196,7 @@ TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
         EXPECT_NE(alone(renderer, gone_paint, 0), truth);
         EXPECT_NE(alone(renderer, gone_paint, 0), alone(renderer, red_paint, 0));
         EXPECT_EQ(alone(renderer, 0, 0), truth) << "and stays so";
-        // Three copies beside each other: the third one's half of the image is that of an image without paint.
+        // Three copies side by side: the part of the third one equals that of an image without paint.
         const std::vector<render::Instance> three = {
             {.frame = 1.5f, .world_from_performer = at(-3.2f), .paint = red_paint},
             {.frame = 1.5f, .world_from_performer = at(0), .paint = gone_paint},
@@ -219,7 +220,7 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
     const render::Field field = render::upload_field(device(), copies.tree, render::WeightPrecision::kHalf);
     const render::PaintUse red{&copies.red, stage::PaintBlend::kNormal, 0.5f}, gone{&copies.gone},
         both[] = {{&copies.red}, {&copies.gone}};
-    const uint64_t one = render::slice_bytes(field, render::most_entries(field));
+    const uint64_t one = render::slice_bytes(field, render::max_entries(field));
     std::pmr::vector<uint8_t> truth;
     for (const uint64_t budget : {render::kSliceBudget, 3 * one, 2 * one, one, uint64_t{0}}) {
         SCOPED_TRACE(testing::Message() << "budget " << budget);
@@ -235,10 +236,10 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
             EXPECT_EQ(passes(renderer, "direct"), 0u);
         }
         const size_t built_again = passes(renderer, "paint colour");
-        const size_t places = std::clamp<size_t>(budget / one, 1, 4);
-        EXPECT_GE(built_again, places == 4 ? 0 : 4 - (places - 1)) << "slices that share a place";
-        EXPECT_LE(built_again, places == 4 ? 0u : 5u) << "slices stay";
-        // An image without paint afterwards, and one of both kinds.
+        const size_t slice_count = std::clamp<size_t>(budget / one, 1, 4);
+        EXPECT_GE(built_again, slice_count == 4 ? 0 : 4 - (slice_count - 1)) << "slices that share memory";
+        EXPECT_LE(built_again, slice_count == 4 ? 0u : 5u) << "slices stay";
+        // Then an image without paint, and one of painted and unpainted instances.
         render::FrameRenderer plain(device(), field, {kWidth, kHeight});
         EXPECT_EQ(renderer.render(stage_camera(), settings_of({{3}})).rgba.size(), truth.size());
         const render::FrameSettings mixed = settings_of({{1, at(-2), ids[1]}, {3, at(2)}});
@@ -253,7 +254,7 @@ TEST_F(PaintTest, IsSeenWhateverTheBudget) {
         RuntimeFailure);
 }
 
-// All leaves live at once, of which hardly any did: more than slices have room for at first, wherever they are built.
+// Paint revives nearly all leaves: more than slices have room for at first, wherever they are built.
 TEST_F(PaintTest, RevivedLeavesFindRoom) {
     voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 4, .leaves = 12000, .hh_degree = 1, .frames = 8});
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) std::fill_n(tree.leaf(leaf), tree.bases, 0.0f);
@@ -297,7 +298,7 @@ TEST_F(PaintTest, SlicesBuiltAheadArePainted) {
     ASSERT_EQ(fresh.paints().add(uses), paint);
     render::FrameSettings settings = settings_of({{0, glm::mat4(1), paint}});
     settings.next_slices = {{2.5f, paint}};
-    settings.parts_ahead = 1;
+    settings.prefetch_parts = 1;
     for (uint32_t part = 0; part < render::kSliceParts; part++) ahead.render(stage_camera(), settings);
     const render::FrameSettings later = settings_of({{2.5f, glm::mat4(1), paint}});
     EXPECT_EQ(ahead.render(stage_camera(), later).rgba, fresh.render(stage_camera(), later).rgba);
@@ -311,7 +312,7 @@ TEST_F(PaintTest, OfACopyTakesNoFieldAgain) {
     voctree::EditLayer layer{voctree::painted_field(tree), {}};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 10) layer.edits.push_back({leaf, 0, 0, {0, 0, 1}, 1});
     render::FrameRenderer renderer(device(), field,
-                                   {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::most_entries(field))});
+                                   {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::max_entries(field))});
     renderer.render(stage_camera(), settings_of({{}, {0, at(2)}}));
     const uint64_t before = device().buffer_bytes();
     const render::PaintUse use{&layer};

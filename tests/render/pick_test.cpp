@@ -1,4 +1,4 @@
-// Picking against the reference: which leaf a ray comes to, and how far that is.
+// Picking against the reference: the leaf that a ray meets, and its distance.
 #include "render/pick.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 using PickTest = GpuTest;
 
 struct Agreement {
-    uint32_t hits = 0, misses = 0, others = 0;  // others: rays where the two do not agree on leaf or hit
+    uint32_t hits = 0, misses = 0, others = 0;  // others: rays for which leaf or hit differ
     double worst_m = 0;
 };
 

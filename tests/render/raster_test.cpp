@@ -21,7 +21,7 @@ const gpu::Device& device() {
     return shared;
 }
 
-// 2 m in front of the origin's plane: a metre there is 32 pixels. The principal point is off the centre.
+// 2 m before the plane z = 0, where a metre is 32 pixels. The principal point is not the centre.
 stage::Camera front_camera() {
     stage::Camera camera;
     camera.world_from_camera[3] = {0, 0, 2, 1};
@@ -32,7 +32,7 @@ stage::Camera front_camera() {
     return camera;
 }
 
-// An unlit rectangle in the plane z that faces +Z; colours and UVs by corner, from the lower left counter-clockwise.
+// An unlit rectangle at depth z that faces +Z; colours and UVs by corner, counter-clockwise from the lower left.
 struct Quad {
     float x0 = -0.5f, x1 = 0.25f, y0 = -0.25f, y1 = 0.5f, z = 0;
     std::vector<float> colours = std::vector<float>(16, 1.0f);
@@ -77,7 +77,7 @@ void expect_near(const glm::vec4& a, const glm::vec4& b, float tolerance, const 
 }
 
 TEST(Raster, AQuadCoversExactlyItsPixels) {
-    Quad quad;  // red grows to the right, green upwards
+    Quad quad;  // red increases to the right, green upwards
     quad.colours = {0, 0, 0.5f, 1, 1, 0, 0.5f, 1, 1, 1, 0.5f, 1, 0, 1, 0.5f, 1};
     const auto pixels = render(scene_of({quad}));
     for (uint32_t y = 0; y < kSide; ++y)
@@ -86,7 +86,7 @@ TEST(Raster, AQuadCoversExactlyItsPixels) {
             const bool inside = x >= 14 && x < 38 && y >= 18 && y < 42;
             const float red = (static_cast<float>(x) + 0.5f - 14) / 24,
                         green = 1 - (static_cast<float>(y) + 0.5f - 18) / 24;
-            // A pixel is 0.042 of the colour; along triangles' edges the place that is shaded moves by a sample.
+            // The colour changes by 0.042 a pixel; along edges of triangles the shaded point moves by a sample.
             expect_near(at(pixels, x, y), inside ? glm::vec4(red, green, 0.5f, 1) : glm::vec4(0), 4e-3f,
                         std::to_string(x) + "," + std::to_string(y));
             if (HasFailure()) return;
@@ -199,7 +199,7 @@ TEST(Raster, MipLevelsOfNumbersAreMeans) {
 
 TEST(Raster, BoxDownAveragesBlocks) {
     std::vector<uint16_t> halves(4 * render::kSupersample * render::kSupersample * 2, 0);
-    halves[0] = voctree::half_from_float(1);  // one of the first block's pixels, red only
+    halves[0] = voctree::half_from_float(1);  // only red, in one of the pixels of the first block
     halves[3] = voctree::half_from_float(1);
     const auto pixels = render::box_down({1, 0, 2, 1, halves}, 4, 1);
     const float share = 1.0f / (render::kSupersample * render::kSupersample);

@@ -1,4 +1,4 @@
-// Rays that are fewer than pixels: where they stand, and the image that upscaling makes of them.
+// Rays that are fewer than pixels: their positions, and the image that upscaling makes of them.
 #include "render/ray_grid.h"
 
 #include <gtest/gtest.h>
@@ -90,7 +90,7 @@ TEST_F(RayGridTest, RaysStandWhereTheGridSays) {
     }
 }
 
-// One channel at a place between rays, as upscale.comp says.
+// Light at a position between rays, by the filter of upscale.comp.
 struct Filter {
     const std::vector<glm::vec4>& light;
     glm::uvec2 rays;
@@ -104,20 +104,20 @@ struct Filter {
         return 0.5 * glm::dvec4(-t + 2 * t * t - t * t * t, 2 - 5 * t * t + 3 * t * t * t,
                                 t + 4 * t * t - 3 * t * t * t, -t * t + t * t * t);
     }
-    static glm::dvec4 held(glm::dvec4 weights, const glm::dvec4 (&of)[4]) {
+    static glm::dvec4 clamped(glm::dvec4 weights, const glm::dvec4 (&of)[4]) {
         const glm::dvec4 sum = weights[0] * of[0] + weights[1] * of[1] + weights[2] * of[2] + weights[3] * of[3];
         return glm::clamp(sum, glm::min(of[1], of[2]), glm::max(of[1], of[2]));
     }
-    glm::dvec4 between(glm::dvec2 place) const {
-        const glm::dvec2 first = glm::floor(place - 0.5), part = place - 0.5 - first;
+    glm::dvec4 between(glm::dvec2 position) const {
+        const glm::dvec2 first = glm::floor(position - 0.5), part = position - 0.5 - first;
         glm::dvec4 rows[4];
         for (int y = 0; y < 4; y++) {
             glm::dvec4 row[4];
             for (int x = 0; x < 4; x++)
                 row[x] = at(static_cast<int>(first.x) + x - 1, static_cast<int>(first.y) + y - 1);
-            rows[y] = held(weights(part.x), row);
+            rows[y] = clamped(weights(part.x), row);
         }
-        return held(weights(part.y), rows);
+        return clamped(weights(part.y), rows);
     }
 };
 
@@ -140,9 +140,9 @@ TEST_F(RayGridTest, PicturesAreUpscaledByCatmullRomWithoutHalos) {
                 const glm::dvec4 truth = filter.between(
                     {render::ray_of_pixel(grid.across, x + 0.5), render::ray_of_pixel(grid.downwards, y + 0.5)});
                 for (int c = 0; c < 3; c++) {
-                    const double shown =
+                    const double expected =
                         reference::display_value(truth[c] + (1 - truth.a) * settings.resolve.background[c]);
-                    ASSERT_NEAR(image.at(x, y)[c], 255 * shown, 0.6) << x << ' ' << y;
+                    ASSERT_NEAR(image.at(x, y)[c], 255 * expected, 0.6) << x << ' ' << y;
                 }
             }
     }

@@ -14,7 +14,7 @@
 namespace neuvv::test {
 namespace {
 
-// Rays in tile order, as the passes before resolve leave them.
+// Rays in tile order, as the passes before resolve write them.
 struct Rays {
     uint32_t width, height;
     std::vector<glm::vec4> radiance;
@@ -32,14 +32,14 @@ media::Image resolve(const gpu::Device& device, const Rays& rays, const render::
                      uint32_t samples = 1) {
     const render::RayBatch batch(device, 1, static_cast<uint32_t>(rays.index_end() / kTilePixels));
     media::Image image(rays.width / samples, rays.height / samples);
-    const gpu::Buffer image(device, "picture", image.rgba.size(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
+    const gpu::Buffer pixels(device, "image", image.rgba.size(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     gpu::upload(device, batch.radiance, rays.radiance.data(), rays.radiance.size() * sizeof(glm::vec4));
     gpu::upload(device, batch.depth, rays.depth.data(), rays.depth.size() * sizeof(float));
-    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, batch, image);
+    const render::Resolver resolver(device, render::RaysPerPixel::kWhole, batch, pixels);
     gpu::run_once(device, "resolve", [&](gpu::Commands& commands) {
         render::record_resolve(commands, resolver, {rays.width / samples, rays.height / samples, samples}, settings);
     });
-    gpu::download(device, image, image.rgba.data(), image.rgba.size());
+    gpu::download(device, pixels, image.rgba.data(), image.rgba.size());
     return image;
 }
 
@@ -66,7 +66,7 @@ Rays random_rays() {
     for (glm::vec4& ray : rays.radiance) {
         const double alpha = random.below(4) == 0 ? 0 : random.uniform();
         for (int channel = 0; channel < 3; channel++)
-            ray[channel] = static_cast<float>(alpha * random.uniform(0, 1.1));  // beyond 1: saturates
+            ray[channel] = static_cast<float>(alpha * random.uniform(0, 1.1));  // above 1: must be clamped
         ray.a = static_cast<float>(alpha);
     }
     return rays;
@@ -110,7 +110,7 @@ TEST_F(ResolveTest, AlphaAndDepthAreGreyAndOpaque) {
     rays.radiance[rays.index(3, 2)] = glm::vec4(0);
     for (size_t i = 0; i < rays.depth.size(); i++)
         rays.depth[i] = rays.radiance[i].a > 0 ? static_cast<float>(random.uniform(0.5, 4.5))
-                                               : std::numeric_limits<float>::infinity();  // as trace leaves it
+                                               : std::numeric_limits<float>::infinity();  // as trace writes it
     render::ResolveSettings alpha, depth;
     alpha.show = render::Show::kAlpha;
     depth.show = render::Show::kDepth;
@@ -159,8 +159,8 @@ TEST_F(ResolveTest, APixelIsTheMeanOfItsRays) {
         }
 }
 
-// More tiles than one dimension of a dispatch may hold on many devices: their number is rounded up, and what is beyond
-// the last image stays as it was.
+// More tiles than a dimension of a dispatch may have on many devices: their number is rounded up, and what is beyond
+// the last image must not change.
 TEST_F(ResolveTest, VeryManyTilesAreResolvedAndNothingElse) {
     constexpr uint32_t kWidth = 2402, kHeight = 1763, kUntouched = 0x12345678;
     const render::ViewLayout layout{kWidth, kHeight};
@@ -169,8 +169,7 @@ TEST_F(ResolveTest, VeryManyTilesAreResolvedAndNothingElse) {
     light[0] = light.back() = glm::vec4(1);
     gpu::upload(device(), batch.radiance, light.data(), light.size() * sizeof(glm::vec4));
     gpu::run_once(device(), "depth", [&](gpu::Commands& commands) { gpu::fill(commands, batch.depth, 0); });
-    const gpu::Buffer image(device(), "picture", 2 * layout.image_bytes(), gpu::MemoryKind::kDevice,
-                            VK_FORMAT_R32_UINT);
+    const gpu::Buffer image(device(), "image", 2 * layout.image_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT);
     const render::Resolver resolver(device(), render::RaysPerPixel::kWhole, batch, image);
     gpu::run_once(device(), "resolve", [&](gpu::Commands& commands) {
         gpu::fill(commands, image, kUntouched);

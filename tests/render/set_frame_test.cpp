@@ -27,7 +27,7 @@ json unlit(glm::vec4 colour) {
             {"doubleSided", true}};
 }
 
-// An upright wall across the view at a place z, wider than any image.
+// An upright wall across the view at depth z, wider than any image.
 MeshData wall_at(float z) {
     return rectangle({-20, -20, z}, {40, 0, 0}, {0, 40, 0});
 }
@@ -48,7 +48,7 @@ std::vector<reference::Sample> cut_at(std::vector<reference::Sample> samples, do
     return before;
 }
 
-// A set with what performers need around it.
+// A set with the renderer that draws performers on it.
 struct OnSet {
     stage::GltfScene scene;
     render::SetRaster set;
@@ -73,7 +73,7 @@ render::FrameSettings settings_of(std::vector<render::Instance> instances, uint3
     return settings;
 }
 
-// A wall through the middle of a performer ends its rays there, and is seen through them.
+// A wall through the middle of a performer ends the rays there, and is visible through the performer.
 TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
     const voctree::VOctree tree =
         random_tree({.seed = 3, .node_levels = 3, .leaves = 1500, .bases = 5, .hh_degree = 2});
@@ -97,9 +97,9 @@ TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
                     reference::composite(cut_at(reference::ray_samples(tree, slices, ray), end));
                 truth.radiance.emplace_back(glm::vec3(light.colour), static_cast<float>(light.alpha));
                 truth.depth.push_back(static_cast<float>(light.depth_m));
-                const glm::dvec3 shown = light.colour + (1 - light.alpha) * glm::dvec3(0.2, 0.5, 0.1);
+                const glm::dvec3 rendered = light.colour + (1 - light.alpha) * glm::dvec3(0.2, 0.5, 0.1);
                 for (int c = 0; c < 3; c++)
-                    raise(worst, std::abs(255 * reference::display_value(shown[c]) - image.at(x, y)[c]));
+                    raise(worst, std::abs(255 * reference::display_value(rendered[c]) - image.at(x, y)[c]));
                 EXPECT_EQ(image.at(x, y)[3], 255);
             }
         const Difference found = difference({stage.frames.radiance(), stage.frames.depth()}, truth);
@@ -110,7 +110,7 @@ TEST_F(SetFrameTest, RaysEndAtTheSetAndTheSetIsBehindThem) {
     }
 }
 
-// Far behind the performer the set changes nothing of its rays; before it nothing is left of them.
+// A set far behind the performer does not change its rays; a set before it hides it completely.
 TEST_F(SetFrameTest, WhatIsBehindTheSetIsNotThere) {
     const voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 3, .leaves = 1500});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -130,7 +130,7 @@ TEST_F(SetFrameTest, WhatIsBehindTheSetIsNotThere) {
     }
 }
 
-// Samples of a pixel, both eyes, and fewer rays than pixels show the same set around the same performer.
+// Several samples a pixel, both eyes, and fewer rays than pixels show the same set with the same performer.
 TEST_F(SetFrameTest, ViewsSamplesAndScalesAgree) {
     const voctree::VOctree tree = random_tree({.seed = 4, .node_levels = 3, .leaves = 2000});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -162,10 +162,10 @@ voctree::VOctree cube(float sigma, uint32_t levels = 1) {
     tree.hh_degree = 0;
     tree.sigma_basis = {1};
     tree.gamma_basis = {0};
-    std::vector<voctree::LeafPosition> places;
+    std::vector<voctree::LeafPosition> positions;
     for (uint32_t i = 0; i < side * side * side; i++)
-        places.push_back({i % side, i / side % side, i / side / side, 2 * levels});
-    voctree::build_topology(tree, places);
+        positions.push_back({i % side, i / side % side, i / side / side, 2 * levels});
+    voctree::build_topology(tree, positions);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[0] = sigma;
     return tree;
 }
@@ -186,7 +186,8 @@ MeshData floor_mesh() {
     return rectangle({-4, 0, 4}, {8, 0, 0}, {0, 0, -8});
 }
 
-// The floor behind a translucent cube, seen along lines from the lamp: what the cube lets through is what arrives.
+// On the floor behind a translucent cube, the light that arrives is what the cube lets through along the line to the
+// lamp.
 TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
     const voctree::VOctree tree = cube(1.2f);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -204,9 +205,9 @@ TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
         settings.width = settings.height = kSide;
         settings.instances[0].casts_shadow = casts;
         stage.frames.render(camera, settings);
-        std::vector<double> shown;
-        for (const glm::dvec4& texel : download_colours(device(), stage.set.colour)) shown.push_back(texel.g);
-        return shown;
+        std::vector<double> rendered;
+        for (const glm::dvec4& texel : download_colours(device(), stage.set.colour)) rendered.push_back(texel.g);
+        return rendered;
     };
     const std::vector<double> lit = light_with(false, true), shadowed = light_with(true, true);
     const std::vector<double> no_casters = light_with(true, false);
@@ -215,9 +216,9 @@ TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
     for (uint32_t y = 0; y < kSide; y++)
         for (uint32_t x = 0; x < kSide; x++) {
             const reference::Ray eye = reference::camera_ray(camera, x, y);
-            const glm::dvec3 place = eye.origin - eye.origin.y / eye.direction.y * eye.direction;
-            if (lit[y * kSide + x] < 0.05) continue;  // beside the cone
-            // Alpha along the line, and how much it changes over the reach of the filter.
+            const glm::dvec3 point = eye.origin - eye.origin.y / eye.direction.y * eye.direction;
+            if (lit[y * kSide + x] < 0.05) continue;  // outside the cone
+            // Alpha along the line, and how much it changes over the radius of the filter.
             const auto alpha_at = [&](glm::dvec3 at) {
                 reference::Ray ray{light.position - glm::dvec3(0, 0.8, 0), glm::normalize(at - light.position)};
                 return reference::trace(tree, slices, ray).alpha;
@@ -225,20 +226,20 @@ TEST_F(SetFrameTest, APerformersShadowIsItsAlphaAlongTheLight) {
             double low = 1, high = 0;
             for (int i = 0; i < 16; i++) {
                 const double angle = std::numbers::pi / 8 * i;
-                const double alpha = alpha_at(place + 0.28 * glm::dvec3(std::cos(angle), 0, std::sin(angle)));
+                const double alpha = alpha_at(point + 0.28 * glm::dvec3(std::cos(angle), 0, std::sin(angle)));
                 low = std::min(low, alpha);
                 high = std::max(high, alpha);
             }
-            if (high - low > 0.02) continue;  // the penumbra
+            if (high - low > 0.02) continue;  // in the penumbra
             const double through = shadowed[y * kSide + x] / lit[y * kSide + x];
-            EXPECT_NEAR(through, 1 - alpha_at(place), 0.025) << x << ", " << y;
-            (alpha_at(place) > 0.3 ? inside : outside)++;
+            EXPECT_NEAR(through, 1 - alpha_at(point), 0.025) << x << ", " << y;
+            (alpha_at(point) > 0.3 ? inside : outside)++;
         }
     EXPECT_GT(inside, 100u);
     EXPECT_GT(outside, 500u);
 }
 
-// Brightness of a solid performer under a lamp: candela / (π d²) at the depth that is seen.
+// The brightness of a solid performer under a lamp: candela / (π d²) at the depth where rays see it.
 TEST_F(SetFrameTest, LightFallsOffWithTheDistanceFromTheLamp) {
     const voctree::VOctree tree = cube(400);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -255,21 +256,21 @@ TEST_F(SetFrameTest, LightFallsOffWithTheDistanceFromTheLamp) {
     settings.lit = true;
     for (const bool merged : {false, true}) {
         settings.instances.resize(merged ? 2 : 1);
-        if (merged) settings.instances[1].world_from_performer[3] = {0.8f, -0.4f, -0.6f, 1};  // reaches into it
+        if (merged) settings.instances[1].world_from_performer[3] = {0.8f, -0.4f, -0.6f, 1};  // overlaps it
         stage.frames.render(camera, settings);
-        const std::vector<glm::vec4> shown = stage.frames.radiance();
+        const std::vector<glm::vec4> rendered = stage.frames.radiance();
         const std::vector<float> depth = stage.frames.depth();
         uint32_t compared = 0;
         double least = INFINITY, most = 0;
-        for (uint32_t i = 0; i < shown.size(); i++) {
-            if (captured[i].a < 0.999f || (merged && std::abs(shown[i].a - captured[i].a) > 1e-4f)) continue;
+        for (uint32_t i = 0; i < rendered.size(); i++) {
+            if (captured[i].a < 0.999f || (merged && std::abs(rendered[i].a - captured[i].a) > 1e-4f)) continue;
             const reference::Ray ray = reference::camera_ray(camera, i % kWidth, i / kWidth);
             glm::dvec3 to_light;
             const glm::dvec3 arriving =
                 reference::light_at(light, ray.origin + static_cast<double>(depth[i]) * ray.direction, to_light);
             const glm::dvec3 expected = glm::dvec3(captured[i]) * (ambient.light + arriving / std::numbers::pi);
             for (int c = 0; c < 3; c++)
-                EXPECT_NEAR(static_cast<double>(shown[i][c]), expected[c], 0.004 * expected.g + 1e-6)
+                EXPECT_NEAR(static_cast<double>(rendered[i][c]), expected[c], 0.004 * expected.g + 1e-6)
                     << "ray " << i << (merged ? ", light in nine bits" : "");
             least = std::min(least, expected.g);
             most = std::max(most, expected.g);
@@ -280,7 +281,7 @@ TEST_F(SetFrameTest, LightFallsOffWithTheDistanceFromTheLamp) {
     }
 }
 
-// What the set hides from a lamp it hides on performers too, and a performer that receives no shadow does not mind.
+// The set casts its shadow on performers, too, except on a performer that receives no shadow.
 TEST_F(SetFrameTest, TheSetShadowsPerformers) {
     const voctree::VOctree tree = cube(400);
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -293,21 +294,21 @@ TEST_F(SetFrameTest, TheSetShadowsPerformers) {
     render::FrameSettings settings = settings_of({{0}});
     settings.lit = true;
     settings.instances[0].casts_shadow = false;
-    const auto shown = [&](bool shadows, bool receives) {
+    const auto rendered = [&](bool shadows, bool receives) {
         stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
         settings.instances[0].receives_shadow = receives;
         stage.frames.render(camera, settings);
         return stage.frames.radiance();
     };
-    const std::vector<glm::vec4> lit = shown(false, true), shadowed = shown(true, true);
-    EXPECT_EQ(lit, shown(true, false));
+    const std::vector<glm::vec4> lit = rendered(false, true), shadowed = rendered(true, true);
+    EXPECT_EQ(lit, rendered(true, false));
     const size_t row = size_t{kHeight / 2} * kWidth;
     EXPECT_GT(lit[row + kWidth / 2 - 5].g, 0.1f);
     EXPECT_EQ(shadowed[row + kWidth / 2 - 5].g, 0) << "below the roof";
     EXPECT_EQ(shadowed[row + kWidth / 2 + 5].g, lit[row + kWidth / 2 + 5].g) << "beside it";
 }
 
-// A lit cube's shadow falls on another behind it; the one that is nearer the lamp stays lit.
+// The shadow of a lit cube falls on another cube behind it; the cube nearer to the lamp stays lit.
 TEST_F(SetFrameTest, PerformersShadowEachOther) {
     const voctree::VOctree tree = cube(400, 3);  // a sample's depth is its leaf's middle
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -318,16 +319,16 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
     render::SetLight sun = lamp({0, 6, 4}, {0, 1, 0}, 3);
     sun.kind = render::SetLightKind::kDirectional;
     render::FrameSettings settings = settings_of({{0}, {0}});
-    settings.instances[1].world_from_performer[3] = {0, 1.3f, 1.3f, 1};  // on the way of the light
+    settings.instances[1].world_from_performer[3] = {0, 1.3f, 1.3f, 1};  // between the lamp and the other cube
     settings.lit = true;
     for (const render::SetLight& light : {lamp({0, 6, 4}, {0, 1, 0}, 60), sun}) {
         SCOPED_TRACE(static_cast<int>(light.kind));
-        const auto shown = [&](bool shadows) {
+        const auto rendered = [&](bool shadows) {
             stage.set.light(std::span(&light, 1), {}, {shadows, shadows});
             stage.frames.render(camera, settings);
             return stage.frames.radiance();
         };
-        const std::vector<glm::vec4> lit = shown(false), shadowed = shown(true);
+        const std::vector<glm::vec4> lit = rendered(false), shadowed = rendered(true);
         double above = 0, below = 0, above_lit = 0, below_lit = 0;
         for (uint32_t i = 0; i < lit.size(); i++) {
             const reference::Ray ray = reference::camera_ray(camera, i % kWidth, i / kWidth);
@@ -370,7 +371,7 @@ TEST_F(SetFrameTest, GlassStandsBeforeAndBehind) {
     EXPECT_NEAR(beside[2], byte(0.25), 1);
 }
 
-// Whatever their times: slices take the budget, and nothing else grows.
+// At any times of the instances, slices take the budget and nothing else grows.
 TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
     const voctree::VOctree tree =
         random_tree({.seed = 8, .node_levels = 4, .leaves = 20000, .hh_degree = 2, .frames = 40});
@@ -381,13 +382,13 @@ TEST_F(SetFrameTest, CopiesOnASetCostNoMemory) {
     const auto bytes_with = [&](int copies) {
         const uint64_t before = device().buffer_bytes();
         OnSet stage(device(), glb, {&field},
-                    {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::most_entries(field))});
+                    {kWidth, kHeight, 1, 1, render::slice_bytes(field, render::max_entries(field))});
         stage.set.light(std::span(&light, 1), {});
         std::vector<render::Instance> instances;
         for (int i = 0; i < copies; i++) {
-            glm::mat4 place(1);
-            place[3] = {2.2f * static_cast<float>(i % 8 - 4), 0.2f, -2.2f * static_cast<float>(i / 8), 1};
-            instances.push_back({39.0f * static_cast<float>(i) / 31, place});
+            glm::mat4 transform(1);
+            transform[3] = {2.2f * static_cast<float>(i % 8 - 4), 0.2f, -2.2f * static_cast<float>(i / 8), 1};
+            instances.push_back({39.0f * static_cast<float>(i) / 31, transform});
         }
         render::FrameSettings settings = settings_of(instances);
         settings.lit = true;

@@ -1,4 +1,4 @@
-// glTF's textures of a material beside its base colour, on a floor, against double precision.
+// The textures of glTF materials other than the base colour, on a floor, against double precision.
 #include "render/set_raster.h"
 #include "render/set_truth.h"
 #include "support/gpu_test.h"
@@ -10,7 +10,7 @@ using SetMaterialTest = GpuTest;
 
 const PbrMaterial kMaterial{{0.8, 0.5, 0.2}, 0.2, 0.6};
 
-// A floor whose material reads this texture as `map`, an object of the material's JSON.
+// A floor whose material uses this texture as `map`, an object of the material's JSON.
 struct MappedFloor {
     GlbBuilder glb;
     json* material = nullptr;
@@ -38,7 +38,7 @@ Lighting usual_lighting() {
     return lighting;
 }
 
-// The floor's U goes along +X and its V along +Z, so normal maps' axes are +X and −Z.
+// U of the floor increases along +X and V along +Z, so the axes of normal maps are +X and −Z.
 constexpr uint8_t kTilt[3] = {204, 100, 228};
 glm::dvec3 tilted(glm::dvec3 t, glm::dvec3 b, glm::dvec3 n, double scale = 1) {
     const glm::dvec3 local = glm::dvec3(kTilt[0], kTilt[1], kTilt[2]) / 255.0 * 2.0 - 1.0;
@@ -77,7 +77,7 @@ TEST_F(SetMaterialTest, NormalMapsTiltByTheTangents) {
         {"the back of both sides",
          [](MappedFloor& f) {
              (*f.material)["doubleSided"] = true;
-             f.glb.root["nodes"][0]["rotation"] = {1, 0, 0, 0};  // half a turn about X: T, B, N are X, +Z, −Y
+             f.glb.root["nodes"][0]["rotation"] = {1, 0, 0, 0};  // half a turn about X: T, B, N are +X, +Z, −Y
          },
          -tilted(kX, kZ, -kY)},
     };
@@ -132,7 +132,7 @@ TEST_F(SetMaterialTest, EmissionIsSrgbTimesFactorAndStrength) {
 TEST_F(SetMaterialTest, EachTextureHasItsUvSet) {
     media::Image halves = one_colour(0, 0, 0);
     for (uint32_t y = 0; y < 4; y++)
-        for (int c = 0; c < 3; c++) halves.at(3, y)[c] = 255;  // one column: black elsewhere
+        for (int c = 0; c < 3; c++) halves.at(3, y)[c] = 255;  // one white column; the rest is black
     MappedFloor floor(halves);
     std::vector<float> uvs;
     for (int i = 0; i < 4; i++) uvs.insert(uvs.end(), {0.875f, 0.375f});  // the middle of a texel of that column

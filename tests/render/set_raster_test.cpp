@@ -43,7 +43,8 @@ TEST_F(SetRasterTest, ABallUnderAllLights) {
     lighting.ambient.light = {0.1, 0.2, 0.3};
     const Agreement agreement = compare(draw(device(), glb, camera_above(), lighting), camera_above(),
                                         ball_of({0, 0.2, 0}, 0.7), material, lighting);
-    // The mesh's flat triangles lie 3e-5 of the radius below the ball at most, more where they are seen from the side.
+    // The flat triangles of the mesh are at most 3e-5 of the radius below the ball; the error is larger at grazing
+    // angles.
     EXPECT_LT(agreement.worst, 1e-2);
     EXPECT_LT(agreement.depth, 5e-4);
     EXPECT_EQ(agreement.wrong_cover, 0u);
@@ -117,9 +118,9 @@ TEST_F(SetRasterTest, WhiteInUniformLightStaysWhite) {
         }
 }
 
-// The texel at a place of the world.
-size_t texel_of(const stage::Camera& camera, const glm::dvec3& place) {
-    const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(place, 1));
+// The texel that shows a point of the world.
+size_t texel_of(const stage::Camera& camera, const glm::dvec3& position) {
+    const glm::dvec3 p(glm::inverse(camera.world_from_camera) * glm::dvec4(position, 1));
     return static_cast<size_t>(camera.cy + camera.fy * p.y / p.z) * camera.width +
            static_cast<size_t>(camera.cx - camera.fx * p.x / p.z);
 }
@@ -176,13 +177,13 @@ TEST_F(SetRasterTest, BacksAndMirrorsAreLitFromTheirSide) {
     }
 }
 
-// A floor that a morph target lifts by a metre and a joint by its own height; both by half a metre in the end.
+// A floor that a morph target and a joint lift; in both cases by half a metre in the end.
 TEST_F(SetRasterTest, MorphsAndSkinsMoveWhatIsDrawn) {
     for (const bool skinned : {false, true}) {
         GlbBuilder glb;
         MeshData mesh = floor_mesh();
         json& node = add_mesh(glb, mesh, pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.7));
-        node["translation"] = {0, skinned ? 7 : -0.5, 0};  // a skinned mesh's node does not count
+        node["translation"] = {0, skinned ? 7 : -0.5, 0};  // the node of a skinned mesh has no effect
         json& primitive = glb.root["meshes"][0]["primitives"][0];
         if (skinned) {
             primitive["attributes"]["JOINTS_0"] = glb.add(std::vector<uint8_t>(16, 0), kU8, "VEC4", 4);
@@ -221,7 +222,7 @@ TEST_F(SetRasterTest, MorphsAndSkinsMoveWhatIsDrawn) {
             reference::Ray lower = ray;
             lower.origin.y -= 0.3;
             auto hit = floor_of(1.5)(lower);
-            if (hit) hit->place.y += 0.3;
+            if (hit) hit->position.y += 0.3;
             return hit;
         };
         const Agreement after = compare(moved, camera_above(), lifted, material, lighting);
@@ -243,7 +244,7 @@ TEST_F(SetRasterTest, ASceneWithoutMeshesShowsNothing) {
     }
 }
 
-// Finite in the file, but not once they are posed: nothing may break, and what is beside them is drawn.
+// Vertices that are finite in the file, but not once they are posed: the rest must still be drawn.
 TEST_F(SetRasterTest, VerticesThatOverflowHurtNobody) {
     GlbBuilder glb;
     MeshData far = floor_mesh();
@@ -299,7 +300,7 @@ TEST_F(SetRasterTest, PanesAreBlendedFarToNearInTwoLayers) {
         ASSERT_NEAR(drawn.depth_m[i], 3, 1e-5) << "panes leave no depth";
         if (HasFailure()) return;
     }
-    // Seen from behind through both sides? Panes have one: only the wall's back is there, and it is culled.
+    // From behind, panes and wall are culled, as they have one side.
     const SetImages behind = draw_set(device(), set, {look_at({0, 0, -4}, {0, 0, 0}, kSide, kSide, 1)});
     expect_colour(behind.colour[kSide * 10 + 10], glm::dvec4(0), "from behind");
 }

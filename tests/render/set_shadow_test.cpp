@@ -1,4 +1,4 @@
-// Shadows of the set and of performers against what analytic rays to the lights meet.
+// Shadows of the set and of performers, against analytic rays to the lights.
 #include "gpu/commands.h"
 #include "render/light_probe.h"
 #include "render/set_raster.h"
@@ -13,9 +13,9 @@ using SetShadowTest = GpuTest;
 
 const PbrMaterial kMaterial{{0.8, 0.5, 0.2}, 0, 0.8};
 constexpr float kHeight = 0.5f, kHalf = 0.3f;  // of the plate over the floor
-constexpr double kPenumbra = 0.03;             // metres on the plate's plane about its edge that are not compared
+constexpr double kPenumbra = 0.03;             // metres from the plate's edge, on its plane, that are not compared
 
-// A floor, and above it a plate that faces up.
+// A floor with a plate above it that faces up.
 GlbBuilder plate_over_floor(const json& plate_material) {
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.5f, 0.2f, 1}, 0, 0.8));
@@ -40,11 +40,11 @@ render::SetLight sun() {
     return light;
 }
 
-double plate_visible(const render::SetLight& light, glm::dvec3 place) {
+double plate_visible(const render::SetLight& light, glm::dvec3 position) {
     if (light.kind == render::SetLightKind::kPoint) return 1;
     const glm::dvec3 to =
-        light.kind == render::SetLightKind::kDirectional ? -light.direction : glm::normalize(light.position - place);
-    const glm::dvec3 there = place + to * (static_cast<double>(kHeight) - place.y) / to.y;
+        light.kind == render::SetLightKind::kDirectional ? -light.direction : glm::normalize(light.position - position);
+    const glm::dvec3 there = position + to * (static_cast<double>(kHeight) - position.y) / to.y;
     const double outside = std::max(std::abs(there.x), std::abs(there.z)) - static_cast<double>(kHalf);
     return std::abs(outside) < kPenumbra ? -1 : outside > 0 ? 1 : 0;
 }
@@ -60,7 +60,7 @@ Surface floor_beside_plate() {
     };
 }
 
-// Of the texels of the floor alone: the plate's own are not compared.
+// Compares only the texels of the floor, not those of the plate.
 Agreement floor_agreement(const SetImages& drawn, const Lighting& lighting) {
     Agreement agreement = compare(drawn, camera_above(), floor_beside_plate(), kMaterial, lighting);
     EXPECT_GT(agreement.covered, 500u);
@@ -76,7 +76,7 @@ Lighting plate_lighting(const std::vector<render::SetLight>& lights) {
 
 TEST_F(SetShadowTest, APlateShadowsTheFloor) {
     render::SetLight lamp = point();
-    lamp.casts_shadow = true;  // asked for, but points have no map
+    lamp.casts_shadow = true;  // has no effect: point lights have no map
     const std::pair<const char*, std::vector<render::SetLight>> cases[] = {
         {"spot", {spot_above()}}, {"sun", {sun()}}, {"both and a lamp", {spot_above(), lamp, sun()}}};
     for (const auto& [name, lights] : cases) {
@@ -151,8 +151,8 @@ TEST_F(SetShadowTest, AWallMeetsItsShadow) {
     render::SetLight light = sun();
     light.direction = glm::normalize(glm::dvec3(-1, -1, 0));
     Lighting lighting{{light}, {}};
-    // Behind the wall as the light goes: 0.2 − 1 < x < 0.2. A filter's reach is 3 texels of 3 m / 1024 and as much
-    // again of bias.
+    // Behind the wall, seen from the light: 0.2 − 1 < x < 0.2. The filter has a radius of 3 texels of 3 m / 1024, and
+    // the bias is as large.
     lighting.visible = [](const render::SetLight&, glm::dvec3 p) {
         if (std::abs(p.z) > 0.9) return -1.0;
         if (p.x > 0.2) return 1.0;
@@ -161,7 +161,7 @@ TEST_F(SetShadowTest, AWallMeetsItsShadow) {
     const stage::Camera camera = look_at({-2, 1.6, 0.3}, {-0.4, 0, 0}, kSide, kSide, 1.2);
     const Surface floor_before_wall = [](const reference::Ray& ray) -> std::optional<Hit> {
         const auto hit = floor_of(1.5)(ray);
-        return hit && hit->place.x < 0.19 ? hit : std::nullopt;
+        return hit && hit->position.x < 0.19 ? hit : std::nullopt;
     };
     const SetImages drawn = draw(device(), glb, camera, lighting);
     const Agreement agreement = compare(drawn, camera, floor_before_wall, kMaterial, lighting);
@@ -178,7 +178,7 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
     Lighting lighting{{sun(), spot_above()}, {}};
     set.light(lighting.lights, lighting.ambient);
     const render::WorldBox performers{glm::dvec3(-0.7, 0, -0.7), glm::dvec3(0.7, 0.9, 0.7)};
-    set.shadows_of(performers);
+    set.set_shadow_casters(performers);
     const uint32_t side = kPerformerShadowSide;
     const auto worst = [&](const Lighting& wanted) {
         return compare(draw_set(device(), set, {camera_above()}), camera_above(), floor_of(1.5), kMaterial, wanted)
@@ -194,11 +194,12 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
         for (size_t i = 0; i < side * side; i++)
             if (i % side >= side / 2 && i / side >= side / 2) maps[shadow * side * side + i] = {0.75f, 1};
         gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
-        const stage::Camera seen = render::performer_shadow_camera(from, performers, side);
-        lighting.visible = [&](const render::SetLight& light, glm::dvec3 place) {
+        const stage::Camera light_camera = render::performer_shadow_camera(from, performers, side);
+        lighting.visible = [&](const render::SetLight& light, glm::dvec3 position) {
             if (light.kind != from.kind) return 1.0;
-            const glm::dvec3 p(glm::inverse(seen.world_from_camera) * glm::dvec4(place, 1));
-            const glm::dvec2 from_middle(-seen.fx * p.x / p.z, seen.fy * p.y / p.z);  // texels, to the right and down
+            const glm::dvec3 p(glm::inverse(light_camera.world_from_camera) * glm::dvec4(position, 1));
+            const glm::dvec2 from_middle(-light_camera.fx * p.x / p.z,
+                                         light_camera.fy * p.y / p.z);  // texels, to the right and down
             const double inside = std::min(from_middle.x, from_middle.y);
             const double outside = std::max(from_middle.x, from_middle.y) - side / 2.0;
             if (std::abs(inside) < 1 || std::abs(outside) < 1) return -1.0;
@@ -221,37 +222,37 @@ TEST_F(SetShadowTest, ComputeShadersLightAlike) {
     set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
     const std::vector<render::SetLight> lights{sun(), point(), spot_above()};
     set.light(lights, {});
-    std::vector<glm::vec4> places;
+    std::vector<glm::vec4> positions;
     for (int i = 0; i < 500; i++)
-        places.emplace_back(0.003 * (i * 37 % 331) - 0.5, 0.001 * (i * 53 % 331) + 0.02, 0.003 * (i * 71 % 331) - 0.5,
-                            0);
-    const auto bytes = places.size() * sizeof(glm::vec4);
+        positions.emplace_back(0.003 * (i * 37 % 331) - 0.5, 0.001 * (i * 53 % 331) + 0.02,
+                               0.003 * (i * 71 % 331) - 0.5, 0);
+    const auto bytes = positions.size() * sizeof(glm::vec4);
     const gpu::Buffer in(device(), "places", bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
     const gpu::Buffer out(device(), "results", 6 * bytes, gpu::MemoryKind::kReadback, VK_FORMAT_R32G32B32A32_SFLOAT);
-    gpu::upload(device(), in, places.data(), bytes);
+    gpu::upload(device(), in, positions.data(), bytes);
     const gpu::ComputePass pass(device(), "light probe", light_probe_comp);
-    const gpu::BindingSet bindings(pass, {{kProbePlaces, &in},
+    const gpu::BindingSet bindings(pass, {{kProbePositions, &in},
                                           {kProbeLights, &set.lights_buffer},
                                           {kProbeSetShadows, &set.set_shadow_maps},
                                           {kProbePerformerShadows, &set.performer_shadows},
                                           {kProbeOut, &out}});
     gpu::run_once(device(), "light probe", [&](gpu::Commands& commands) {
         set.record_shadows(commands);
-        const LightProbePush push{static_cast<uint32_t>(places.size())};
-        gpu::dispatch(commands, pass, bindings, places.size(), push);
+        const LightProbePush push{static_cast<uint32_t>(positions.size())};
+        gpu::dispatch(commands, pass, bindings, positions.size(), push);
     });
     int lit = 0, dark = 0;
-    for (size_t p = 0; p < places.size(); p++)
+    for (size_t p = 0; p < positions.size(); p++)
         for (size_t i = 0; i < lights.size(); i++) {
             const glm::vec4* result = out.as<glm::vec4>() + 2 * (p * lights.size() + i);
             glm::dvec3 to_light;
-            const glm::dvec3 light = reference::light_at(lights[i], glm::dvec3(places[p]), to_light);
+            const glm::dvec3 light = reference::light_at(lights[i], glm::dvec3(positions[p]), to_light);
             for (int c = 0; c < 3; c++) {
                 EXPECT_NEAR(result[0][c], light[c], 1e-4 * (1 + light[c]));
                 EXPECT_NEAR(result[1][c], to_light[c], 1e-5);
             }
             EXPECT_EQ(result[1].w, 1) << "no performer is there";
-            const double visible = plate_visible(lights[i], glm::dvec3(places[p]));
+            const double visible = plate_visible(lights[i], glm::dvec3(positions[p]));
             if (visible < 0) continue;
             EXPECT_NEAR(result[0].w, visible, 1e-3) << "light " << i;
             (visible > 0 ? lit : dark)++;

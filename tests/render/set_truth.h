@@ -1,4 +1,4 @@
-// What the raster of the set should show: surfaces that rays meet, lit in double precision.
+// The expected image of a set: surfaces that rays meet, lit in double precision.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,19 +18,19 @@ using reference::PbrMaterial;
 
 constexpr uint32_t kSide = 48;
 
-// Where a pixel's ray meets a surface, and the surface's normal there.
+// The point where a pixel's ray meets a surface, and the surface's normal.
 struct Hit {
-    glm::dvec3 place, normal;
+    glm::dvec3 position, normal;
 };
 using Surface = std::function<std::optional<Hit>(const reference::Ray&)>;
 
-// The floor y = 0 for |x|, |z| < half; `normal` is the one it is shaded with.
+// The floor y = 0 for |x|, |z| < half, which is shaded with `normal`.
 inline Surface floor_of(double half, glm::dvec3 normal = {0, 1, 0}) {
     return [half, normal](const reference::Ray& ray) -> std::optional<Hit> {
         const double t = -ray.origin.y / ray.direction.y;
-        const glm::dvec3 place = ray.origin + t * ray.direction;
-        if (t <= 0 || std::max(std::abs(place.x), std::abs(place.z)) >= half) return std::nullopt;
-        return Hit{place, normal};
+        const glm::dvec3 position = ray.origin + t * ray.direction;
+        if (t <= 0 || std::max(std::abs(position.x), std::abs(position.z)) >= half) return std::nullopt;
+        return Hit{position, normal};
     };
 }
 
@@ -39,8 +39,8 @@ inline Surface ball_of(glm::dvec3 centre, double radius) {
         const glm::dvec3 to = centre - ray.origin;
         const double along = glm::dot(to, ray.direction), inside = along * along - glm::dot(to, to) + radius * radius;
         if (inside < 0) return std::nullopt;
-        const glm::dvec3 place = ray.origin + (along - std::sqrt(inside)) * ray.direction;
-        return Hit{place, (place - centre) / radius};
+        const glm::dvec3 position = ray.origin + (along - std::sqrt(inside)) * ray.direction;
+        return Hit{position, (position - centre) / radius};
     };
 }
 
@@ -56,8 +56,8 @@ struct Lighting {
     std::vector<render::SetLight> lights;
     render::SetAmbient ambient;
     glm::dvec3 emitted{0};
-    double occlusion = 1;  // share of the light from around that arrives
-    // How much of a light arrives at a place; negative: not to be compared.
+    double occlusion = 1;  // the fraction of the ambient light that arrives
+    // The fraction of a light that arrives at a position; negative: the position is not compared.
     std::function<double(const render::SetLight&, glm::dvec3)> visible = [](const render::SetLight&, glm::dvec3) {
         return 1.0;
     };
@@ -65,32 +65,33 @@ struct Lighting {
 
 inline glm::dvec3 expected_light(const Hit& hit, const glm::dvec3& to_eye, const PbrMaterial& material,
                                  const Lighting& lighting) {
-    const glm::dvec3 around = lighting.ambient.light;
+    const glm::dvec3 ambient = lighting.ambient.light;
     glm::dvec3 sum = lighting.emitted +
-                     lighting.occlusion * reference::reflect_ambient(material, hit.normal, to_eye, around, around);
+                     lighting.occlusion * reference::reflect_ambient(material, hit.normal, to_eye, ambient, ambient);
     for (const render::SetLight& light : lighting.lights) {
         glm::dvec3 to_light;
-        const glm::dvec3 arriving = reference::light_at(light, hit.place, to_light);
-        sum += lighting.visible(light, hit.place) * arriving * reference::brdf(material, hit.normal, to_eye, to_light) *
-               std::max(glm::dot(hit.normal, to_light), 0.0);
+        const glm::dvec3 arriving = reference::light_at(light, hit.position, to_light);
+        sum += lighting.visible(light, hit.position) * arriving *
+               reference::brdf(material, hit.normal, to_eye, to_light) * std::max(glm::dot(hit.normal, to_light), 0.0);
     }
     return sum;
 }
 
 inline bool is_compared(const Hit& hit, const Lighting& lighting) {
     for (const render::SetLight& light : lighting.lights)
-        if (lighting.visible(light, hit.place) < 0) return false;
+        if (lighting.visible(light, hit.position) < 0) return false;
     return true;
 }
 
 struct Agreement {
-    double worst = 0;  // of the colour: off by this much of itself and of 0.01
-    double depth = 0;  // relative
+    double worst = 0;  // error of the colour, relative to the colour plus 0.01
+    double depth = 0;  // relative error
     size_t covered = 0;
-    size_t wrong_cover = 0;  // texels that are covered in one alone
+    size_t wrong_cover = 0;  // texels that are covered in only one of the two
 };
 
-// Texels whose neighbours' rays do not all hit, or all miss, are left out: the edge.
+// Whether the texel is at an edge of the surface: some rays near it hit the surface and others do not. Edges are not
+// compared.
 inline bool at_edge(const Surface& surface, const stage::Camera& camera, uint32_t x, uint32_t y) {
     const bool hit = surface(reference::camera_ray(camera, x, y)).has_value();
     for (const double dx : {-0.6, 0.6})
@@ -114,18 +115,18 @@ inline Agreement compare(const SetImages& images, const stage::Camera& camera, c
                 hit ? drawn.a != 1 || std::isinf(metres) : drawn != glm::dvec4(0) || metres != INFINITY;
             if (!hit || !is_compared(*hit, lighting)) continue;
             agreement.covered++;
-            const glm::dvec3 truth = expected_light(*hit, glm::normalize(eye - hit->place), material, lighting);
+            const glm::dvec3 truth = expected_light(*hit, glm::normalize(eye - hit->position), material, lighting);
             for (int c = 0; c < 3; c++) {
                 const double error = std::abs(drawn[c] - truth[c]) / (truth[c] + 0.01);
                 agreement.worst = std::isnan(error) ? INFINITY : std::max(agreement.worst, error);
             }
-            const double along = glm::dot(hit->place - eye, forward);
+            const double along = glm::dot(hit->position - eye, forward);
             agreement.depth = std::max(agreement.depth, std::abs(metres - along) / along);
         }
     return agreement;
 }
 
-// fp16 has steps of 1/2048 of a value, of which rounding is half; the rest is single precision in sharp highlights.
+// Rounding to fp16 is an error of up to 1/2048 of a value; the rest is single precision in sharp highlights.
 constexpr double kColourTolerance = 2e-3;
 constexpr double kDepthTolerance = 2e-6;
 

@@ -39,7 +39,7 @@ float sigma_of(const DeviceSlice& slice, uint32_t leaf) {
     return std::bit_cast<float>(slice.head[leaf].x);
 }
 
-// Sums of a few dozen products in single precision; the numbers are of the order of 1 to 10.
+// The tolerance of sums of a few dozen products in single precision, of numbers around 1 to 10.
 constexpr double kTolerance = 2e-5;
 
 // Every live leaf has a slot of its own that points back to it.
@@ -79,7 +79,7 @@ double slice_error(const DeviceSlice& slice, const voctree::VOctree& tree, doubl
     return worst;
 }
 
-// Weights that fp16 does not hold.
+// Weights that fp16 does not represent.
 voctree::VOctree unrounded_tree(const RandomTreeOptions& options) {
     voctree::VOctree tree = random_tree(options);
     Random random(options.seed + 1);

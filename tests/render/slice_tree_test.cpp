@@ -1,4 +1,4 @@
-// The slice tree against the reference's slice: which cells live, what their entries say; and the ranges of tiles.
+// The slice tree against the reference's slice: live cells and their entries; and the ranges of tiles.
 #include "render/slice_tree.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TEST_F(SliceTreeTest, HoldsEveryLiveLeafWhereAWalkFindsItAndNothingElse) {
             {.seed = degree + 20, .node_levels = kLevels[degree], .leaves = 600, .bases = 5, .hh_degree = degree});
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         const render::LiveLeaves live(device(), field, field.leaf_count);
-        const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+        const render::SliceTrees sliced(device(), field, render::max_entries(field), 1);
         const render::TreeSlicer slicer(device(), field, live, sliced);
         for (const float frame : {0.0f, 2.5f, 4.0f}) {
             gpu::run_once(device(), "slice",
@@ -68,8 +68,8 @@ TEST_F(SliceTreeTest, NodesWithoutRoomAreDeadAndCounted) {
 }
 
 // A ray's part inside live leaves, in metres; none (x > y) where it meets none.
-glm::dvec2 seen_range(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
-                      const reference::Ray& ray) {
+glm::dvec2 met_range(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
+                     const reference::Ray& ray) {
     glm::dvec2 range(1e30, -1e30);
     for (const reference::Segment& segment : reference::intersect(tree, ray)) {
         if (!(slices[segment.leaf].sigma > 0)) continue;
@@ -83,7 +83,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     const voctree::VOctree tree = random_tree({.seed = 12, .node_levels = 3, .leaves = 400});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
     const render::LiveLeaves live(device(), field, field.leaf_count);
-    const render::SliceTrees sliced(device(), field, render::most_entries(field), 1);
+    const render::SliceTrees sliced(device(), field, render::max_entries(field), 1);
     const render::TreeSlicer slicer(device(), field, live, sliced);
     const render::RayBatch rays(device(), 1, kAcross * kDown);
     const render::TileRanges ranges(device(), kAcross * kDown, kAcross * kDown, 1);
@@ -96,7 +96,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     struct View {
         stage::Camera camera;
         bool outside;
-        uint32_t level;  // of the finest nodes that are looked at
+        uint32_t level;  // of the finest nodes that are projected
     };
     const View outside{look({2.7, 2.4, 3.1}, glm::dvec3(0.5), 1.1), true, 2};
     View coarse = outside, whole = outside;
@@ -110,7 +110,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
             *rays.cameras.as<ShaderCamera>() = render::shader_camera(camera);
             *ranges.views.as<RangeView>() = render::range_view(render::shader_camera(camera));
             render::record_slice_tree(commands, slicer, 0, 1);
-            render::record_unseen(commands, ranges);
+            render::record_clear_coverage(commands, ranges);
             render::record_tile_ranges(commands, ranger, 0, 0, level, {kWidth, kHeight});
         });
         std::vector<glm::uvec2> words(kAcross * kDown);
@@ -119,20 +119,20 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
         gpu::download(device(), ranges.count, &count, sizeof(count));
         uint32_t listed = 0, seeing = 0;
         for (uint32_t tile = 0; tile < words.size(); tile++) {
-            glm::dvec2 seen(1e30, -1e30);
+            glm::dvec2 truth(1e30, -1e30);
             for (uint32_t i = 0; i < 64; i++) {
                 const uint32_t x = tile % kAcross * 8 + i % 8, y = tile / kAcross * 8 + i / 8;
                 if (x >= kWidth || y >= kHeight) continue;
-                const glm::dvec2 range = seen_range(tree, slices, reference::camera_ray(camera, x, y));
-                seen = {std::min(seen.x, range.x), std::max(seen.y, range.y)};
+                const glm::dvec2 range = met_range(tree, slices, reference::camera_ray(camera, x, y));
+                truth = {std::min(truth.x, range.x), std::max(truth.y, range.y)};
             }
             listed += words[tile].x != kNoTile;
-            seeing += seen.x < seen.y;
-            if (!(seen.x < seen.y)) continue;
+            seeing += truth.x < truth.y;
+            if (!(truth.x < truth.y)) continue;
             ASSERT_NE(words[tile].x, kNoTile) << "tile " << tile << " sees, and is not listed";
             const float near = std::bit_cast<float>(words[tile].x), far = std::bit_cast<float>(~words[tile].y);
-            EXPECT_LE(near, seen.x) << "tile " << tile;
-            EXPECT_GE(far, seen.y) << "tile " << tile;
+            EXPECT_LE(near, truth.x) << "tile " << tile;
+            EXPECT_GE(far, truth.y) << "tile " << tile;
         }
         EXPECT_EQ(count.slots, listed);
         EXPECT_GE(count.groups_x * count.groups_y, listed);
@@ -157,8 +157,8 @@ TEST_F(SliceTreeTest, FarNodesAreSmallAndNothingBesideThePictureIsSeen) {
         last = level;
     }
     const auto pixels = [&](glm::dvec3 eye, glm::dvec3 at) {
-        return render::pixels_around(render::range_view(render::shader_camera(look_at(eye, at, 40, 30, 1))), {40, 30},
-                                     field.leaves_min, field.leaves_max);
+        return render::pixels_covered(render::range_view(render::shader_camera(look_at(eye, at, 40, 30, 1))), {40, 30},
+                                      field.leaves_min, field.leaves_max);
     };
     const glm::dvec3 centre(middle), far(0, 0, 20 * edge);
     EXPECT_EQ(pixels(centre, centre + glm::dvec3(1, 0, 0)), 40 * 30) << "around the eye";

@@ -1,4 +1,4 @@
-// A renderer whose stage is edited while it is shown draws what one made for the new stage draws.
+// A renderer whose stage is edited draws the same as a new renderer of the edited stage.
 #include "render/stage_renderer.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,8 @@ voctree::VOctree clip_tree(uint64_t seed) {
     return random_tree({.seed = seed, .node_levels = 3, .leaves = 1500});
 }
 
-// A stage that is edited: a floor with a texture, a box that casts a shadow, a pane of glass, a lamp, two performers.
+// The document of a stage to be edited: a floor with a texture, a box that casts a shadow, a pane of glass, a lamp and
+// two performers.
 struct Draft {
     TemporaryFolder folder;
     GlbBuilder glb;
@@ -84,14 +85,14 @@ stage::Camera camera_of_size(uint32_t width, uint32_t height) {
     return look_at({0.4, 1.6, 4.2}, {0.2, 0.5, 0}, width, height, 1.1);
 }
 
-media::Image shown(render::StageRenderer& renderer, const stage::Stage& stage) {
+media::Image drawn(render::StageRenderer& renderer, const stage::Stage& stage) {
     const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0.06);
     renderer.show(evaluated);
     const render::FrameSettings settings = renderer.settings_at(evaluated);
     return renderer.frames().render(camera_of_size(settings.width, settings.height), settings);
 }
 
-// The stage of a draft as it is edited.
+// A renderer that follows the edits of a draft.
 struct Live {
     const gpu::Device& device;
     Draft& draft;
@@ -100,18 +101,18 @@ struct Live {
     render::StageLoader loader{device, source};
     render::StageRenderer renderer{device, *stage, loader.load(*stage), {kWidth, kHeight}};
 
-    media::Image image() { return shown(renderer, *stage); }
+    media::Image image() { return drawn(renderer, *stage); }
     media::Image fresh_image() const {
         render::StageRenderer fresh(device, *stage, render::StageLoader(device, source).load(*stage),
                                     {kWidth, kHeight});
-        return shown(fresh, *stage);
+        return drawn(fresh, *stage);
     }
     void change() {
         std::unique_ptr<stage::Stage> next = draft.stage();
         renderer.change(*next, loader.load(*next));
         stage = std::move(next);
     }
-    // It shows something else than before, and that is right.
+    // The image changes, and is that of a new renderer.
     void expect_change(const std::string& what) {
         SCOPED_TRACE(what);
         const media::Image before = image();
@@ -177,17 +178,17 @@ TEST_F(StageRendererTest, TheSetChanges) {
 TEST_F(StageRendererTest, TheEnvironmentChanges) {
     Draft draft;
     Live live{device(), draft};
-    const auto around = [&](const media::Image& image, const std::string& name) {
+    const auto set_environment = [&](const media::Image& image, const std::string& name) {
         media::write_png(draft.folder.path / name, image);
     };
     media::Image sky(32, 16);
     for (uint32_t i = 0; i < sky.rgba.size(); i++) sky.rgba[i] = i % 4 == 3 ? 255 : static_cast<uint8_t>(i / 8);
-    around(sky, "sky.png");
+    set_environment(sky, "sky.png");
     draft.settings()["environment"] = {{"uri", "sky.png"}};
     live.expect_change("environment");
     draft.settings()["environment"]["rotation"] = 40;
     live.expect_change("turned");
-    around(one_colour(30, 90, 200), "sky.png");
+    set_environment(one_colour(30, 90, 200), "sky.png");
     live.expect_change("its file is another");
     draft.settings().erase("environment");
     live.expect_change("none");
@@ -237,7 +238,7 @@ TEST_F(StageRendererTest, AClipThatSomebodyStillHasComesBackWithoutReading) {
     EXPECT_NE(&live.renderer.field(1), b);
 }
 
-// One colour on all leaves, at all frames.
+// Paint of one colour on all leaves, in all frames.
 voctree::EditLayer coat(const voctree::VOctree& tree, glm::vec3 colour) {
     voctree::EditLayer layer{voctree::painted_field(tree), {}};
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
@@ -307,7 +308,7 @@ TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
     expect_refusal("no environment");
     draft.settings().erase("environment");
     const std::filesystem::path clip = draft.folder.path / "b.nvv";
-    const std::unique_ptr<stage::Stage> next = draft.stage();  // a damaged clip's header is sound
+    const std::unique_ptr<stage::Stage> next = draft.stage();  // reads only the header of the clip, which stays sound
     std::filesystem::resize_file(clip, std::filesystem::file_size(clip) - 100);
     EXPECT_THROW(live.renderer.change(*next, live.loader.load(*next)), InputError);
     EXPECT_EQ(live.image().rgba, before.rgba);
@@ -327,13 +328,13 @@ TEST_F(StageRendererTest, ResizedIsAsMadeOfThatSize) {
                                     {size.x, size.y});
         const media::Image image = live.image();
         EXPECT_EQ(image.width, size.x);
-        EXPECT_EQ(image.rgba, shown(fresh, *live.stage).rgba);
+        EXPECT_EQ(image.rgba, drawn(fresh, *live.stage).rgba);
         EXPECT_EQ(live.renderer.frames().performer(), performer) << "with its slices";
     }
     draft.node("anna")["translation"] = {-0.6, 0.2, 0.1};
     live.change();
     render::StageRenderer fresh(device(), *live.stage, render::StageLoader(device()).load(*live.stage), {90, 70});
-    EXPECT_EQ(live.image().rgba, shown(fresh, *live.stage).rgba) << "and is changed afterwards";
+    EXPECT_EQ(live.image().rgba, drawn(fresh, *live.stage).rgba) << "and is changed afterwards";
 }
 
 TEST_F(StageRendererTest, PicturesMayStayOnTheDevice) {
@@ -345,7 +346,7 @@ TEST_F(StageRendererTest, PicturesMayStayOnTheDevice) {
     settings.instances.clear();
     const stage::Camera camera = camera_of_size(kWidth, kHeight);
     render::FrameRenderer& frames = live.renderer.frames();
-    frames.render(camera, settings);  // something else is there
+    frames.render(camera, settings);  // overwrites the image
     const gpu::Buffer& kept = frames.draw({&camera, 1}, live.renderer.settings_at(evaluated));
     std::vector<uint8_t> bytes(image.rgba.size());
     gpu::download(device(), kept, bytes.data(), bytes.size());
@@ -374,7 +375,7 @@ TEST_F(StageRendererTest, LiveEntriesAreLeavesAndNodesThatLive) {
     EXPECT_EQ(live.renderer.frames().live_entries(), 0u);
 }
 
-// The part of a camera's image from pixel (x, y) on.
+// The camera of the part of an image from pixel (x, y) on.
 stage::Camera part_of(stage::Camera camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
     camera.cx -= x;
     camera.cy -= y;
@@ -383,8 +384,8 @@ stage::Camera part_of(stage::Camera camera, uint32_t x, uint32_t y, uint32_t wid
     return camera;
 }
 
-// Pixels that differ by more than a step. Glass and edges of the set may: a vertex of the part's image, in single
-// precision, falls to the other side of the rasteriser's 1/256 of a texel.
+// The number of pixels that differ by more than a step. Glass and edges of the set may: in single precision, the
+// rasteriser may round a vertex of the part to another 1/256 of a texel.
 uint32_t unlike_pixels(const media::Image& a, const media::Image& b) {
     uint32_t unlike = 0;
     for (size_t pixel = 0; pixel < a.rgba.size(); pixel += 4) {
@@ -424,7 +425,7 @@ TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
         return image;
     };
     for (const render::TraceMode mode :
-         {render::TraceMode::kTree, render::TraceMode::kPlay}) {  // which chooses for each part by itself
+         {render::TraceMode::kTree, render::TraceMode::kPlay}) {  // kPlay selects the shading of each part by itself
         settings.mode = mode;
         const media::Image whole = fine.frames().render(camera, settings);
         EXPECT_GT(unlike_pixels(put_together(1), whole), kWide * kHigh / 50) << "so many samples do show";

@@ -341,7 +341,7 @@ TEST(GltfHostile, ViewsAndBuffers) {
     expect_error(glb, "/accessors/0", "overlap");
     glb = triangle();
     glb.root["buffers"] = {{{"byteLength", 36}, {"uri", "nowhere.bin"}}};
-    expect_error(glb, "nowhere.bin", "is not there");
+    expect_error(glb, "nowhere.bin", "does not exist");
     glb.root["buffers"] = {"x"};
     expect_error(glb, "/buffers/0", "is not an object");
     glb.root["buffers"] = {{{"byteLength", 1000}}};

@@ -59,7 +59,7 @@ TEST_F(DatasetVerb, ACaptureWithMattes) {
     EXPECT_EQ(field(text, "lenses"), "pinhole; focal length 62.4 pixels, 42.1° wide");
     EXPECT_EQ(field(text, "size"), "48×48");
     EXPECT_EQ(field(text, "frames"), "3, frame rate not given");
-    EXPECT_EQ(field(text, "pictures"), "36, every camera at every instant");
+    EXPECT_EQ(field(text, "images"), "36, every camera at every time");
     EXPECT_EQ(field(text, "masks"), "none");
     EXPECT_EQ(field(text, "plates"), "none");
     EXPECT_EQ(field(text, "mattes").find("yes; the performer fills "), 0u) << text;

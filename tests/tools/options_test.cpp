@@ -5,7 +5,6 @@
 #include "media/image.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 
 namespace neuvv {

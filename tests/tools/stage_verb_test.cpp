@@ -7,7 +7,7 @@
 #include "support/input_error.h"
 #include "tests/stage/stage_files.h"
 #include "tests/tools/run_neuvv.h"
-#include "tools/stage_options.h"
+#include "tools/stage_verbs.h"
 #include "voctree/nvpaint.h"
 
 namespace neuvv {

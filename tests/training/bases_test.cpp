@@ -54,28 +54,28 @@ TEST(CourseSolver, FindsTheWeightsOfACourseInTheSpan) {
     Random random(1);
     for (const auto& [frames, bases] : {std::pair(1u, 1u), {10u, 4u}, {24u, 24u}, {75u, 31u}}) {
         const std::vector<float> basis = training::hat_basis(frames, bases);
-        std::vector<float> truth(bases), course(frames), found(bases);
+        std::vector<float> truth(bases), values(frames), found(bases);
         for (float& weight : truth) weight = static_cast<float>(random.bell());
         for (uint32_t t = 0; t < frames; t++)
-            for (uint32_t c = 0; c < bases; c++) course[t] += basis[t * bases + c] * truth[c];
-        training::CourseSolver(basis, frames, bases).solve(course.data(), found.data());
+            for (uint32_t c = 0; c < bases; c++) values[t] += basis[t * bases + c] * truth[c];
+        training::BasisSolver(basis, frames, bases).solve(values.data(), found.data());
         for (uint32_t c = 0; c < bases; c++) EXPECT_NEAR(found[c], truth[c], 1e-4) << frames << ' ' << bases;
     }
 }
 
 TEST(CourseSolver, ComesNearACourseOutsideTheSpan) {
     const std::vector<float> basis = training::hat_basis(9, 2);  // straight lines
-    const std::vector<float> course = {0, 0, 0, 0, 1, 0, 0, 0, 0};
+    const std::vector<float> values = {0, 0, 0, 0, 1, 0, 0, 0, 0};
     std::vector<float> weights(2);
-    training::CourseSolver(basis, 9, 2).solve(course.data(), weights.data());
+    training::BasisSolver(basis, 9, 2).solve(values.data(), weights.data());
     EXPECT_NEAR(weights[0], 1.0 / 9, 1e-4);  // the best line is the mean
     EXPECT_NEAR(weights[1], 1.0 / 9, 1e-4);
 }
 
 TEST(CourseSolver, ColumnsThatBecameAlikeShare) {
-    const std::vector<float> basis = {1, 1, 1, 1, 1, 1}, course = {2, 2, 2};  // 3 frames × 2 equal columns
+    const std::vector<float> basis = {1, 1, 1, 1, 1, 1}, values = {2, 2, 2};  // 3 frames × 2 equal columns
     std::vector<float> weights(2);
-    training::CourseSolver(basis, 3, 2).solve(course.data(), weights.data());
+    training::BasisSolver(basis, 3, 2).solve(values.data(), weights.data());
     EXPECT_NEAR(weights[0], 1, 1e-3);
     EXPECT_NEAR(weights[1], 1, 1e-3);
 }

@@ -34,8 +34,8 @@ struct CameraPathFile : testing::Test {
 };
 
 // A level camera at `place` that looks along −Z, but for `yaw_deg` about +Y.
-void expect_pose(const stage::CameraPathKey& key, glm::dvec3 place, double yaw_deg) {
-    EXPECT_LT(glm::distance(key.position, place), 1e-9)
+void expect_pose(const stage::CameraPathKey& key, glm::dvec3 position, double yaw_deg) {
+    EXPECT_LT(glm::distance(key.position, position), 1e-9)
         << key.position.x << " " << key.position.y << " " << key.position.z;
     const glm::dquat turn = glm::angleAxis(yaw_deg * kDegree, glm::dvec3(0, 1, 0));
     EXPECT_NEAR(std::abs(glm::dot(key.world_from_camera, turn)), 1, 1e-9);

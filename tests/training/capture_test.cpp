@@ -47,14 +47,14 @@ glm::dvec2 project(const stage::Camera& camera, const glm::vec3& point) {
 }
 
 // The largest alpha in the 3 × 3 pixels around a place in the image.
-int alpha_near(const media::Image& image, const glm::dvec2& place) {
+int alpha_near(const media::Image& image, const glm::dvec2& pixel) {
     int largest = 0;
     for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
             const auto x = static_cast<uint32_t>(
-                std::clamp<int>(static_cast<int>(place.x) + dx, 0, static_cast<int>(image.width) - 1));
+                std::clamp<int>(static_cast<int>(pixel.x) + dx, 0, static_cast<int>(image.width) - 1));
             const auto y = static_cast<uint32_t>(
-                std::clamp<int>(static_cast<int>(place.y) + dy, 0, static_cast<int>(image.height) - 1));
+                std::clamp<int>(static_cast<int>(pixel.y) + dy, 0, static_cast<int>(image.height) - 1));
             largest = std::max(largest, int{image.at(x, y)[3]});
         }
     return largest;
@@ -65,10 +65,10 @@ void expect_silhouette(const training::View& view, const stage::Camera& camera, 
     glm::dvec2 low(1e9), high(-1e9), alpha_low(1e9), alpha_high(-1e9);
     int missed = 0;
     for (const glm::vec3& point : points) {
-        const glm::dvec2 place = project(camera, point);
-        low = glm::min(low, place);
-        high = glm::max(high, place);
-        missed += alpha_near(view.image, place) == 0;
+        const glm::dvec2 pixel = project(camera, point);
+        low = glm::min(low, pixel);
+        high = glm::max(high, pixel);
+        missed += alpha_near(view.image, pixel) == 0;
     }
     EXPECT_EQ(missed, 0) << view.name;
     EXPECT_GT(std::min(low.x, low.y), 1) << view.name;
@@ -237,7 +237,7 @@ TEST(Capture, MattesAreFoundInTheCheckeredRoom) {
     run(folder.path, settings);
     const training::Dataset truth = training::load_dataset(folder.path, training::Split::kTrain);
     std::filesystem::create_directories(folder.path / "mattes");
-    const training::MattesMade made =
+    const training::MatteSummary made =
         training::make_mattes({.dataset = folder.path, .output = folder.path / "mattes"}, {});
     EXPECT_EQ(made.images, 18u);
     EXPECT_EQ(made.cameras_with_plate, 6u);

@@ -34,7 +34,7 @@ training::RunState some_run() {
             .phase_rays = 1u << 31,
             .dataset_hash = 987654321,
             .max_depth = 4,
-            .several_from = 77,
+            .several_rays_from = 77,
             .max_leaves = 123456,
             .max_bytes = 60000000,
             .adaptive = false,
@@ -64,8 +64,8 @@ std::vector<float> fill_moments(const gpu::Device& device, const training::Train
     put(moments.rows_second, rows, 0);
     training::LeafUse use;
     for (uint32_t i = 0; i < step.field().leaf_count; i++) {
-        use.reach.push_back(static_cast<float>(random.uniform()));
-        use.pull.push_back(static_cast<float>(random.uniform()));
+        use.max_weight.push_back(static_cast<float>(random.uniform()));
+        use.opacity_sensitivity.push_back(static_cast<float>(random.uniform()));
     }
     for (size_t i = 0; i < size_t{(step.field().frames + 31) / 32} * step.field().leaf_count; i++)
         use.frames.push_back(static_cast<uint32_t>(random.below(1u << 31)));
@@ -103,7 +103,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.phase_rays, run.phase_rays);
     EXPECT_EQ(loaded.run.dataset_hash, run.dataset_hash);
     EXPECT_EQ(loaded.run.max_depth, run.max_depth);
-    EXPECT_EQ(loaded.run.several_from, run.several_from);
+    EXPECT_EQ(loaded.run.several_rays_from, run.several_rays_from);
     EXPECT_EQ(loaded.run.max_leaves, run.max_leaves);
     EXPECT_EQ(loaded.run.max_bytes, run.max_bytes);
     EXPECT_EQ(loaded.run.adaptive, run.adaptive);
@@ -137,8 +137,8 @@ TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
     EXPECT_EQ(after.second, before.second);
     EXPECT_EQ(after.rows_first, before.rows_first);
     EXPECT_EQ(after.rows_second, before.rows_second);
-    EXPECT_EQ(after.use.reach, before.use.reach);
-    EXPECT_EQ(after.use.pull, before.use.pull);
+    EXPECT_EQ(after.use.max_weight, before.use.max_weight);
+    EXPECT_EQ(after.use.opacity_sensitivity, before.use.opacity_sensitivity);
     EXPECT_EQ(after.use.frames, before.use.frames);
 }
 
@@ -154,8 +154,8 @@ struct StateFile {
         checkpoint.second = checkpoint.first;
         checkpoint.rows_first.resize(size_t{2} * tree.frames * tree.bases);
         checkpoint.rows_second = checkpoint.rows_first;
-        checkpoint.use.reach.resize(tree.leaf_count);
-        checkpoint.use.pull.resize(tree.leaf_count);
+        checkpoint.use.max_weight.resize(tree.leaf_count);
+        checkpoint.use.opacity_sensitivity.resize(tree.leaf_count);
         checkpoint.use.frames.resize(size_t{(tree.frames + 31) / 32} * tree.leaf_count);
         training::save_checkpoint(nvv, checkpoint);
     }

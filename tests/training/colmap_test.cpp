@@ -203,12 +203,12 @@ TEST_P(ColmapTest, EveryEighthPictureIsHeldOut) {
 
 TEST_P(ColmapTest, TheModelMayStandElsewhere) {
     write_images();
-    for (const char* place : {"sparse", "colmap/sparse/0", "."}) {
-        test::write_colmap(folder.path / place, sample, GetParam());
-        EXPECT_EQ(training::read_rig(folder.path, training::Split::kTrain).cameras.size(), 7u) << place;
+    for (const char* model_path : {"sparse", "colmap/sparse/0", "."}) {
+        test::write_colmap(folder.path / model_path, sample, GetParam());
+        EXPECT_EQ(training::read_rig(folder.path, training::Split::kTrain).cameras.size(), 7u) << model_path;
         for (const char* file : {"cameras", "images"})
             for (const char* ending : {".bin", ".txt"})
-                std::filesystem::remove(folder.path / place / (std::string(file) + ending));
+                std::filesystem::remove(folder.path / model_path / (std::string(file) + ending));
     }
     expect_input_error([&] { training::read_rig(folder.path, training::Split::kTrain); },
                        {folder.path.string(), "sparse/0"});

@@ -59,8 +59,8 @@ TEST(Compact, EmptyFramesAreZeroWhereEachFrameHasItsBasis) {
 
 TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
     voctree::VOctree tree = tree_of(6, 6);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    const auto same_place = [](const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    const auto same_position = [](const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
         return a.x == b.x && a.y == b.y && a.z == b.z && a.depth == b.depth;
     };
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3)
@@ -74,9 +74,9 @@ TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
     training::drop_empty_leaves(after);
     EXPECT_EQ(voctree::defect_of(after), "");
     ASSERT_EQ(after.leaf_count, live.size());
-    const std::vector<voctree::LeafPosition> places_after = voctree::leaf_positions(after);
+    const std::vector<voctree::LeafPosition> positions_after = voctree::leaf_positions(after);
     for (uint32_t leaf = 0; leaf < after.leaf_count; leaf++) {
-        EXPECT_TRUE(same_place(places_after[leaf], places[live[leaf]])) << leaf;
+        EXPECT_TRUE(same_position(positions_after[leaf], positions[live[leaf]])) << leaf;
         EXPECT_TRUE(std::equal(after.leaf(leaf), after.leaf(leaf) + after.weights_per_leaf(), tree.leaf(live[leaf])));
     }
 

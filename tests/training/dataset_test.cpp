@@ -44,15 +44,15 @@ struct DatasetTest : testing::Test {
 
     void SetUp() override {
         good = {{"camera_angle_x", 0.8}, {"w", 6}, {"h", 4}, {"fps", 12.5}, {"aabb", {{-1, 0, -1}, {1, 2, 1}}}};
-        for (const int instant : {2, 0, 1})
+        for (const int frame : {2, 0, 1})
             for (const int camera : {0, 1}) {
-                const std::string name = "c" + std::to_string(camera) + "_f" + std::to_string(instant);
+                const std::string name = "c" + std::to_string(camera) + "_f" + std::to_string(frame);
                 good["frames"].push_back({{"file_path", "./train/" + name},
-                                          {"time", instant / 2.0},
+                                          {"time", frame / 2.0},
                                           {"transform_matrix", pose_at(camera, 1.5, 3)}});
                 std::filesystem::create_directories(folder.path / "train");
                 media::write_png(folder.path / "train" / (name + ".png"),
-                                 matte_image(6, 4, static_cast<uint8_t>(10 * instant + 100 * camera)));
+                                 matte_image(6, 4, static_cast<uint8_t>(10 * frame + 100 * camera)));
             }
     }
 

@@ -47,23 +47,23 @@ TEST(Dome, NoTwoCamerasAreClose) {
 
 TEST(Dome, HoldoutIsSpreadOverRingsAndAround) {
     const auto dome = training::dome_cameras(66);
-    const std::vector<bool> held = training::held_out(66, 0.1);
-    EXPECT_EQ(std::count(held.begin(), held.end(), true), 7);
-    for (const uint32_t in_ring : count_rings(dome, &held)) {
+    const std::vector<bool> is_test = training::held_out(66, 0.1);
+    EXPECT_EQ(std::count(is_test.begin(), is_test.end(), true), 7);
+    for (const uint32_t in_ring : count_rings(dome, &is_test)) {
         EXPECT_GE(in_ring, 1u);
         EXPECT_LE(in_ring, 3u);
     }
     for (size_t i = 0; i < dome.size(); ++i)
         for (size_t k = 0; k < i; ++k)
-            if (held[i] && held[k]) {
+            if (is_test[i] && is_test[k]) {
                 EXPECT_GT(glm::length(dome[i].outward - dome[k].outward), 0.5) << i << " " << k;
             }
 }
 
 TEST(Dome, HoldoutLeavesOneOfEachKind) {
     const auto count = [](uint32_t cameras, double share) {
-        const std::vector<bool> held = training::held_out(cameras, share);
-        return std::count(held.begin(), held.end(), true);
+        const std::vector<bool> is_test = training::held_out(cameras, share);
+        return std::count(is_test.begin(), is_test.end(), true);
     };
     EXPECT_EQ(count(66, 0), 0);
     EXPECT_EQ(count(4, 0.01), 1);

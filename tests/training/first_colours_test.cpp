@@ -22,8 +22,8 @@ training::Dataset painted(const SphereCapture& capture, const std::vector<std::a
 TEST(FirstColours, AreWhatTheCamerasSeeInAllowedInstants) {
     const SphereCapture capture;
     const training::Dataset dataset = painted(capture, {{200, 100, 50}, {20, 30, 40}, {20, 30, 40}});
-    const std::vector<glm::vec3> places = {glm::vec3(capture.centre(0)), glm::vec3(capture.centre(1)), {0, 5, 0}};
-    const std::vector<glm::vec3> colours = training::first_colours(dataset, places, {1, 6, 7});
+    const std::vector<glm::vec3> positions = {glm::vec3(capture.centre(0)), glm::vec3(capture.centre(1)), {0, 5, 0}};
+    const std::vector<glm::vec3> colours = training::first_colours(dataset, positions, {1, 6, 7});
     for (int c = 0; c < 3; c++) {
         EXPECT_NEAR(colours[0][c],
                     media::linear_from_srgb_byte(std::array<uint8_t, 3>{200, 100, 50}[static_cast<size_t>(c)]), 1e-4);

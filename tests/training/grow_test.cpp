@@ -20,12 +20,12 @@ voctree::VOctree first_tree() {
     return training::initial_tree(capture(), {.resolution = 32, .bases = 31, .hh_degree = 1}, 2);
 }
 
-glm::dvec3 middle_of(const voctree::LeafPosition& place) {
-    return (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth);
+glm::dvec3 middle_of(const voctree::LeafPosition& position) {
+    return (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth);
 }
 
-glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 place) {
-    return glm::dvec3(tree.box_min) + place * glm::dvec3(tree.box_size);
+glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 position) {
+    return glm::dvec3(tree.box_min) + position * glm::dvec3(tree.box_size);
 }
 
 // σ before relu, with as many hat bases as frames: the weight itself.
@@ -34,16 +34,16 @@ float sigma_at(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
 }
 
 // Every frame used every leaf, with these reaches and as much pull.
-training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> reach) {
-    return {reach, reach, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
+training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> max_weight) {
+    return {max_weight, max_weight, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
 }
 
 // Sound, and no leaf stands in another: the deepest walk to each leaf's middle ends in that leaf.
 void expect_sound(const voctree::VOctree& tree) {
     EXPECT_EQ(voctree::defect_of(tree), "");
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    for (uint32_t leaf = 0; leaf < places.size(); leaf++)
-        ASSERT_EQ(voctree::find_leaf(tree, middle_of(places[leaf])), leaf);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    for (uint32_t leaf = 0; leaf < positions.size(); leaf++)
+        ASSERT_EQ(voctree::find_leaf(tree, middle_of(positions[leaf])), leaf);
 }
 
 TEST(Grow, DepthOfAResolution) {
@@ -71,14 +71,15 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
     EXPECT_EQ(tree.frames, 3u);
     EXPECT_EQ(tree.bases, 3u);  // one a frame, however many were asked for
     EXPECT_EQ(tree.fps, 25);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
-    for (const voctree::LeafPosition& place : places) EXPECT_EQ(place.depth, 3u);  // 5 for 32 cells, less two levels
-    EXPECT_LT(places.size(), 512u);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    for (const voctree::LeafPosition& position : positions)
+        EXPECT_EQ(position.depth, 3u);  // 5 for 32 cells, less two levels
+    EXPECT_LT(positions.size(), 512u);
     for (uint32_t frame = 0; frame < 3; frame++) {
         const glm::dvec3 centre = kCapture.centre(kCapture.time(frame));
         for (const glm::dvec3 off : {glm::dvec3(0), glm::dvec3(0.38, 0, 0), glm::dvec3(-0.2, 0.2, 0.2)}) {
-            const glm::dvec3 place = (centre + off - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
-            const uint32_t leaf = voctree::find_leaf(tree, place);
+            const glm::dvec3 position = (centre + off - glm::dvec3(tree.box_min)) / glm::dvec3(tree.box_size);
+            const uint32_t leaf = voctree::find_leaf(tree, position);
             ASSERT_NE(leaf, UINT32_MAX);
             EXPECT_GT(sigma_at(tree, leaf, frame), 0);
         }
@@ -87,10 +88,10 @@ TEST(Grow, FirstTreeHoldsTheSphereInCubes) {
 
 TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
     const voctree::VOctree tree = first_tree();
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(tree);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     size_t forbidden = 0;
-    for (uint32_t leaf = 0; leaf < places.size(); leaf++) {
-        const glm::dvec3 middle = world_of(tree, middle_of(places[leaf]));
+    for (uint32_t leaf = 0; leaf < positions.size(); leaf++) {
+        const glm::dvec3 middle = world_of(tree, middle_of(positions[leaf]));
         bool ever = false;
         for (uint32_t frame = 0; frame < 3; frame++) {
             ever |= sigma_at(tree, leaf, frame) > 0;
@@ -102,21 +103,21 @@ TEST(Grow, FirstTreeIsEmptyWhereAndWhenTheHullForbids) {
         }
         EXPECT_TRUE(ever) << "a leaf that is never allowed";
     }
-    EXPECT_GT(forbidden, places.size() / 10);
+    EXPECT_GT(forbidden, positions.size() / 10);
 }
 
 TEST(Grow, PrunesWhatIsNotReached) {
     voctree::VOctree tree = first_tree();
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[6] = static_cast<float>(leaf);
-    std::vector<float> reach(tree.leaf_count, 0.5f);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) reach[leaf] = 0.001f;
+    std::vector<float> max_weight(tree.leaf_count, 0.5f);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3) max_weight[leaf] = 0.001f;
     const voctree::VOctree grown =
-        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .prune_below = 0.01f});
+        training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .prune_below = 0.01f});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, tree.leaf_count - (tree.leaf_count + 2) / 3);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
-        const uint32_t before = voctree::find_leaf(tree, middle_of(places[leaf]));
+        const uint32_t before = voctree::find_leaf(tree, middle_of(positions[leaf]));
         EXPECT_NE(before % 3, 0u);
         EXPECT_TRUE(std::equal(grown.leaf(leaf), grown.leaf(leaf) + grown.weights_per_leaf(), tree.leaf(before)));
     }
@@ -134,17 +135,17 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
     Random random(2);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
         for (uint32_t i = 3; i < tree.weights_per_leaf(); i++) tree.leaf(leaf)[i] = static_cast<float>(random.bell());
-    std::vector<float> reach(tree.leaf_count, 0.01f);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) reach[leaf] = 0.9f;
+    std::vector<float> max_weight(tree.leaf_count, 0.01f);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) max_weight[leaf] = 0.9f;
     const voctree::VOctree grown =
-        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .divide_from = 0.5f});
+        training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .min_weight_to_divide = 0.5f});
     expect_sound(grown);
     size_t children = 0, emptied = 0;
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
-        const glm::dvec3 middle = middle_of(places[leaf]);
+        const glm::dvec3 middle = middle_of(positions[leaf]);
         const uint32_t parent = voctree::find_leaf(tree, middle);
-        const bool child = places[leaf].depth == 4;
+        const bool child = positions[leaf].depth == 4;
         EXPECT_EQ(child, parent % 2 == 0);
         children += child ? 1 : 0;
         EXPECT_TRUE(
@@ -164,50 +165,54 @@ TEST(Grow, ChildrenInheritColoursAndDensityWhereTheHullAllows) {
 
 TEST(Grow, StaysWithinDepthAndLeafLimits) {
     const voctree::VOctree tree = first_tree();
-    std::vector<float> reach(tree.leaf_count);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
-    const training::GrowSettings at_depth{.max_depth = 3, .divide_from = 0.01f};
-    EXPECT_EQ(training::grow(capture(), tree, use_of(tree, reach), at_depth).leaf_count, tree.leaf_count);
+    std::vector<float> max_weight(tree.leaf_count);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) max_weight[leaf] = 0.1f + static_cast<float>(leaf) * 1e-3f;
+    const training::GrowSettings at_depth{.max_depth = 3, .min_weight_to_divide = 0.01f};
+    EXPECT_EQ(training::grow(capture(), tree, use_of(tree, max_weight), at_depth).leaf_count, tree.leaf_count);
 
-    const training::GrowSettings limited{.max_depth = 5, .divide_from = 0.01f, .max_leaves = tree.leaf_count + 7 * 10};
-    const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, reach), limited);
+    const training::GrowSettings limited{
+        .max_depth = 5, .min_weight_to_divide = 0.01f, .max_leaves = tree.leaf_count + 7 * 10};
+    const voctree::VOctree grown = training::grow(capture(), tree, use_of(tree, max_weight), limited);
     expect_sound(grown);
     EXPECT_LE(grown.leaf_count, limited.max_leaves);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
-    for (const voctree::LeafPosition& place : places)  // the ten of most reach, which are the last
-        if (place.depth > 3) {
-            EXPECT_GE(voctree::find_leaf(tree, middle_of(place)), tree.leaf_count - 10);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
+    for (const voctree::LeafPosition& position : positions)  // the ten of most reach, which are the last
+        if (position.depth > 3) {
+            EXPECT_GE(voctree::find_leaf(tree, middle_of(position)), tree.leaf_count - 10);
         }
-    EXPECT_TRUE(std::any_of(places.begin(), places.end(), [](const voctree::LeafPosition& p) { return p.depth == 4; }));
+    EXPECT_TRUE(
+        std::any_of(positions.begin(), positions.end(), [](const voctree::LeafPosition& p) { return p.depth == 4; }));
 }
 
 TEST(Grow, ABoundOnLeavesKeepsThoseOfMostReach) {
     const voctree::VOctree tree = first_tree();
-    std::vector<float> reach(tree.leaf_count);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) reach[leaf] = 0.5f - static_cast<float>(leaf / 2) * 1e-3f;
+    std::vector<float> max_weight(tree.leaf_count);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        max_weight[leaf] = 0.5f - static_cast<float>(leaf / 2) * 1e-3f;
     const voctree::VOctree grown =
-        training::grow(capture(), tree, use_of(tree, reach), {.max_depth = 5, .max_leaves = 21});
+        training::grow(capture(), tree, use_of(tree, max_weight), {.max_depth = 5, .max_leaves = 21});
     expect_sound(grown);
     EXPECT_EQ(grown.leaf_count, 21u);  // of the two alike at the bound, one
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown))
-        EXPECT_LE(voctree::find_leaf(tree, middle_of(place)), 20u);
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(grown))
+        EXPECT_LE(voctree::find_leaf(tree, middle_of(position)), 20u);
 }
 
 TEST(Grow, DividesWhereTheLossPullsHardest) {
     const voctree::VOctree tree = first_tree();
     training::LeafUse use = use_of(tree, std::vector<float>(tree.leaf_count, 0.5f));
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.pull[leaf] = static_cast<float>(leaf * 7 % 101);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        use.opacity_sensitivity[leaf] = static_cast<float>(leaf * 7 % 101);
     const voctree::VOctree grown =
-        training::grow(capture(), tree, use, {.max_depth = 5, .divide_from = 0.1f, .divide_share = 0.25f});
+        training::grow(capture(), tree, use, {.max_depth = 5, .min_weight_to_divide = 0.1f, .divide_share = 0.25f});
     expect_sound(grown);
     float least_divided = 1000, most_whole = 0;
     size_t whole = 0;
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown)) {
-        const float pull = use.pull[voctree::find_leaf(tree, middle_of(place))];
-        if (place.depth == 4)
-            least_divided = std::min(least_divided, pull);
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(grown)) {
+        const float opacity_sensitivity = use.opacity_sensitivity[voctree::find_leaf(tree, middle_of(position))];
+        if (position.depth == 4)
+            least_divided = std::min(least_divided, opacity_sensitivity);
         else {
-            most_whole = std::max(most_whole, pull);
+            most_whole = std::max(most_whole, opacity_sensitivity);
             whole++;
         }
     }
@@ -221,11 +226,12 @@ TEST(Grow, NoLeafDividesThatShowsSmallerThanAsked) {
     const double edge = static_cast<double>(tree.box_size.x) / 8;
     const double footprint = kCapture.distance_m / capture().cameras[0].fx;  // in the middle of the ring
     const training::GrowSettings too_small{
-        .max_depth = 5, .divide_from = 0.1f, .divide_pixels = 2.5 * edge / footprint};
+        .max_depth = 5, .min_weight_to_divide = 0.1f, .min_pixels_to_divide = 2.5 * edge / footprint};
     EXPECT_EQ(training::grow(capture(), tree, use, too_small).leaf_count, tree.leaf_count);
-    const training::GrowSettings large{.max_depth = 5, .divide_from = 0.1f, .divide_pixels = 0.3 * edge / footprint};
+    const training::GrowSettings large{
+        .max_depth = 5, .min_weight_to_divide = 0.1f, .min_pixels_to_divide = 0.3 * edge / footprint};
     const voctree::VOctree grown = training::grow(capture(), tree, use, large);
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(grown)) EXPECT_EQ(place.depth, 4u);
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(grown)) EXPECT_EQ(position.depth, 4u);
 }
 
 TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
@@ -234,10 +240,10 @@ TEST(Grow, LeavesAreEmptiedInFramesThatDidNotUseThem) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) use.frames[leaf] = leaf % 2 ? 0b101 : 0b111;
     const voctree::VOctree grown = training::grow(capture(), tree, use, {.max_depth = 5, .empty_unused = true});
     ASSERT_EQ(grown.leaf_count, tree.leaf_count);
-    const std::vector<voctree::LeafPosition> places = voctree::leaf_positions(grown);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(grown);
     size_t emptied = 0;
     for (uint32_t leaf = 0; leaf < grown.leaf_count; leaf++) {
-        const uint32_t before = voctree::find_leaf(tree, middle_of(places[leaf]));
+        const uint32_t before = voctree::find_leaf(tree, middle_of(positions[leaf]));
         for (uint32_t frame = 0; frame < 3; frame++) {
             const bool unused = before % 2 == 1 && frame == 1;
             const float sigma = sigma_at(grown, leaf, frame), was = sigma_at(tree, before, frame);

@@ -29,7 +29,7 @@ training::Lens make_lens(training::LensModel model, std::array<double, 6> k, dou
 constexpr double kPlaces[3][2] = {{0.3, -0.2}, {-0.5, 0.4}, {0, 0.6}};
 
 // Written out from the formulas in OpenCV's and COLMAP's documents, with other code.
-void expect_places(const training::Lens& lens, const double (&expected)[3][2]) {
+void expect_projections(const training::Lens& lens, const double (&expected)[3][2]) {
     for (int i = 0; i < 3; ++i) {
         const glm::dvec2 at = training::project(lens, {kPlaces[i][0], kPlaces[i][1]});
         EXPECT_NEAR(at.x, expected[i][0], 1e-8) << i;
@@ -40,33 +40,34 @@ void expect_places(const training::Lens& lens, const double (&expected)[3][2]) {
 
 TEST(Lens, Pinhole) {
     const training::Lens lens = make_lens(training::LensModel::kPinhole, {});
-    expect_places(lens, {{470, 144}, {70, 432}, {320, 528}});
+    expect_projections(lens, {{470, 144}, {70, 432}, {320, 528}});
     EXPECT_FALSE(lens.distorts());
 }
 
 TEST(Lens, Brown) {
     const training::Lens lens =
         make_lens(training::LensModel::kBrown, {-0.25, 0.08, -0.01, 0.03, -0.02, 0.005}, 0.002, -0.003);
-    expect_places(lens, {{464.222110865, 147.697849046}, {92.763267531, 414.439090536}, {319.46, 503.750772518}});
+    expect_projections(lens, {{464.222110865, 147.697849046}, {92.763267531, 414.439090536}, {319.46, 503.750772518}});
     EXPECT_TRUE(lens.distorts());
     EXPECT_FALSE(make_lens(training::LensModel::kBrown, {}).distorts());
 }
 
 TEST(Lens, Fisheye) {
     const training::Lens lens = make_lens(training::LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003});
-    expect_places(lens, {{464.787295409, 147.336130938}, {94.427000595, 413.240063543}, {320.0, 502.805754288}});
+    expect_projections(lens, {{464.787295409, 147.336130938}, {94.427000595, 413.240063543}, {320.0, 502.805754288}});
     EXPECT_TRUE(make_lens(training::LensModel::kFisheye, {}).distorts()) << "its angles are not a pinhole's tangents";
 }
 
 TEST(Lens, ThinPrismFisheye) {
     const training::Lens lens =
         make_lens(training::LensModel::kFisheye, {0.05, -0.02, 0.01, -0.003}, 0.002, -0.003, 0.004, -0.006);
-    expect_places(lens, {{464.487924213, 147.336130938}, {93.67936756, 413.316013566}, {320.146026618, 502.805754288}});
+    expect_projections(lens,
+                       {{464.487924213, 147.336130938}, {93.67936756, 413.316013566}, {320.146026618, 502.805754288}});
 }
 
 TEST(Lens, Fov) {
     const training::Lens lens = make_lens(training::LensModel::kFov, {0.9});
-    expect_places(lens, {{474.942377154, 140.836878621}, {79.669084812, 424.574142864}, {320.0, 520.178075247}});
+    expect_projections(lens, {{474.942377154, 140.836878621}, {79.669084812, 424.574142864}, {320.0, 520.178075247}});
     EXPECT_NEAR(training::project(make_lens(training::LensModel::kFov, {1e-12}), {0.3, -0.2}).x, 470, 1e-6);
 }
 
@@ -105,7 +106,7 @@ media::Image noise(uint32_t width, uint32_t height) {
 
 TEST(Undistort, APinholeChangesNothing) {
     const training::Undistortion map = training::make_undistortion(make_lens(training::LensModel::kPinhole, {}));
-    EXPECT_EQ(map.seen, 1);
+    EXPECT_EQ(map.seen_share, 1);
     EXPECT_EQ(map.fold_degrees, 0);
     const media::Image image = noise(640, 480);
     EXPECT_EQ(training::undistort(image, map, training::ColourOf::kCapture).rgba, image.rgba);
@@ -149,7 +150,7 @@ TEST(Undistort, AnyLensShowsTheBoardAsAPinholeDoes) {
         const media::Image truth = board_through(pinhole), bent = board_through(lens);
         double error = 0, without = 0;
         size_t seen = 0;
-        for (size_t i = 0; i < map.places.size(); ++i) {
+        for (size_t i = 0; i < map.positions.size(); ++i) {
             if (!map.sees(i)) {
                 EXPECT_EQ(straight.rgba[4 * i + 3], 0);
                 continue;
@@ -158,8 +159,8 @@ TEST(Undistort, AnyLensShowsTheBoardAsAPinholeDoes) {
             error += std::abs(straight.rgba[4 * i] - truth.rgba[4 * i]);
             without += std::abs(bent.rgba[4 * i] - truth.rgba[4 * i]);
         }
-        EXPECT_EQ(map.seen, static_cast<double>(seen) / (200 * 150));
-        EXPECT_GT(map.seen, 0.8);
+        EXPECT_EQ(map.seen_share, static_cast<double>(seen) / (200 * 150));
+        EXPECT_GT(map.seen_share, 0.8);
         EXPECT_LT(error / static_cast<double>(seen), 1) << without / static_cast<double>(seen);
         EXPECT_GT(without / static_cast<double>(seen), 4) << "the comparison must be able to fail";
     }
@@ -181,7 +182,7 @@ TEST(Undistort, WhatTheLensNeverSawIsIgnored) {
     const training::Undistortion folded = training::make_undistortion(make_lens(training::LensModel::kBrown, {-2}));
     EXPECT_NEAR(folded.fold_degrees, std::atan(std::sqrt(1.0 / 6)) * 180 / 3.14159265, 0.1);
     EXPECT_FALSE(folded.sees(0)) << "the distortion would bring it back into the image";
-    EXPECT_LT(folded.seen, 0.8);
+    EXPECT_LT(folded.seen_share, 0.8);
 }
 
 // Colour beside a clear pixel must not be darkened by it, in foregrounds; in captures it is light like all other.
@@ -190,7 +191,7 @@ TEST(Undistort, ColourIsWeightedByAlpha) {
     lens.width = 2;
     lens.height = 1;
     training::Undistortion map = training::make_undistortion(lens);
-    map.places[0] = {1, 0.5f};  // half-way between the two pixels
+    map.positions[0] = {1, 0.5f};  // half-way between the two pixels
     media::Image image(2, 1);
     const uint8_t pixels[8] = {200, 100, 0, 255, 0, 0, 0, 0};
     std::copy(pixels, pixels + 8, image.rgba.begin());

@@ -54,8 +54,8 @@ Arrays random_network() {
     Arrays arrays;
     for (size_t i = 0; i < 5; i++) {
         const Convolution& c = kNetwork[i];
-        const double reach = 2.5 / std::sqrt(c.in * c.kernel * c.kernel);
-        arrays[c.name + ".weight"] = random_array(random, {c.out, c.in, c.kernel, c.kernel}, -reach, reach);
+        const double bound = 2.5 / std::sqrt(c.in * c.kernel * c.kernel);
+        arrays[c.name + ".weight"] = random_array(random, {c.out, c.in, c.kernel, c.kernel}, -bound, bound);
         arrays[c.name + ".bias"] = random_array(random, {c.out}, -0.1, 0.3);
         arrays["lin" + std::to_string(i) + ".model.1.weight"] = random_array(random, {1, c.out, 1, 1}, 0, 1);
     }

@@ -144,7 +144,7 @@ TEST(Matte, TheMedianForgetsWhoPassesBy) {
 struct MatteFiles : ::testing::Test {
     TemporaryFolder folder;
     training::Dataset truth = sphere_dataset(kCapture);
-    training::MakeMattes what{.dataset = folder.path / "data", .output = folder.path / "data/mattes"};
+    training::MatteJob what{.dataset = folder.path / "data", .output = folder.path / "data/mattes"};
 
     void SetUp() override {
         write_text(what.dataset / "readme", "");
@@ -173,7 +173,7 @@ TEST_F(MatteFiles, AreWhatTrainingReads) {
     EXPECT_EQ(training::count_existing_mattes(what), 0u);
     std::filesystem::create_directories(what.output);
     uint64_t calls = 0;
-    const training::MattesMade made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
+    const training::MatteSummary made = training::make_mattes(what, [&](uint64_t done, uint64_t total) {
         calls++;
         EXPECT_LE(done, total);
         EXPECT_EQ(total, 18u);

@@ -23,12 +23,12 @@ voctree::VOctree families_tree(uint32_t families) {
     tree.hh_degree = 1;
     tree.box_size = glm::vec3(2);
     tree.sigma_basis = tree.gamma_basis = training::hat_basis(kFrames, kFrames);
-    std::vector<voctree::LeafPosition> places;
+    std::vector<voctree::LeafPosition> positions;
     for (uint32_t family = 0; family < families; family++)
-        for (uint32_t i = 0; i < 8; i++) places.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
-    places.pop_back();
-    places.push_back({1, 1, 1, 1});
-    voctree::build_topology(tree, places);
+        for (uint32_t i = 0; i < 8; i++) positions.push_back({2 * family + (i & 1), i >> 1 & 1, i >> 2, 3});
+    positions.pop_back();
+    positions.push_back({1, 1, 1, 1});
+    voctree::build_topology(tree, positions);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         float* weights = tree.leaf(leaf);
         for (uint32_t c = 0; c < kFrames; c++) {
@@ -44,15 +44,15 @@ voctree::VOctree families_tree(uint32_t families) {
 training::LeafUse use_of(const voctree::VOctree& tree) {
     training::LeafUse use;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-        use.reach.push_back(0.01f * static_cast<float>(leaf + 1));
-        use.pull.push_back(static_cast<float>(leaf));
+        use.max_weight.push_back(0.01f * static_cast<float>(leaf + 1));
+        use.opacity_sensitivity.push_back(static_cast<float>(leaf));
         use.frames.push_back(1u << leaf % kFrames);
     }
     return use;
 }
 
-uint32_t leaf_at(const voctree::VOctree& tree, voctree::LeafPosition place) {
-    return voctree::find_leaf(tree, (glm::dvec3(place.x, place.y, place.z) + 0.5) / std::exp2(place.depth));
+uint32_t leaf_at(const voctree::VOctree& tree, voctree::LeafPosition position) {
+    return voctree::find_leaf(tree, (glm::dvec3(position.x, position.y, position.z) + 0.5) / std::exp2(position.depth));
 }
 
 TEST(Merge, AWholeFamilyThatAgreesBecomesItsParent) {
@@ -63,23 +63,23 @@ TEST(Merge, AWholeFamilyThatAgreesBecomesItsParent) {
     EXPECT_EQ(training::merge_alike(tree, use, 0.05f), 1u);
     EXPECT_EQ(voctree::defect_of(tree), "");
     ASSERT_EQ(tree.leaf_count, before.leaf_count - 7);  // the second family lacks one: it cannot
-    ASSERT_EQ(use.reach.size(), tree.leaf_count);
+    ASSERT_EQ(use.max_weight.size(), tree.leaf_count);
 
     const uint32_t parent = leaf_at(tree, {0, 0, 0, 2});
     EXPECT_EQ(leaf_at(tree, {1, 1, 1, 3}), parent);
     EXPECT_FLOAT_EQ(tree.leaf(parent)[0], before.leaf(0)[0]);
     EXPECT_FLOAT_EQ(tree.leaf(parent)[1], before.leaf(0)[1] * (1 + 0.1f / 8));
     for (uint32_t w = 2; w < tree.weights_per_leaf(); w++) EXPECT_FLOAT_EQ(tree.leaf(parent)[w], before.leaf(0)[w]);
-    EXPECT_FLOAT_EQ(use.reach[parent], 0.08f);
-    EXPECT_EQ(use.pull[parent], 0);
+    EXPECT_FLOAT_EQ(use.max_weight[parent], 0.08f);
+    EXPECT_EQ(use.opacity_sensitivity[parent], 0);
     EXPECT_EQ(use.frames[parent], 7u);
 
     const uint32_t other = leaf_at(tree, {3, 1, 0, 3}), was = leaf_at(before, {3, 1, 0, 3});
     EXPECT_NE(other, UINT32_MAX);
-    EXPECT_EQ(use.pull[other], static_cast<float>(was));
+    EXPECT_EQ(use.opacity_sensitivity[other], static_cast<float>(was));
     EXPECT_EQ(use.frames[other], 1u << was % kFrames);
     EXPECT_EQ(leaf_at(tree, {3, 1, 1, 3}), UINT32_MAX);
-    EXPECT_EQ(use.pull[leaf_at(tree, {1, 1, 1, 1})], static_cast<float>(before.leaf_count - 1));
+    EXPECT_EQ(use.opacity_sensitivity[leaf_at(tree, {1, 1, 1, 1})], static_cast<float>(before.leaf_count - 1));
 }
 
 TEST(Merge, AFamilyThatDiffersInOneFrameStays) {
@@ -202,9 +202,9 @@ TEST(Merge, LeavesOfTheRootStay) {
     tree.bases = 1;
     tree.hh_degree = 0;
     tree.sigma_basis = tree.gamma_basis = {1};
-    std::vector<voctree::LeafPosition> places;
-    for (uint32_t i = 0; i < 8; i++) places.push_back({i & 1, i >> 1 & 1, i >> 2, 1});
-    voctree::build_topology(tree, places);
+    std::vector<voctree::LeafPosition> positions;
+    for (uint32_t i = 0; i < 8; i++) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 1});
+    voctree::build_topology(tree, positions);
     training::LeafUse use{std::vector<float>(8), std::vector<float>(8), std::vector<uint32_t>(8)};
     EXPECT_EQ(training::merge_alike(tree, use, 1), 0u);
     EXPECT_EQ(tree.leaf_count, 8u);

@@ -35,13 +35,13 @@ training::PsiNetwork ramp_network() {
     std::fill(network.parameters.begin(), network.parameters.end(), 0.0f);
     network.parameters[0] = 1;  // hidden 0 = relu(x + 2), never at its kink
     network.parameters[shape.inputs() * shape.width] = 2;
-    float* output = &network.parameters[shape.output_first()];
+    float* output = &network.parameters[shape.output_offset()];
     float* bias = output + size_t{shape.width} * shape.outputs();
     for (uint32_t t = 0; t < 3; t++) {
         output[t] = 1;
         bias[t] = -2 - 0.1f * static_cast<float>(t);
-        network.parameters[shape.sigma_first() + 3 * t + t] = 0.5f;
-        network.parameters[shape.gamma_first() + 3 * t + t] = 0.25f;
+        network.parameters[shape.sigma_rows_offset() + 3 * t + t] = 0.5f;
+        network.parameters[shape.gamma_rows_offset() + 3 * t + t] = 0.25f;
     }
     for (uint32_t i = shape.bases; i < shape.outputs(); i++) bias[i] = 0.01f * static_cast<float>(i);
     return network;
@@ -61,20 +61,21 @@ TEST_F(PsiTreeTest, KeepsLeavesWithADenseCellAndGivesThemTheMean) {
 
     const std::vector<voctree::LeafPosition> before = voctree::leaf_positions(hull()),
                                              after = voctree::leaf_positions(tree);
-    const auto x_at = [&](const voctree::LeafPosition& place, double inside) {
-        const double edge = static_cast<double>(tree.box_size.x) / std::exp2(place.depth);
-        const double world = static_cast<double>(tree.box_min.x) + edge * (place.x + inside);
+    const auto x_at = [&](const voctree::LeafPosition& position, double inside) {
+        const double edge = static_cast<double>(tree.box_size.x) / std::exp2(position.depth);
+        const double world = static_cast<double>(tree.box_min.x) + edge * (position.x + inside);
         return (world - static_cast<double>(network.centre().x)) * static_cast<double>(network.scale());
     };
     size_t kept = 0;
-    for (const voctree::LeafPosition& place : before) {
-        const double x = x_at(place, 0.875);  // the centre of its last finest cell along x
+    for (const voctree::LeafPosition& position : before) {
+        const double x = x_at(position, 0.875);  // the centre of its last finest cell along x
         double sum = 0;
         for (int t = 0; t < 3; t++) sum += 0.5 * 4 * std::max(x - 0.1 * t, 0.0);
         const bool found = std::any_of(after.begin(), after.end(), [&](const voctree::LeafPosition& other) {
-            return other.x == place.x && other.y == place.y && other.z == place.z && other.depth == place.depth;
+            return other.x == position.x && other.y == position.y && other.z == position.z &&
+                   other.depth == position.depth;
         });
-        EXPECT_EQ(found, sum >= 0.3) << place.x << ' ' << place.y << ' ' << place.z;
+        EXPECT_EQ(found, sum >= 0.3) << position.x << ' ' << position.y << ' ' << position.z;
         kept += found ? 1 : 0;
     }
     EXPECT_EQ(kept, after.size());

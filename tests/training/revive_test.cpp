@@ -22,9 +22,9 @@ voctree::VOctree sheet(uint32_t side, uint32_t bases = kFrames) {
     tree.hh_degree = 0;
     tree.box_size = glm::vec3(2);
     tree.sigma_basis = tree.gamma_basis = training::hat_basis(kFrames, bases);
-    std::vector<voctree::LeafPosition> places;
-    for (uint32_t i = 0; i < side * side; i++) places.push_back({1 + i % side, 1 + i / side, 5, 3});
-    voctree::build_topology(tree, places);
+    std::vector<voctree::LeafPosition> positions;
+    for (uint32_t i = 0; i < side * side; i++) positions.push_back({1 + i % side, 1 + i / side, 5, 3});
+    voctree::build_topology(tree, positions);
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) std::fill_n(tree.leaf(leaf), bases, kLive);
     return tree;
 }

@@ -30,7 +30,7 @@ TEST(Schedule, StagesBeginInOrder) {
         EXPECT_GT(training::kPhases[i].begins, training::kPhases[i - 1].begins);
     EXPECT_LT(training::kPhases[training::kPhaseCount - 1].begins, 1);
     EXPECT_GE(training::kPhaseCount,
-              training::kLevelsAbove + 2);  // each level above once, and at least one pruning of the finest leaves
+              training::kLevelsAbovePixel + 2);  // each level above once, and at least one pruning of the finest leaves
 }
 
 }  // namespace

@@ -154,7 +154,7 @@ TEST_F(TrainTest, UniformLeavesStayOfOneSize) {
     settings.adaptive = false;
     training::train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
     const voctree::VOctree tree = voctree::read_nvv(folder.path / "sphere.nvv");
-    for (const voctree::LeafPosition& place : voctree::leaf_positions(tree)) ASSERT_EQ(place.depth, 6u);
+    for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) ASSERT_EQ(position.depth, 6u);
 }
 
 TEST_F(TrainTest, TheSameSeedGivesNearlyTheSameRun) {

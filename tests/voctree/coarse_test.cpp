@@ -92,7 +92,7 @@ TEST(Coarse, LargeTreesHaveOneSmallTreesNone) {
     voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0, .frames = 1});
     EXPECT_FALSE(voctree::coarse_tree(tree));
     std::vector<voctree::LeafPosition> places;
-    for (uint32_t i = 0; i < voctree::kCoarseFrom; i++) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
+    for (uint32_t i = 0; i < voctree::kMinLeavesForCoarse; i++) places.push_back({i % 64, i / 64 % 64, i / 4096, 6});
     tree.node_levels = 3;
     voctree::build_topology(tree, places);
     for (uint32_t i = 0; i < tree.leaf_count; i++) tree.leaf(i)[0] = 5;
@@ -183,9 +183,9 @@ TEST_F(CoarseFile, HostileOnesAreRefused) {
                      with([](voctree::VOctree& t) { t.weights[5] = std::nanf(""); }));
     std::vector<Chunk> less = chunks(cut);
     less.erase(less.begin() + 4);
-    expect_complaint("stands where bASA must", less);
+    expect_complaint("is where chunk bASA must be", less);
     std::vector<Chunk> cut_off(less.begin(), less.begin() + 3);
-    expect_complaint("stands where cHLD must", cut_off);
+    expect_complaint("is where chunk cHLD must be", cut_off);
     std::vector<Chunk> lying = chunks(cut);
     lying[2].claimed_raw_bytes = uint64_t{1} << 40;
     expect_complaint("chunk nODE: claims", lying);

@@ -432,13 +432,13 @@ TEST_F(Nvv, HostileChunks) {
                      }));
     expect_complaint("newer neuvv", file_with([](Chunks& c) { c[4].flags = 1; }));
     expect_complaint("chunk PLUS: is unknown", file_with([](Chunks& c) { c.push_back({.name = "PLUS", .raw = {}}); }));
-    expect_complaint("chunk MASK: names a basis that is not there", file_with([](Chunks& c) { c[5].raw[3] |= 4; }));
+    expect_complaint("chunk MASK: names a basis that does not exist", file_with([](Chunks& c) { c[5].raw[3] |= 4; }));
     for (const uint8_t coding : Bytes{25, 127, 144, 255})
-        expect_complaint("chunk WGAM: codes a column in an unknown way",
+        expect_complaint("chunk WGAM: has a column of unknown coding",
                          file_with([&](Chunks& c) { c[7].raw[1] = coding; }));
     expect_complaint("appears twice", file_with([](Chunks& c) { c.push_back(c[8]); }));
-    expect_complaint("stands where HEAD must", file_with([](Chunks& c) { c.insert(c.begin(), {"note", {}}); }));
-    expect_complaint("stands where NODE must", file_with([](Chunks& c) { std::swap(c[1], c[2]); }));
+    expect_complaint("is where chunk HEAD must be", file_with([](Chunks& c) { c.insert(c.begin(), {"note", {}}); }));
+    expect_complaint("is where chunk NODE must be", file_with([](Chunks& c) { std::swap(c[1], c[2]); }));
     expect_complaint("comes before chunk WHHC", file_with([](Chunks& c) { c.pop_back(); }));
     expect_complaint("no chunk starts here",
                      file_with([](Chunks& c) { c.push_back({.name = "a\n\x1b!", .raw = {}}); }));

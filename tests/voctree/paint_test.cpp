@@ -223,7 +223,7 @@ TEST_F(PaintFile, NumbersThatAreNoneAreRefused) {
     expect_complaint(with(0, 16, 0xffffffffu), "edit_count");
     expect_complaint(with(0, 16, 7u), "bytes");
     expect_complaint(with(0, 20, 1u), "does not know");
-    expect_complaint(with(1, 3 * layer.edits.size(), uint8_t{9}), "not there");
+    expect_complaint(with(1, 3 * layer.edits.size(), uint8_t{9}), "does not exist");
     expect_complaint(with(2, 0, NAN), "frames");
     expect_complaint(with(2, 0, -1.0f), "frames");
     expect_complaint(with(3, 40, 5.0f), "frames");
@@ -234,7 +234,7 @@ TEST_F(PaintFile, NumbersThatAreNoneAreRefused) {
     expect_complaint(with(8, 0, 1e6f), "density");
     std::vector<Chunk> swapped = chunks();
     std::swap(swapped[2], swapped[3]);
-    expect_complaint(swapped, "stands where PTF0 must");
+    expect_complaint(swapped, "is where chunk PTF0 must be");
     std::vector<Chunk> less = chunks();
     less.pop_back();
     expect_complaint(less, "before chunk PTSG");

@@ -16,7 +16,7 @@ uint64_t bits_of(uint32_t lo, uint32_t hi) {
     return uint64_t{hi} << 32 | lo;
 }
 
-// march.glsl, one ray at a time.
+// The walk of shaders/march.glsl, for one ray.
 class Marcher {
   public:
     Marcher(const HostSlice& slice, glm::vec3 origin_world, glm::vec3 direction_world, glm::vec2 range)
@@ -75,7 +75,7 @@ class Marcher {
         return first_ + static_cast<size_t>(std::popcount(runs & ((uint64_t{1} << bit) - 1)));
     }
 
-    // The deepest node around the cell; returns its live cells.
+    // Goes to the deepest node around the cell; returns its live cells.
     uint64_t enter() {
         shift_ = 2 * static_cast<int>(slice_.node_levels) - 2;
         in_node_ = true;
@@ -93,6 +93,7 @@ class Marcher {
         }
     }
 
+    // Leaves the cube of 2^shift cells a side around the cell; returns the distance where the ray leaves it.
     float step(int shift) {
         const glm::ivec3 low = (cell_ >> shift) << shift, left = cell_;
         const int size = 1 << shift;

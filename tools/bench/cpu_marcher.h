@@ -1,4 +1,4 @@
-// The same rays through the same slice tree by plain C++ on all cores: what a software device's speed is held against.
+// Marches the rays of an image through a shaded slice tree by plain C++ on all cores, to compare a device's speed with.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,7 +13,7 @@ struct HostSlice {
     struct Entry {
         float sigma = 0;             // 1/m
         glm::vec3 colour{0};         // linear RGB
-        uint32_t node = UINT32_MAX;  // of a child node's entry
+        uint32_t node = UINT32_MAX;  // the child node, where the entry has one
     };
     std::vector<glm::uvec4> nodes;
     std::vector<Entry> entries;
@@ -21,20 +21,21 @@ struct HostSlice {
     uint32_t node_levels = 1, top_levels = 0;
 };
 
-// What walks touched, as the device's walk would: from the grid over the upper levels.
+// What rays have read, counted as the device reads it, whose walks begin at the grid over the upper levels.
 struct MarchCounts {
-    uint64_t rays = 0;      // in tiles that see anything
+    uint64_t rays = 0;      // in tiles that may see a leaf
     uint64_t nodes = 0;     // entered
-    uint64_t descents = 0;  // to them, from the nodes that the grid names
+    uint64_t descents = 0;  // steps from a node to its child, below the nodes that the grid names
     uint64_t entries = 0;   // read at leaves
     uint64_t bytes() const;
 };
 
-// Least and largest distance of each 8×8 tile, row by row; none (x > y) where a tile sees nothing.
+// Smallest and largest distance of leaves in metres for each tile of 8×8 pixels, row by row; x > y where a tile sees
+// none.
 using HostTileRanges = std::vector<glm::vec2>;
 
-// One ray a pixel: premultiplied linear RGB and alpha, in rows. Rays end where transmittance falls below `stop`.
-// `counts` are added to.
+// Marches one ray per pixel. Returns premultiplied linear RGB and alpha, row by row. Rays end where their transmittance
+// falls below `stop`. Adds to `counts`.
 std::vector<glm::vec4> march_on_host(const HostSlice& slice, const HostTileRanges& ranges, const stage::Camera& camera,
                                      float stop, MarchCounts& counts);
 

@@ -1,4 +1,4 @@
-// neuvv-bench edit: what a step of a drag costs on an empty stage, and on one with large embedded buffers.
+// neuvv-bench edit: the time of a step of a drag on an empty stage, and on one with large embedded buffers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,6 @@
 #include "editor/editor.h"
 #include "stage/stage.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
 #include "tools/options.h"
 #include "tools/report.h"
 
@@ -31,9 +30,9 @@ struct EditOptions {
 };
 
 struct EditCost {
-    uint64_t stage_bytes = 0;               // of the stage's file
-    std::vector<double> edit_ms, stage_ms;  // by step: the edited document; the stage that is made of it
-    uint64_t history_bytes = 0;             // after as many edits as there were steps
+    uint64_t stage_bytes = 0;               // size of the stage's file
+    std::vector<double> edit_ms, stage_ms;  // of each step: editing the document, making a stage of it
+    uint64_t history_bytes = 0;             // after `steps` edits
 
     std::vector<double> total_ms() const {
         std::vector<double> total = edit_ms;
@@ -46,9 +45,9 @@ double milliseconds_since(Clock::time_point from) {
     return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
 }
 
-// A wavy square of about so many bytes: positions, normals and indices in a data URI.
+// Adds a wavy square whose positions, normals and indices take about so many bytes, in a data URI.
 void add_terrain(ordered_json& json, double bytes) {
-    constexpr double kBytesAVertex = 48;  // two vectors, and the corners of two triangles
+    constexpr double kBytesAVertex = 48;  // two vectors, and six indices of two triangles
     const auto side = static_cast<uint32_t>(std::max(2.0, std::sqrt(bytes / kBytesAVertex)));
     std::vector<float> vectors;
     for (uint32_t i = 0; i < side * side; ++i) {
@@ -90,7 +89,7 @@ void add_terrain(ordered_json& json, double bytes) {
          {"primitives", {{{"attributes", {{"POSITION", first}, {"NORMAL", first + 1}}}, {"indices", first + 2}}}}});
 }
 
-// Never written.
+// An empty stage, or one with such a square. It is never written.
 stage::StageFile stage_of(double bytes) {
     const stage::StageFile empty = edit::new_stage("bench.gltf");
     if (bytes == 0) return empty;
@@ -107,8 +106,8 @@ editor::Editor::Operation moved_to(uint32_t node, double x) {
     };
 }
 
-// As the viewer does at a move of the mouse: its own thread edits the document and hands over a copy, of which the
-// render thread makes a stage.
+// Does what the viewer does at each move of the mouse: its main thread edits the document and copies it, and the render
+// thread makes a stage of the copy.
 EditCost measure(double bytes, uint32_t steps) {
     EditCost cost;
     editor::Editor editor;

@@ -1,17 +1,13 @@
-// neuvv-bench instances: copies of one performer against one of them, in memory and in time for what is covered.
+// neuvv-bench instances: compares copies of a performer with a single one, in memory and in time per covered ray.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "render/frame.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
@@ -24,16 +20,16 @@ struct InstancesOptions : BenchOptions {
     uint32_t count = 16;
 };
 
-struct Shown {
-    media::Image image;  // the last
+struct Drawn {
+    media::Image image;  // the last one
     std::vector<PassSum> passes;
-    std::vector<double> ms;     // with slices resident
-    uint64_t buffer_bytes = 0;  // of renderer and performer on the device
-    uint64_t covered = 0;       // rays of all frames
-    uint32_t slices = 0;        // of instances that have one
+    std::vector<double> ms;     // of each image, with its slices in the cache
+    uint64_t buffer_bytes = 0;  // of renderer and performer, on the device
+    uint64_t covered = 0;       // rays in all frames
+    uint32_t slices = 0;        // instances that have a slice
 };
 
-// Copies side by side in a square that faces the camera, each turned and at its own time.
+// Copies side by side in a square that faces the camera, each with its own rotation and time.
 std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std::pair<glm::dvec3, glm::dvec3>& box,
                                         uint32_t count) {
     const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(count)));
@@ -42,60 +38,48 @@ std::vector<render::Instance> copies_of(const voctree::VOctree& tree, const std:
     std::vector<render::Instance> copies;
     for (uint32_t i = 0; i < count; i++) {
         const glm::dvec2 cell = glm::dvec2(i % side, i / side) - 0.5 * (side - 1.0);
-        glm::dmat4 place = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + middle);
-        place = glm::rotate(place, 2.4 * i, glm::dvec3(0, 1, 0));
+        glm::dmat4 transform = glm::translate(glm::dmat4(1), glm::dvec3(cell.x * step_m, cell.y * step_m, 0) + middle);
+        transform = glm::rotate(transform, 2.4 * i, glm::dvec3(0, 1, 0));
         const double time = (tree.frames - 1.0) * i / std::max(count - 1, 1u);
-        copies.push_back({static_cast<float>(time), glm::mat4(glm::translate(place, -middle))});
+        copies.push_back({static_cast<float>(time), glm::mat4(glm::translate(transform, -middle))});
     }
     return copies;
 }
 
-// Sees a square of `count` copies from +Z.
+// A camera that sees a square of `count` copies from +Z.
 stage::Camera camera_of(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t count, media::ImageSize size) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double radius_m = 0.55 * std::ceil(std::sqrt(count)) * glm::length(box.second - box.first);
-    stage::Camera camera;
-    camera.width = size.width;
-    camera.height = size.height;
-    camera.cx = 0.5 * size.width;
-    camera.cy = 0.5 * size.height;
-    camera.fx = camera.fy = 1.2 * std::min(size.width, size.height);
-    camera.world_from_camera = glm::translate(glm::dmat4(1), middle + glm::dvec3(0, 0, 2.6 * radius_m));
-    return camera;
+    return tools::centred_camera(size, 1.2 * std::min(size.width, size.height),
+                                 glm::translate(glm::dmat4(1), middle + glm::dvec3(0, 0, 2.6 * radius_m)));
 }
 
-// Frames of so many instances each, one after the other.
-Shown show(const gpu::Device& device, const render::Field& field, const InstancesOptions& options,
+// Draws frames of so many instances each, one after the other.
+Drawn draw(const gpu::Device& device, const render::Field& field, const InstancesOptions& options,
            const stage::Camera& camera, const std::vector<std::vector<render::Instance>>& frames) {
     const uint64_t before = device.buffer_bytes();
-    render::FrameCapacity capacity{camera.width, camera.height};
-    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    render::FrameRenderer renderer(device, field, capacity);
-    render::FrameSettings settings;
-    settings.width = camera.width;
-    settings.height = camera.height;
-    settings.mode = render::TraceMode::kPlay;
-    settings.resolve.background = {1, 1, 1, 1};
-    Shown shown;
+    render::FrameRenderer renderer(device, field, capacity_of(options));
+    render::FrameSettings settings = play_settings({camera.width, camera.height});
+    Drawn drawn;
     for (const std::vector<render::Instance>& instances : frames) {
         settings.instances = instances;
-        renderer.render(camera, settings);  // slices, compiles
+        renderer.render(camera, settings);  // builds slices, compiles pipelines
         for (uint32_t i = 0; i < options.repeats && !stop_requested(); i++) {
-            shown.image = renderer.render(camera, settings);
-            shown.ms.push_back(milliseconds(renderer.pass_times()));
-            add_image(shown.passes, renderer.pass_times());
+            drawn.image = renderer.render(camera, settings);
+            drawn.ms.push_back(milliseconds(renderer.pass_times()));
+            add_image(drawn.passes, renderer.pass_times());
         }
-        for (const glm::vec4 ray : renderer.radiance()) shown.covered += ray.a > 1.0f / 255;
+        drawn.covered += covered_rays(renderer.radiance());
         if (const render::SliceCache* slices = renderer.performer()->slices())
             for (const render::Instance& instance : instances)
-                shown.slices += slices->find({instance.frame, instance.paint}).has_value();
+                drawn.slices += slices->find({instance.frame, instance.paint}).has_value();
     }
-    shown.buffer_bytes = device.buffer_bytes() - before;
-    return shown;
+    drawn.buffer_bytes = device.buffer_bytes() - before;
+    return drawn;
 }
 
 struct Result {
-    Shown one, all;  // one: each alone
+    Drawn one, all;  // `one`: each copy alone
     uint32_t count = 1;
     uint64_t field_bytes = 0;
     double growth_of_rays() const {
@@ -120,9 +104,9 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     result.count = options.count;
     std::vector<std::vector<render::Instance>> alone;
     for (const render::Instance& copy : copies) alone.push_back({copy});
-    result.one = show(device, field, options, camera, alone);
+    result.one = draw(device, field, options, camera, alone);
     progress.update(1);
-    result.all = show(device, field, options, camera, {copies});
+    result.all = draw(device, field, options, camera, {copies});
     progress.update(2);
     return result;
 }
@@ -131,10 +115,10 @@ void print(const Result& result, const gpu::Device& device, const InstancesOptio
     fmt::print("{}: {}, {}, slices of at most {:.0f} MiB\n", device.summary().name, options.scene, options.size,
                options.slice_budget_mb);
     fmt::print("{:<18} {:>10} {:>14} {:>16} {:>14}\n", "instances", "ms (mean)", "covered rays", "with a slice", "MiB");
-    const auto line = [&](const std::string& count, const Shown& shown, uint32_t frames) {
-        fmt::print("{:<18} {:>10.1f} {:>14} {:>16} {:>14.1f}\n", count, mean(shown.ms), shown.covered / frames,
-                   shown.slices, static_cast<double>(shown.buffer_bytes + result.field_bytes) / 1048576);
-        fmt::print("    {} ms\n", passes_text(shown.passes));
+    const auto line = [&](const std::string& count, const Drawn& drawn, uint32_t frames) {
+        fmt::print("{:<18} {:>10.1f} {:>14} {:>16} {:>14.1f}\n", count, mean(drawn.ms), drawn.covered / frames,
+                   drawn.slices, static_cast<double>(drawn.buffer_bytes + result.field_bytes) / 1048576);
+        fmt::print("    {} ms\n", passes_text(drawn.passes));
     };
     line("1 (each of them)", result.one, options.count);
     line(fmt::format("{}", options.count), result.all, 1);
@@ -143,20 +127,17 @@ void print(const Result& result, const gpu::Device& device, const InstancesOptio
                (static_cast<double>(result.all.buffer_bytes) - static_cast<double>(result.one.buffer_bytes)) / 1048576);
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const InstancesOptions& options) {
-    const auto shown = [&](const Shown& one, uint32_t frames) {
-        return nlohmann::ordered_json{{"ms", mean(one.ms)},
-                                      {"covered_rays", one.covered / frames},
-                                      {"with_a_slice", one.slices},
-                                      {"bytes", one.buffer_bytes + result.field_bytes}};
+nlohmann::ordered_json json_of(const Result& result, const InstancesOptions& options) {
+    const auto drawn_json = [&](const Drawn& drawn, uint32_t frames) {
+        return nlohmann::ordered_json{{"ms", mean(drawn.ms)},
+                                      {"covered_rays", drawn.covered / frames},
+                                      {"with_a_slice", drawn.slices},
+                                      {"bytes", drawn.buffer_bytes + result.field_bytes}};
     };
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"count", options.count},
+    return {{"count", options.count},
             {"slice_budget_mb", options.slice_budget_mb},
-            {"one", shown(result.one, options.count)},
-            {"all", shown(result.all, 1)},
+            {"one", drawn_json(result.one, options.count)},
+            {"all", drawn_json(result.all, 1)},
             {"time_by_rays", result.growth_of_time() / result.growth_of_rays()},
             {"memory_ratio", result.memory_ratio()}};
 }
@@ -169,33 +150,28 @@ void run(const InstancesOptions& options, const tools::CommonOptions& common) {
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
     if (!options.image.empty()) media::write_png(options.image, result.all.image);
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(result, device, options)));
-    else
-        print(result, device, options);
+    report(options, device, json_of(result, options), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_instances(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<InstancesOptions>();
-    CLI::App* verb = add_verb(
-        app,
+    auto [verb, options] = add_verb(
+        app, common,
         {"instances",
-         "Copies of a performer, each at its own place and time",
+         "Copies of a performer, each with its own position and time",
          "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
          "covered rays and device memory of both.\n",
          {"build/performer.nvv", "build/performer.nvv --count 32 --slice-budget 0"}},
-        *options);
-    verb->add_option("--count", options->count, "Copies, each turned and at its own time")
+        run);
+    verb->add_option("--count", options.count, "Copies, each turned and at its own time")
         ->check(CLI::Range(2u, render::kMaxInstances))
         ->capture_default_str();
-    tools::add_slice_budget_option(*verb, options->slice_budget_mb);
-    add_size_option(*verb, *options);
-    add_repeats_option(*verb, *options, "Images of each that the means are over");
-    add_image_option(*verb, *options);
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    tools::add_slice_budget_option(*verb, options.slice_budget_mb);
+    add_size_option(*verb, options);
+    add_repeats_option(*verb, options, "Images of each that the means are over");
+    add_image_option(*verb, options);
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

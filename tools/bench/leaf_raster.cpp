@@ -54,7 +54,7 @@ LeafRasterizer::LeafRasterizer(const gpu::Device& device, const render::Field& g
       tiles(device, "leaf tiles", leaf_tiles_comp, {field.node_levels}),
       composite(device, "leaf composite", leaf_composite_comp, {field.node_levels}),
       project_set(project, {{kPairsLeaves, &trees.entry_leaf},
-                            {kPairsPlaces, &field.leaf_positions},
+                            {kPairsPositions, &field.leaf_positions},
                             {kPairsEntries, &trees.counts},
                             {kPairsKeys, &pairs.keys[0]},
                             {kPairsValues, &pairs.values[0]},
@@ -68,7 +68,7 @@ LeafRasterizer::LeafRasterizer(const gpu::Device& device, const render::Field& g
                                 {kCompositeValues, &pairs.values[sorted_buffer(key_bits)]},
                                 {kCompositeEntries, &shaded},
                                 {kCompositeLeaves, &trees.entry_leaf},
-                                {kCompositePlaces, &field.leaf_positions},
+                                {kCompositePositions, &field.leaf_positions},
                                 {kTraceCameras, &rays.cameras},
                                 {kTraceTiles, &rays.tiles},
                                 {kTraceTileList, &tile_list},
@@ -101,7 +101,7 @@ void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& r, uint32
     gpu::compute_barrier(commands);
 }
 
-uint32_t pairs_wanted(const gpu::Device& device, const LeafRasterizer& rasterizer) {
+uint32_t pair_count(const gpu::Device& device, const LeafRasterizer& rasterizer) {
     LiveCount count;
     gpu::download(device, rasterizer.pairs.count, &count, sizeof(count));
     return count.slots;

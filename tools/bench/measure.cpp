@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "edit/operations.h"
+#include "tools/options.h"
 #include "tools/report.h"
+#include "voctree/nvv.h"
 
 namespace neuvv::bench {
 
-CLI::App* add_verb(CLI::App& app, const VerbHelp& help, BenchOptions& options) {
+CLI::App* add_scene_verb(CLI::App& app, const VerbHelp& help, BenchOptions& options) {
     CLI::App* verb = app.add_subcommand(help.name, help.summary);
     verb->add_option("scene", options.scene, help.scene)->required();
     std::string footer = help.explanation + tools::kDeviceHelp + tools::kExamplesHead;
@@ -42,6 +46,57 @@ void add_json_flag(CLI::App& verb, BenchOptions& options) {
     verb.add_flag("--json", options.json, "Print JSON");
 }
 
+void expect_not_stopped() {
+    if (stop_requested()) throw RuntimeFailure("stopped before the end");
+}
+
+void report(const BenchOptions& options, const gpu::Device& device, const nlohmann::ordered_json& facts,
+            const std::function<void()>& print_table) {
+    if (!options.json) return print_table();
+    nlohmann::ordered_json json = {{"device", device.summary().name}, {"scene", options.scene}};
+    if (!options.size.empty()) json["size"] = options.size;
+    json.update(facts);
+    fmt::print("{}", tools::json_text(json));
+}
+
+render::FrameCapacity capacity_of(const BenchOptions& options) {
+    const media::ImageSize size = tools::parse_size(options.size);
+    render::FrameCapacity capacity{size.width, size.height};
+    capacity.slice_budget = tools::bytes_of_mebibytes(options.slice_budget_mb);
+    return capacity;
+}
+
+render::FrameSettings play_settings(media::ImageSize size) {
+    render::FrameSettings settings;
+    settings.width = size.width;
+    settings.height = size.height;
+    settings.mode = render::TraceMode::kPlay;
+    settings.resolve.background = {1, 1, 1, 1};
+    return settings;
+}
+
+stage::Stage stage_of_copies(const std::filesystem::path& clip, uint32_t copies, double widths_apart) {
+    const std::filesystem::path file_of_clip = std::filesystem::absolute(clip);
+    stage::StageFile file = edit::new_stage(file_of_clip.parent_path() / "bench.gltf");
+    const voctree::NvvHead head = voctree::summarise_nvv(file_of_clip).head;
+    const double step_m = widths_apart * head.box_size.x;
+    for (uint32_t i = 0; i < copies; i++) {
+        edit::Placement placement;
+        placement.at = glm::dvec3(step_m * (i - 0.5 * (copies - 1)), -head.box_min.y, 0);
+        edit::PerformerEdit edit;
+        edit.clip = file_of_clip;
+        edit.time = stage::parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (head.frames / 2))),
+                                          "bench", "");
+        edit::add_performer(file, fmt::format("performer {}", i), edit, placement);
+    }
+    return stage::make_stage(std::move(file));
+}
+
+uint64_t covered_rays(const std::vector<glm::vec4>& rays) {
+    const auto covered = [](glm::vec4 ray) { return ray.a > 1.0f / 255; };
+    return static_cast<uint64_t>(std::count_if(rays.begin(), rays.end(), covered));
+}
+
 double quantile(std::vector<double> values, double p) {
     if (values.empty()) return 0;
     const auto at = std::min(values.size() - 1, static_cast<size_t>(p * static_cast<double>(values.size())));
@@ -53,10 +108,6 @@ double mean(const std::vector<double>& values) {
     double sum = 0;
     for (const double value : values) sum += value;
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
-void expect_not_stopped() {
-    if (stop_requested()) throw RuntimeFailure("stopped before the end");
 }
 
 double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, const gpu::Buffer& to) {
@@ -103,6 +154,12 @@ std::string passes_text(const std::vector<PassSum>& sums) {
     for (const PassSum& sum : sums)
         text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", sum.name, median(sum.ms));
     return text;
+}
+
+nlohmann::ordered_json passes_json(const std::vector<PassSum>& sums) {
+    auto json = nlohmann::ordered_json::object();
+    for (const PassSum& sum : sums) json[sum.name] = median(sum.ms);
+    return json;
 }
 
 }  // namespace neuvv::bench

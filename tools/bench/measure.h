@@ -1,59 +1,103 @@
-// What the measurements of neuvv-bench share.
+// What the measurements of neuvv-bench share. At the end: its verbs, each of which adds its subcommand with options,
+// help and callback.
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <utility>
 #include <vector>
 
-#include "render/field.h"
-#include "render/slice_cache.h"
+#include "render/frame.h"
+#include "stage/stage.h"
 #include "tools/commands.h"
 
 namespace neuvv::bench {
 
-// What a measurement may be asked for. Each verb has those of the options that it adds.
+// What a user may set of a measurement. Each verb has those of these options that it adds.
 struct BenchOptions {
-    std::string scene, size = "1280x720", image;
+    std::string scene;
+    std::string size = "1280x720";  // of images; empty: the verb makes none
+    std::string image;              // the PNG to write; empty: none
     uint32_t views = 4, repeats = 5;
-    double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
+    double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);  // MiB
     bool json = false;
 };
 
 struct VerbHelp {
     const char *name, *summary;
     std::string explanation;            // of what is measured
-    std::vector<std::string> examples;  // what stands behind `neuvv-bench`
+    std::vector<std::string> examples;  // what stands behind `neuvv-bench NAME`
     const char* scene = "The .nvv file";
 };
 
 // Adds a verb with its scene and its help.
-CLI::App* add_verb(CLI::App& app, const VerbHelp& help, BenchOptions& options);
+CLI::App* add_scene_verb(CLI::App& app, const VerbHelp& help, BenchOptions& options);
+// The same with options of its own, which live as long as the verb; its callback is `run`.
+template <typename Options>
+std::pair<CLI::App*, Options&> add_verb(CLI::App& app, const tools::CommonOptions& common, const VerbHelp& help,
+                                        void (*run)(const Options&, const tools::CommonOptions&)) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* verb = add_scene_verb(app, help, *options);
+    verb->callback([options, &common, run] { run(*options, common); });
+    return {verb, *options};
+}
 void add_size_option(CLI::App& verb, BenchOptions& options, const char* help = "WIDTHxHEIGHT");
 void add_views_option(CLI::App& verb, BenchOptions& options);
 void add_repeats_option(CLI::App& verb, BenchOptions& options, const char* help);
 void add_image_option(CLI::App& verb, BenchOptions& options);
 void add_json_flag(CLI::App& verb, BenchOptions& options);
 
-// The value that a share `p` of the values does not exceed; 0 of none.
-double quantile(std::vector<double> values, double p);
 // Throws RuntimeFailure where the user has asked to stop.
 void expect_not_stopped();
-// How long the device takes to copy all of a buffer to another: the measure of what its memory gives.
-double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, const gpu::Buffer& to);
-// Bytes read and written in a second by a copy of the field's weights, as the median of some copies.
-double copied_bytes_per_second(const gpu::Device& device, const render::Field& field);
-// Of all passes together.
-double milliseconds(const std::vector<gpu::PassTime>& passes);
-double mean(const std::vector<double>& values);  // 0 of none
+// Prints a result: with --json the device, the scene, the size and `facts`, else what `print_table` prints.
+void report(const BenchOptions& options, const gpu::Device& device, const nlohmann::ordered_json& facts,
+            const std::function<void()>& print_table);
+
+// Images of --size with the slices of --slice-budget.
+render::FrameCapacity capacity_of(const BenchOptions& options);
+// Plays images of this size over white.
+render::FrameSettings play_settings(media::ImageSize size);
+// Copies of a clip on the floor of a new stage under its spotlight, in a row along X, so many widths of the clip's box
+// apart. Each plays half a clip ahead of the one before it. The stage is never written.
+stage::Stage stage_of_copies(const std::filesystem::path& clip, uint32_t copies, double widths_apart);
+// How many rays are more opaque than 1/255.
+uint64_t covered_rays(const std::vector<glm::vec4>& rays);
+
+// The value that a share `p` of the values does not exceed; 0 of no values.
+double quantile(std::vector<double> values, double p);
 inline double median(std::vector<double> values) {
     return quantile(std::move(values), 0.5);
 }
+double mean(const std::vector<double>& values);  // 0 of no values
 
-// What each pass took in every image, by name in the order of the first.
+// How long the device takes to copy all of a buffer to another: the measure of its memory's bandwidth.
+double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, const gpu::Buffer& to);
+// Bytes read and written per second by a copy of the field's weights: the median of five copies.
+double copied_bytes_per_second(const gpu::Device& device, const render::Field& field);
+
+// Of all passes together.
+double milliseconds(const std::vector<gpu::PassTime>& passes);
+// What a pass took in every image.
 struct PassSum {
     std::string name;
-    std::vector<double> ms;  // one an image, however often the pass ran in it
+    std::vector<double> ms;  // one number per image, however often the pass ran in it
 };
+// Adds an image; `sums` keeps the order in which passes first came.
 void add_image(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes);
-// "shade 1.2 trace 3.4": medians.
+// "shade 1.2, trace 3.4": medians.
 std::string passes_text(const std::vector<PassSum>& sums);
+nlohmann::ordered_json passes_json(const std::vector<PassSum>& sums);
+
+void add_open(CLI::App& app, const tools::CommonOptions& common);
+void add_render(CLI::App& app, const tools::CommonOptions& common);
+void add_slice(CLI::App& app, const tools::CommonOptions& common);
+void add_walk(CLI::App& app, const tools::CommonOptions& common);
+void add_instances(CLI::App& app, const tools::CommonOptions& common);
+void add_stereo(CLI::App& app, const tools::CommonOptions& common);
+void add_stage(CLI::App& app, const tools::CommonOptions& common);
+void add_xr(CLI::App& app, const tools::CommonOptions& common);
+void add_train(CLI::App& app, const tools::CommonOptions& common);
+void add_edit(CLI::App& app, const tools::CommonOptions& common);
 
 }  // namespace neuvv::bench

@@ -1,23 +1,21 @@
-// neuvv-bench open: how long until a scene's first image, of the coarse tree, and until that of the whole.
+// neuvv-bench open: the time from a scene's path to the image of its coarse tree, and to that of the whole tree.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
-#include <functional>
-#include <memory>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
-#include <utility>
 
 #include "base/error.h"
-#include "base/platform.h"
-#include "render/frame.h"
+#include "base/parallel.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/synthetic_scene.h"
-#include "tools/bench/verbs.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
 #include "voctree/coarse.h"
+#include "voctree/half.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::bench {
@@ -29,10 +27,10 @@ struct OpenOptions : BenchOptions {
     double synthetic_megabytes = 0;
 };
 
-// Seconds of what stands between a path and an image.
+// What happens between a path and an image, in seconds.
 struct Opening {
     uint32_t leaves = 0;
-    double read = 0, check = 0, upload = 0, prepare = 0, render = 0;  // `check` is a part of `read`
+    double read = 0, check = 0, upload = 0, prepare = 0, render = 0;  // `check` is a part of `read`, measured once more
     media::Image image;
     double total() const { return read + upload + prepare + render; }
 };
@@ -42,7 +40,7 @@ double seconds_since(std::chrono::steady_clock::time_point& mark) {
     return std::chrono::duration<double>(mark - before).count();
 }
 
-// `view`: that of both images, found with the first tree; finding it takes no part in the times.
+// `view`: of both images, set with the first tree; the time that this takes is not counted.
 Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>& read,
              std::optional<tools::ViewStep>& view, media::ImageSize size) {
     Opening result;
@@ -52,20 +50,15 @@ Opening open(const gpu::Device& device, const std::function<voctree::VOctree()>&
     if (!voctree::defect_of(tree).empty()) throw std::logic_error("a tree that was read has no defect");
     result.check = seconds_since(mark);
     result.leaves = tree.leaf_count;
-    if (!view)
-        view = tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size)[0];
+    if (!view) view = tools::orbit_path(tree, size)[0];
 
     seconds_since(mark);
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     result.upload = seconds_since(mark);
     render::FrameRenderer renderer(device, field, {size.width, size.height});
     result.prepare = seconds_since(mark);
-    render::FrameSettings settings;
+    render::FrameSettings settings = play_settings(size);
     settings.instances[0].frame = static_cast<float>(view->frame);
-    settings.width = size.width;
-    settings.height = size.height;
-    settings.resolve.background = {1, 1, 1, 1};
-    settings.mode = render::TraceMode::kPlay;
     result.image = renderer.render(view->camera, settings);
     result.render = seconds_since(mark);
     return result;
@@ -82,32 +75,109 @@ void print(const char* name, const Opening& opening) {
                opening.total(), opening.read, opening.check, opening.upload, opening.prepare, opening.render);
 }
 
-void report(const OpenOptions& options, const gpu::Device& device, uint64_t bytes, const std::optional<Opening>& first,
-            const Opening& whole) {
-    const double share = first ? first->total() / whole.total() : 1;
-    const double psnr = first ? training::compare(whole.image, first->image).psnr : 99;
-    if (options.json) {
-        fmt::print("{}", tools::json_text({{"device", device.summary().name},
-                                           {"scene", options.scene},
-                                           {"bytes", bytes},
-                                           {"size", options.size},
-                                           {"first", first ? json_of(*first) : nlohmann::ordered_json()},
-                                           {"whole", json_of(whole)},
-                                           {"share", share},
-                                           {"psnr_db", psnr}}));
-        return;
-    }
-    fmt::print("{}: {}, {}, images of {}\n", device.summary().name, options.scene, tools::size_text(bytes),
+// Both openings; `first` is missing where the file has no coarse tree.
+struct Result {
+    uint64_t file_bytes = 0;
+    std::optional<Opening> first;
+    Opening whole;
+    double share() const { return first ? first->total() / whole.total() : 1; }
+    double psnr() const { return first ? training::compare(whole.image, first->image).psnr : 99; }
+};
+
+nlohmann::ordered_json json_of(const Result& result) {
+    return {{"bytes", result.file_bytes},
+            {"first", result.first ? json_of(*result.first) : nlohmann::ordered_json()},
+            {"whole", json_of(result.whole)},
+            {"share", result.share()},
+            {"psnr_db", result.psnr()}};
+}
+
+void print(const Result& result, const gpu::Device& device, const OpenOptions& options) {
+    fmt::print("{}: {}, {}, images of {}\n", device.summary().name, options.scene, tools::size_text(result.file_bytes),
                options.size);
     fmt::print("{:<12} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "seconds", "leaves", "total", "read", "checks",
                "upload", "prepare", "render");
-    if (first) print("coarse tree", *first);
-    print("whole tree", whole);
-    if (first)
+    if (result.first) print("coarse tree", *result.first);
+    print("whole tree", result.whole);
+    if (result.first)
         fmt::print("the first image takes {:.1f} % of the time of the whole, and has {:.1f} dB against it\n",
-                   100 * share, psnr);
+                   100 * result.share(), result.psnr());
     else
-        fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n", voctree::kCoarseFrom);
+        fmt::print("the file has no coarse tree: fewer than {} leaves, or not written as such\n",
+                   voctree::kMinLeavesForCoarse);
+}
+
+constexpr double kBytesPerLeaf = 282;  // in the compressed file
+constexpr double kThickness = 8;       // of the ball's shell, in leaves
+constexpr uint32_t kFrames = kMaxBases;
+
+// Random bits, the same for the same leaf and weight (the mixing function of splitmix64).
+uint64_t noise(uint64_t leaf, uint64_t weight) {
+    uint64_t x = leaf * 256 + weight + 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+// A finite half with random sign, exponent and digits.
+float any_half(uint64_t bits) {
+    const uint64_t exponent = (bits >> 16) % 31;
+    return voctree::float_from_half(static_cast<uint16_t>((bits & 0x83ff) | exponent << 10));
+}
+
+// The cells between two spheres, in a cube of 2^depth cells a side; `radius` in cells.
+std::vector<voctree::LeafPosition> shell(uint32_t depth, double radius) {
+    std::vector<voctree::LeafPosition> positions;
+    const double middle = std::ldexp(0.5, static_cast<int>(depth));
+    const uint32_t side = 1u << depth;
+    for (uint32_t z = 0; z < side; z++)
+        for (uint32_t y = 0; y < side; y++) {
+            const double dy = y + 0.5 - middle, dz = z + 0.5 - middle, across = dy * dy + dz * dz;
+            const double outer = (radius + kThickness / 2) * (radius + kThickness / 2) - across;
+            if (outer < 0) continue;
+            const double inner = (radius - kThickness / 2) * (radius - kThickness / 2) - across;
+            const auto first_x = static_cast<uint32_t>(middle - 0.5 - std::sqrt(outer)) + 1;
+            for (uint32_t x = first_x; x < side - first_x; x++) {
+                const double dx = x + 0.5 - middle;
+                if (dx * dx >= inner) positions.push_back({x, y, z, depth});
+            }
+        }
+    return positions;
+}
+
+// A striped ball of 64 frames whose numbers differ from leaf to leaf so that they hardly pack: its .nvv has about
+// `megabytes` MB. It has as few leaves as that allows, because devices bound the texels of a buffer.
+voctree::VOctree synthetic_scene(double megabytes) {
+    const double leaves = 1e6 * megabytes / kBytesPerLeaf;
+    const double radius = std::sqrt(leaves / (4 * std::numbers::pi * kThickness));  // in leaves
+    const auto depth = static_cast<uint32_t>(std::ceil(std::log2(std::max(radius, 4.0) / 0.48)));
+    voctree::VOctree tree;
+    tree.node_levels = (depth + 1) / 2;
+    tree.box_min = glm::vec3(-1);
+    tree.box_size = glm::vec3(2);
+    tree.bases = tree.frames = kFrames;
+    tree.hh_degree = 1;
+    tree.sigma_basis.assign(size_t{kFrames} * kFrames, 0.0f);
+    for (size_t t = 0; t < kFrames; t++) tree.sigma_basis[t * kFrames + t] = 1;
+    tree.gamma_basis = tree.sigma_basis;
+    std::vector<voctree::LeafPosition> positions = shell(depth, radius);
+    const auto before = [&](const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
+        return voctree::first_cell(a, depth) < voctree::first_cell(b, depth);
+    };
+    std::sort(positions.begin(), positions.end(), before);
+    voctree::build_topology(tree, positions);
+    parallel_for(positions.size(), 4096, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) {
+            float* leaf = tree.leaf(static_cast<uint32_t>(i));
+            for (uint32_t w = 0; w < 2 * kFrames; w++) leaf[w] = any_half(noise(i, w));
+            for (uint32_t w = 2 * kFrames; w < tree.weights_per_leaf(); w++)
+                leaf[w] = static_cast<float>(static_cast<int64_t>(noise(i, w))) * 0x1p-64f;
+            const uint32_t band = positions[i].y * 16 >> depth, side = positions[i].x * 16 >> depth;
+            for (uint32_t channel = 0; channel < 3; channel++)
+                leaf[2 * kFrames + channel * hh_count(1)] += ((band + side * channel) & 1) ? 8.0f : -8.0f;
+        }
+    });
+    return tree;
 }
 
 void write_synthetic(const OpenOptions& options) {
@@ -126,25 +196,24 @@ void run(const OpenOptions& options, const tools::CommonOptions& common) {
     const bool has_coarse = summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
     const gpu::Device device(common.device);
     std::optional<tools::ViewStep> view;
-    std::optional<Opening> first;
+    Result result{summary.file_bytes, {}, {}};
     if (has_coarse)
-        first = open(
+        result.first = open(
             device, [&] { return *voctree::read_nvv_coarse(options.scene); }, view, size);
-    const Opening whole = open(
+    result.whole = open(
         device, [&] { return voctree::read_nvv(options.scene); }, view, size);
     if (!options.images.empty()) {
-        if (first) media::write_png(std::filesystem::path(options.images) / "coarse.png", first->image);
-        media::write_png(std::filesystem::path(options.images) / "whole.png", whole.image);
+        if (result.first) media::write_png(std::filesystem::path(options.images) / "coarse.png", result.first->image);
+        media::write_png(std::filesystem::path(options.images) / "whole.png", result.whole.image);
     }
-    report(options, device, summary.file_bytes, first, whole);
+    report(options, device, json_of(result), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_open(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<OpenOptions>();
-    CLI::App* verb =
-        add_verb(app,
+    auto [verb, options] =
+        add_verb(app, common,
                  {"open",
                   "From a scene's path to its first image, and to the whole",
                   "Times one opening each of the coarse tree, which stands first in the file, and of the whole: read "
@@ -153,16 +222,15 @@ void add_open(CLI::App& app, const tools::CommonOptions& common) {
                   "included). Finding the device is not counted. The system's cache\nof files is used as it is, and "
                   "the coarse opening, which is first, also compiles the pipelines. ",
                   {"build/performer.nvv", "build/large.nvv --synthetic 1000"}},
-                 *options);
-    verb->add_option("--synthetic", options->synthetic_megabytes,
+                 run);
+    verb->add_option("--synthetic", options.synthetic_megabytes,
                      "First write a made-up scene of about so many MB there; it stays. 1000 MB are about what devices "
                      "hold in one "
                      "buffer")
         ->check(tools::number_between(1, 1000));
-    add_size_option(*verb, *options);
-    verb->add_option("--pictures", options->images, "A folder for the two images: coarse.png and whole.png");
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    add_size_option(*verb, options);
+    verb->add_option("--pictures", options.images, "A folder for the two images: coarse.png and whole.png");
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -35,7 +35,7 @@ SortPairs::SortPairs(const gpu::Device& device, uint32_t pair_capacity)
       count(device, "count of pairs", sizeof(LiveCount), gpu::MemoryKind::kDevice),
       block_counts(device, "digits of blocks", uint64_t{4} * kSortDigits * gpu::groups_of(capacity, kSortBlock),
                    gpu::MemoryKind::kDevice),
-      digit_counts(device, "digits of pairs", uint64_t{4} * kSortDigits * kSortPlaces, gpu::MemoryKind::kDevice) {
+      digit_counts(device, "digits of pairs", uint64_t{4} * kSortDigits * kSortRounds, gpu::MemoryKind::kDevice) {
     check_limits(device, capacity);
 }
 
@@ -65,9 +65,9 @@ void record_pair_sort(gpu::Commands& commands, const PairSorter& sorter, uint32_
     const SortPairs& pairs = sorter.pairs;
     gpu::fill(commands, pairs.digit_counts, 0);
     gpu::compute_barrier(commands);
-    for (uint32_t place = 0; place * kSortDigitBits < key_bits; place++) {
-        const uint32_t from = place % 2;
-        const PairSortPush push{place, pairs.capacity, gpu::groups_of(pairs.capacity, kSortBlock)};
+    for (uint32_t round = 0; round * kSortDigitBits < key_bits; round++) {
+        const uint32_t from = round % 2;
+        const PairSortPush push{round, pairs.capacity, gpu::groups_of(pairs.capacity, kSortBlock)};
         gpu::dispatch_indirect(commands, sorter.count, sorter.count_sets[from], pairs.count, 0, push);
         gpu::compute_barrier(commands);
         gpu::dispatch_groups(commands, sorter.scan, sorter.scan_set, kSortDigits, push);

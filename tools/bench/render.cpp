@@ -1,21 +1,17 @@
-// neuvv-bench render: images of a scene the paper's way and ours, in one run, with what the images differ by.
+// neuvv-bench render: compares the paths of the renderer, the paper's included, in time and in their images.
 #include <fmt/format.h>
 
 #include <chrono>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <variant>
 
 #include "base/platform.h"
-#include "render/frame.h"
 #include "render/reference_paths.h"
 #include "tools/bench/cpu_marcher.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/rival.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
@@ -30,17 +26,18 @@ struct RenderOptions : BenchOptions {
     std::string rival;  // raster, or none
 };
 
-// A clip of 25 images a second on a display of 90 Hz for two eyes: so many views share a slice.
+// How many views share a slice when a clip of 25 frames a second plays on a display of 90 Hz for two eyes.
 constexpr double kViewsPerSlice = 2 * 90 / 25.0;
 
-// A way to make an image, and how long its frames took.
-struct Way {
+// A path of the renderer, and how long its frames took.
+struct Path {
     const char* name;
     const char* key;  // in JSON
-    std::variant<render::TraceMode, render::ReferencePath> path;
-    std::vector<double> slice_ms, rest_ms;  // of each image; an image's slice is made once
+    std::variant<render::TraceMode, render::ReferencePath> mode;
+    std::vector<double> slice_ms, rest_ms;  // of each image: building its slice, and everything else
+    // Of an image that needs so many slices.
     double seconds(double slices) const { return (slices * median(slice_ms) + median(rest_ms)) / 1000; }
-    double p99(double slices) const { return slices * median(slice_ms) + quantile(rest_ms, 0.99); }
+    double p99_ms(double slices) const { return slices * median(slice_ms) + quantile(rest_ms, 0.99); }
 };
 
 double milliseconds(const std::vector<gpu::PassTime>& passes, bool of_slice) {
@@ -51,24 +48,24 @@ double milliseconds(const std::vector<gpu::PassTime>& passes, bool of_slice) {
 }
 
 struct HostTimes {
-    std::vector<double> ms;       // the rays alone
-    double worst_difference = 0;  // from the device's rays, of alpha and colour
+    std::vector<double> ms;       // of the rays alone
+    double worst_difference = 0;  // between host and device, in alpha or colour of a ray
     MarchCounts counts;
-    uint32_t images = 0;  // that were counted
+    uint32_t images = 0;  // in `counts`
 };
 
 struct Result {
-    std::vector<Way> ways;
-    std::vector<PassSum> passes;  // of the shaded way
+    std::vector<Path> paths;
+    std::vector<PassSum> passes;  // of the shaded images
     HostTimes host;
     RivalTimes rival;
-    std::vector<double> trace_ms;                       // the device's rays, as the host's
-    double copy_gb_s = 0;                               // read and written
-    double covered = 0, mean_difference = 0, psnr = 0;  // images: shaded against the paper's
+    std::vector<double> trace_ms;                       // of the device for the same rays as the host
+    double copy_gb_s = 0;                               // bytes read and written
+    double covered = 0, mean_difference = 0, psnr = 0;  // shaded images compared with the paper's
     uint64_t rays = 0;
 };
 
-// The first of the slices that are kept.
+// The first slice of the cache.
 HostSlice host_slice(const gpu::Device& device, const render::Field& field, const render::Performer& performer) {
     const render::SliceTrees& trees = performer.slices()->trees();
     HostSlice slice;
@@ -104,7 +101,7 @@ HostTileRanges host_ranges(const gpu::Device& device, const render::TileRanges& 
     return ranges;
 }
 
-// The rays of the image that the renderer has just shaded, by the host.
+// Traces the rays of the image that the renderer has just shaded again on the host.
 void measure_host(const gpu::Device& device, const render::Field& field, const render::FrameRenderer& renderer,
                   const stage::Camera& camera, uint32_t repeats, HostTimes& host) {
     const HostSlice slice = host_slice(device, field, *renderer.performer());
@@ -136,35 +133,31 @@ struct Drawn {
     std::vector<gpu::PassTime> passes;
 };
 
-// Its slice is made anew.
-Drawn draw(Renderers& renderers, const Way& way, const tools::ViewStep& view) {
-    render::ResolveSettings resolve;
-    resolve.background = {1, 1, 1, 1};
+// Draws an image whose slice is built anew.
+Drawn draw(Renderers& renderers, const Path& path, const tools::ViewStep& view) {
     const auto frame = static_cast<float>(view.frame);
-    if (const auto* path = std::get_if<render::ReferencePath>(&way.path)) {
-        const render::ReferenceSettings settings{.path = *path, .frame = frame, .resolve = resolve};
+    if (const auto* reference = std::get_if<render::ReferencePath>(&path.mode)) {
+        render::ReferenceSettings settings{.path = *reference, .frame = frame};
+        settings.resolve.background = {1, 1, 1, 1};
         media::Image image = renderers.references.render(view.camera, settings);
         return {std::move(image), renderers.references.pass_times()};
     }
-    render::FrameSettings settings;
+    render::FrameSettings settings = play_settings({view.camera.width, view.camera.height});
     settings.instances[0].frame = frame;
-    settings.width = view.camera.width;
-    settings.height = view.camera.height;
-    settings.mode = std::get<render::TraceMode>(way.path);
-    settings.resolve = resolve;
+    settings.mode = std::get<render::TraceMode>(path.mode);
     renderers.frames.forget_slices();
     media::Image image = renderers.frames.render(view.camera, settings);
     return {std::move(image), renderers.frames.pass_times()};
 }
 
-// Adds to a way's times; returns the last image.
-media::Image measure(Renderers& renderers, Way& way, const tools::ViewStep& view, uint32_t repeats, Result& result) {
-    Drawn drawn = draw(renderers, way, view);  // warms caches, compiles
-    const auto* mode = std::get_if<render::TraceMode>(&way.path);
+// Adds to the times of a path; returns the last image.
+media::Image measure(Renderers& renderers, Path& path, const tools::ViewStep& view, uint32_t repeats, Result& result) {
+    Drawn drawn = draw(renderers, path, view);  // fills caches, compiles pipelines
+    const auto* mode = std::get_if<render::TraceMode>(&path.mode);
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
-        drawn = draw(renderers, way, view);
-        way.slice_ms.push_back(milliseconds(drawn.passes, true));
-        way.rest_ms.push_back(milliseconds(drawn.passes, false));
+        drawn = draw(renderers, path, view);
+        path.slice_ms.push_back(milliseconds(drawn.passes, true));
+        path.rest_ms.push_back(milliseconds(drawn.passes, false));
         if (!mode || *mode != render::TraceMode::kShaded) continue;
         add_image(result.passes, drawn.passes);
         for (const gpu::PassTime& pass : drawn.passes)
@@ -173,45 +166,40 @@ media::Image measure(Renderers& renderers, Way& way, const tools::ViewStep& view
     return std::move(drawn.image);
 }
 
-double covered_share(const std::vector<glm::vec4>& rays) {
-    const auto seen = std::count_if(rays.begin(), rays.end(), [](glm::vec4 ray) { return ray.a > 1.0f / 255; });
-    return static_cast<double>(seen) / static_cast<double>(rays.size());
-}
-
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const RenderOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const media::ImageSize size = tools::parse_size(options.size);
-    std::vector<tools::ViewStep> path =
-        tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    const std::vector<tools::ViewStep> orbit = tools::orbit_path(tree, size);
     Result result;
     result.rays = uint64_t{size.width} * size.height;
-    result.ways = {{"the paper's: from the root, all numbers", "paper", render::ReferencePath::kPaper, {}, {}},
-                   {"all numbers, our walk", "direct", render::ReferencePath::kDirect, {}, {}},
-                   {"slice in slots, our walk", "slice", render::ReferencePath::kSlots, {}, {}},
-                   {"slice tree and tile ranges", "tree", render::TraceMode::kTree, {}, {}},
-                   {"the same, shaded", "shaded", render::TraceMode::kShaded, {}, {}}};
+    result.paths = {{"the paper's: from the root, all numbers", "paper", render::ReferencePath::kPaper, {}, {}},
+                    {"all numbers, our walk", "direct", render::ReferencePath::kDirect, {}, {}},
+                    {"slice in slots, our walk", "slice", render::ReferencePath::kSlots, {}, {}},
+                    {"slice tree and tile ranges", "tree", render::TraceMode::kTree, {}, {}},
+                    {"the same, shaded", "shaded", render::TraceMode::kShaded, {}, {}}};
     Renderers renderers(device, field, size);
     const render::FrameRenderer& renderer = renderers.frames;
-    tools::Progress progress("bench", options.views * result.ways.size());
+    tools::Progress progress("bench", options.views * result.paths.size());
     double squares = 0;
     for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
-        const tools::ViewStep& view = path[i * path.size() / options.views];
+        const tools::ViewStep& view = orbit[i * orbit.size() / options.views];
         media::Image truth;
-        for (size_t w = 0; w < result.ways.size() && !stop_requested(); w++) {
-            const uint32_t repeats = w < 2 ? 1 : options.repeats;  // those without a slice take long
-            const media::Image image = measure(renderers, result.ways[w], view, repeats, result);
-            if (w == 0) truth = image;
-            if (w + 1 == result.ways.size()) {
+        for (size_t p = 0; p < result.paths.size() && !stop_requested(); p++) {
+            const uint32_t repeats = p < 2 ? 1 : options.repeats;  // paths without a slice take long
+            const media::Image image = measure(renderers, result.paths[p], view, repeats, result);
+            if (p == 0) truth = image;
+            if (p + 1 == result.paths.size()) {
                 const training::Quality quality = training::compare(truth, image);
                 result.mean_difference += quality.mae / options.views;
                 squares += std::pow(10, -quality.psnr / 10) / options.views;
                 if (!options.rival.empty())
                     measure_rival(device, field, renderer, view.camera, image, options.repeats, result.rival);
             }
-            progress.update(i * result.ways.size() + w + 1);
+            progress.update(i * result.paths.size() + p + 1);
         }
         expect_not_stopped();
-        result.covered += covered_share(renderer.radiance()) / options.views;
+        const std::vector<glm::vec4> rays = renderer.radiance();
+        result.covered += static_cast<double>(covered_rays(rays)) / static_cast<double>(rays.size()) / options.views;
         measure_host(device, field, renderer, view.camera, options.repeats, result.host);
     }
     result.copy_gb_s = 1e-9 * copied_bytes_per_second(device, field);
@@ -219,10 +207,10 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     return result;
 }
 
-// Of a ray in a tile that sees anything, on the average.
+// What a ray in a tile that may see a leaf reads on average.
 struct RayWork {
     double nodes = 0, descents = 0, entries = 0, bytes = 0;
-    double gb_s = 0;  // of all such rays, while they are traced
+    double gb_s = 0;  // read by all rays during the trace
 };
 
 RayWork work_of(const Result& result) {
@@ -234,7 +222,7 @@ RayWork work_of(const Result& result) {
             of(counts.bytes()) * rays_per_image / (1e6 * median(result.trace_ms))};
 }
 
-// What the rival stands in for.
+// The time of the passes that the rival replaces.
 double ranges_and_trace_ms(const Result& result) {
     double sum = 0;
     for (const PassSum& pass : result.passes)
@@ -249,14 +237,14 @@ void print(const Result& result, const gpu::Device& device, const RenderOptions&
                device.summary().name, options.scene, tree.leaf_count, tree.hh_degree, options.size, options.views,
                100 * result.covered);
     fmt::print("{:<42} {:>9} {:>9} {:>8} {:>7}\n", "", "ms (p50)", "p99", "Mrays/s", "times");
-    const double paper = result.ways[0].seconds(1);
+    const double paper = result.paths[0].seconds(1);
     const auto line = [&](const std::string& name, double seconds, double p99) {
         fmt::print("{:<42} {:>9.1f} {:>9.1f} {:>8.2f} {:>7.1f}\n", name, 1000 * seconds, p99, rays / seconds / 1e6,
                    paper / seconds);
     };
-    for (const Way& way : result.ways) line(way.name, way.seconds(1), way.p99(1));
-    const Way& shaded = result.ways.back();
-    line("playing at 25 fps on 2 x 90 Hz", shaded.seconds(1 / kViewsPerSlice), shaded.p99(1 / kViewsPerSlice));
+    for (const Path& path : result.paths) line(path.name, path.seconds(1), path.p99_ms(1));
+    const Path& shaded = result.paths.back();
+    line("playing at 25 fps on 2 x 90 Hz", shaded.seconds(1 / kViewsPerSlice), shaded.p99_ms(1 / kViewsPerSlice));
     fmt::print("passes of the shaded image: {} ms\n", passes_text(result.passes));
     fmt::print(
         "the same rays by C++ on {} threads: {:.1f} ms, {:.2f} times the device's {:.1f} ms (they differ by {:.1e})\n",
@@ -274,37 +262,34 @@ void print(const Result& result, const gpu::Device& device, const RenderOptions&
     if (!options.rival.empty()) fmt::print("{}\n", rival_text(result.rival, ranges_and_trace_ms(result)));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const RenderOptions& options) {
-    auto ways = nlohmann::ordered_json::object();
-    const double paper = result.ways[0].seconds(1);
-    for (const Way& way : result.ways)
-        ways[way.key] = {{"slice_ms", median(way.slice_ms)},
-                         {"rest_ms", median(way.rest_ms)},
-                         {"p99_ms", way.p99(1)},
-                         {"mrays_per_second", static_cast<double>(result.rays) / way.seconds(1) / 1e6},
-                         {"times_paper", paper / way.seconds(1)}};
-    auto passes = nlohmann::ordered_json::object();
-    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
-    const double playing = result.ways.back().seconds(1 / kViewsPerSlice);
+nlohmann::ordered_json json_of(const Result& result, const RenderOptions& options) {
+    auto paths = nlohmann::ordered_json::object();
+    const double paper = result.paths[0].seconds(1);
+    for (const Path& path : result.paths)
+        paths[path.key] = {{"slice_ms", median(path.slice_ms)},
+                           {"rest_ms", median(path.rest_ms)},
+                           {"p99_ms", path.p99_ms(1)},
+                           {"mrays_per_second", static_cast<double>(result.rays) / path.seconds(1) / 1e6},
+                           {"times_paper", paper / path.seconds(1)}};
+    const double playing = result.paths.back().seconds(1 / kViewsPerSlice);
     const RayWork work = work_of(result);
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"views", options.views},
-            {"covered", result.covered},
-            {"ways", ways},
-            {"playing", {{"ms", 1000 * playing}, {"times_paper", paper / playing}}},
-            {"shaded_passes_ms", passes},
-            {"host_rays_ms", median(result.host.ms)},
-            {"device_rays_ms", median(result.trace_ms)},
-            {"host_difference", result.host.worst_difference},
-            {"nodes_a_ray", work.nodes},
-            {"entries_a_ray", work.entries},
-            {"bytes_a_ray", work.bytes},
-            {"trace_gb_s", work.gb_s},
-            {"copy_gb_s", result.copy_gb_s},
-            {"mean_difference_of_255", 255 * result.mean_difference},
-            {"psnr_db", result.psnr}};
+    nlohmann::ordered_json json = {{"views", options.views},
+                                   {"covered", result.covered},
+                                   {"ways", paths},
+                                   {"playing", {{"ms", 1000 * playing}, {"times_paper", paper / playing}}},
+                                   {"shaded_passes_ms", passes_json(result.passes)},
+                                   {"host_rays_ms", median(result.host.ms)},
+                                   {"device_rays_ms", median(result.trace_ms)},
+                                   {"host_difference", result.host.worst_difference},
+                                   {"nodes_a_ray", work.nodes},
+                                   {"entries_a_ray", work.entries},
+                                   {"bytes_a_ray", work.bytes},
+                                   {"trace_gb_s", work.gb_s},
+                                   {"copy_gb_s", result.copy_gb_s},
+                                   {"mean_difference_of_255", 255 * result.mean_difference},
+                                   {"psnr_db", result.psnr}};
+    if (!options.rival.empty()) json["rival"] = rival_json(result.rival, ranges_and_trace_ms(result));
+    return json;
 }
 
 void run(const RenderOptions& options, const tools::CommonOptions& common) {
@@ -313,33 +298,28 @@ void run(const RenderOptions& options, const tools::CommonOptions& common) {
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
-    if (!options.json) return print(result, device, options, tree);
-    nlohmann::ordered_json json = json_of(result, device, options);
-    if (!options.rival.empty()) json["rival"] = rival_json(result.rival, ranges_and_trace_ms(result));
-    fmt::print("{}", tools::json_text(json));
+    report(options, device, json_of(result, options), [&] { print(result, device, options, tree); });
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<RenderOptions>();
-    CLI::App* verb =
-        add_verb(app,
+    auto [verb, options] =
+        add_verb(app, common,
                  {"render",
                   "Images of a scene, the paper's way and ours",
                   "Renders the same views by each path of the renderer and by plain C++, and prints the GPU "
                   "time of an image,\nits slice included, its ratio to the paper's path and what the "
                   "images differ by. ",
                   {"build/performer.nvv --views 2", "build/performer.nvv --views 2 --rival raster"}},
-                 *options);
-    add_size_option(*verb, *options);
-    add_views_option(*verb, *options);
-    add_repeats_option(*verb, *options, "Images of each view that the medians are over");
-    verb->add_option("--rival", options->rival,
-                     "Also by another way: `raster` projects leaves, sorts and composites them")
+                 run);
+    add_size_option(*verb, options);
+    add_views_option(*verb, options);
+    add_repeats_option(*verb, options, "Images of each view that the medians are over");
+    verb->add_option("--rival", options.rival,
+                     "Also by another renderer: `raster` projects leaves, sorts and composites them")
         ->check(CLI::IsMember({"raster"}));
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -36,7 +36,7 @@ uint32_t count_pairs(const gpu::Device& device, const render::Field& field, cons
     gpu::run_once(device, "count pairs", [&](gpu::Commands& commands) {
         record_leaf_raster(commands, counter, 0, *rays.cameras.as<ShaderCamera>());
     });
-    return pairs_wanted(device, counter);
+    return pair_count(device, counter);
 }
 
 void add_times(RivalTimes& times, const std::vector<gpu::PassTime>& passes) {
@@ -47,7 +47,7 @@ void add_times(RivalTimes& times, const std::vector<gpu::PassTime>& passes) {
     }
 }
 
-// The rays over white.
+// The rays as an image over white.
 media::Image image_of(const gpu::Device& device, const render::RayBatch& rays, uint32_t width, uint32_t height) {
     const gpu::Buffer image(device, "rival's image", uint64_t{4} * width * height, gpu::MemoryKind::kDevice,
                             VK_FORMAT_R32_UINT);

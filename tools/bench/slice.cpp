@@ -1,14 +1,11 @@
-// neuvv-bench slice: how long a frame's slice takes, pass by pass, and the share of the device's bandwidth it reaches.
+// neuvv-bench slice: the time of each pass of a frame's slice, and the share of the device's bandwidth that it reaches.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
 #include "render/slice_tree.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "voctree/nvv.h"
 
@@ -17,7 +14,7 @@ namespace neuvv::bench {
 namespace {
 
 struct SliceOptions : BenchOptions {
-    SliceOptions() { repeats = 3; }
+    SliceOptions() { size.clear(), repeats = 3; }
     uint32_t frames = 12;
 };
 
@@ -26,8 +23,8 @@ struct SliceTimes {
     std::vector<double> live, entry_count, copy_gb_s;
 };
 
-// Bytes that the passes move at the least. Density: w^σ of every leaf, its head. Entries: slot, cells, head and node of
-// every live leaf, its w^γ and w^HH; its SH and leaf.
+// The least bytes that the passes can move. The density pass reads w^σ of every leaf and writes its head. The entry
+// pass reads slot, cells, head and node of every live leaf, its w^γ and w^HH, and writes its SH and its leaf.
 double density_bytes(const render::Field& field) {
     return field.leaf_count * (8.0 * field.busy_planes + 8);
 }
@@ -38,7 +35,7 @@ double entry_bytes(const render::Field& field, double live) {
 
 SliceTimes measure(const gpu::Device& device, const render::Field& field, const SliceOptions& options) {
     const render::LiveLeaves live(device, field, field.leaf_count);
-    const render::SliceTrees trees(device, field, render::most_entries(field), 1);
+    const render::SliceTrees trees(device, field, render::max_entries(field), 1);
     const render::TreeSlicer slicer(device, field, live, trees);
     const render::Slice slots(device, field, field.leaf_count);
     const render::Slicer slot_slicer(device, field, slots);
@@ -56,7 +53,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
         commands.submit();
         commands.wait();
         const double copied = copy_milliseconds(device, field.weights, target);
-        if (i == 0) continue;  // warms caches
+        if (i == 0) continue;  // the first one fills caches
         const std::vector<gpu::PassTime> passes = commands.pass_times();
         times.density.push_back(passes[0].milliseconds);
         times.nodes.push_back(passes[1].milliseconds);
@@ -80,62 +77,50 @@ void run(const SliceOptions& options, const tools::CommonOptions& common) {
     const gpu::Device device(common.device);
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const SliceTimes times = measure(device, field, options);
-    if (times.whole.empty()) return;
+    expect_not_stopped();
     const double live = median(times.live), copied = median(times.copy_gb_s);
     const double density_rate = 1e-6 * density_bytes(field) / median(times.density);
     const double entry_rate = 1e-6 * entry_bytes(field, live) / median(times.entries);
-    if (options.json) {
-        fmt::print("{}",
-                   tools::json_text(
-                       {{"device", device.summary().name},
-                        {"scene", options.scene},
-                        {"leaves", field.leaf_count},
-                        {"live_leaves", live},
-                        {"slice_bytes", render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))},
-                        {"density_ms", median(times.density)},
-                        {"nodes_ms", median(times.nodes)},
-                        {"entries_ms", median(times.entries)},
-                        {"slice_ms", median(times.whole)},
-                        {"slice_p99_ms", quantile(times.whole, 0.99)},
-                        {"slots_ms", median(times.slots)},
-                        {"density_gb_s", density_rate},
-                        {"entries_gb_s", entry_rate},
-                        {"copy_gb_s", copied}}));
-        return;
-    }
-    fmt::print("{}: {}, {} leaves, {:.0f} of them live in a frame; a slice is {}\n", device.summary().name,
-               options.scene, field.leaf_count, live,
-               tools::size_text(render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)))));
+    const uint64_t slice_bytes = render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)));
+    const nlohmann::ordered_json json = {
+        {"leaves", field.leaf_count},      {"live_leaves", live},
+        {"slice_bytes", slice_bytes},      {"density_ms", median(times.density)},
+        {"nodes_ms", median(times.nodes)}, {"entries_ms", median(times.entries)},
+        {"slice_ms", median(times.whole)}, {"slice_p99_ms", quantile(times.whole, 0.99)},
+        {"slots_ms", median(times.slots)}, {"density_gb_s", density_rate},
+        {"entries_gb_s", entry_rate},      {"copy_gb_s", copied}};
     const auto line = [copied](const char* name, const std::vector<double>& ms, double rate) {
         fmt::print("{:<34} {:>9.2f} {:>9.2f} ms", name, median(ms), quantile(ms, 0.99));
         if (rate > 0) fmt::print(" {:>7.1f} GB/s, {:.0f} % of a copy's", rate, 100 * rate / copied);
         fmt::print("\n");
     };
-    fmt::print("{:<34} {:>9} {:>9}\n", "", "p50", "p99");
-    line("density of every leaf", times.density, density_rate);
-    line("nodes", times.nodes, 0);
-    line("entries of live leaves", times.entries, entry_rate);
-    line("a slice tree", times.whole, 0);
-    line("a slice in slots, as training has it", times.slots, 0);
+    report(options, device, json, [&] {
+        fmt::print("{}: {}, {} leaves, {:.0f} of them live in a frame; a slice is {}\n", device.summary().name,
+                   options.scene, field.leaf_count, live, tools::size_text(slice_bytes));
+        fmt::print("{:<34} {:>9} {:>9}\n", "", "p50", "p99");
+        line("density of every leaf", times.density, density_rate);
+        line("nodes", times.nodes, 0);
+        line("entries of live leaves", times.entries, entry_rate);
+        line("a slice tree", times.whole, 0);
+        line("a slice in slots, as training has it", times.slots, 0);
+    });
 }
 
 }  // namespace
 
 void add_slice(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<SliceOptions>();
-    CLI::App* verb =
-        add_verb(app,
+    auto [verb, options] =
+        add_verb(app, common,
                  {"slice",
                   "A frame's slice, pass by pass",
                   "Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights has. ",
                   {"build/performer.nvv"}},
-                 *options);
-    verb->add_option("--frames", options->frames, "Times, spread over the clip")
+                 run);
+    verb->add_option("--frames", options.frames, "Times, spread over the clip")
         ->check(CLI::Range(1, 10000))
         ->capture_default_str();
-    add_repeats_option(*verb, *options, "Slices of each time");
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    add_repeats_option(*verb, options, "Slices of each time");
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

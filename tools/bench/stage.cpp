@@ -1,20 +1,13 @@
-// neuvv-bench stage: what lights, shadows, blending and copies cost on a stage of two performers and a floor.
+// neuvv-bench stage: the cost of lights, shadows, blending and copies on a stage of two performers and a floor.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "edit/operations.h"
 #include "render/stage_renderer.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
-#include "voctree/nvv.h"
 
 namespace neuvv::bench {
 
@@ -26,46 +19,33 @@ struct StageOptions : BenchOptions {
     bool together = false;
 };
 
-// What one image of it takes, in one way of drawing it.
-struct Way {
+// Settings of the stage, and the time of each of its images.
+struct Variant {
     std::string name;
     bool shadows = true, falloff = true;
     stage::StageBlend blend = stage::StageBlend::kExact;
     std::vector<double> ms;
 };
 
-// A floor, a spotlight, and performers beside each other whose clips begin at different frames; or one in the other.
+// Performers beside each other, or overlapping.
 stage::Stage make_bench_stage(const StageOptions& options, uint32_t performers) {
-    const std::filesystem::path clip = std::filesystem::absolute(options.scene);
-    stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
-    const voctree::NvvHead head = voctree::summarise_nvv(clip).head;
-    const double width = options.together ? 0.25 * head.box_size.x : 1.1 * head.box_size.x;
-    const double first = -0.5 * width * (performers - 1);
-    for (uint32_t i = 0; i < performers; i++) {
-        edit::Placement place;
-        place.at = glm::dvec3(first + width * i, -head.box_min.y, 0);
-        edit::PerformerEdit edit;
-        edit.clip = clip;
-        edit.time = stage::parse_time_map(fmt::format("loop,offset:{}f", -static_cast<double>(i * (head.frames / 2))),
-                                          "bench", "");
-        edit::add_performer(file, fmt::format("performer {}", i), edit, place);
-    }
-    return stage::make_stage(std::move(file));
+    return stage_of_copies(options.scene, performers, options.together ? 0.25 : 1.1);
 }
 
-stage::Camera camera_of_bench(const stage::Stage& stage, media::ImageSize size, double distance_m) {
+stage::Camera bench_camera(const stage::Stage& stage, const StageOptions& options, double distance_m) {
+    const media::ImageSize size = tools::parse_size(options.size);
     stage::Camera camera = stage::camera_of(stage, "camera", stage::stage_at(stage, 0), size.width, size.height);
     camera.world_from_camera[3] = glm::dvec4(0, 1.6, distance_m, 1);
     return camera;
 }
 
-// Milliseconds of one image by the host's clock (Commands::milliseconds); slices are there already where the budget
-// holds them.
-double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::Camera& camera, Way& way,
+// Draws an image; returns its milliseconds by the host's clock (Commands::milliseconds). Its slices are in the cache
+// already where they fit the budget.
+double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::Camera& camera, Variant& variant,
             media::Image& image) {
-    stage.settings.shadows = way.shadows;
-    stage.settings.falloff = way.falloff;
-    stage.settings.blend = way.blend;
+    stage.settings.shadows = variant.shadows;
+    stage.settings.falloff = variant.falloff;
+    stage.settings.blend = variant.blend;
     const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
     renderer.show(evaluated);
     image = renderer.frames().render(camera, renderer.settings_at(evaluated));
@@ -73,73 +53,67 @@ double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::C
 }
 
 struct Result {
-    std::vector<Way> ways;
-    uint64_t one_bytes = 0, all_bytes = 0;  // of a stage with one performer, and with all copies
+    std::vector<Variant> variants;
+    uint64_t one_bytes = 0, all_bytes = 0;  // buffers of a stage with one performer, and with all copies
     media::Image image;
 };
 
-// Ways take turns, so that what else the machine does hits all alike.
-std::vector<Way> measure_ways(const gpu::Device& device, const StageOptions& options, media::Image& image) {
+// The variants take turns, so that whatever else the machine does slows all of them alike.
+std::vector<Variant> measure_variants(const gpu::Device& device, const StageOptions& options, media::Image& image) {
     stage::Stage stage = make_bench_stage(options, 2);
-    const media::ImageSize size = tools::parse_size(options.size);
-    render::FrameCapacity capacity{size.width, size.height};
-    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
-    const stage::Camera camera = camera_of_bench(stage, size, 4);
-    std::vector<Way> ways = {{"plain", false, false},
-                             {"shadows", true, false},
-                             {"falloff", false, true},
-                             {"shadows and falloff"},
-                             {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
+    const stage::Camera camera = bench_camera(stage, options, 4);
+    std::vector<Variant> variants = {{"plain", false, false},
+                                     {"shadows", true, false},
+                                     {"falloff", false, true},
+                                     {"shadows and falloff"},
+                                     {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
     tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
-        for (Way& way : ways) {
-            media::Image shown;
-            const double ms = draw(renderer, stage, camera, way, shown);
-            if (way.shadows && way.falloff && way.blend == stage::StageBlend::kExact) image = shown;
-            if (i == 0) continue;  // slices, pipelines, caches
-            way.ms.push_back(ms);
+        for (Variant& variant : variants) {
+            media::Image drawn;
+            const double ms = draw(renderer, stage, camera, variant, drawn);
+            if (variant.shadows && variant.falloff && variant.blend == stage::StageBlend::kExact) image = drawn;
+            if (i == 0) continue;  // the first round builds slices and pipelines
+            variant.ms.push_back(ms);
         }
         progress.update(i);
     }
-    return ways;
+    return variants;
 }
 
-// Buffers of a stage with so many copies, at as many times, after an image of it.
+// Bytes of the buffers of a stage with so many copies, each at its own time, after an image of it.
 uint64_t bytes_with(const gpu::Device& device, const StageOptions& options, uint32_t copies) {
     const uint64_t before = device.buffer_bytes();
     stage::Stage stage = make_bench_stage(options, copies);
-    const media::ImageSize size = tools::parse_size(options.size);
-    render::FrameCapacity capacity{size.width, size.height};
-    capacity.slice_budget = static_cast<uint64_t>(options.slice_budget_mb * 1048576);
-    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
-    Way way;
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
+    Variant variant;
     media::Image image;
-    draw(renderer, stage, camera_of_bench(stage, size, 4.0 + copies), way, image);
+    draw(renderer, stage, bench_camera(stage, options, 4.0 + copies), variant, image);
     return device.buffer_bytes() - before;
 }
 
-double growth(const Result& result, size_t way) {
-    return median(result.ways[way].ms) / median(result.ways[0].ms) - 1;
+double growth(const Result& result, size_t variant) {
+    return median(result.variants[variant].ms) / median(result.variants[0].ms) - 1;
 }
 
 void print(const Result& result, const gpu::Device& device, const StageOptions& options) {
     fmt::print("{}: {}, {}, two performers {}, a floor, a spotlight\n", device.summary().name, options.scene,
                options.size, options.together ? "in each other" : "beside each other");
-    for (size_t i = 0; i < result.ways.size(); i++) {
-        const Way& way = result.ways[i];
-        fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n", way.name, median(way.ms), 100 * growth(result, i));
+    for (size_t i = 0; i < result.variants.size(); i++) {
+        const Variant& variant = result.variants[i];
+        fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n", variant.name, median(variant.ms), 100 * growth(result, i));
     }
     fmt::print("{} copies: {:.1f} MiB of buffers, {:.4f} times those of one\n", options.copies,
                static_cast<double>(result.all_bytes) / 1048576,
                static_cast<double>(result.all_bytes) / static_cast<double>(result.one_bytes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const StageOptions& options) {
-    nlohmann::ordered_json json = {{"device", device.summary().name}, {"scene", options.scene}, {"size", options.size}};
-    for (size_t i = 0; i < result.ways.size(); i++)
+nlohmann::ordered_json json_of(const Result& result, const StageOptions& options) {
+    nlohmann::ordered_json json;
+    for (size_t i = 0; i < result.variants.size(); i++)
         json["ways"].push_back(
-            {{"name", result.ways[i].name}, {"ms", median(result.ways[i].ms)}, {"growth", growth(result, i)}});
+            {{"name", result.variants[i].name}, {"ms", median(result.variants[i].ms)}, {"growth", growth(result, i)}});
     json["copies"] = options.copies;
     json["one_bytes"] = result.one_bytes;
     json["all_bytes"] = result.all_bytes;
@@ -151,40 +125,35 @@ void run(const StageOptions& options, const tools::CommonOptions& common) {
     if (!options.image.empty()) tools::prepare_output_file("--picture", options.image);
     const gpu::Device device(common.device);
     Result result;
-    result.ways = measure_ways(device, options, result.image);
+    result.variants = measure_variants(device, options, result.image);
     expect_not_stopped();
     result.one_bytes = bytes_with(device, options, 1);
     result.all_bytes = bytes_with(device, options, options.copies);
     expect_not_stopped();
     if (!options.image.empty()) media::write_png(options.image, result.image);
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(result, device, options)));
-    else
-        print(result, device, options);
+    report(options, device, json_of(result, options), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_stage(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<StageOptions>();
-    CLI::App* verb = add_verb(
-        app,
+    auto [verb, options] = add_verb(
+        app, common,
         {"stage",
          "Lights, shadows, blending and copies on a stage",
          "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
          "there already, and prints the time of an image; then device memory of copies.\n",
          {"build/performer.nvv", "build/performer.nvv --together --repeats 5"}},
-        *options);
-    add_size_option(*verb, *options);
-    verb->add_flag("--together", options->together, "The performers stand in each other");
-    verb->add_option("--copies", options->copies, "Performers of the stage whose memory is held against one's")
+        run);
+    add_size_option(*verb, options);
+    verb->add_flag("--together", options.together, "The performers stand in each other");
+    verb->add_option("--copies", options.copies, "Performers of the stage whose memory is held against one's")
         ->check(CLI::Range(1u, render::kMaxInstances))
         ->capture_default_str();
-    tools::add_slice_budget_option(*verb, options->slice_budget_mb);
-    add_repeats_option(*verb, *options, "Images of each way that the medians are over");
-    add_image_option(*verb, *options);
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    tools::add_slice_budget_option(*verb, options.slice_budget_mb);
+    add_repeats_option(*verb, options, "Images of each variant that the medians are over");
+    add_image_option(*verb, options);
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -1,17 +1,13 @@
-// neuvv-bench stereo: both eyes of a headset, with and without what saves rays.
+// neuvv-bench stereo: the time of both eyes of a headset, at full resolution and with settings that save rays.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "render/frame.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
@@ -21,37 +17,30 @@ namespace neuvv::bench {
 
 namespace {
 
-// A way to draw both eyes.
-struct Way {
+// How both eyes are drawn, and how long that took.
+struct Variant {
     std::string name;
     const char* key;  // in JSON
     double scale = 1;
     std::vector<render::Fovea> foveae;
-    bool one_by_one = false;  // an eye a frame
+    bool one_by_one = false;  // each eye in a frame of its own
     std::vector<double> ms;
     double rays = 0;
-    double psnr = 0;  // of the images, against those of the first way
+    double psnr = 0;  // the lower one of both images, against the first variant
 };
 
 constexpr double kEyeDistance_m = 0.063;
 
-// Seen by a person who stands one height away, upright, with 90° from side to side.
+// The eyes of an upright person one height of the performer away, with a horizontal angle of view of 90°.
 std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& box, media::ImageSize size,
                                        double turn) {
     const glm::dvec3 middle = 0.5 * (box.first + box.second);
     const double away_m = box.second.y - box.first.y;
-    std::vector<stage::Camera> eyes(2);
-    for (int eye = 0; eye < 2; eye++) {
-        glm::dmat4 place = glm::rotate(glm::translate(glm::dmat4(1), middle), turn, glm::dvec3(0, 1, 0));
-        place = glm::translate(place, glm::dvec3((eye - 0.5) * kEyeDistance_m, 0, away_m));
-        stage::Camera& camera = eyes[static_cast<size_t>(eye)];
-        camera.world_from_camera = place;
-        camera.width = size.width;
-        camera.height = size.height;
-        camera.cx = 0.5 * size.width;
-        camera.cy = 0.5 * size.height;
-        camera.fx = camera.fy = 0.5 * size.width;
-    }
+    const glm::dmat4 turned = glm::rotate(glm::translate(glm::dmat4(1), middle), turn, glm::dvec3(0, 1, 0));
+    std::vector<stage::Camera> eyes;
+    for (const double side : {-0.5, 0.5})
+        eyes.push_back(tools::centred_camera(size, 0.5 * size.width,
+                                             glm::translate(turned, glm::dvec3(side * kEyeDistance_m, 0, away_m))));
     return eyes;
 }
 
@@ -75,20 +64,21 @@ Drawn draw(render::FrameRenderer& renderer, const std::vector<stage::Camera>& ey
     return drawn;
 }
 
-// A clip at 25 images a second on a display of 90 Hz, every slice new.
+// A clip of 25 frames a second that plays on a display of 90 Hz; every slice is new.
 struct Playing {
-    std::vector<double> needed_ms, ahead_ms;  // of each display frame: slices built when needed, or ahead
+    std::vector<double> needed_ms,
+        ahead_ms;  // per frame of the display; slices built when needed, or ahead
 };
 
 struct Result {
-    std::vector<Way> ways;
+    std::vector<Variant> variants;
     Playing playing;
-    std::vector<PassSum> passes;  // of the first
+    std::vector<PassSum> passes;  // of the first variant
     double covered = 0;           // share of pixels
-    double copy_tb_s = 0;         // bytes read and written
+    double copy_tb_s = 0;         // bytes that a copy reads and writes, in TB/s
 };
 
-std::vector<Way> ways_to_draw() {
+std::vector<Variant> all_variants() {
     const render::Fovea inset{{0.3, 0.3}, {0.7, 0.7}, 0.4};
     return {{"both eyes in one dispatch", "stereo", 1, {}, false, {}},
             {"one eye after the other", "one_by_one", 1, {}, true, {}},
@@ -97,29 +87,24 @@ std::vector<Way> ways_to_draw() {
             {"0.5 rays a pixel's side, upscaled", "half", 0.5, {}, false, {}}};
 }
 
-void measure(render::FrameRenderer& renderer, Way& way, const std::vector<stage::Camera>& eyes, uint32_t repeats,
-             std::vector<media::Image>& truth, Result& result) {
-    render::FrameSettings settings;
-    settings.width = eyes[0].width;
-    settings.height = eyes[0].height;
-    settings.mode = render::TraceMode::kPlay;
-    settings.scale = way.scale;
-    settings.foveae = way.foveae;
-    settings.resolve.background = {1, 1, 1, 1};
-    Drawn drawn = draw(renderer, eyes, settings, way.one_by_one);  // slices, compiles
+void measure(render::FrameRenderer& renderer, Variant& variant, const std::vector<stage::Camera>& eyes,
+             uint32_t repeats, std::vector<media::Image>& truth, Result& result) {
+    render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
+    settings.scale = variant.scale;
+    settings.foveae = variant.foveae;
+    Drawn drawn = draw(renderer, eyes, settings, variant.one_by_one);  // builds slices, compiles pipelines
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
-        drawn = draw(renderer, eyes, settings, way.one_by_one);
-        way.ms.push_back(drawn.ms);
+        drawn = draw(renderer, eyes, settings, variant.one_by_one);
+        variant.ms.push_back(drawn.ms);
         if (truth.empty()) add_image(result.passes, renderer.pass_times());
     }
-    way.rays = 2 * static_cast<double>(renderer.radiance().size());
+    variant.rays = 2 * static_cast<double>(renderer.radiance().size());
     if (truth.empty()) {
         truth = drawn.images;
         const std::vector<glm::vec4> rays = renderer.radiance();
-        const auto seen = std::count_if(rays.begin(), rays.end(), [](glm::vec4 ray) { return ray.a > 1.0f / 255; });
-        result.covered = static_cast<double>(seen) / static_cast<double>(rays.size());
+        result.covered = static_cast<double>(covered_rays(rays)) / static_cast<double>(rays.size());
     }
-    way.psnr =
+    variant.psnr =
         std::min(training::compare(truth[0], drawn.images[0]).psnr, training::compare(truth[1], drawn.images[1]).psnr);
 }
 
@@ -127,19 +112,16 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
                          bool ahead) {
     constexpr double kClipFps = 25, kDisplayHz = 90;
     constexpr uint32_t kDisplayFrames = 72;
-    render::FrameSettings settings;
-    settings.width = eyes[0].width;
-    settings.height = eyes[0].height;
-    settings.mode = render::TraceMode::kPlay;
+    render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
     renderer.forget_slices();
     std::vector<double> ms;
     for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
-        const auto shown = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
-        settings.instances[0].frame = static_cast<float>(shown % clip_frames);
-        if (ahead) settings.next_slices = {{static_cast<float>((shown + 1) % clip_frames)}};
+        const auto frame = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
+        settings.instances[0].frame = static_cast<float>(frame % clip_frames);
+        if (ahead) settings.next_slices = {{static_cast<float>((frame + 1) % clip_frames)}};
         renderer.render_views(eyes, settings);
         if (i >= kDisplayHz / kClipFps)
-            ms.push_back(milliseconds(renderer.pass_times()));  // the first slice is needed at once
+            ms.push_back(milliseconds(renderer.pass_times()));  // the first slice cannot be built ahead
     }
     return ms;
 }
@@ -150,33 +132,33 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     const std::vector<stage::Camera> eyes = eyes_before(tools::occupied_box(tree), size, 0.4);
     render::FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
     Result result;
-    result.ways = ways_to_draw();
+    result.variants = all_variants();
     std::vector<media::Image> truth;
-    tools::Progress progress("bench", result.ways.size() + 2);
-    for (size_t i = 0; i < result.ways.size() && !stop_requested(); i++) {
-        measure(renderer, result.ways[i], eyes, options.repeats, truth, result);
+    tools::Progress progress("bench", result.variants.size() + 2);
+    for (size_t i = 0; i < result.variants.size() && !stop_requested(); i++) {
+        measure(renderer, result.variants[i], eyes, options.repeats, truth, result);
         progress.update(i + 1);
     }
     result.playing.needed_ms = play(renderer, eyes, tree.frames, false);
-    progress.update(result.ways.size() + 1);
+    progress.update(result.variants.size() + 1);
     result.playing.ahead_ms = play(renderer, eyes, tree.frames, true);
-    progress.update(result.ways.size() + 2);
+    progress.update(result.variants.size() + 2);
     result.copy_tb_s = 1e-12 * copied_bytes_per_second(device, field);
     return result;
 }
 
-double mrays_per_second(const Way& way) {
-    return way.rays / median(way.ms) / 1000;
+double mrays_per_second(const Variant& variant) {
+    return variant.rays / median(variant.ms) / 1000;
 }
 
 void print(const Result& result, const gpu::Device& device, const BenchOptions& options) {
     fmt::print("{}: {}, 2 x {}, {:.0f} % of the pixels covered, slices resident; a copy moves {:.3f} TB/s\n",
                device.summary().name, options.scene, options.size, 100 * result.covered, result.copy_tb_s);
     fmt::print("{:<50} {:>9} {:>9} {:>8} {:>16} {:>8}\n", "", "ms (p50)", "p99", "Mrays/s", "Mrays/s per TB/s", "PSNR");
-    for (const Way& way : result.ways)
-        fmt::print("{:<50} {:>9.1f} {:>9.1f} {:>8.1f} {:>16.0f} {:>8}\n", way.name, median(way.ms),
-                   quantile(way.ms, 0.99), mrays_per_second(way), mrays_per_second(way) / result.copy_tb_s,
-                   way.psnr > 90 ? "same" : fmt::format("{:.1f}", way.psnr));
+    for (const Variant& variant : result.variants)
+        fmt::print("{:<50} {:>9.1f} {:>9.1f} {:>8.1f} {:>16.0f} {:>8}\n", variant.name, median(variant.ms),
+                   quantile(variant.ms, 0.99), mrays_per_second(variant), mrays_per_second(variant) / result.copy_tb_s,
+                   variant.psnr > 90 ? "same" : fmt::format("{:.1f}", variant.psnr));
     const auto playing = [](const char* name, const std::vector<double>& ms) {
         fmt::print("{:<50} {:>9.1f} {:>9.1f}\n", name, median(ms), quantile(ms, 0.99));
     };
@@ -185,26 +167,21 @@ void print(const Result& result, const gpu::Device& device, const BenchOptions& 
     fmt::print("passes of the first: {} ms\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const BenchOptions& options) {
-    auto ways = nlohmann::ordered_json::object();
-    for (const Way& way : result.ways)
-        ways[way.key] = {{"ms", median(way.ms)},
-                         {"p99_ms", quantile(way.ms, 0.99)},
-                         {"rays", way.rays},
-                         {"mrays_per_second", mrays_per_second(way)},
-                         {"psnr_db", way.psnr}};
-    auto passes = nlohmann::ordered_json::object();
-    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"covered", result.covered},
+nlohmann::ordered_json json_of(const Result& result) {
+    auto variants = nlohmann::ordered_json::object();
+    for (const Variant& variant : result.variants)
+        variants[variant.key] = {{"ms", median(variant.ms)},
+                                 {"p99_ms", quantile(variant.ms, 0.99)},
+                                 {"rays", variant.rays},
+                                 {"mrays_per_second", mrays_per_second(variant)},
+                                 {"psnr_db", variant.psnr}};
+    return {{"covered", result.covered},
             {"copy_tb_s", result.copy_tb_s},
-            {"ways", ways},
+            {"ways", variants},
             {"playing",
              {{"needed_p99_ms", quantile(result.playing.needed_ms, 0.99)},
               {"ahead_p99_ms", quantile(result.playing.ahead_ms, 0.99)}}},
-            {"passes_ms", passes}};
+            {"passes_ms", passes_json(result.passes)}};
 }
 
 void run(const BenchOptions& options, const tools::CommonOptions& common) {
@@ -213,31 +190,26 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(result, device, options)));
-    else
-        print(result, device, options);
+    report(options, device, json_of(result), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_stereo(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<BenchOptions>();
-    options->size = "2064x2208";
-    options->repeats = 20;
-    CLI::App* verb =
-        add_verb(app,
+    auto [verb, options] =
+        add_verb(app, common,
                  {"stereo",
                   "Both eyes of a headset",
                   "Draws the performer for two eyes that stand one height away and see 90 degrees, and prints "
                   "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far images of "
                   "fewer rays are from those of all.\n",
                   {"build/performer.nvv", "build/performer.nvv --size 1032x1104 --repeats 5"}},
-                 *options);
-    add_size_option(*verb, *options, "WIDTHxHEIGHT of an eye");
-    add_repeats_option(*verb, *options, "Frames that the medians are over");
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+                 run);
+    options.size = "2064x2208";
+    options.repeats = 20;
+    add_size_option(*verb, options, "WIDTHxHEIGHT of an eye");
+    add_repeats_option(*verb, options, "Frames that the medians are over");
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -1,21 +1,18 @@
-// neuvv-bench train: a training step pass by pass, and against the paper's way within the same run.
+// neuvv-bench train: the time of each pass of a training step, compared with direct gradients in the same run.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
-#include <map>
-#include <memory>
 #include <optional>
 
 #include "base/error.h"
 #include "base/platform.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
 #include "tools/commands.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "training/direct_step.h"
+#include "training/formats.h"
 #include "training/schedule.h"
 #include "training/train.h"
 #include "voctree/nvv.h"
@@ -30,33 +27,19 @@ struct TrainOptions : BenchOptions {
     uint32_t tiles = 512;
 };
 
-// Milliseconds of each pass over the repeats, in the order in which passes first came.
-class PassTable {
-  public:
-    void add(const std::vector<gpu::PassTime>& passes) {
-        for (const gpu::PassTime& pass : passes) {
-            if (!times_.contains(pass.name)) names_.push_back(pass.name);
-            times_[pass.name].push_back(pass.milliseconds);
-        }
+// Milliseconds of a pass per step, where a pass that only some steps have counts in proportion; 0 where no step has it.
+double step_ms(const std::vector<PassSum>& passes, const std::string& name) {
+    size_t steps = 0, with_pass = 0;
+    double ms = 0;
+    for (const PassSum& pass : passes) {
+        steps = std::max(steps, pass.ms.size());
+        if (pass.name == name) with_pass = pass.ms.size(), ms = median(pass.ms);
     }
-    const std::vector<std::string>& names() const { return names_; }
-    // Of a step: a pass that only some steps have counts by its share of them.
-    double milliseconds(const std::string& name) const {
-        size_t steps = 0;
-        for (const auto& [other, times] : times_) steps = std::max(steps, times.size());
-        if (!times_.contains(name)) return 0;  // no step had it
-        const std::vector<double>& times = times_.at(name);
-        return median(times) * static_cast<double>(times.size()) / static_cast<double>(steps);
-    }
+    return steps > 0 ? ms * static_cast<double>(with_pass) / static_cast<double>(steps) : 0;
+}
 
-  private:
-    std::vector<std::string> names_;
-    std::map<std::string, std::vector<double>> times_;
-};
-
-// One batch after the other through both steps, which then hold the same weights and rays.
-struct BenchTrainResult {
-    PassTable slice, direct;
+struct Result {
+    std::vector<PassSum> slice, direct;
     uint32_t busy_planes = 0;
     uint64_t weight_bytes = 0;
     std::vector<double> slots, touched, rays, step_seconds, copy_ms;
@@ -66,21 +49,22 @@ double seconds_now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree& tree,
-                               const training::Dataset& dataset, const TrainOptions& options) {
+// Runs the same batches through both kinds of step, with the same weights.
+Result measure(const gpu::Device& device, const voctree::VOctree& tree, const training::Dataset& dataset,
+               const TrainOptions& options) {
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
     training::TrainingStep step(device, tree, cameras, options.tiles);
     std::optional<training::DirectStep> direct;
     if (step.field().weights.bytes <= device.limits().maxStorageBufferRange)
         direct.emplace(device, tree, cameras, options.tiles, training::best_atomic_add(device));
     training::BatchSampler sampler(dataset, options.tiles, 1, training::batches_in_a_row(tree));
-    BenchTrainResult result;  // moments are overwritten by the copies: rates are 0
+    Result result;
     result.busy_planes = step.field().busy_planes;
     result.weight_bytes = step.field().weights.bytes;
     tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
         const training::Batch batch = sampler.next();
-        training::StepSettings settings;  // rates are 0: weights stay as they are
+        training::StepSettings settings;  // learning rates are 0, so weights stay as they are
         settings.frame = static_cast<float>(training::frame_of_time(batch.time, tree.frames));
         settings.tiles = static_cast<uint32_t>(batch.tiles.size());
         settings.stop = training::kTrainingStop;
@@ -90,22 +74,24 @@ BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree
         training::load_batch(dataset, batch, step.rays(), step.batch());
         const double start = seconds_now();
         step.submit(settings);
-        const training::StepResult found = step.wait();
+        const training::StepResult step_result = step.wait();
         const double took = seconds_now() - start;
-        if (found.overflow > 0)
-            throw RuntimeFailure(fmt::format(
-                "{} live leaves found no slot on this device: the scene is too large to train on it", found.overflow));
+        if (step_result.overflow > 0)
+            throw RuntimeFailure(
+                fmt::format("{} live leaves found no slot on this device: the scene is too large to train on it",
+                            step_result.overflow));
         if (direct) {
             training::load_batch(dataset, batch, direct->rays(), direct->batch());
             direct->run(settings);
         }
+        // The copy overwrites the moments, which do not matter, as the learning rates are 0.
         const double copied = copy_milliseconds(device, step.field().weights, step.moments().first);
         if (i == 0) continue;  // the first step also warms caches
-        result.slice.add(step.pass_times());
-        if (direct) result.direct.add(direct->pass_times());
-        result.slots.push_back(found.slots);
-        result.touched.push_back(found.touched);
-        result.rays.push_back(static_cast<double>(found.pixels));
+        add_image(result.slice, step.pass_times());
+        if (direct) add_image(result.direct, direct->pass_times());
+        result.slots.push_back(step_result.slots);
+        result.touched.push_back(step_result.touched);
+        result.rays.push_back(static_cast<double>(step_result.pixels));
         result.step_seconds.push_back(took);
         result.copy_ms.push_back(copied);
         progress.update(i);
@@ -113,28 +99,29 @@ BenchTrainResult measure_train(const gpu::Device& device, const voctree::VOctree
     return result;
 }
 
-// Bytes that the slice's adjoint moves: weights and both moments of each plane with a gradient, read and written, and
-// the weights once more for the slice that it keeps; the slot's gradient, read and cleared; its σ and SH, written.
+// Bytes that the slice's adjoint moves: it reads and writes weights and both moments of each plane with a gradient,
+// reads the weights once more for the slice that it updates, reads and clears the slot's gradient, and writes its σ and
+// SH.
 double optimiser_bytes(uint32_t busy_planes, uint32_t hh_degree, double touched) {
     const double planes = 2.0 * busy_planes + hh_count(hh_degree);
     return touched * (112 * planes + 8.0 * gradient_stride(hh_degree) + 8 + 16.0 * sh_count(hh_degree));
 }
 
-void print_passes(const PassTable& table) {
-    for (const std::string& name : table.names()) fmt::print("  {:<16} {:>9.2f} ms\n", name, table.milliseconds(name));
+void print_passes(const std::vector<PassSum>& passes) {
+    for (const PassSum& pass : passes) fmt::print("  {:<16} {:>9.2f} ms\n", pass.name, step_ms(passes, pass.name));
 }
 
-// Slice-space against direct gradients.
-void print_ratio(const BenchTrainResult& result, uint32_t numbers) {
-    if (result.direct.names().empty()) {
+// Compares slice-space with direct gradients.
+void print_ratio(const Result& result, uint32_t numbers) {
+    if (result.direct.empty()) {
         fmt::print("direct gradients: this device binds no buffer as large as the weights of so many leaves\n");
         return;
     }
     fmt::print("direct gradients, {} numbers a sample\n", numbers);
     print_passes(result.direct);
-    const auto sum = [](const PassTable& table, std::initializer_list<const char*> names) {
+    const auto sum = [](const std::vector<PassSum>& passes, std::initializer_list<const char*> names) {
         double total = 0;
-        for (const char* name : names) total += table.milliseconds(name);
+        for (const char* name : names) total += step_ms(passes, name);
         return total;
     };
     fmt::print("scattering gradients from rays: slice-space {:.1f} times as fast as direct\n",
@@ -144,13 +131,13 @@ void print_ratio(const BenchTrainResult& result, uint32_t numbers) {
                    sum(result.slice, {"slice", "trace", "trace adjoint", "touched", "slice adjoint"}));
 }
 
-void run_train(const TrainOptions& options, const tools::CommonOptions& common) {
+void run(const TrainOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const training::Dataset dataset =
         training::load_dataset(options.dataset, training::Split::kTrain, {.format = options.format});
     const gpu::Device device(common.device);
-    const BenchTrainResult result = measure_train(device, tree, dataset, options);
+    const Result result = measure(device, tree, dataset, options);
     if (result.slots.empty()) return;
     const double rays = median(result.rays);
     fmt::print("{}: {:.0f} rays a step, {:.0f} live leaves of {}, {:.0f} touched\n", device.summary().name, rays,
@@ -161,7 +148,7 @@ void run_train(const TrainOptions& options, const tools::CommonOptions& common) 
     fmt::print("training: {:.0f}k rays/s\n", rays / median(result.step_seconds) / 1000);
     const double copied = 2 * static_cast<double>(result.weight_bytes) / median(result.copy_ms) / 1e6;
     const double optimised = optimiser_bytes(result.busy_planes, tree.hh_degree, median(result.touched)) /
-                             result.slice.milliseconds("slice adjoint") / 1e6;
+                             step_ms(result.slice, "slice adjoint") / 1e6;
     fmt::print("slice adjoint and optimiser: {:.1f} GB/s, {:.0f} % of a copy's {:.1f} GB/s\n", optimised,
                100 * optimised / copied, copied);
 }
@@ -169,9 +156,8 @@ void run_train(const TrainOptions& options, const tools::CommonOptions& common) 
 }  // namespace
 
 void add_train(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<TrainOptions>();
-    CLI::App* verb =
-        add_verb(app,
+    auto [verb, options] =
+        add_verb(app, common,
                  {"train",
                   "A training step, pass by pass",
                   "Runs steps of training on the scene as it is, each also the paper's way (every number of "
@@ -180,12 +166,11 @@ void add_train(CLI::App& app, const tools::CommonOptions& common) {
                   "bandwidth that the\n"
                   "optimiser reaches. Weights stay as they are. ",
                   {"build/performer.nvv build/performer --repeats 50"}},
-                 *options);
-    verb->add_option("dataset", options->dataset, "The data set's folder")->required();
-    tools::add_format_option(*verb, options->format);
-    verb->add_option("--tiles", options->tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
-    add_repeats_option(*verb, *options, "Steps that the medians are over");
-    verb->callback([options, &common] { run_train(*options, common); });
+                 run);
+    verb->add_option("dataset", options.dataset, "The data set's folder")->required();
+    tools::add_format_option(*verb, options.format);
+    verb->add_option("--tiles", options.tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
+    add_repeats_option(*verb, options, "Steps that the medians are over");
 }
 
 }  // namespace neuvv::bench

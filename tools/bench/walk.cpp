@@ -1,4 +1,4 @@
-// neuvv-bench walk: what each part of the walk through the tree is worth, as a table of traces that do without.
+// neuvv-bench walk: what each part of the walk through the tree saves, as a table of traces that lack some of them.
 #include <fmt/format.h>
 
 #include <bit>
@@ -8,8 +8,6 @@
 #include "base/platform.h"
 #include "render/performer.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
-#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
@@ -22,7 +20,7 @@ struct Step {
     std::string name;
     const char* key;  // in JSON
     render::WalkSteps walk;
-    bool ranges = false;  // only tiles that see anything, between their bounds
+    bool ranges = false;  // whether only tiles that may see a leaf are traced, between their bounds
     std::vector<double> ms = {};
 };
 
@@ -34,7 +32,7 @@ std::vector<Step> steps() {
             {"from a grid over the upper levels", "grid", {false, false, true}, true}};
 }
 
-// Every tile is listed, and its rays have no bounds.
+// Lists every tile, without bounds for its rays.
 void list_every_tile(const gpu::Device& device, const render::TileRanges& ranges, uint32_t tiles) {
     const uint32_t near = 0, far = ~std::bit_cast<uint32_t>(1e30f);
     const std::vector<glm::uvec2> words(tiles, glm::uvec2(near, far));
@@ -48,7 +46,7 @@ void list_every_tile(const gpu::Device& device, const render::TileRanges& ranges
     gpu::upload(device, ranges.count, &count, sizeof(count));
 }
 
-// One slice of the field, shaded, and what walks need to trace it.
+// A shaded slice of the field, and what each walk needs to trace it.
 class WalkBench {
   public:
     WalkBench(const gpu::Device& device, const voctree::VOctree& tree, media::ImageSize size)
@@ -56,7 +54,7 @@ class WalkBench {
           field_(render::upload_field(device, tree, render::WeightPrecision::kHalf)),
           layout_{size.width, size.height},
           live_(device, field_, field_.leaf_count),
-          trees_(device, field_, render::most_entries(field_), 1),
+          trees_(device, field_, render::max_entries(field_), 1),
           shaded_(render::shaded_entries(device, trees_.capacity)),
           target_(device, 2, layout_.ray_tiles(), layout_.image_tiles()),
           slicer_(device, field_, live_, trees_),
@@ -66,11 +64,11 @@ class WalkBench {
         std::copy(tiles.begin(), tiles.end(), target_.rays.tiles.as<Tile>());
         for (const Step& step : steps())
             tracers_.push_back(std::make_unique<render::TreeTracer>(device, field_, trees_, shaded_, target_,
-                                                                    render::Shading::kPerLeaf, render::Into::kLayer,
-                                                                    nullptr, step.walk));
+                                                                    render::Shading::kPerLeaf,
+                                                                    render::RayOutput::kLayer, nullptr, step.walk));
     }
 
-    // GPU milliseconds of the trace of each step, for one view.
+    // Adds the GPU milliseconds of the trace of each step for one view.
     void measure(const tools::ViewStep& view, uint32_t repeats, std::vector<Step>& all) {
         const ShaderCamera camera = render::shader_camera(view.camera);
         std::fill_n(target_.rays.cameras.as<ShaderCamera>(), 2, camera);
@@ -83,7 +81,7 @@ class WalkBench {
             if (!all[i].ranges) list_every_tile(device_, target_.ranges, layout_.ray_tiles());
             for (uint32_t repeat = 0; repeat <= repeats; repeat++) {
                 const double ms = trace(*tracers_[i], all[i].ranges);
-                if (repeat > 0) all[i].ms.push_back(ms);  // the first warms caches
+                if (repeat > 0) all[i].ms.push_back(ms);  // the first one fills caches
             }
         }
     }
@@ -95,7 +93,7 @@ class WalkBench {
         const auto finest = static_cast<uint32_t>(field_.level_begin.size()) - 2;
         commands_.begin();
         render::record_clear(commands_, target_.rays, layout_.ray_tiles());
-        render::record_unseen(commands_, target_.ranges);
+        render::record_clear_coverage(commands_, target_.ranges);
         if (ranged) render::record_tile_ranges(commands_, ranger_, 0, 1, finest, layout_);
         render::record_trace_tree(commands_, tracer, 0, {.first_camera = 1});
         commands_.submit();
@@ -132,15 +130,10 @@ void print(const std::vector<Step>& all, uint64_t rays, const gpu::Device& devic
     }
 }
 
-nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays, const gpu::Device& device,
-                               const BenchOptions& options) {
+nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays) {
     auto walk = nlohmann::ordered_json::object();
     for (const Step& step : all) walk[step.key] = median(step.ms);
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"rays", rays},
-            {"trace_ms", walk}};
+    return {{"rays", rays}, {"trace_ms", walk}};
 }
 
 void run(const BenchOptions& options, const tools::CommonOptions& common) {
@@ -148,38 +141,32 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
     const media::ImageSize size = tools::parse_size(options.size);
-    const std::vector<tools::ViewStep> path =
-        tools::orbit_path(tools::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    const std::vector<tools::ViewStep> orbit = tools::orbit_path(tree, size);
     WalkBench bench(device, tree, size);
     std::vector<Step> all = steps();
     tools::Progress progress("bench", options.views);
     for (uint32_t i = 0; i < options.views && !stop_requested(); i++) {
-        bench.measure(path[i * path.size() / options.views], options.repeats, all);
+        bench.measure(orbit[i * orbit.size() / options.views], options.repeats, all);
         progress.update(i + 1);
     }
     expect_not_stopped();
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(all, bench.rays(), device, options)));
-    else
-        print(all, bench.rays(), device, options);
+    report(options, device, json_of(all, bench.rays()), [&] { print(all, bench.rays(), device, options); });
 }
 
 }  // namespace
 
 void add_walk(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<BenchOptions>();
-    CLI::App* verb = add_verb(
-        app,
+    auto [verb, options] = add_verb(
+        app, common,
         {"walk",
          "What each part of the walk through the tree is worth",
          "Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU time.\n",
          {"build/performer.nvv"}},
-        *options);
-    add_size_option(*verb, *options);
-    add_views_option(*verb, *options);
-    add_repeats_option(*verb, *options, "Traces of each view that the medians are over");
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+        run);
+    add_size_option(*verb, options);
+    add_views_option(*verb, options);
+    add_repeats_option(*verb, options, "Traces of each view that the medians are over");
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -1,20 +1,15 @@
-// neuvv-bench xr: what a frame of a headset costs on the device, and the second eye beside the first.
+// neuvv-bench xr: the time of a headset's frame on the device, and the share of the second eye in it.
 #include <fmt/format.h>
 
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
-#include "edit/operations.h"
 #include "editor/open_file.h"
 #include "render/stage_renderer.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/verbs.h"
 #include "tools/options.h"
-#include "tools/progress.h"
 #include "tools/report.h"
-#include "voctree/nvv.h"
 #include "xr/eye_camera.h"
 #include "xr/eye_pass.h"
 
@@ -28,22 +23,14 @@ struct XrOptions : BenchOptions {
     double hz = 90, scale = 1;
 };
 
-// A floor, a spotlight and a performer, or a stage as it is.
+// A performer on a new stage, or a stage as it is.
 stage::Stage stage_of(const XrOptions& options) {
-    if (editor::has_stage_ending(options.scene)) return stage::load_stage(options.scene);
-    const std::filesystem::path clip = std::filesystem::absolute(options.scene);
-    stage::StageFile file = edit::new_stage(clip.parent_path() / "bench.gltf");  // never written
-    const voctree::NvvHead head = voctree::summarise_nvv(clip).head;
-    edit::Placement place;
-    place.at = glm::dvec3(0, -head.box_min.y, 0);
-    edit::PerformerEdit performer;
-    performer.clip = clip;
-    performer.time = stage::parse_time_map("loop", "bench", "");
-    edit::add_performer(file, "performer", performer, place);
-    return stage::make_stage(std::move(file));
+    return editor::has_stage_ending(options.scene) ? stage::load_stage(options.scene)
+                                                   : stage_of_copies(options.scene, 1, 0);
 }
 
-// A person two metres before the performers who sways a little; 104 by 96 degrees an eye, as headsets have them.
+// The eyes of a person who stands two metres before the performers and sways a little. An eye sees 104 by 96 degrees,
+// as in common headsets.
 xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
     const auto [low, high] = stage::performers_box(stage, stage::stage_at(stage, 0));
     const glm::dvec3 middle = 0.5 * (low + high);
@@ -53,8 +40,8 @@ xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
         eyes.eye[eye].pose.position = head + glm::dvec3((eye - 0.5) * 0.064, 0, 0);
         eyes.eye[eye].pose.rotation = glm::angleAxis(0.08 * std::sin(0.7 * time_s), glm::dvec3(0, 1, 0));
         const auto rad = [](double degrees) { return static_cast<float>(glm::radians(degrees)); };
-        const double out = 54, in = 50;
-        eyes.eye[eye].fov = {rad(eye == 0 ? -out : -in), rad(eye == 0 ? in : out), rad(46), rad(-50)};
+        const double outer = 54, inner = 50;
+        eyes.eye[eye].fov = {rad(eye == 0 ? -outer : -inner), rad(eye == 0 ? inner : outer), rad(46), rad(-50)};
     }
     return eyes;
 }
@@ -73,11 +60,12 @@ struct EyeTargets {
 };
 
 struct Result {
-    std::vector<double> both_ms, left_ms, eye_pass_ms;  // of each frame
-    std::vector<PassSum> passes;                        // of both
+    // Of each frame; left_share is the time of the left eye alone divided by that of both.
+    std::vector<double> both_ms, left_share, eye_pass_ms;
+    std::vector<PassSum> passes;  // of both eyes
 };
 
-// Software devices leave compute passes out of the timestamps of frames that draw: there the host's clock counts.
+// The timestamps of software devices leave compute passes out in frames that draw; there the host's clock is used.
 double frame_milliseconds(const gpu::Device& device, const render::FrameRenderer& frames) {
     if (device.summary().kind == "cpu") return frames.milliseconds();
     return milliseconds(frames.pass_times());
@@ -92,11 +80,11 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
     xr::EyePass pass(device, targets.colour.shape.format, targets.depth.shape.format);
     Result result;
     tools::Progress progress("frames", options.frames);
-    constexpr uint32_t kWarm = 8;  // until pipelines and slices are there
-    for (uint32_t i = 0; i < options.frames + kWarm && !stop_requested(); i++) {
+    constexpr uint32_t kWarmUp = 8;  // frames until pipelines and slices are built
+    for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); i++) {
         const double time_s = i / options.hz;
-        const double shown_s = std::floor(time_s * stage.fps) / stage.fps;
-        const stage::EvaluatedStage evaluated = stage::stage_at(stage, shown_s);
+        const double frame_s = std::floor(time_s * stage.fps) / stage.fps;
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, frame_s);
         renderer.show(evaluated);
         render::FrameSettings settings = renderer.settings_at(evaluated);
         settings.width = size.width;
@@ -104,7 +92,7 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         settings.mode = render::TraceMode::kPlay;
         settings.scale = options.scale;
         for (const render::Instance& next :
-             renderer.settings_at(stage::stage_at(stage, shown_s + 1 / stage.fps)).instances)
+             renderer.settings_at(stage::stage_at(stage, frame_s + 1 / stage.fps)).instances)
             settings.next_slices.push_back({{next.frame, next.paint}, next.field});
         const xr::EyeViews eyes = eyes_at(stage, time_s);
         std::array<stage::Camera, xr::kEyes> cameras;
@@ -115,24 +103,25 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         const std::vector<gpu::PassTime> passes = renderer.frames().pass_times();
         pass.draw(renderer, images, cameras, {}, 0, targets.target);
         const double eye_pass = milliseconds(pass.pass_times());
-        // The same slices: what a second eye adds is the eye alone. What both built ahead is not built again.
+        // Both again and the left eye alone, with slices that are there now, so that the difference is the second eye
+        // alone.
         renderer.frames().draw(cameras, settings);
         const double again = frame_milliseconds(device, renderer.frames());
         renderer.frames().draw({cameras.data(), 1}, settings);
         const double left = frame_milliseconds(device, renderer.frames());
-        if (i < kWarm) continue;
+        if (i < kWarmUp) continue;
         result.both_ms.push_back(both + eye_pass);
         result.eye_pass_ms.push_back(eye_pass);
-        result.left_ms.push_back(left / again);
+        result.left_share.push_back(left / again);
         add_image(result.passes, passes);
-        progress.update(i - kWarm + 1);
+        progress.update(i - kWarmUp + 1);
     }
     return result;
 }
 
-// What the second eye adds, in shares of what the first costs.
+// The time of the second eye divided by that of the first; 0 where no frame was measured.
 double second_eye(const Result& result) {
-    const double first = median(result.left_ms);
+    const double first = median(result.left_share);
     return first > 0 ? (1 - first) / first : 0;
 }
 
@@ -150,17 +139,12 @@ void print(const Result& result, const gpu::Device& device, const XrOptions& opt
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const gpu::Device& device, const XrOptions& options) {
-    auto passes = nlohmann::ordered_json::object();
-    for (const PassSum& pass : result.passes) passes[pass.name] = median(pass.ms);
-    return {{"device", device.summary().name},
-            {"scene", options.scene},
-            {"size", options.size},
-            {"ms", median(result.both_ms)},
+nlohmann::ordered_json json_of(const Result& result) {
+    return {{"ms", median(result.both_ms)},
             {"p99_ms", quantile(result.both_ms, 0.99)},
             {"eye_pass_ms", median(result.eye_pass_ms)},
             {"second_eye", second_eye(result)},
-            {"passes_ms", passes}};
+            {"passes_ms", passes_json(result.passes)}};
 }
 
 void run(const XrOptions& options, const tools::CommonOptions& common) {
@@ -169,36 +153,31 @@ void run(const XrOptions& options, const tools::CommonOptions& common) {
     const gpu::Device device(common.device);
     const Result result = measure(device, stage, options);
     expect_not_stopped();
-    if (options.json)
-        fmt::print("{}", tools::json_text(json_of(result, device, options)));
-    else
-        print(result, device, options);
+    report(options, device, json_of(result), [&] { print(result, device, options); });
 }
 
 }  // namespace
 
 void add_xr(CLI::App& app, const tools::CommonOptions& common) {
-    const auto options = std::make_shared<XrOptions>();
-    CLI::App* verb = add_verb(app,
-                              {"xr",
-                               "A frame in a headset, of a stage",
-                               "Plays the stage before a head that sways, with slices made ahead, and prints the "
-                               "device's time of each frame.\nNo headset and no OpenXR runtime are needed.\n",
-                               {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
-                               "A stage, or a .nvv that is put on one"},
-                              *options);
-    add_size_option(*verb, *options, "WIDTHxHEIGHT of an eye");
-    verb->add_option("--frames", options->frames, "Frames that are drawn")
+    auto [verb, options] = add_verb(app, common,
+                                    {"xr",
+                                     "A frame in a headset, of a stage",
+                                     "Plays the stage before a head that sways, with slices made ahead, and prints the "
+                                     "device's time of each frame.\nNo headset and no OpenXR runtime are needed.\n",
+                                     {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
+                                     "A stage, or a .nvv that is put on one"},
+                                    run);
+    add_size_option(*verb, options, "WIDTHxHEIGHT of an eye");
+    verb->add_option("--frames", options.frames, "Frames that are drawn")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
-    verb->add_option("--hz", options->hz, "Of the display")
+    verb->add_option("--hz", options.hz, "Of the display")
         ->check(tools::number_between(1, 1000))
         ->capture_default_str();
-    verb->add_option("--scale", options->scale, "Rays a pixel along each side")
+    verb->add_option("--scale", options.scale, "Rays a pixel along each side")
         ->check(tools::number_between(0.2, 1))
         ->capture_default_str();
-    add_json_flag(*verb, *options);
-    verb->callback([options, &common] { run(*options, common); });
+    add_json_flag(*verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -17,13 +17,13 @@ Mirror::Mirror(const gpu::Device& device, ui::Window& window, VkExtent2D eye)
 
 bool Mirror::show(const gpu::DeviceImage* image) {
     window_.poll();
-    if (window_.asked_to_close()) return false;
+    if (window_.close_requested()) return false;
     if (!image) return true;
     const VkExtent2D framebuffer = window_.framebuffer(), extent = swapchain_.extent();
     if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
     if (!commands_.is_done()) return true;  // the monitor is slower than the headset: leave this image out
     commands_.wait();
-    if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height)
+    if (swapchain_.is_outdated() || framebuffer.width != extent.width || framebuffer.height != extent.height)
         swapchain_.resize(framebuffer);
     gpu::CommandSemaphores semaphores;
     const std::optional<gpu::PresentTarget> target = swapchain_.acquire(semaphores);

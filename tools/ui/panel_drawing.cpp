@@ -31,8 +31,8 @@ PanelDrawing::PanelDrawing(const gpu::Device& device, VkFormat format, uint32_t 
                "panels");
     ImGui::CreateContext();
     ImGui::GetIO().ConfigDragClickToInputText = true;
-    ImGui::GetIO().IniFilename = nullptr;  // preferences keep what is to be kept
-    start();
+    ImGui::GetIO().IniFilename = nullptr;  // the viewer's preferences keep the layout instead
+    start_backend();
 }
 
 PanelDrawing::~PanelDrawing() {
@@ -43,7 +43,7 @@ PanelDrawing::~PanelDrawing() {
     vkDestroyDescriptorPool(device_.handle(), descriptors_, nullptr);
 }
 
-// ImGui's backend knows no dynamic rendering.
+// ImGui's Vulkan backend does not support dynamic rendering.
 void PanelDrawing::make_render_pass() {
     VkAttachmentDescription colour{};
     colour.format = format_;
@@ -66,7 +66,7 @@ void PanelDrawing::make_render_pass() {
     gpu::check(vkCreateRenderPass(device_.handle(), &info, nullptr, &render_pass_), "vkCreateRenderPass", "panels");
 }
 
-void PanelDrawing::start() {
+void PanelDrawing::start_backend() {
     ImGui_ImplVulkan_InitInfo info{};
     info.Instance = device_.instance();
     info.PhysicalDevice = device_.physical();
@@ -76,7 +76,7 @@ void PanelDrawing::start() {
     info.PipelineCache = device_.pipeline_cache();
     info.DescriptorPool = descriptors_;
     info.MinImageCount = 2;
-    info.ImageCount = std::max<uint32_t>(2, images_) + 1;  // its vertex buffers go round by frames
+    info.ImageCount = std::max<uint32_t>(2, images_) + 1;  // the backend has as many vertex buffers, used in turn
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
     info.CheckVkResultFn = check_imgui;
     ImGui_ImplVulkan_Init(&info, render_pass_);
@@ -96,7 +96,7 @@ void PanelDrawing::set_scale(float scale) {
     scale_ = scale;
     device_.wait_idle();
     ImGui_ImplVulkan_Shutdown();
-    start();
+    start_backend();
 }
 
 void PanelDrawing::new_frame() {

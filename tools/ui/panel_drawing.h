@@ -6,27 +6,29 @@
 
 namespace neuvv::ui {
 
-// ImGui's context begins with this object and ends with it.
+// There is one at a time: ImGui's context lives as long as the object.
 class PanelDrawing {
   public:
-    // Into UNORM images, whose values are sRGB; so many may be in flight at once. `scale` is that of fonts and panels.
+    // Draws into UNORM images of this format, whose values are sRGB. At most `images` frames are in flight at once.
+    // `scale` is that of fonts and panels.
     PanelDrawing(const gpu::Device& device, VkFormat format, uint32_t images, float scale);
     ~PanelDrawing();
     PanelDrawing(const PanelDrawing&) = delete;
     PanelDrawing& operator=(const PanelDrawing&) = delete;
 
-    // Framebuffers are made for it.
+    // The render pass that framebuffers are made for.
     VkRenderPass render_pass() const { return render_pass_; }
     float scale() const { return scale_; }
-    // Loads fonts of another size; not between two frames of ImGui.
+    // Loads fonts of another size. Do not call it between new_frame() and record().
     void set_scale(float scale);
     void new_frame();
-    // What ImGui::Render() left, over what the image shows (layout COLOR_ATTACHMENT_OPTIMAL, and stays so).
+    // Draws what ImGui::Render() has left over the content of the image, whose layout is and stays
+    // COLOR_ATTACHMENT_OPTIMAL.
     void record(gpu::Commands& commands, VkFramebuffer framebuffer, VkExtent2D extent);
 
   private:
     void make_render_pass();
-    void start();
+    void start_backend();
     void make_fonts();
     const gpu::Device& device_;
     VkFormat format_;
@@ -36,7 +38,7 @@ class PanelDrawing {
     VkDescriptorPool descriptors_ = VK_NULL_HANDLE;
 };
 
-// One image view of that render pass.
+// A framebuffer of one image view for the render pass of `drawing`; the caller destroys it.
 VkFramebuffer make_framebuffer(const gpu::Device& device, const PanelDrawing& drawing, VkImageView view,
                                VkExtent2D extent);
 

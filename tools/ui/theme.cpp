@@ -91,7 +91,7 @@ void apply_theme(float scale) {
                                kIconRanges);
 }
 
-VkClearColorValue ground_colour() {
+VkClearColorValue background_colour() {
     return {{0.075f, 0.08f, 0.085f, 1.0f}};
 }
 

@@ -1,4 +1,4 @@
-// The theme of all panels: fonts, icons, colours, distances.
+// The look of all panels: fonts, colours, distances.
 #pragma once
 
 #include <volk.h>
@@ -10,8 +10,8 @@ namespace neuvv::ui {
 // Sets ImGui's style and loads its fonts, `scale` times as large as at 96 dots an inch.
 void apply_theme(float scale);
 
-// What lies under panels and images.
-VkClearColorValue ground_colour();
+// The colour behind panels and images.
+VkClearColorValue background_colour();
 
 constexpr float kFontPixels = 15;  // at scale 1
 

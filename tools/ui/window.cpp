@@ -13,7 +13,7 @@ namespace neuvv::ui {
 
 namespace {
 
-constexpr int kLeastWidth = 640, kLeastHeight = 400;
+constexpr int kMinWidth = 640, kMinHeight = 400;
 
 std::string glfw_error() {
     const char* text = nullptr;
@@ -25,21 +25,22 @@ Window& self(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
 }
 
-// The letter on a key, where it has one, as GLFW's key of that letter: Ctrl-Z is where Z is printed.
+// GLFW's key for the letter that is printed on a key, or the key itself where it has none: Ctrl-Z is where Z is
+// printed.
 int printed_key(int key, int scancode) {
     const char* name = glfwGetKeyName(key, scancode);
     if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == '\0') return GLFW_KEY_A + (name[0] - 'a');
     return key;
 }
 
-// A place from another day may lie on a monitor that is gone.
-bool is_on_a_monitor(const WindowGeometry& place) {
+// Whether the window's upper edge is on a monitor: a geometry of an earlier run may lie on one that is no longer there.
+bool is_on_a_monitor(const WindowGeometry& geometry) {
     int count = 0;
     GLFWmonitor** monitors = glfwGetMonitors(&count);
-    for (int i = 0; i < count && place.at; i++) {
+    for (int i = 0; i < count && geometry.at; i++) {
         int x = 0, y = 0, width = 0, height = 0;
         glfwGetMonitorWorkarea(monitors[i], &x, &y, &width, &height);
-        const int middle = place.at->first + place.width / 2, top = place.at->second;
+        const int middle = geometry.at->first + geometry.width / 2, top = geometry.at->second;
         if (middle >= x && middle < x + width && top >= y && top < y + height) return true;
     }
     return false;
@@ -47,24 +48,24 @@ bool is_on_a_monitor(const WindowGeometry& place) {
 
 }  // namespace
 
-Window::Window(const std::string& title, const WindowGeometry& place) : windowed_(place) {
+Window::Window(const std::string& title, const WindowGeometry& geometry) : windowed_(geometry) {
     if (!glfwInit())
         throw RuntimeFailure(
             fmt::format("no window can be opened here ({}); `neuvv render` makes images without one, `neuvv xr` "
                         "needs none without --mirror",
                         glfw_error()));
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
-    glfwWindowHint(GLFW_MAXIMIZED, place.maximised ? GLFW_TRUE : GLFW_FALSE);
-    window_ = glfwCreateWindow(place.width, place.height, title.c_str(), nullptr, nullptr);
+    glfwWindowHint(GLFW_MAXIMIZED, geometry.maximised ? GLFW_TRUE : GLFW_FALSE);
+    window_ = glfwCreateWindow(geometry.width, geometry.height, title.c_str(), nullptr, nullptr);
     if (!window_) {
-        const std::string why = glfw_error();
+        const std::string error = glfw_error();
         glfwTerminate();
-        throw RuntimeFailure(fmt::format("no window can be opened here ({})", why));
+        throw RuntimeFailure(fmt::format("no window can be opened here ({})", error));
     }
-    if (is_on_a_monitor(place)) glfwSetWindowPos(window_, place.at->first, place.at->second);
-    glfwSetWindowSizeLimits(window_, kLeastWidth, kLeastHeight, GLFW_DONT_CARE, GLFW_DONT_CARE);
+    if (is_on_a_monitor(geometry)) glfwSetWindowPos(window_, geometry.at->first, geometry.at->second);
+    glfwSetWindowSizeLimits(window_, kMinWidth, kMinHeight, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwSetWindowUserPointer(window_, this);
-    listen();
+    set_callbacks();
 }
 
 Window::~Window() {
@@ -72,12 +73,12 @@ Window::~Window() {
     glfwTerminate();
 }
 
-void Window::listen() {
+void Window::set_callbacks() {
     using Kind = Event::Kind;
     glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
         std::deque<Event>& queue = self(w).queue_;
         if (!queue.empty() && queue.back().kind == Kind::kMove)
-            queue.back().x = x, queue.back().y = y;  // only where it came to matters
+            queue.back().x = x, queue.back().y = y;  // only the last position matters
         else
             self(w).push({Kind::kMove, 0, 0, 0, 0, x, y});
     });
@@ -88,14 +89,14 @@ void Window::listen() {
         self(w).push({Kind::kScroll, 0, 0, 0, 0, x, y});
     });
     glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int mods) {
-        // Repeats that frames are too slow for would go on after the key is let go.
+        // If repeats queued up while frames are slow, they would go on after the key is released.
         const std::deque<Event>& queue = self(w).queue_;
-        const auto waits = [&](const Event& event) { return event.kind == Kind::kKey && event.code == key; };
-        if (action == GLFW_REPEAT && std::any_of(queue.begin(), queue.end(), waits)) return;
+        const auto is_queued = [&](const Event& event) { return event.kind == Kind::kKey && event.code == key; };
+        if (action == GLFW_REPEAT && std::any_of(queue.begin(), queue.end(), is_queued)) return;
         self(w).push({Kind::kKey, key, scancode, action, mods, 0, 0});
     });
-    glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned letter) {
-        self(w).push({Kind::kLetter, static_cast<int>(letter), 0, 0, 0, 0, 0});
+    glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned character) {
+        self(w).push({Kind::kCharacter, static_cast<int>(character), 0, 0, 0, 0, 0});
     });
     glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int focused) {
         self(w).push({Kind::kFocus, focused, 0, 0, 0, 0, 0});
@@ -135,15 +136,15 @@ float Window::content_scale() const {
     return std::clamp(x, 0.5f, 4.0f);
 }
 
-WindowGeometry Window::place() const {
+WindowGeometry Window::geometry() const {
     if (glfwGetWindowMonitor(window_)) return windowed_;
-    WindowGeometry place;
+    WindowGeometry geometry;
     int x = 0, y = 0;
     glfwGetWindowPos(window_, &x, &y);
-    place.at = {x, y};
-    glfwGetWindowSize(window_, &place.width, &place.height);
-    place.maximised = glfwGetWindowAttrib(window_, GLFW_MAXIMIZED) == GLFW_TRUE;
-    return place;
+    geometry.at = {x, y};
+    glfwGetWindowSize(window_, &geometry.width, &geometry.height);
+    geometry.maximised = glfwGetWindowAttrib(window_, GLFW_MAXIMIZED) == GLFW_TRUE;
+    return geometry;
 }
 
 void Window::set_title(const std::string& title) {
@@ -163,7 +164,7 @@ void Window::toggle_full_screen() {
     glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
 }
 
-bool Window::asked_to_close() const {
+bool Window::close_requested() const {
     return glfwWindowShouldClose(window_);
 }
 
@@ -196,8 +197,8 @@ bool Window::poll() {
     return any;
 }
 
-// False: this event must wait for the next frame, as this one would hide another: a button or key changes twice, or the
-// pointer goes on after a button changed.
+// Takes an event into this frame's portion; false where it must wait for the next frame, because it would hide an event
+// before it: a button or key that changes twice, or a pointer that moves on after a button has changed.
 bool Window::take(const Event& event) {
     const auto changes = [&](int code) {
         if (std::find(changed_.begin(), changed_.end(), code) != changed_.end()) return false;
@@ -232,12 +233,12 @@ bool Window::take(const Event& event) {
                                     (event.mods & GLFW_MOD_CONTROL) != 0, (event.mods & GLFW_MOD_SHIFT) != 0,
                                     (event.mods & GLFW_MOD_ALT) != 0, event.action == GLFW_REPEAT});
             break;
-        case Event::Kind::kLetter:
+        case Event::Kind::kCharacter:
             typed_.push_back(static_cast<char32_t>(event.code));
             break;
         case Event::Kind::kFocus:
             if (event.code) break;
-            std::fill(std::begin(keys_), std::end(keys_), false);  // releases go to another window now
+            std::fill(std::begin(keys_), std::end(keys_), false);  // releases will go to another window
             std::fill(std::begin(buttons_), std::end(buttons_), false);
             break;
     }
@@ -255,7 +256,7 @@ void Window::feed_imgui() const {
     io.KeyShift = keys_[GLFW_KEY_LEFT_SHIFT] || keys_[GLFW_KEY_RIGHT_SHIFT];
     io.KeyAlt = keys_[GLFW_KEY_LEFT_ALT] || keys_[GLFW_KEY_RIGHT_ALT];
     io.KeySuper = keys_[GLFW_KEY_LEFT_SUPER] || keys_[GLFW_KEY_RIGHT_SUPER];
-    for (const char32_t letter : typed_) io.AddInputCharacter(static_cast<unsigned>(letter));
+    for (const char32_t character : typed_) io.AddInputCharacter(static_cast<unsigned>(character));
 }
 
 }  // namespace neuvv::ui

@@ -1,4 +1,4 @@
-// Where a window is on the screen, and how large.
+// Position and size of a window on the screen.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@ namespace neuvv::ui {
 
 struct WindowGeometry {
     int width = 1600, height = 900;         // 320 to 16384
-    std::optional<std::pair<int, int>> at;  // the left upper corner, −32768 to 32767; nothing: where the system likes
+    std::optional<std::pair<int, int>> at;  // the upper left corner, −32768 to 32767; nothing: the system chooses
     bool maximised = false;
 };
 

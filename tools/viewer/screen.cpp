@@ -96,7 +96,7 @@ bool Screen::end(const ScreenImage& image) {
 // Draws the image, scaled to its area, on a plain ground, and the panels over it.
 void Screen::record(gpu::Commands& commands, const ScreenImage& image, const gpu::PresentTarget& target) {
     gpu::move_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    const VkClearColorValue ground = ui::ground_colour();
+    const VkClearColorValue ground = ui::background_colour();
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &ground, 1, &all);
     if (is_in_window(image, target.extent)) {

@@ -122,7 +122,7 @@ void Viewer::store_preferences() {
     const std::filesystem::path file = preferences_file();
     if (file.empty()) return;
     const ImageSettings& image = view_.image;
-    preferences_.window = window_.place();
+    preferences_.window = window_.geometry();
     preferences_.preview = {image.max_scale, static_cast<uint32_t>(image.samples * image.samples)};
     preferences_.layer = kLayerNames[static_cast<size_t>(image.show)];
     preferences_.panels["side"] = {view_.panels.all, view_.panels.side_width};
@@ -130,7 +130,7 @@ void Viewer::store_preferences() {
 }
 
 void Viewer::run() {
-    while (!window_.asked_to_close()) {
+    while (!window_.close_requested()) {
         wait();
         read_input();
         frame();
@@ -139,7 +139,7 @@ void Viewer::run() {
         if (!input_.rendered.loading.empty() || !input_.rendered.problem.empty()) meter_.forget_requests();
         meter_.displayed({input_.rendered.displayed.view, input_.rendered.displayed.stage}, seconds());
         requests_.frames = std::max(0, requests_.frames - 1);
-        if (window_.asked_to_close() && !may_close_) {
+        if (window_.close_requested() && !may_close_) {
             window_.keep_open();
             context_.redraw();
             files_.when_saved_or_discarded([this] {

@@ -1,5 +1,5 @@
 // Adam (Kingma and Ba 2015) for parameters that most steps do not touch: an element whose gradient is exactly 0 keeps
-// its value and its moments.
+// its value and its moments. With adam.emit nothing moves, and the first moment becomes the gradient.
 #ifndef NEUVV_ADAM_GLSL
 #define NEUVV_ADAM_GLSL
 

@@ -1,6 +1,7 @@
-// The paper's backward pass: every number of a leaf gets its derivative at every sample, no slice. Reference for the speed
-// and correctness of trace_adjoint.glsl and slice_adjoint.comp together. Reads as direct.comp does; adds to `gradients`,
-// laid out as the weights. Bound by its atomic adds: 8 for each busy plane and 3·N_HH a sample.
+// The paper's backward pass: at every sample, every weight of its leaf gets its derivative, without a slice. It is the
+// reference for the speed and correctness of trace_adjoint.glsl and slice_adjoint.comp together. It reads what
+// direct.comp reads and adds to `gradients`, which is laid out as the weights. One workgroup per tile, one thread per
+// ray. It is bound by its atomic additions: per sample 8 for each busy plane, and 3·N_HH.
 #include "shared/training.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -27,14 +28,14 @@ layout(push_constant) uniform Push { TraceAdjointPush push; };
 #include "every_tile.glsl"
 #include "ray_adjoint.glsl"
 
-// Where the first of a plane's four gradients of the leaf stands.
+// The index of the first of the four gradients that the leaf has in a plane.
 uint plane_at(uint plane) { return 4u * (plane * push.leaf_count + at_leaf); }
 
 void add_plane(uint plane, vec4 gradient) {
     for (uint i = 0u; i < 4u; i++) gradient_add(plane_at(plane) + i, gradient[i]);
 }
 
-// The derivatives of w_nlm for one l; returns their part of ∂L/∂γ.
+// Adds the derivatives by w_nlm for one l; returns what these functions contribute to ∂L/∂γ.
 float scatter_band(uint l, vec4 radial, vec4 radial_adjoint, vec3 d_raw) {
     float d_gamma = 0.0;
     for (uint n = l; n <= kHhDegree; n++)
@@ -48,7 +49,7 @@ float scatter_band(uint l, vec4 radial, vec4 radial_adjoint, vec3 d_raw) {
     return d_gamma;
 }
 
-void scatter(float weight, float d_sigma, float pull, vec3 d_raw) {
+void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw) {
     const float gamma = leaf_gamma(at_leaf, push.leaf_count);
     const HhRadial r = hh_radial(gamma), d = hh_radial_adjoint(gamma);
     float d_gamma = scatter_band(0u, r.l0, d.l0, d_raw);

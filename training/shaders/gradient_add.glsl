@@ -1,5 +1,5 @@
-// gradient_add(): float addition to `gradients` by any thread, native or (NEUVV_CAS_ATOMICS) by compare and swap. The
-// includer defines NEUVV_GRADIENTS_BINDING.
+// gradient_add(): atomic addition to the floats of `gradients`, native or (with NEUVV_CAS_ATOMICS) by compare and swap.
+// The file that includes this one defines NEUVV_GRADIENTS_BINDING.
 #ifdef NEUVV_CAS_ATOMICS
 layout(binding = NEUVV_GRADIENTS_BINDING, std430) buffer Gradients { uint gradients[]; };
 

@@ -1,5 +1,5 @@
-// Moves hidden layers, output layer, A and B. One thread a parameter; reads 16 bytes, writes 12: bound by memory, but the
-// whole network is some 100 KB.
+// Moves the parameters of Ψ by Adam: hidden layers, output layer, A and B. One thread per parameter; reads 16 bytes and
+// writes 12: bound by memory, but the whole network has only about 100 KB.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"
@@ -8,18 +8,18 @@
 layout(local_size_x = 64) in;
 layout(binding = kPsiParameters, std430) buffer Parameters { float parameters[]; };
 layout(binding = kPsiGradients, std430) readonly buffer Gradients { float gradients[]; };
-layout(binding = kPsiFirst, std430) buffer First { float first[]; };
-layout(binding = kPsiSecond, std430) buffer Second { float second[]; };
+layout(binding = kPsiFirstMoments, std430) buffer First { float first[]; };
+layout(binding = kPsiSecondMoments, std430) buffer Second { float second[]; };
 layout(push_constant) uniform Push { PsiAdamPush push; };
 #include "adam.glsl"
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;
-    if (i >= push.count || push.emit != 0u || (i >= push.head_first && i < push.output_first)) return;
+    if (i >= push.count || push.emit != 0u || (i >= push.head_offset && i < push.output_offset)) return;
     const AdamPush adam = AdamPush(push.beta1, push.beta2, push.epsilon, push.bias1, push.bias2, 0u);
     const AdamElement new =
         adam_update(AdamElement(vec4(parameters[i]), vec4(first[i]), vec4(second[i])), vec4(gradients[i]),
-                    i < push.sigma_first ? push.rate : push.rows_rate, adam);
+                    i < push.sigma_rows_offset ? push.rate : push.rows_rate, adam);
     parameters[i] = new.weight.x;
     first[i] = new.first.x;
     second[i] = new.second.x;

@@ -1,6 +1,7 @@
-// Ψ, backwards, at a block of 64 samples: ∂L/∂(σ, c) → head → hidden layers; leaves ∂L/∂z of every layer for
-// psi_weights_adjoint.comp. One workgroup a block, in shared memory. Reads and writes 4 bytes a row and sample
-// (1.7 KiB at 64 × 3); bound by arithmetic, 2·((layers−1)·width² + width·heads) FLOP a sample.
+// The adjoint of Ψ at a block of 64 samples: ∂L/∂(σ, c) → head → hidden layers. Writes ∂L/∂z of every layer for
+// psi_weights_adjoint.comp. One workgroup per block, which works in shared memory. Reads and writes 4 bytes per row and
+// sample (1.7 KiB per sample at width 64 and 3 layers); bound by arithmetic, 2·((layers−1)·width² + width·head columns)
+// FLOP per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"
@@ -11,7 +12,7 @@ layout(constant_id = 1) const uint kInputs = 52u;
 layout(constant_id = 2) const uint kWidth = 64u;
 layout(constant_id = 3) const uint kLayers = 3u;
 layout(constant_id = 4) const uint kHhDegree = 1u;
-layout(constant_id = 5) const uint kHeads = 32u;
+layout(constant_id = 5) const uint kHeadColumns = 32u;
 layout(binding = kPsiDirections) uniform textureBuffer directions;
 layout(binding = kPsiParameters) uniform textureBuffer parameters;
 layout(binding = kPsiActivations) uniform textureBuffer activations;
@@ -22,12 +23,13 @@ layout(push_constant) uniform Push { PsiBlockPush push; };
 #include "psi_layer.glsl"
 #include "psi_head.glsl"
 
-void leave_rows(uint rows, uint first_row) {
+// Writes `rows` rows from shared memory into the adjoints, beginning with row `first_row`.
+void write_rows(uint rows, uint first_row) {
     for (uint i = gl_LocalInvocationID.x; i < rows * kPsiBlockTexels; i += kPsiBlock)
         imageStore(adjoints, int(first_row * kPsiBlockTexels + i), act[i]);
 }
 
-// relu, backwards: ∂z = ∂h where h > 0, else 0; `first_row` of h.
+// The adjoint of relu: ∂z = ∂h where h > 0, else 0. `first_row`: the first row of h among the activations.
 void relu_adjoint(uint first_row) {
     for (uint i = gl_LocalInvocationID.x; i < kWidth * kPsiBlockTexels; i += kPsiBlock) {
         const vec4 h = texelFetch(activations, int(first_row * kPsiBlockTexels + i));
@@ -39,22 +41,22 @@ void relu_adjoint(uint first_row) {
 void main() {
     const uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
     if (block >= push.blocks) return;
-    const uint base = block * psi_rows(kInputs, kWidth, kLayers, kHeads);
-    const uint out_base = block * psi_adjoint_rows(kWidth, kLayers, kHeads);
+    const uint base = block * psi_activation_rows(kInputs, kWidth, kLayers, kHeadColumns);
+    const uint out_base = block * psi_adjoint_rows(kWidth, kLayers, kHeadColumns);
     const uint head_row = base + kInputs + kLayers * kWidth;
-    for (uint i = lane; i < kHeads * kPsiBlockTexels; i += kPsiBlock)
+    for (uint i = lane; i < kHeadColumns * kPsiBlockTexels; i += kPsiBlock)
         act[i] = texelFetch(activations, int(head_row * kPsiBlockTexels + i));
     barrier();
     const int at = int(block * kPsiBlock + lane);
     const vec4 d_value = texelFetch(value_adjoints, at);
-    head_adjoint(texelFetch(directions, int(block / push.per_ray * kPsiBlock + lane)).xyz, texelFetch(values, at).yzw,
-                 d_value.x, d_value.yzw, push.revival);
+    const vec3 direction = texelFetch(directions, int(block / push.samples_per_ray * kPsiBlock + lane)).xyz;
+    head_adjoint(direction, texelFetch(values, at).yzw, d_value.x, d_value.yzw, push.revival);
     barrier();
-    leave_rows(kHeads, out_base + kLayers * kWidth);
-    layer_adjoint(psi_layer_first(kLayers, kInputs, kWidth) / 4u, kHeads / 4u);
+    write_rows(kHeadColumns, out_base + kLayers * kWidth);
+    layer_adjoint(psi_layer_offset(kLayers, kInputs, kWidth) / 4u, kHeadColumns / 4u);
     for (uint layer = kLayers; layer-- > 0u;) {
         relu_adjoint(base + kInputs + layer * kWidth);
-        leave_rows(kWidth, out_base + layer * kWidth);
-        if (layer > 0u) layer_adjoint(psi_layer_first(layer, kInputs, kWidth) / 4u, kWidth / 4u);
+        write_rows(kWidth, out_base + layer * kWidth);
+        if (layer > 0u) layer_adjoint(psi_layer_offset(layer, kInputs, kWidth) / 4u, kWidth / 4u);
     }
 }

@@ -1,5 +1,5 @@
-// Samples of Ψ to rays: emission and absorption, front to back, over the segments of psi_resample.comp.
-// One workgroup a tile, one thread a ray. Reads 32 bytes a sample: bound by memory.
+// Composites the samples of Ψ along each ray: emission and absorption, front to back, over the segments of
+// psi_resample.comp. One workgroup per tile, one thread per ray. Reads 32 bytes per sample: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"
@@ -13,10 +13,10 @@ layout(push_constant) uniform Push { PsiBlockPush push; };
 
 void main() {
     const uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
-    if (tile * push.per_ray >= push.blocks) return;
+    if (tile * push.samples_per_ray >= push.blocks) return;
     Composite sum = composite_begin();
-    for (uint i = 0u; i < push.per_ray; i++) {
-        const int at = int((tile * push.per_ray + i) * kPsiBlock + lane);
+    for (uint i = 0u; i < push.samples_per_ray; i++) {
+        const int at = int((tile * push.samples_per_ray + i) * kPsiBlock + lane);
         const vec4 value = texelFetch(values, at);
         composite_add(sum, value.x, texelFetch(points, at).w, value.yzw, 0.0);
     }

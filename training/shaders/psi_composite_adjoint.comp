@@ -1,5 +1,5 @@
-// psi_composite.comp, backwards: from ∂L/∂ray to ∂L/∂(σ, c) of every sample.
-// One workgroup a tile, one thread a ray. Reads 32 bytes a sample, writes 16: bound by memory.
+// The adjoint of psi_composite.comp: takes ∂L/∂ray to ∂L/∂(σ, c) of every sample. One workgroup per tile, one thread
+// per ray. Reads 32 bytes per sample and writes 16: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"
@@ -15,13 +15,13 @@ layout(push_constant) uniform Push { PsiBlockPush push; };
 
 void main() {
     const uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
-    if (tile * push.per_ray >= push.blocks) return;
+    if (tile * push.samples_per_ray >= push.blocks) return;
     const int ray = int(tile * kTilePixels + lane);
     const vec4 d_ray = texelFetch(ray_adjoints, ray), traced = texelFetch(radiance, ray);
     const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
     Composite sum = composite_begin();
-    for (uint i = 0u; i < push.per_ray; i++) {
-        const int at = int((tile * push.per_ray + i) * kPsiBlock + lane);
+    for (uint i = 0u; i < push.samples_per_ray; i++) {
+        const int at = int((tile * push.samples_per_ray + i) * kPsiBlock + lane);
         const vec4 value = texelFetch(values, at);
         const float delta = texelFetch(points, at).w;
         const float weight = composite_add(sum, value.x, delta, value.yzw, 0.0);

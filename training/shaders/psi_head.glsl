@@ -1,5 +1,5 @@
-// What the head says of a sample: σ = relu(z_0), γ = π·sigmoid(z_1), c = sigmoid(Σ w_nlm R_nl(γ) Y_lm(d)) (errata 7–9).
-// Expects kHhDegree, act_of_sample and set_act_of_sample.
+// From the head's outputs z to σ and colour of a sample: σ = relu(z_0), γ = π·sigmoid(z_1), c = sigmoid(Σ w_nlm R_nl(γ)
+// Y_lm(d)) (errata 7–9). The file that includes this one defines kHhDegree, act_of_sample and set_act_of_sample.
 #ifndef NEUVV_PSI_HEAD_GLSL
 #define NEUVV_PSI_HEAD_GLSL
 #include "hh.glsl"
@@ -28,14 +28,15 @@ vec3 head_colour(float gamma, vec3 direction) {
     return 1.0 / (1.0 + exp(-raw));
 }
 
-// Does ∂L/∂σ go on to z? By relu's derivative only from σ > 0; then a network whose first steps empty all of space, and
-// a few are enough, stays dead. With `revival` ≥ 0 what the rays say of σ = 0 moves z there, too: up from anywhere, down
-// no further than −revival. Their sum is the derivative by σ from above, so matter comes back where it lowers the loss.
+// Whether ∂L/∂σ is passed on to z. By relu's derivative it is only where σ > 0. But a few first steps can empty all of
+// space, and such a network would never get a gradient again. With `revival` ≥ 0, gradients therefore move z where σ =
+// 0, too: up from anywhere, down no further than −revival. They are the derivatives by σ from above, so matter comes
+// back where it lowers the loss.
 bool relu_passes(float z, float d_sigma, float revival) {
     return z > 0.0 || (revival >= 0.0 && (d_sigma < 0.0 || z > -revival));
 }
 
-// Puts ∂L/∂z in the place of z, given ∂L/∂σ and ∂L/∂c of this sample and its colour c.
+// Replaces z by ∂L/∂z, given ∂L/∂σ and ∂L/∂c of this sample and its colour c.
 void head_adjoint(vec3 direction, vec3 colour, float d_sigma, vec3 d_colour, float revival) {
     const float gamma = head_gamma();
     const HhRadial radial = hh_radial(gamma), slope = hh_radial_adjoint(gamma);
@@ -54,7 +55,7 @@ void head_adjoint(vec3 direction, vec3 colour, float d_sigma, vec3 d_colour, flo
     }
     set_act_of_sample(0u, relu_passes(act_of_sample(0u), d_sigma, revival) ? d_sigma : 0.0);
     set_act_of_sample(1u, d_gamma * gamma * (1.0 - gamma / kPi));
-    for (uint column = 2u + 3u * hh_count(kHhDegree); column < kHeads; column++) set_act_of_sample(column, 0.0);
+    for (uint column = 2u + 3u * hh_count(kHhDegree); column < kHeadColumns; column++) set_act_of_sample(column, 0.0);
 }
 
 #endif

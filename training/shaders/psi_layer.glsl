@@ -1,20 +1,24 @@
 // One layer of the network on a block of 64 samples, in place in shared memory, forwards and backwards:
 //   z_o = b_o + Σ_k W_ko h_k,   ∂h_k = Σ_o W_ko ∂z_o
-// 64 threads as 8 × 8: eight samples by every eighth texel of columns. A step of k reads 8 floats of activations and as
-// many weights for 64 multiply-adds; weights come through the texture cache, where all threads of a step want the same
-// row of at most 512 bytes (on a CPU device that is three times as fast as a copy in shared memory). Bound by
-// arithmetic: 2·inputs·outputs FLOP a sample for 4·inputs·outputs / 64 bytes of cached weights.
-// Cooperative matrices would take the place of the two functions' inner loops.
-// Expects kWidth, kHeads, kInputs, the binding `parameters`.
+// The 64 threads form a square of 8 × 8: each computes eight samples of every eighth texel of columns. For each k it
+// reads 8 activations and as many weights for 64 multiply-adds. Weights come through the texture cache, as all threads
+// read the same row of at most 512 bytes (on a CPU device this is three times as fast as a copy in shared memory).
+// Bound by arithmetic: 2·inputs·outputs FLOP per sample for 4·inputs·outputs / 64 bytes of cached weights. Cooperative
+// matrices could replace the inner loops of the two functions. The file that includes this one defines kWidth,
+// kHeadColumns, kInputs and the binding `parameters`.
 #ifndef NEUVV_PSI_LAYER_GLSL
 #define NEUVV_PSI_LAYER_GLSL
 
-const uint kSharedRows = kInputs > kWidth ? (kInputs > kHeads ? kInputs : kHeads) : (kWidth > kHeads ? kWidth : kHeads);
-const uint kTileColumns = (kWidth > kHeads ? kWidth : kHeads) / 32u;  // texels of columns that a thread has
+const uint kMaxColumns = kWidth > kHeadColumns ? kWidth : kHeadColumns;  // of any layer's matrix
+const uint kSharedRows = kInputs > kMaxColumns ? kInputs : kMaxColumns;
+const uint kTileColumns = kMaxColumns / 32u;  // texels of columns that a thread computes
 const uint kTileRows = kWidth / 8u;
 
-shared vec4 act[kSharedRows * kPsiBlockTexels];  // row, then sample; at most 32 KiB, 16 up to a width of 64
+// The rows of the block that are worked on: activations, or backwards their adjoints. Row by row, at most 32 KiB, 16
+// KiB up to a width of 64.
+shared vec4 act[kSharedRows * kPsiBlockTexels];
 
+// The number of this thread's sample in a row.
 float act_of_sample(uint row) {
     const uint lane = gl_LocalInvocationID.x;
     return act[row * kPsiBlockTexels + lane / 4u][lane % 4u];
@@ -25,7 +29,8 @@ void set_act_of_sample(uint row, float value) {
     act[row * kPsiBlockTexels + lane / 4u][lane % 4u] = value;
 }
 
-// `first`: of the matrix in texels; `columns`: of the matrix in texels, a multiple of 8.
+// From h to z, or with `relu` to relu(z). `first`: where the matrix begins, in texels; `columns`: its width in texels,
+// a multiple of 8.
 void layer_forward(uint inputs, uint first, uint columns, bool relu) {
     const uint sample_texel = gl_LocalInvocationID.x / 8u * 2u, column = gl_LocalInvocationID.x % 8u;
     vec4 z[kTileColumns][8];
@@ -59,7 +64,7 @@ void layer_forward(uint inputs, uint first, uint columns, bool relu) {
     barrier();
 }
 
-// From ∂z in shared memory to ∂h of a layer whose inputs are the kWidth outputs of a hidden one.
+// From ∂z to ∂h, for a layer whose inputs are the kWidth outputs of a hidden layer.
 void layer_adjoint(uint first, uint columns) {
     const uint sample_texel = gl_LocalInvocationID.x / 8u * 2u, column = gl_LocalInvocationID.x % 8u;
     vec4 d[kTileRows][2];

@@ -1,4 +1,4 @@
-// Numbers in [0, 1) by place, not by history: hash of (seed, ray, sample) (Jarzynski and Olano 2020, PCG).
+// Random numbers in [0, 1) without state: a hash of (seed, ray, sample) (Jarzynski and Olano 2020, PCG).
 #ifndef NEUVV_PSI_RANDOM_GLSL
 #define NEUVV_PSI_RANDOM_GLSL
 

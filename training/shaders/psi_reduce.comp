@@ -1,5 +1,5 @@
-// Adds what the splits of the samples say to each parameter of the hidden layers and the head, in a fixed order.
-// One thread a parameter; reads splits × 4 bytes of them, bound by memory.
+// Adds the partial sums of all splits of the samples to the gradient of each parameter of the hidden layers and the
+// head, in a fixed order. One thread per parameter; reads splits × 4 bytes: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"

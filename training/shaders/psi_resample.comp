@@ -1,7 +1,8 @@
-// The second samples of each ray, where the first found matter: importance sampling as in NeRF, by the blending weights
-// that the same network gave in the first pass. The segments are those between n + 1 quantiles of that distribution (with
-// kFloor of it spread evenly), so they fill the ray's whole way through the box; one sample anywhere in each.
-// One workgroup a tile, one thread a ray. Reads 16 bytes a first sample, writes as many a second: bound by memory.
+// The fine samples of each ray, where the coarse ones found matter: importance sampling as in NeRF, by the blending
+// weights that the same network gave the coarse samples. Segments lie between the n + 1 quantiles of that distribution
+// (a share kFloor of which is spread evenly), so that they fill the ray's whole way through the box; each has one
+// sample at a random position. One workgroup per tile, one thread per ray. Reads 16 bytes per coarse sample and writes
+// 16 per fine sample: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"
@@ -18,7 +19,7 @@ layout(push_constant) uniform Push { PsiRayPush push; };
 #include "every_tile.glsl"
 #include "ray.glsl"
 
-const float kFloor = 0.2;  // share of the samples that goes anywhere
+const float kFloor = 0.2;  // share of the distribution that is spread evenly
 
 float sigma_of(Ray ray, uint i) {
     return texelFetch(values, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile)).x;
@@ -32,7 +33,7 @@ void main() {
     Composite whole = composite_begin();
     for (uint i = 0u; i < push.coarse; i++) composite_add(whole, sigma_of(ray, i), step, vec3(0.0), 0.0);
     const float alpha = 1.0 - whole.transmittance;
-    // Where nothing is to be found all of it is spread evenly.
+    // Where the coarse samples found nothing, the whole distribution is even.
     const float found = alpha > 1e-4 ? (1.0 - kFloor) / alpha : 0.0;
     const float even = (1.0 - found * alpha) / float(push.coarse);
 

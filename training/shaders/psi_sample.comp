@@ -1,6 +1,6 @@
-// The first samples of each ray, stratified as in NeRF: the part of the ray inside the box in equal segments, one sample
-// anywhere in each. Rays that miss the box get segments of length 0.
-// One workgroup a tile, one thread a ray. Writes 16 bytes a sample: bound by memory.
+// The coarse samples of each ray, stratified as in NeRF: the part of the ray inside the box is cut into equal segments,
+// each of which has one sample at a random position. Rays that miss the box get segments of length 0. One workgroup per
+// tile, one thread per ray. Writes 16 bytes per sample: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/psi.h"
@@ -16,6 +16,7 @@ layout(push_constant) uniform Push { PsiRayPush push; };
 #include "every_tile.glsl"
 #include "ray.glsl"
 
+// The distances at which the ray enters and leaves the box; 0 and 0 where it misses the box.
 vec2 box_range(Ray ray) {
     const vec3 safe = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     const vec3 a = (push.box_min.xyz - ray.origin) / safe;

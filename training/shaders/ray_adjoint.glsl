@@ -1,19 +1,22 @@
-// Trace, backwards: walks each ray again and says what the loss wants of every sample; main() of the trace adjoint and of
-// the direct adjoint. The includer's scatter() keeps it.
-// To it adds the point loss (Sun et al. 2022, "Direct Voxel Grid Optimization"), which asks each sample's colour c_i, not
-// only their blend, to be the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²  (roots are near display values). The
-// blending weights w_i count as constants there: it colours matter and never moves it.
+// The adjoint of trace along a ray: walks the ray again and computes the derivatives of the loss by every sample. It
+// has main() of the trace adjoint and of the direct adjoint; the file that includes this one defines scatter(), which
+// stores the derivatives. It adds the point loss (Sun et al. 2022, "Direct Voxel Grid Optimization"), which compares
+// not only the blend but the colour c_i of each sample with the pixel's own colour c*:  λ Σ_i w_i α* |√c_i − √c*|²
+// (roots are close to encoded values). The blending weights w_i count as constants there, so that the point loss
+// changes colours and never densities.
 #include "composite.glsl"
 #include "ray.glsl"
 
-const float kMaxPullDepth = 8.0;  // optical depth
+const float kMaxSensitivityDepth = 8.0;  // the largest optical depth that the opacity sensitivity sees
 
-// ∂(point loss)/∂c_i / w_i. `root`: √c* of the pixel; `pull`: λ α*.
-vec3 point_adjoint(vec3 c, vec3 root, float pull) { return pull * (1.0 - root * inversesqrt(max(c, vec3(1e-6)))); }
+// ∂(point loss)/∂c_i / w_i. `root`: √c* of the pixel; `strength`: λ α*.
+vec3 point_adjoint(vec3 c, vec3 root, float strength) {
+    return strength * (1.0 - root * inversesqrt(max(c, vec3(1e-6))));
+}
 
-// The includer's: takes the derivatives of the sample that the walk stopped at, by its σ and by its colour before the
-// sigmoid. `pull`: |α ∂L/∂α|.
-void scatter(float weight, float d_sigma, float pull, vec3 d_raw);
+// Defined by the file that includes this one: stores the derivatives of the sample at which the walk stopped, by its σ
+// and by its colour before the sigmoid. `weight`: its blending weight; `opacity_sensitivity`: |α ∂L/∂α|.
+void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw);
 
 void main() {
     const Ray ray = tile_ray();
@@ -21,7 +24,7 @@ void main() {
     const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
     const vec4 truth = texelFetch(target, int(ray.index));
     const vec3 root = truth.a > 0.0 ? sqrt(truth.rgb / truth.a) : vec3(0.0);
-    const float pull = push.weights.point * push.share * max(truth.a, 0.0);
+    const float point_strength = push.weights.point * push.pixel_share * max(truth.a, 0.0);
     sample_begin(ray.direction, ray.view);
     Composite sum = composite_begin();
     March march = march_begin((ray.origin - push.box_min.xyz) / push.box_size.xyz,
@@ -31,10 +34,12 @@ void main() {
             const float delta = part.t_out - part.t_in;
             const vec3 c = sample_colour();
             const float weight = composite_add(sum, sigma, delta, c, 0.0);
-            const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, pull));
+            const vec3 d_c = weight * (d_ray.rgb + point_adjoint(c, root, point_strength));
             const float d_sigma = composite_adjoint(sum, whole, delta, c, d_ray.rgb, d_ray.a);
-            // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ; the cap keeps opaque samples, which move nothing, from looking torn.
-            const float pull_alpha = abs(d_sigma) * (exp(min(sigma * delta, kMaxPullDepth)) - 1.0) / delta;
-            scatter(weight, d_sigma, pull_alpha, d_c * c * (1.0 - c));
+            // α ∂L/∂α = ∂L/∂σ (e^σδ − 1)/δ. The cap keeps opaque samples, whose σ hardly matters, from seeming
+            // sensitive.
+            const float e_depth = exp(min(sigma * delta, kMaxSensitivityDepth));
+            const float opacity_sensitivity = abs(d_sigma) * (e_depth - 1.0) / delta;
+            scatter(weight, d_sigma, opacity_sensitivity, d_c * c * (1.0 - c));
         }
 }

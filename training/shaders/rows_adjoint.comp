@@ -1,5 +1,6 @@
-// The rows A_t and B_t move by the sum of what every leaf said to them (errata 9: a fractional frame moves two rows).
-// Reads slice_adjoint's partial sums, in a fixed order. One workgroup, one thread per column of both bases; trivial work.
+// Moves the rows A_t and B_t by the sum of the gradients that all leaves give them; a fractional frame moves two rows
+// of each basis (errata 9). Reads the partial sums of slice_adjoint.comp, in a fixed order. One workgroup, one thread
+// per column of both bases; little work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/training.h"
@@ -9,12 +10,12 @@ layout(binding = kRowsAdjointPartials, std430) readonly buffer Partials { float 
 layout(binding = kRowsAdjointCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kRowsAdjointSigma, r32f) uniform imageBuffer sigma_basis;
 layout(binding = kRowsAdjointGamma, r32f) uniform imageBuffer gamma_basis;
-layout(binding = kRowsAdjointFirst, r32f) uniform imageBuffer first;
-layout(binding = kRowsAdjointSecond, r32f) uniform imageBuffer second;
+layout(binding = kRowsAdjointFirstMoments, r32f) uniform imageBuffer first;
+layout(binding = kRowsAdjointSecondMoments, r32f) uniform imageBuffer second;
 layout(push_constant) uniform Push { RowsAdjointPush push; };
 #include "adam.glsl"
 
-// Moments of B follow those of A.
+// Moves one element of A or B. The moments of B follow those of A.
 void move_element(bool is_gamma, uint row, uint column, float gradient) {
     const int at = int(row * push.bases + column);
     const int moment = at + (is_gamma ? int(push.frames * push.bases) : 0);

@@ -1,9 +1,9 @@
-// Slice, backwards, and the optimiser: what rays said to a slot's σ and SH becomes a move of its leaf's weights.
+// The adjoint of slice, and the optimiser: the gradients of a slot's σ and SH move the weights of its leaf.
 //   ∂w^σ = ∂σ A_t,  ∂w_nlm = R_nl(γ) ∂k_lm,  ∂γ = Σ w_nlm R'_nl(γ)·∂k_lm,  ∂w^γ = ∂γ π s(1−s) B_t   (errata 7, 9)
-// One thread per touched slot, dispatched indirectly. Clears the gradients for the next step, notes each leaf's use,
-// and keeps the slice true to the weights that it moved, so that a next step at this frame need not slice again. With
-// kLearnRows also leaves each workgroup's sums of ∂A_t and ∂B_t. Bound by memory: weights and two moments are read and
-// written, 96 bytes for each plane with a gradient.
+// It also clears the gradients for the next step, records the use of each leaf, and updates the slice to the moved
+// weights, so that a next step at this frame need not slice again. With kLearnRows it also writes each workgroup's sums
+// of ∂A_t and ∂B_t. One thread per touched slot, dispatched indirectly. Bound by memory: weights and two moments are
+// read and written, 96 bytes for each plane with a gradient.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/training.h"
@@ -14,17 +14,17 @@ layout(constant_id = 1) const uint kBasisPlanes = 8u;
 layout(constant_id = 2) const uint kLearnRows = 0u;
 layout(constant_id = 3) const uint kBusyPlanes = 8u;
 layout(binding = kAdjointWeights, rgba32f) uniform imageBuffer weights;
-layout(binding = kAdjointFirst, rgba32f) uniform imageBuffer first;
-layout(binding = kAdjointSecond, rgba32f) uniform imageBuffer second;
+layout(binding = kAdjointFirstMoments, rgba32f) uniform imageBuffer first;
+layout(binding = kAdjointSecondMoments, rgba32f) uniform imageBuffer second;
 layout(binding = kAdjointRows, std140) uniform Rows { BasisRows rows; };
 layout(binding = kAdjointLeaves) uniform utextureBuffer slot_leaf;
 layout(binding = kAdjointTouched) uniform utextureBuffer touched_slots;
 layout(binding = kAdjointCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kAdjointGradients, std430) buffer Gradients { float gradients[]; };
-layout(binding = kAdjointReach, std430) buffer Reach { uint reach[]; };
+layout(binding = kAdjointMaxWeight, std430) buffer MaxWeight { uint max_weight[]; };
 layout(binding = kAdjointLeafUse, rg32f) uniform imageBuffer leaf_use;
 layout(binding = kAdjointLeafFrames, r32ui) uniform uimageBuffer leaf_frames;
-layout(binding = kAdjointPlaces) uniform utextureBuffer leaf_positions;
+layout(binding = kAdjointPositions) uniform utextureBuffer leaf_positions;
 layout(binding = kAdjointPartials, std430) writeonly buffer Partials { vec4 partials[]; };
 layout(binding = kAdjointHead, rg32ui) writeonly uniform uimageBuffer head;
 layout(binding = kAdjointSh, rgba32f) writeonly uniform imageBuffer slice_sh;
@@ -51,10 +51,10 @@ void move_plane(uint leaf, uint plane, vec4 gradient, float rate) {
     imageStore(second, texel, new.second);
 }
 
-// The workgroup's sum of its threads' shares of one plane of the rows' gradient.
-void sum_partial(uint plane, vec4 own) {
+// Sums one plane of the rows' gradient over the threads of the workgroup.
+void sum_partial(uint plane, vec4 value) {
     const uint lane = gl_LocalInvocationID.x;
-    share[lane] = own;
+    share[lane] = value;
     barrier();
     if (lane == 0u) {
         vec4 sum = vec4(0.0);
@@ -64,7 +64,7 @@ void sum_partial(uint plane, vec4 own) {
     barrier();
 }
 
-// The workgroup's share of ∂A_t and ∂B_t, from weights that this step has not moved yet.
+// The workgroup's sums of ∂A_t and ∂B_t, from weights that this step has not moved yet.
 void sum_rows(bool inside, uint leaf, float d_sigma, float d_raw_gamma) {
     for (uint p = 0u; p < kBasisPlanes; p++) {
         sum_partial(p, inside ? d_sigma * fetch_weights(leaf, p, push.leaf_count) : vec4(0.0));
@@ -77,7 +77,7 @@ vec3 take_gradient(uint at) {
     return vec3(gradients[at], gradients[at + 1u], gradients[at + 2u]);
 }
 
-// Moves the HH weights of degree l in every n, and returns their part of ∂L/∂γ.
+// Moves the HH weights of one l in every n, and returns what these functions contribute to ∂L/∂γ.
 float band_adjoint(uint leaf, uint base, uint l, vec4 radial, vec4 radial_adjoint, float rate) {
     float d_gamma = 0.0;
     for (uint n = l; n <= kHhDegree; n++)
@@ -107,12 +107,12 @@ void note_frame(uint leaf, uint frame, bool used) {
     imageStore(leaf_frames, word, uvec4(imageLoad(leaf_frames, word).x | bit));
 }
 
-// What growth will ask: how much of a leaf rays saw, how hard the loss pulled at it, and in which frames it counted.
-void note_use(uint leaf, float weight, float pull) {
+// Records how rays used a leaf (LeafUse), for growth.
+void note_use(uint leaf, float weight, float opacity_sensitivity) {
     const vec2 before = imageLoad(leaf_use, int(leaf)).xy;
-    imageStore(leaf_use, int(leaf), vec4(max(before.x, weight), before.y + pull, 0.0, 0.0));
-    note_frame(leaf, push.frame, weight >= push.used_from);
-    note_frame(leaf, push.frame_after, weight >= push.used_from);
+    imageStore(leaf_use, int(leaf), vec4(max(before.x, weight), before.y + opacity_sensitivity, 0.0, 0.0));
+    note_frame(leaf, push.frame, weight >= push.min_used_weight);
+    note_frame(leaf, push.frame_after, weight >= push.min_used_weight);
 }
 
 void main() {
@@ -123,8 +123,8 @@ void main() {
         slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
         const uint base = slot * gradient_stride(kHhDegree);
         leaf = texelFetch(slot_leaf, int(slot)).x;
-        note_use(leaf, uintBitsToFloat(reach[slot]), gradients[base + 1u]);
-        reach[slot] = 0u;
+        note_use(leaf, uintBitsToFloat(max_weight[slot]), gradients[base + 1u]);
+        max_weight[slot] = 0u;
         d_sigma = gradients[base];
         d_raw_gamma = colour_adjoint(leaf, base);
         for (uint i = 0u; i < gradient_stride(kHhDegree); i++) gradients[base + i] = 0.0;

@@ -1,9 +1,9 @@
-// The smoothness loss, forwards and backwards in one: what the opacity of a leaf that rays reached differs by from the
-// leaves at its six faces (total variation of α, as Plenoxels have it; Fridovich-Keil and Yu et al. 2022).
+// The smoothness loss and its derivative in one pass: how much the opacity of a leaf that rays touched differs from
+// those of the leaves at its six faces (total variation of α, as in Plenoxels; Fridovich-Keil and Yu et al. 2022).
 //   L_i = λ Σ_n √((α_i − α_n)² + ε²),  α = 1 − e^(−σ edge_i)
-// Neighbours count as constants: each has a term of its own. An empty one has α_n = 0, a finer one is that at the face's
-// middle. Adds ∂L_i/∂σ_i to the slot's gradient. One thread per touched slot, dispatched indirectly. Bound by the dependent
-// fetches of six descents into the tree.
+// Neighbours count as constants, as each touched leaf has a term of its own. An empty neighbour has α_n = 0; of finer
+// neighbours, the leaf at the middle of the face counts. Adds ∂L_i/∂σ_i to the slot's gradient. One thread per touched
+// slot, dispatched indirectly. Bound by the dependent fetches of six descents into the tree.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/training.h"
@@ -20,16 +20,16 @@ layout(binding = kTraceNodeLive) uniform utextureBuffer node_live;
 layout(binding = kTraceHead) uniform utextureBuffer head;
 layout(binding = kTraceSh) uniform textureBuffer slice_sh;
 layout(binding = kSmoothLeaves) uniform utextureBuffer slot_leaf;
-layout(binding = kSmoothPlaces) uniform utextureBuffer leaf_positions;
+layout(binding = kSmoothPositions) uniform utextureBuffer leaf_positions;
 layout(binding = kSmoothTouched) uniform utextureBuffer touched_slots;
 layout(binding = kSmoothCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kSmoothGradients, std430) buffer Gradients { float gradients[]; };
 layout(push_constant) uniform Push { SmoothPush push; };
 #include "slice_sample.glsl"
 
-const float kEpsilon = 0.1;  // of α: smaller differences count by their squares
+const float kEpsilon = 0.1;  // ε; differences of α below it count by their squares
 
-// α of the live leaf at a finest cell, over the length of `edge`; 0 beyond the tree and where there is none.
+// α, over the length `edge`, of the live leaf at a finest cell; 0 where there is none.
 float alpha_at(ivec3 cell, float edge) {
     March walk;
     walk.mirror = ivec3(0);
@@ -43,7 +43,7 @@ float alpha_at(ivec3 cell, float edge) {
     return 1.0 - exp(-sigma * edge);
 }
 
-// Σ_n ∂√(…)/∂α_i over the leaf's faces.
+// Σ_n ∂√(…)/∂α_i over the six faces of the leaf. `low`, `size`: its corner and edge in finest cells.
 float sum_of_faces(float alpha, float edge, ivec3 low, int size) {
     float d_alpha = 0.0;
     for (int axis = 0; axis < 3; axis++)
@@ -58,13 +58,13 @@ float sum_of_faces(float alpha, float edge, ivec3 low, int size) {
 
 void main() {
     if (gl_GlobalInvocationID.x >= count.slots) return;
-    const uint own = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
-    const uint leaf = texelFetch(slot_leaf, int(own)).x;
-    const uvec2 place = texelFetch(leaf_positions, int(leaf)).xy;
-    const uint depth = place.y >> 16u, shift = 2u * kNodeLevels - depth;
+    const uint own_slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+    const uint leaf = texelFetch(slot_leaf, int(own_slot)).x;
+    const uvec2 position = texelFetch(leaf_positions, int(leaf)).xy;
+    const uint depth = position.y >> 16u, shift = 2u * kNodeLevels - depth;
     const float edge = push.box_size / float(1u << depth);
     const float clear = exp(-uintBitsToFloat(texelFetch(head, int(leaf)).x) * edge);
-    const ivec3 low = ivec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu) << int(shift);
-    gradients[own * gradient_stride(kHhDegree)] +=
-        push.weights.smoothness * push.share * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
+    const ivec3 low = ivec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu) << int(shift);
+    gradients[own_slot * gradient_stride(kHhDegree)] +=
+        push.weights.smoothness * push.pixel_share * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;
 }

@@ -1,5 +1,6 @@
-// Trace, backwards (ray_adjoint.glsl): scatters what the loss says to the σ and SH of every leaf that a ray crosses.
-// Reads the slice as trace.comp does; adds gradient_stride floats a sample to its slot. Bound by those atomic adds.
+// The adjoint of trace (ray_adjoint.glsl): adds gradients to the σ and SH of every leaf that a ray crosses. It reads
+// the slice as trace.comp does and adds gradient_stride floats per sample to the sample's slot. One workgroup per tile,
+// one thread per ray. Bound by these atomic additions.
 #include "shared/training.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -18,7 +19,7 @@ layout(binding = kTraceTiles) uniform utextureBuffer tiles;
 layout(binding = kTraceRadiance) uniform textureBuffer radiance;
 layout(binding = kTraceAdjoint) uniform textureBuffer adjoint;
 layout(binding = kTraceTarget) uniform textureBuffer target;
-layout(binding = kTraceReach, std430) buffer Reach { uint reach[]; };
+layout(binding = kTraceMaxWeight, std430) buffer MaxWeight { uint max_weight[]; };
 layout(push_constant) uniform Push { TraceAdjointPush push; };
 #define NEUVV_GRADIENTS_BINDING kTraceGradients
 #include "gradient_add.glsl"
@@ -26,12 +27,12 @@ layout(push_constant) uniform Push { TraceAdjointPush push; };
 #include "every_tile.glsl"
 #include "ray_adjoint.glsl"
 
-// Adds one sample's derivatives to its slot.
-void scatter(float weight, float d_sigma, float pull, vec3 d_raw) {
-    atomicMax(reach[slot], max(floatBitsToUint(weight), 1u));
+// Adds the derivatives of one sample to its slot.
+void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw) {
+    atomicMax(max_weight[slot], max(floatBitsToUint(weight), 1u));
     uint at = slot * gradient_stride(kHhDegree);
     gradient_add(at++, d_sigma);
-    gradient_add(at++, pull);
+    gradient_add(at++, opacity_sensitivity);
     for (uint j = 0u; j < sh_count(kHhDegree); j++)
         for (uint channel = 0u; channel < 3u; channel++) gradient_add(at++, sh_y[j] * d_raw[channel]);
 }

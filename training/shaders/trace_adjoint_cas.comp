@@ -1,5 +1,5 @@
-// trace_adjoint.glsl for devices without atomic float addition: compare and swap. Its own module, because a SPIR-V
-// module that names a capability needs it, used or not.
+// trace_adjoint.glsl for devices without atomic float addition, by compare and swap. It is a module of its own because
+// a device must support every capability that a SPIR-V module declares, used or not.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define NEUVV_CAS_ATOMICS

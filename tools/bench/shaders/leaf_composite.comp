@@ -1,9 +1,10 @@
 // Composites the leaves of each listed tile front to back.
-// Reads the sorted pairs, and the shaded entries and places of their leaves; writes premultiplied linear RGB and alpha, and
-// depth in metres, a ray. One workgroup a tile, dispatched indirectly, one thread a pixel; together they fetch 64 leaves and tell the tile's columns
-// and rows which of them they cover, then each takes those that cover its own, until no ray of the tile sees further. Bound
-// by the fetches, three that depend on each other, and by arithmetic: a projection for each leaf of the tile, and some 30
-// operations for each of its pixels.
+// Reads the sorted pairs, and the shaded entries and positions of their leaves; writes premultiplied linear RGB and alpha,
+// and depth in metres, of each ray. One workgroup per tile, dispatched indirectly, one thread per pixel. The threads fetch
+// 64 leaves together, and set each leaf's bit for the columns and rows of the tile that it covers. Then each thread takes
+// the leaves whose bits are set for both its column and its row, until all rays of the tile have ended. Bound by the
+// fetches, three of which depend on each other, and by arithmetic: a projection for each leaf of the tile, and some 30
+// operations for each of the leaf's pixels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/leaf_raster.h"
@@ -14,7 +15,7 @@ layout(binding = kCompositePairs) uniform utextureBuffer tile_pairs;
 layout(binding = kCompositeValues) uniform utextureBuffer pair_entries;
 layout(binding = kCompositeEntries) uniform utextureBuffer shaded;
 layout(binding = kCompositeLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kCompositePlaces) uniform utextureBuffer leaf_positions;
+layout(binding = kCompositePositions) uniform utextureBuffer leaf_positions;
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
 layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
@@ -24,7 +25,7 @@ layout(push_constant) uniform Push { LeafRasterPush push; };
 #include "composite.glsl"
 #include "leaf_pixels.glsl"
 
-// kNoTile beyond the list: such a tile has no rays.
+// The tile of this workgroup; kNoTile beyond the list, where there are no rays.
 uint tile_group() { return texelFetch(tile_list, int(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x)).x; }
 
 vec2 tile_range(uint tile) { return vec2(0.0, 1e30); }
@@ -37,10 +38,10 @@ float set_end(uint view, vec2 at) { return 1e30; }
 
 shared vec4 leaf_box[kTilePixels];    // low corner and edge, in finest cells
 shared vec4 leaf_light[kTilePixels];  // colour, σ (1/m)
-shared uint covering[8u * kTile];     // per turn, axis and line of pixels across it: a bit for each leaf that covers any
+shared uint covering[8u * kTile];     // per turn, axis, and column or row of pixels: a bit for each leaf that covers some of it
 shared uint ended_rays;
 
-// In finest cells and those per metre, as march.glsl has them.
+// A ray in finest cells: its origin, and metres per finest cell along each axis.
 struct CellRay {
     vec3 origin, inverse;
 };
@@ -52,10 +53,10 @@ CellRay cell_ray(Ray ray) {
     return CellRay((ray.origin - push.box_min.xyz) / push.box_size.xyz * side, 1.0 / safe);
 }
 
-// The first of the two words.
+// The first of the two words of a column (axis 0) or row (axis 1).
 uint line_of(uint turn, uint axis, uint at) { return 2u * (kTile * (2u * turn + axis) + at); }
 
-// `corner`: the tile's first pixel.
+// Fetches this thread's leaf of the turn. `corner`: the tile's first pixel.
 void fetch_leaf(uint pair, uvec2 corner, uint turn) {
     const uint thread = gl_LocalInvocationID.x, word = thread / 32u, bit = 1u << (thread & 31u);
     const uint entry = texelFetch(pair_entries, int(pair)).x;
@@ -72,13 +73,13 @@ void fetch_leaf(uint pair, uvec2 corner, uint turn) {
     for (uint y = first.y; y < end.y; y++) atomicOr(covering[line_of(turn, 1u, y) + word], bit);
 }
 
-// Those of the fetched leaves that cover the thread's pixel, a bit each.
+// The fetched leaves that cover the thread's pixel: a bit for each.
 uvec2 leaves_over(uint in_tile, uint turn) {
     const uint column = line_of(turn, 0u, in_tile % kTile), row = line_of(turn, 1u, in_tile / kTile);
     return uvec2(covering[column] & covering[row], covering[column + 1u] & covering[row + 1u]);
 }
 
-// Takes the lowest bit out.
+// Clears the lowest bit that is set, and returns its number.
 uint next_leaf(inout uvec2 leaves) {
     const bool low = leaves.x != 0u;
     const uint at = low ? uint(findLSB(leaves.x)) : 32u + uint(findLSB(leaves.y));
@@ -108,7 +109,7 @@ void main() {
     if (!open) atomicAdd(ended_rays, 1u);
     uint turn = 0u;
     for (uint first = pairs.x; first < pairs.y; first += kTilePixels, turn ^= 1u) {
-        barrier();  // the leaves before have been used
+        barrier();  // all threads are done with the leaves before
         const bool ended = ended_rays == kTilePixels;
         if (first + thread < pairs.y) fetch_leaf(first + thread, corner, turn);
         barrier();

@@ -1,32 +1,33 @@
-// Keys of pairs (shared/leaf_raster.h). The includer sets kNodeLevels.
+// Keys of pairs of a tile and a leaf (shared/leaf_raster.h). The file that includes this one defines kNodeLevels.
 #ifndef NEUVV_LEAF_KEY_GLSL
 #define NEUVV_LEAF_KEY_GLSL
 
 const uint kFinestDepth = 2u * kNodeLevels;
 const uint kNearnessBits = 3u * kFinestDepth;
 
-// A leaf's place as the cell of its own size, 2^depth a side of the box.
+// A leaf as the cell of its own size, of which the box has 2^depth a side.
 struct LeafCell {
     uvec3 at;
     uint depth;
 };
 
-LeafCell leaf_cell(uvec2 place) {
-    return LeafCell(uvec3(place.x & 0xffffu, place.x >> 16u, place.y & 0xffffu), place.y >> 16u);
+// From a position of Field::leaf_positions.
+LeafCell leaf_cell(uvec2 position) {
+    return LeafCell(uvec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu), position.y >> 16u);
 }
 
-// An octree's cells lie front to back from an eye where every node's octants are taken by increasing number, the bit of an
-// axis flipped where the eye is beyond the node's middle plane: a ray passes that plane once at most, and only away from
-// the eye's side. So this is the place along one axis, each bit flipped where the eye is beyond the plane that it tells
-// the sides of. Nodes around the eye's own cell have its bits: these cancel. The first bit that differs says on which side
-// of all planes below it the eye is.
+// The cells of an octree are in front-to-back order from an eye where the octants of every node are taken by increasing
+// number, with the bit of an axis flipped where the eye is beyond the node's middle plane: a ray crosses that plane at most
+// once, and only away from the eye's side. This function returns the index of a cell along one axis with its bits flipped
+// that way. The leading bits that the cell shares with the eye's cell belong to nodes around both, and become 0. The first
+// bit that differs says on which side of all further planes the eye is.
 uint bits_from_eye(uint at, uint eye) {
     if (at == eye) return 0u;
     const uint differs = 1u << findMSB(at ^ eye);
     return differs | ((at > eye ? at : ~at) & (differs - 1u));
 }
 
-// Bits of a number of 10, three apart.
+// Moves the bits of a number of 10 bits three apart.
 uint spread(uint bits) {
     bits = (bits | bits << 16u) & 0x030000ffu;
     bits = (bits | bits << 8u) & 0x0300f00fu;
@@ -34,15 +35,16 @@ uint spread(uint bits) {
     return (bits | bits << 2u) & 0x09249249u;
 }
 
-uint morton(uvec3 place) { return spread(place.x) | spread(place.y) << 1u | spread(place.z) << 2u; }
+uint morton(uvec3 cell) { return spread(cell.x) | spread(cell.y) << 1u | spread(cell.z) << 2u; }
 
-// Of a leaf, in (low, high) words: its Morton number as the eye's cell, of the finest, has it.
+// The nearness of a leaf as (low word, high word): its Morton number, bits flipped as above. `eye`: the finest cell of the
+// eye.
 uvec2 nearness(LeafCell leaf, uvec3 eye) {
     const uint shift = kFinestDepth - leaf.depth;
-    const uvec3 seen = uvec3(bits_from_eye(leaf.at.x, eye.x >> shift), bits_from_eye(leaf.at.y, eye.y >> shift),
+    const uvec3 from_eye = uvec3(bits_from_eye(leaf.at.x, eye.x >> shift), bits_from_eye(leaf.at.y, eye.y >> shift),
                              bits_from_eye(leaf.at.z, eye.z >> shift)) << shift;
-    const uint above = morton(seen >> 10u);
-    return uvec2(morton(seen & 1023u) | above << 30u, above >> 2u);
+    const uint above = morton(from_eye >> 10u);
+    return uvec2(morton(from_eye & 1023u) | above << 30u, above >> 2u);
 }
 
 uvec2 pair_key(uint tile, uvec2 nearness) {

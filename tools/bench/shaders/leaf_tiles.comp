@@ -1,6 +1,6 @@
-// Where each tile's pairs begin and end among the sorted ones, and which tiles have any.
-// Reads keys; writes where the tile changes. One workgroup a block of the sort, dispatched indirectly. Bound by
-// memory: 8 bytes a pair.
+// Finds where each tile's pairs begin and end among the sorted pairs, and lists the tiles that have pairs.
+// Reads keys; writes where the tile changes from one pair to the next. One workgroup per block of the sort, dispatched
+// indirectly. Bound by memory: 8 bytes per pair.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/leaf_raster.h"

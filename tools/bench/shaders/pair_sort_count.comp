@@ -1,6 +1,7 @@
-// Pair sort, first of three: how many pairs of each block have each digit.
-// Reads the keys of a block; writes its counts, and adds them to the digits' own. One workgroup a block, dispatched
-// indirectly. Bound by memory, 8 bytes a pair, and by atomic additions in shared memory where digits are alike.
+// Pair sort, first of three passes: counts how many pairs of each block have each digit.
+// Reads the keys of a block; writes the block's counts, and adds them to those of all blocks. One workgroup per block,
+// dispatched indirectly. Bound by memory, 8 bytes per pair, and by atomic additions in shared memory where many keys have
+// the same digit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/field.h"
@@ -25,5 +26,5 @@ void main() {
         atomicAdd(counts[sort_digit(texelFetch(keys, int(at)).xy)], 1u);
     barrier();
     block_counts[thread * push.stride + block] = counts[thread];
-    if (counts[thread] > 0u) atomicAdd(digit_counts[push.place * kSortDigits + thread], counts[thread]);
+    if (counts[thread] > 0u) atomicAdd(digit_counts[push.round * kSortDigits + thread], counts[thread]);
 }

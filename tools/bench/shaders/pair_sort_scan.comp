@@ -1,6 +1,6 @@
-// Pair sort, second of three: where the pairs of each block and digit go, behind those of all lower digits and those of
-// the same digit in earlier blocks.
-// Reads and writes the blocks' counts. One workgroup a digit. Bound by barriers: 14 for each 64 blocks.
+// Pair sort, second of three passes: computes where the pairs of each block and digit go, which is behind the pairs of all
+// lower digits, and behind those of the same digit in earlier blocks.
+// Reads and writes the counts of blocks. One workgroup per digit. Bound by barriers: 14 for each 64 blocks.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/field.h"
@@ -15,7 +15,7 @@ layout(push_constant) uniform Push { PairSortPush push; };
 
 shared uint sums[kSortGroup];
 
-// The sum of this thread's value and those of threads before it; `total` is that of all.
+// The sum of the values of this thread and of those before it; `total` is the sum of all threads.
 uint inclusive_sum(uint value, out uint total) {
     const uint thread = gl_LocalInvocationID.x;
     sums[thread] = value;
@@ -35,7 +35,7 @@ uint inclusive_sum(uint value, out uint total) {
 void main() {
     const uint thread = gl_LocalInvocationID.x, digit = gl_WorkGroupID.x, blocks = sort_blocks();
     uint first;
-    inclusive_sum(thread < digit ? digit_counts[push.place * kSortDigits + thread] : 0u, first);
+    inclusive_sum(thread < digit ? digit_counts[push.round * kSortDigits + thread] : 0u, first);
     for (uint begin = 0u; begin < blocks; begin += kSortGroup) {
         const uint block = begin + thread, at = digit * push.stride + block;
         const uint own = block < blocks ? block_counts[at] : 0u;

@@ -1,7 +1,9 @@
-// Pair sort, third of three: every pair to its place by one digit, pairs of the same digit in the order in which they were.
-// Reads and writes the pairs, and reads where those of each digit go. One workgroup a block, dispatched indirectly, 64
-// neighbours at a time: each sets its bit among those of its digit, and counts the bits before its own, whatever the size
-// of a subgroup. Bound by memory, 24 bytes a pair whose writes lie apart, and by shared memory and barriers.
+// Pair sort, third of three passes: writes every pair to its position in the order of one digit. Pairs of the same digit
+// keep their order.
+// Reads and writes the pairs, and reads where the pairs of each digit go. One workgroup per block, dispatched indirectly,
+// 64 consecutive pairs at a time, one per thread: each thread sets its bit among those of its digit, and counts the bits
+// before its own, so that the size of a subgroup does not matter. Bound by memory, 24 bytes per pair with scattered writes,
+// and by shared memory and barriers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/field.h"
@@ -18,8 +20,8 @@ layout(push_constant) uniform Push { PairSortPush push; };
 #include "pair_sort.glsl"
 
 const uint kWords = kSortGroup / 32u;
-// Of the neighbours now and, for the next ones, in turn.
-shared uint same[2u][kWords][kSortDigits];  // bit i of word w of a digit: thread 32w + i has it
+// Twice, in turn: for the 64 pairs at hand and for the next ones.
+shared uint same[2u][kWords][kSortDigits];  // bit i of word w of a digit: thread 32w + i has the digit
 shared uint next[2u][kSortDigits];          // where the next pair of a digit goes
 
 // Pairs of this digit among the threads before this one.
@@ -30,8 +32,8 @@ uint rank_of(uint digit, uint turn) {
     return rank;
 }
 
-// Of the digit that bears the thread's number, for the next neighbours.
-void pass_digit(uint turn) {
+// Prepares the next turn for the digit that has the thread's number.
+void prepare_digit(uint turn) {
     const uint digit = gl_LocalInvocationID.x;
     uint pairs = 0u;
     for (uint w = 0u; w < kWords; w++) {
@@ -59,7 +61,7 @@ void main() {
             imageStore(keys_out, to, uvec4(key, 0u, 0u));
             imageStore(values_out, to, texelFetch(values, int(at)));
         }
-        pass_digit(turn);
+        prepare_digit(turn);
         barrier();
     }
 }

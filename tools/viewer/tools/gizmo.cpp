@@ -139,7 +139,7 @@ GizmoHandle gizmo_handle_at(const Gizmo& gizmo, glm::dvec2 pointer) {
 }
 
 std::optional<glm::dmat4> parent_from_node(const glm::dmat4& world_from_parent, const glm::dmat4& world_from_node) {
-    if (!stage::is_placeable(world_from_parent)) return std::nullopt;
+    if (!stage::is_valid_transform(world_from_parent)) return std::nullopt;
     glm::dmat4 local = glm::inverse(world_from_parent) * world_from_node;
     for (int i = 0; i < 4; ++i) local[i][3] = i == 3;
     return local;

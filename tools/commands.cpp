@@ -1,4 +1,4 @@
-#include "tools/program.h"
+#include "tools/commands.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "gpu/debug_buffer.h"
+#include "training/formats.h"
 
 namespace neuvv::tools {
 
@@ -15,13 +16,13 @@ namespace {
 
 constexpr int kFailure = 1, kBadInput = 2;
 
-// What stands below a verb.
+// The verbs that stand directly below one, or below the program.
 std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
     return app.get_subcommands([](const CLI::App* verb) { return !verb->get_name().empty(); });
 }
 
-// The verb that the user reached, as typed: "stage set".
-std::pair<const CLI::App*, std::string> reached_verb(const CLI::App* app) {
+// The last verb that the user named, and the verbs up to it as typed: "stage set".
+std::pair<const CLI::App*, std::string> named_verb(const CLI::App* app) {
     std::string path;
     for (auto below = app->get_subcommands(); !below.empty(); below = app->get_subcommands()) {
         app = below[0];
@@ -30,9 +31,9 @@ std::pair<const CLI::App*, std::string> reached_verb(const CLI::App* app) {
     return {app, path};
 }
 
-// One line: what is wrong, and where to look.
+// One line that says what is wrong and which --help shows how it is done.
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
-    const auto [verb, path] = reached_verb(app);
+    const auto [verb, path] = named_verb(app);
     const std::string& program = app->get_name();
     std::string problem = error.what();
     const auto unknown = app->remaining(true);
@@ -40,7 +41,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
     const bool typed = !unknown.empty() && !unknown[0].starts_with('-');
     if (!below.empty() && (typed || problem.find("subcommand") != std::string::npos)) {
         std::string names;
-        for (const CLI::App* one : below) names += (names.empty() ? "" : ", ") + one->get_name();
+        for (const CLI::App* choice : below) names += (names.empty() ? "" : ", ") + choice->get_name();
         problem = typed ? fmt::format("there is no `{}{}{}`", path, path.empty() ? "" : " ", unknown[0])
                         : fmt::format("`{}{}{}` needs a verb", program, path.empty() ? "" : " ", path);
         problem += "; choose from " + names;
@@ -53,7 +54,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
 int parse(CLI::App& app, int argc, char** argv) {
     try {
         app.parse(argc, argv);
-    } catch (const CLI::RuntimeError& error) {  // a verb that has said already why it stops
+    } catch (const CLI::RuntimeError& error) {  // from a verb that has already said why it stops
         return error.get_exit_code();
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : kBadInput;
@@ -87,6 +88,42 @@ int run_program(CLI::App& app, int argc, char** argv) {
         fmt::print(stderr, "{}: {}\n", program, error.what());
         return kFailure;
     }
+}
+
+CLI::Validator number_between(double low, double high) {
+    return CLI::Validator(
+        [low, high](const std::string& text) {
+            double value = 0;
+            const bool number = CLI::detail::lexical_cast(text, value);
+            if (number && value >= low && value <= high) return std::string();
+            return fmt::format("{} is no number from {} to {}", text, low, high);
+        },
+        fmt::format("[{} - {}]", low, high));
+}
+
+CLI::Option* add_switch(CLI::App& verb, const std::string& name, std::optional<bool>& value, const std::string& help) {
+    return verb.add_option(name, value, help + ": on or off")->check(CLI::IsMember({"on", "off"}));
+}
+
+CLI::Option* add_samples_option(CLI::App& verb, uint32_t& samples) {
+    return verb
+        .add_option("--samples", samples, "Rays a pixel along each side: 2 averages 4 of them, for smooth edges")
+        ->check(CLI::Range(1, 4))
+        ->capture_default_str();
+}
+
+void add_slice_budget_option(CLI::App& verb, double& mebibytes) {
+    verb.add_option("--slice-budget", mebibytes,
+                    "MiB on the device for frames' slices that are kept, however many instances there are; 0: no "
+                    "slices, all numbers at each sample (slow)")
+        ->check(number_between(0, 1048576))
+        ->capture_default_str();
+}
+
+void add_format_option(CLI::App& verb, std::string& format) {
+    verb.add_option("--format", format, "The data set's layout; auto: by the files in it")
+        ->check(CLI::IsMember(training::format_names()))
+        ->capture_default_str();
 }
 
 }  // namespace neuvv::tools

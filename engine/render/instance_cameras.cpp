@@ -1,4 +1,4 @@
-#include "render/place.h"
+#include "render/instance_cameras.h"
 
 #include <algorithm>
 
@@ -10,12 +10,12 @@ ShaderCamera shader_camera_of(const TargetViews& views, const stage::Camera& cam
                                    : shader_camera(stage::enlarged(camera, samples), samples);
 }
 
-void place_cameras(const TargetViews& views) {
+void write_cameras(const TargetViews& views) {
     for (uint32_t view = 0; view < views.layout.views; view++)
         views.target.rays.cameras.as<ShaderCamera>()[view] = shader_camera_of(views, views.cameras[view], view);
 }
 
-void place_tiles(const TargetViews& views) {
+void write_tiles(const TargetViews& views) {
     Tile* to = views.target.rays.tiles.as<Tile>();
     for (uint32_t view = 0; view < views.layout.views; view++) {
         const std::vector<Tile> tiles = tiles_of_image(view, views.layout.rays_across(), views.layout.rays_down());
@@ -23,33 +23,34 @@ void place_tiles(const TargetViews& views) {
     }
 }
 
-std::optional<DrawnInstance> place_instance(const TargetViews& views, const Field& field, const Instance& instance,
-                                            uint32_t place) {
+std::optional<DrawnInstance> write_instance_cameras(const TargetViews& views, const Field& field,
+                                                    const Instance& instance, uint32_t index) {
     const ViewLayout& layout = views.layout;
     DrawnInstance drawn;
     drawn.field = instance.field;
     drawn.paint = instance.paint;
     drawn.frame = std::clamp(instance.frame, 0.0f, static_cast<float>(field.frames - 1));
     drawn.shading = Shading::kPerLeaf;
-    drawn.rays.first_camera = layout.views * (place + 1);
+    drawn.rays.first_camera = layout.views * (index + 1);
     drawn.rays.opacity = instance.opacity;
     const double pixel_rays = layout.samples * views.scale;  // along each side
-    bool seen_at_all = false;
+    bool visible = false;
     for (uint32_t view = 0; view < layout.views; view++) {
         const stage::Camera camera = in_performer(views.cameras[view], instance.world_from_performer);
         const glm::vec3 eye(camera.world_from_camera[3]);
-        const ShaderCamera seen = shader_camera_of(views, camera, view);
-        const RangeView range = range_view(seen);
+        const ShaderCamera shader_camera = shader_camera_of(views, camera, view);
+        const RangeView range = range_view(shader_camera);
         const glm::dvec2 image = static_cast<double>(layout.samples) * glm::dvec2(camera.width, camera.height);
-        const double rays = pixels_around(range, image, field.leaves_min, field.leaves_max) * views.scale * views.scale;
-        views.target.rays.cameras.as<ShaderCamera>()[drawn.rays.first_camera + view] = seen;
+        const double rays =
+            pixels_covered(range, image, field.leaves_min, field.leaves_max) * views.scale * views.scale;
+        views.target.rays.cameras.as<ShaderCamera>()[drawn.rays.first_camera + view] = shader_camera;
         views.target.ranges.views.as<RangeView>()[drawn.rays.first_camera + view] = range;
         const uint32_t level = range_level(field, eye, pixel_rays * std::max(camera.fx, camera.fy));
         drawn.range_level = std::max(drawn.range_level, level);
         if (play_shading(field, eye, rays) == Shading::kPerRay) drawn.shading = Shading::kPerRay;
-        seen_at_all |= rays > 0;
+        visible |= rays > 0;
     }
-    if (!seen_at_all || instance.opacity <= 0) return std::nullopt;
+    if (!visible || instance.opacity <= 0) return std::nullopt;
     return drawn;
 }
 

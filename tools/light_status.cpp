@@ -1,0 +1,29 @@
+#include "tools/light_status.h"
+
+#include <fmt/format.h>
+
+#include "render/stage_renderer.h"
+
+namespace neuvv::tools {
+
+std::vector<LightStatus> light_statuses(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
+    std::vector<render::SetLight> lights;
+    for (const stage::EvaluatedLight& light : evaluated.lights) lights.push_back(render::set_light(light));
+    const ShaderLights packed =
+        render::pack_lights(lights, {}, {}, {}, stage::performers_box(stage, evaluated), std::nullopt);
+    std::vector<LightStatus> statuses(lights.size());
+    for (size_t i = 0; i < lights.size(); ++i) {
+        LightStatus& status = statuses[i];
+        status.shines = i < packed.count;
+        const bool has_shadow_map = status.shines && packed.light[i].shadow != kNoShadow;
+        status.casts_shadow = has_shadow_map && stage.settings.shadows;
+        if (!status.shines)
+            status.text = fmt::format("does not shine: only the first {} do", kMaxSetLights);
+        else if (lights[i].casts_shadow && !has_shadow_map)
+            status.text =
+                fmt::format("casts no shadow: only the first {} spots and directional lights do", kMaxShadows);
+    }
+    return statuses;
+}
+
+}  // namespace neuvv::tools
