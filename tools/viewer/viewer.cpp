@@ -290,7 +290,7 @@ void Viewer::handle_keys() {
 void Viewer::handle_key(const ui::KeyPress& press) {
     editor::StageClock& clock = view_.clock;
     if (press.control) handle_control_key(press);
-    tools_.key(context_, press);
+    tools_.handle_key(context_, press);
     if (press.control || press.alt) return;
     if (press.key == GLFW_KEY_COMMA) clock.step(-1);
     if (press.key == GLFW_KEY_PERIOD) clock.step(1);
@@ -367,7 +367,7 @@ void Viewer::draw_panels() {
                               std::max(1u, static_cast<uint32_t>(input_.image_area.height)));
     input_.pointer_in_image = !ImGui::GetIO().WantCaptureMouse && input_.image_area.contains(pointer.x, pointer.y);
     tools_.toolbar(context_);
-    tools_.pointer(context_);
+    tools_.handle_pointer(context_);
     if (panels.all) {
         const float tree = std::round(panels.tree_share * side.height);
         stage_panel(context_, {side.left, side.top, side.width, tree}, tree_);

@@ -57,7 +57,7 @@ class GizmoTool : public Tool {
     void document_opened() override { drag_.reset(); }
     void overlay(Context& context) override { draw_handles(context, shapes_, hot_); }
 
-    void pointer(Context& context, PointerUse& use) override {
+    void handle_pointer(Context& context, PointerUse& use) override {
         shapes_.clear();
         if (drag_) {
             use.left = true;

@@ -10,29 +10,29 @@
 
 namespace neuvv::viewer {
 
-// The table of tools. Where two of them want the pointer, the one that stands first has it.
+// The table of tools. Where two tools could use the pointer, the first one of them gets it.
 Tools::Tools(PaintTool& paint) {
-    const auto own = [&](std::unique_ptr<Tool> tool) {
+    const auto keep = [&](std::unique_ptr<Tool> tool) {
         owned_.push_back(std::move(tool));
         return owned_.back().get();
     };
-    all_ = {own(make_gizmo_tool()), own(make_light_tool()), &paint, own(make_navigate_tool())};
+    all_ = {keep(make_gizmo_tool()), keep(make_light_tool()), &paint, keep(make_navigate_tool())};
 }
 
-void Tools::key(Context& context, const ui::KeyPress& press) {
+void Tools::handle_key(Context& context, const ui::KeyPress& press) {
     for (Tool* tool : all_) {
         for (const ToolMode& mode : tool->modes())
             if (!press.control && !press.alt && mode.key == press.key) context.view.mode = &mode;
-        tool->key(context, press);
+        tool->handle_key(context, press);
     }
     if (!press.control && !press.alt && press.key == GLFW_KEY_G) context.view.grid = !context.view.grid;
 }
 
-void Tools::pointer(Context& context) {
+void Tools::handle_pointer(Context& context) {
     PointerUse use;
     std::vector<Tool*> order = all_;
     std::stable_partition(order.begin(), order.end(), [](const Tool* tool) { return tool->captures_pointer(); });
-    for (Tool* tool : order) tool->pointer(context, use);
+    for (Tool* tool : order) tool->handle_pointer(context, use);
     draw_scene_overlay(context);
     for (Tool* tool : all_) tool->overlay(context);
 }
