@@ -14,6 +14,7 @@
 #include "tools/viewer/report_facts.h"
 #include "tools/viewer/timeline/camera_path_view.h"
 #include "tools/viewer/timeline/timeline_view.h"
+#include "tools/viewer/tools/overlay.h"
 
 namespace neuvv::viewer {
 
@@ -27,14 +28,12 @@ double aspect_of(const Area& area) {
     return area.height > 0 ? area.width / area.height : 1;
 }
 
-// The eye when a stage is displayed first: through the stage's first camera, else from the front with all performers in
-// view.
+// The eye with which a stage is first displayed: that of its first perspective camera, else from the front with all
+// performers in view.
 Eye initial_eye(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, double aspect) {
-    const auto [low, high] = stage::performers_box(stage, evaluated);
     for (const stage::EvaluatedCamera& camera : evaluated.cameras)
-        if (!camera.orthographic)
-            return looking_through(camera.world_from_camera, camera.vertical_angle_rad,
-                                   distance_to(camera.world_from_camera, low, high));
+        if (!camera.orthographic) return eye_of(camera, stage, evaluated);
+    const auto [low, high] = stage::performers_box(stage, evaluated);
     return framed(seen_from(Eye{}, EyeSide::kFront), low, high, aspect);
 }
 
@@ -62,7 +61,7 @@ Preferences preferences_for(const Viewer::Options& options, std::string& message
     return loaded.preferences;
 }
 
-// Closes menus and combo boxes; modal questions handle Escape themselves.
+// Closes menus and combo boxes by Escape. Modal dialogs handle it themselves.
 void close_popup_by_escape(const FrameInput& input) {
     const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
     if (!input.escape || open.empty()) return;
@@ -107,7 +106,7 @@ Viewer::Viewer(const Options& options, const std::string& device)
         files_.open(options.file);
 }
 
-// Jobs and tasks of the render thread use the other members.
+// Jobs and tasks of the render thread use the other members, so they must end first.
 Viewer::~Viewer() {
     jobs_.stop();
     exporter_.cancel();
@@ -151,8 +150,9 @@ void Viewer::run() {
     store_preferences();
 }
 
-// Until there is something to display: an image of the render thread at once, the rest at most kFrame_s after the frame
-// before, so that panels take little time from the tracing of images where both use the same cores.
+// Waits until there is something to draw. A new image of the render thread, or the result of a job, ends the wait at
+// once. Anything else is drawn no earlier than kFrame_s after the previous frame, so that panels leave time for tracing
+// where both use the same cores.
 void Viewer::wait() {
     double seconds_left = kIdleWait_s;
     if (view_.clock.playing) seconds_left = std::min(kPlayingWait_s, view_.clock.until_next_s());
@@ -165,7 +165,7 @@ void Viewer::wait() {
     }
 }
 
-// The eye flies, or something moved a moment ago.
+// The eye flies, or something moved less than kStillAfter_s ago.
 bool Viewer::in_motion() const {
     return flight_ || requests_.eye || input_.now_s - requests_.last_motion_s < kStillAfter_s;
 }
@@ -203,8 +203,8 @@ void Viewer::frame() {
     jobs_.run_posted();
     take_notices();
     receive_stage();
-    const bool can_be_taken_back = editor_.dragging() || editor_.history().next_undo();
-    if (can_be_taken_back && input_.rendered.unsound_id == editor_.id()) editor_.take_back(input_.rendered.problem);
+    const bool can_take_back = editor_.dragging() || editor_.history().next_undo();
+    if (can_take_back && input_.rendered.unsound_id == editor_.id()) editor_.take_back(input_.rendered.problem);
     set_title();
     files_.tick();
     shader_watch_.tick(input_.now_s, !exporter_.job());
@@ -213,7 +213,9 @@ void Viewer::frame() {
     apply_ui_scale();
     report_.begin_frame();
     screen_.begin();
-    view_.clock.tick(input_.dt_s);  // before keys: what begins to play now has not played since the frame before
+    view_.clock.tick(
+        input_
+            .dt_s);  // before the keys: a clip that starts to play in this frame has not played since the previous one
     handle_keys();
     screenshots_.take(context_, screen_, image_is_sharp());
     const FrameMeter::Ids before = requested();
@@ -231,7 +233,7 @@ void Viewer::frame() {
     render_thread_.presented(input_.rendered.displayed.number);
 }
 
-// Why nothing could be opened stays until something is.
+// While nothing is open, errors stay: they say why nothing could be opened.
 void Viewer::take_notices() {
     for (editor::Notice& notice : editor_.take_notices()) {
         notice.until_s = input_.now_s + kNotice_s;
@@ -245,7 +247,7 @@ void Viewer::take_notices() {
         notices_.erase(notices_.begin(), notices_.end() - static_cast<std::ptrdiff_t>(kMaxNotices));
 }
 
-// The stage that the render thread has read.
+// Takes over the stage that the render thread has read.
 void Viewer::receive_stage() {
     const std::shared_ptr<const stage::Stage> read = input_.rendered.stage;
     if (!read || read == input_.stage) return;
@@ -325,7 +327,7 @@ void Viewer::handle_control_key(const ui::KeyPress& press) {
     }
 }
 
-// By a flight to where a panel or a key sent it, or along the camera path, until something else moves it.
+// Moves the eye on its flight, or along the camera path. Any other motion of the eye ends the latter.
 void Viewer::move_eye() {
     if (requests_.eye) flight_ = Flight{view_.eye, *std::exchange(requests_.eye, std::nullopt), input_.now_s};
     if (flight_) {
@@ -343,7 +345,7 @@ void Viewer::move_eye() {
     view_.eye = *path_eye_;
 }
 
-// The image left, the stage and what is selected right, time below.
+// The layout: the image at the left, the stage and the properties at the right, the timeline below the image.
 void Viewer::draw_panels() {
     PanelLayout& panels = view_.panels;
     close_popup_by_escape(input_);
@@ -407,7 +409,7 @@ void Viewer::request_view() {
     const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
     view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
     view.resolve.depth_far_m = static_cast<float>(distance + size);
-    // Where the device does not keep pace, it is not known which times will be displayed next.
+    // Where the device is too slow to draw every frame, it is not known which times will be displayed next.
     const bool keeps_pace = input_.rendered.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
     if (clock.playing && keeps_pace)
         for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.displayed_after_s(i));
@@ -417,7 +419,8 @@ void Viewer::request_view() {
     render_thread_.request(std::move(view));
 }
 
-// This frame's event, or the earlier one that its changes answer, is answered by what was requested in this frame.
+// The view and the document that this frame requested are the effect of its first event, or of the earlier event that
+// FrameRequests names.
 void Viewer::meter_latency(const FrameMeter::Ids& before) {
     std::optional<double> event_s = input_.event_s;
     if (const auto earlier_event_s = std::exchange(requests_.earlier_event_s, std::nullopt))

@@ -8,7 +8,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-// Metres above the floor, of a node and what hangs on it; INFINITY where there is nothing.
+// The height of the lowest point of a node and of its descendants in the world; INFINITY where they have no points.
 double lowest_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, uint32_t node) {
     double lowest = INFINITY;
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
@@ -37,7 +37,7 @@ double lowest_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluat
 
 }  // namespace
 
-// R = Rz · Ry · Rx; at the pole of Y, where X and Z rotation about the same axis, Z is 0.
+// R = Rz · Ry · Rx. At the poles of Y, where X and Z rotate about the same axis, Z is 0.
 glm::dvec3 angles_of(const glm::dquat& rotation) {
     const glm::dmat3 m = glm::mat3_cast(rotation);
     const double sin_y = -m[0][2], cos_y = std::hypot(m[0][0], m[0][1]);
@@ -74,13 +74,14 @@ edit::Placement placement_to(const edit::NodeTransform& from, const edit::NodeTr
 }
 
 glm::dvec3 nonzero_scale(const glm::dvec3& scale, const glm::dvec3& before) {
-    glm::dvec3 kept = scale;
+    glm::dvec3 nonzero = scale;
     for (int axis = 0; axis < 3; axis++) {
         if (scale[axis] == before[axis]) continue;
-        const bool turned_over = (scale[axis] < 0) != (before[axis] < 0);
-        kept[axis] = std::copysign(turned_over ? kMinScale : std::max(kMinScale, std::abs(scale[axis])), before[axis]);
+        const bool changes_sign = (scale[axis] < 0) != (before[axis] < 0);
+        nonzero[axis] =
+            std::copysign(changes_sign ? kMinScale : std::max(kMinScale, std::abs(scale[axis])), before[axis]);
     }
-    return kept;
+    return nonzero;
 }
 
 std::optional<glm::dvec3> move_to_floor(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,

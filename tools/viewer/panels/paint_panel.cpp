@@ -1,4 +1,4 @@
-// The tab for painting: what a brush, a box or an image does, when it holds, and the performer's layers.
+// The tab of paint: what a brush, a box or an image does, at which frames, and the layers of the performer.
 #include <imgui.h>
 
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 #include "tools/ui/theme.h"
 #include "tools/viewer/panels/fields.h"
 #include "tools/viewer/panels/panels.h"
+#include "tools/viewer/panels/property_fields.h"
 
 namespace neuvv::viewer {
 
@@ -35,12 +36,6 @@ constexpr ToolIcon kTools[] = {
     {"paint/shift", ICON_TINT, "Hue and saturation: shift the colours that are there", "Hue and saturation"},
     {"paint/restore", ICON_UNDO, "Restore: take this layer's paint off again", "Restore"},
     {"paint/stamp", ICON_STAMP, "Image: project a PNG from where you look", "Picture"}};
-
-void heading(const Context& context, const char* text) {
-    ImGui::Dummy({0, context.ui(4)});
-    ImGui::TextDisabled("%s", text);
-    ImGui::Separator();
-}
 
 void tool_row(Context& context, PaintSettings& settings) {
     for (size_t i = 0; i < std::size(kTools); i++) {
@@ -178,7 +173,7 @@ void layer_buttons(Context& context, PaintTool& paint, const PaintedPerformer& p
             [&](edit::Document& document) { return edit::remove_paint_layer(document.file, node, painted); });
 }
 
-// The uppermost first.
+// The uppermost layer first.
 void layer_rows(Context& context, PaintTool& paint, const PaintedPerformer& performer, size_t painted) {
     if (performer.layers.empty()) ImGui::TextDisabled("None yet: the first stroke makes one.");
     for (size_t i = performer.layers.size(); i-- > 0;) {
@@ -227,11 +222,11 @@ void paint_tab(Context& context, PaintTool& paint, Files& files) {
         ImGui::TextWrapped("Select a performer to paint it.");
         return;
     }
-    heading(context, kTools[static_cast<size_t>(paint.settings.tool)].title);
+    headline(kTools[static_cast<size_t>(paint.settings.tool)].title);
     tool_fields(context, paint, files);
-    heading(context, "When");
+    headline("When");
     frame_fields(context, paint, *performer);
-    heading(context, fmt::format("Layers of {}", performer->name).c_str());
+    headline(fmt::format("Layers of {}", performer->name).c_str());
     const size_t painted = paint.painted_layer(*performer);
     layer_buttons(context, paint, *performer, painted);
     layer_rows(context, paint, *performer, painted);

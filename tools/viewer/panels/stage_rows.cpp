@@ -5,7 +5,7 @@ namespace neuvv::viewer {
 namespace {
 
 void count_below(std::vector<StageRow>& rows) {
-    std::vector<size_t> above;  // of the row, one a depth
+    std::vector<size_t> above;  // the ancestors of the row, by depth
     for (size_t row = 0; row <= rows.size(); row++) {
         const size_t depth = row < rows.size() ? rows[row].depth : 0;
         for (; above.size() > depth; above.pop_back())
@@ -22,7 +22,7 @@ std::vector<StageRow> stage_rows(const stage::StageFile& file) {
         uint32_t node, depth;
         bool ancestors_visible;
     };
-    std::vector<Next> next;  // the last is the next row
+    std::vector<Next> next;  // a stack: the last one becomes the next row
     const auto push = [&](const std::vector<uint32_t>& nodes, uint32_t depth, bool ancestors_visible) {
         for (size_t i = nodes.size(); i-- > 0;) next.push_back({nodes[i], depth, ancestors_visible});
     };

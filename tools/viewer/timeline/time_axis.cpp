@@ -9,15 +9,15 @@ namespace neuvv::viewer {
 
 namespace {
 
-double widest(const TimeAxis& axis, const TimeLimits& limits) {
-    const double shown_s = std::max(limits.extent_s, 1 / limits.fps);
-    return shown_s / std::max(1.0, axis.width - 2 * limits.margin_px);
+double max_s_per_px(const TimeAxis& axis, const TimeLimits& limits) {
+    const double extent_s = std::max(limits.extent_s, 1 / limits.fps);
+    return extent_s / std::max(1.0, axis.width - 2 * limits.margin_px);
 }
 
-TimeAxis within(TimeAxis axis, const TimeLimits& limits) {
-    const double most = widest(axis, limits);
-    const double least = std::min(most, 1 / (limits.fps * kMaxFrameWidth * limits.margin_px));
-    axis.s_per_px = std::clamp(axis.s_per_px, least, most);
+TimeAxis clamped(TimeAxis axis, const TimeLimits& limits) {
+    const double max = max_s_per_px(axis, limits);
+    const double min = std::min(max, 1 / (limits.fps * kMaxFrameWidth * limits.margin_px));
+    axis.s_per_px = std::clamp(axis.s_per_px, min, max);
     const double margin_s = limits.margin_px * axis.s_per_px;
     const double last_s = std::max(limits.extent_s, 1 / limits.fps) + margin_s - axis.width * axis.s_per_px;
     axis.begin_s = std::clamp(axis.begin_s, -margin_s, std::max(-margin_s, last_s));
@@ -27,7 +27,7 @@ TimeAxis within(TimeAxis axis, const TimeLimits& limits) {
 }  // namespace
 
 TimeAxis fitted(TimeAxis axis, const TimeLimits& limits) {
-    axis.s_per_px = widest(axis, limits);
+    axis.s_per_px = max_s_per_px(axis, limits);
     axis.begin_s = -limits.margin_px * axis.s_per_px;
     return axis;
 }
@@ -35,14 +35,14 @@ TimeAxis fitted(TimeAxis axis, const TimeLimits& limits) {
 TimeAxis zoomed(TimeAxis axis, double x, double notches, const TimeLimits& limits) {
     const double at_s = axis.s_at(x);
     axis.s_per_px *= std::pow(0.8, notches);
-    axis.s_per_px = within(axis, limits).s_per_px;
+    axis.s_per_px = clamped(axis, limits).s_per_px;
     axis.begin_s = at_s - (x - axis.left) * axis.s_per_px;
-    return within(axis, limits);
+    return clamped(axis, limits);
 }
 
 TimeAxis scrolled(TimeAxis axis, double moved_px, const TimeLimits& limits) {
     axis.begin_s -= moved_px * axis.s_per_px;
-    return within(axis, limits);
+    return clamped(axis, limits);
 }
 
 TimeMarks marks_for(double s_per_px, double fps, double label_px, double mark_px) {

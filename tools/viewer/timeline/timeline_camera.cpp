@@ -6,6 +6,7 @@
 #include "edit/operations.h"
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
+#include "tools/viewer/panels/fields.h"
 #include "tools/viewer/timeline/camera_path_view.h"
 #include "tools/viewer/timeline/timeline_view.h"
 
@@ -46,9 +47,7 @@ void name_cell(Context& context, const TimelineView& view, bool has_path) {
 
 void key_items(Context& context, const stage::CameraPath& path, size_t key) {
     const auto item = [&](const char* name, const char* text) {
-        const bool chosen = ImGui::MenuItem(text);
-        context.report.item(fmt::format("timeline/key/{}/{}", key, name));
-        return chosen;
+        return menu_item(context, fmt::format("timeline/key/{}/{}", key, name), text);
     };
     if (item("go", "Go there")) {
         context.view.clock.scrub(path.keys[key].time_s);
@@ -66,17 +65,15 @@ void path_items(Context& context, stage::CameraPath path) {
     constexpr std::pair<const char*, const char*> kInterpolations[] = {
         {"smooth", "Smooth"}, {"linear", "Straight from key to key"}, {"cut", "Cut from key to key"}};
     const auto item = [&](const char* name, const char* text, bool on) {
-        const bool chosen = ImGui::MenuItem(text, nullptr, on);
-        context.report.item(fmt::format("timeline/path/{}", name));
-        return chosen;
+        return menu_item(context, fmt::format("timeline/path/{}", name), text, nullptr, on);
     };
     for (const stage::Interpolation interpolation :
-         {stage::Interpolation::kSmooth, stage::Interpolation::kLinear, stage::Interpolation::kCut})
-        if (item(kInterpolations[static_cast<size_t>(interpolation)].first,
-                 kInterpolations[static_cast<size_t>(interpolation)].second, path.interpolation == interpolation)) {
-            path.interpolation = interpolation;
-            edit_path(context, path);
-        }
+         {stage::Interpolation::kSmooth, stage::Interpolation::kLinear, stage::Interpolation::kCut}) {
+        const auto& [name, text] = kInterpolations[static_cast<size_t>(interpolation)];
+        if (!item(name, text, path.interpolation == interpolation)) continue;
+        path.interpolation = interpolation;
+        edit_path(context, path);
+    }
     ImGui::Separator();
     if (item("cyclic", "Round and round, back to the first key", path.cyclic))
         edit_path(context, with_cyclic(path, !path.cyclic));
@@ -101,7 +98,7 @@ void move_key(Context& context, const TimelineView& view, KeyDrag& drag) {
     });
 }
 
-// Whether the pointer is over it.
+// Draws a key and drags it. Returns whether the pointer is over it.
 bool key_button(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& path,
                 size_t key, double time_s, float middle) {
     const float x = std::round(view.x_at(time_s)), half = context.ui(kKeySize);
@@ -132,11 +129,11 @@ bool key_button(Context& context, const TimelineView& view, std::optional<KeyDra
     return highlighted;
 }
 
-// The interpolation, from its first key to its end, and its keys; whether the pointer is over one.
+// Draws the path, from its first key to its end, and its keys. Returns whether the pointer is over a key.
 bool draw_keys(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& now,
                float middle) {
     const bool released = !ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseReleased(ImGuiMouseButton_Left);
-    if (released) drag.reset();  // while the panel was not displayed
+    if (released) drag.reset();  // released while the panel was not displayed
     const stage::CameraPath path = drag ? drag->before : now;
     const double end_s = now.cyclic ? now.duration_s : now.keys.back().time_s;
     const float low = std::clamp(view.x_at(now.keys.front().time_s), view.left(), view.right());

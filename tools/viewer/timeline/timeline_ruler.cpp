@@ -31,7 +31,8 @@ void draw_marks(const Context& context, const TimelineView& view, float top, flo
     }
 }
 
-// The loop's range as a bar with two ends to drag; a double click on an end gives back the whole.
+// The range of the loop as a bar whose ends can be dragged. A double click on an end resets the range to the whole
+// stage.
 void range_bar(Context& context, const TimelineView& view, float top) {
     editor::StageClock& clock = context.view.clock;
     ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -45,8 +46,8 @@ void range_bar(Context& context, const TimelineView& view, float top) {
     list.AddRectFilled({low, middle - half}, {high, middle + half}, colour, half);
     for (const bool end : {false, true}) {
         const float at = end ? high : low;
-        if (std::abs(view.x_at(end ? clock.out_s() : clock.in_s()) - at) > 1) continue;  // it lies out of the axis
-        // Outside of the range, so that both can be taken where it is short.
+        if (std::abs(view.x_at(end ? clock.out_s() : clock.in_s()) - at) > 1) continue;  // it is outside the axis
+        // Outside the range, so that both ends can be grabbed where it is short.
         ImGui::SetCursorScreenPos({end ? at : at - grip, top});
         ImGui::InvisibleButton(end ? "out" : "in", {grip, height});
         context.report.item(end ? "timeline/out" : "timeline/in");
@@ -65,7 +66,7 @@ void range_bar(Context& context, const TimelineView& view, float top) {
             const double shortest_s = 1 / clock.fps();
             const float pointer = std::clamp(ImGui::GetIO().MousePos.x, view.left(), view.right());
             const double to_s = std::clamp(snapped_time(context, view, view.axis.s_at(pointer)), view.axis.begin_s,
-                                           view.axis.end_s());  // an end that were out of sight could not be held
+                                           view.axis.end_s());  // an end outside the axis could not be dragged again
             if (end)
                 clock.set_range(clock.in_s(), std::max(to_s, clock.in_s() + shortest_s));
             else
