@@ -23,7 +23,7 @@ void expect_same(const glm::dmat4& a, const glm::dmat4& b) {
         for (int r = 0; r < 4; r++) EXPECT_NEAR(a[c][r], b[c][r], 1e-9) << c << " " << r;
 }
 
-// What was seen when the key was set is seen again when the path comes there.
+// The view with which a key was set is that of the path at the time of the key.
 TEST(CameraKeys, AViewComesBackFromItsKey) {
     viewer::Eye eye;
     eye.pivot = {0.3, 1.1, -0.4};

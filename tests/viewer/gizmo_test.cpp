@@ -18,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 const viewer::GizmoHandle kAxes[] = {viewer::GizmoHandle::kX, viewer::GizmoHandle::kY, viewer::GizmoHandle::kZ};
 const viewer::GizmoHandle kPlanes[] = {viewer::GizmoHandle::kYZ, viewer::GizmoHandle::kZX, viewer::GizmoHandle::kXY};
 
-// A node that is turned, stretched and away from the pivot.
+// A node that is rotated, scaled and away from the pivot.
 viewer::Gizmo some_gizmo(viewer::GizmoMode mode, viewer::GizmoAxes axes = viewer::GizmoAxes::kWorld) {
     glm::dmat4 world = glm::translate(glm::dmat4(1), glm::dvec3(0.4, 0.7, -0.1));
     world = glm::rotate(world, 0.5, glm::normalize(glm::dvec3(1, 2, 0.3)));
@@ -72,7 +72,7 @@ TEST(Gizmo, IsAsLargeAtAnyDistance) {
         viewer::Gizmo gizmo{test::some_camera()};
         const Ray ray = editor::ray_through(gizmo.camera, {320, 240});
         gizmo.world_from_node = glm::translate(glm::dmat4(1), ray.origin + ray.direction * distance);
-        // The ring around all has this radius in the image's plane.
+        // The outer ring has this radius in the image's plane.
         gizmo.mode = viewer::GizmoMode::kRotate;
         double widest = 0;
         for (const viewer::HandleShape& shape : viewer::gizmo_shapes(gizmo))
@@ -231,7 +231,7 @@ TEST(Gizmo, RingsSeenEdgeOnTurnAlongTheirFront) {
     gizmo.mode = viewer::GizmoMode::kRotate;
     const glm::dvec2 from(320, 240), to(320 + 20, 240);
     const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kY, from, to, false);
-    // The front goes to the right: about +Y, by the move over the radius at the front's depth.
+    // The front goes to the right: about +Y, by its motion divided by the radius at the front's depth.
     const double radius = size_m(gizmo), move = 20 * (5 - radius) / gizmo.camera.fx;
     expect_same(after, glm::rotate(glm::dmat4(1), move / radius, glm::dvec3(0, 1, 0)));
 }
@@ -285,8 +285,8 @@ TEST(Gizmo, HandlesSeenEndOnAreNotThere) {
     EXPECT_EQ(viewer::dragged(gizmo, viewer::GizmoHandle::kZ, {320, 240}, {400, 300}, false), start);
 }
 
-// Over the whole image and beyond, for every handle: finite, and two pointers near each other give nodes near each
-// other. From all sides, those along axes included.
+// For pointers over the whole image and beyond, and for every handle: the result is finite, and pointers near each
+// other give transforms near each other. The views include those along axes.
 TEST(Gizmo, DragsHaveNoJumps) {
     for (const viewer::GizmoMode mode :
          {viewer::GizmoMode::kMove, viewer::GizmoMode::kScale, viewer::GizmoMode::kRotate})
@@ -305,7 +305,7 @@ TEST(Gizmo, DragsHaveNoJumps) {
                             const glm::dmat4 after =
                                 viewer::dragged(gizmo, static_cast<viewer::GizmoHandle>(handle), from, to, false);
                             ASSERT_TRUE(is_finite(after));
-                            // A turn by nearly half a revolution as the pointer passes the middle is none.
+                            // A rotation by nearly half a revolution, as the pointer passes the middle, is no jump.
                             if (i > 0 && mode != viewer::GizmoMode::kRotate) {
                                 const double farthest = 5 * editor::kMaxDepthFactor;
                                 ASSERT_LT(glm::length(after[3]), 2.5 * farthest);

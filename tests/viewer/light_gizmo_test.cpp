@@ -25,7 +25,7 @@ viewer::LightGizmo askew() {
     gizmo.light = {stage::GltfLightKind::kSpot, {-0.5, 2, -1}, {0.3, 0.6, 0.2}, 0.3, 0.1, 2.2};
     return gizmo;
 }
-// From where it shines to.
+// Seen from where it shines to.
 viewer::LightGizmo from_the_front() {
     viewer::LightGizmo gizmo = from_the_side();
     gizmo.light.position = {0.1, 0.2, -2};
@@ -124,7 +124,7 @@ TEST(LightGizmo, TheRimOpensTheConeFromTheFrontToo) {
     const viewer::LightGizmo gizmo = from_the_front();
     const viewer::AimedLight& light = gizmo.light;
     const double ahead = 2 * std::cos(light.outer_cone_rad);
-    // Any place of the rim can be taken.
+    // Any point of the rim can be grabbed.
     for (const double turn : {0.0, 1.0, 4.0}) {
         const auto at = [&](double angle) {
             const double out = ahead * std::tan(angle);

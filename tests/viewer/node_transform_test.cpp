@@ -103,7 +103,8 @@ TEST(Scales, KeepTheirSignAndStayOffZero) {
                 {viewer::kMinScale, -viewer::kMinScale, viewer::kMinScale});
 }
 
-// Metres above the world's floor of the lowest corner of Anna's box, where that begins at her own floor.
+// The height of the lowest corner of Anna's box, in metres of the world. Only the part of the box above her own floor
+// counts.
 double height_of_anna(const stage::StageFile& file) {
     const stage::Stage stage = stage::make_stage(file);
     const stage::StageClip& clip = stage.clips.at(0);
@@ -118,7 +119,7 @@ double height_of_anna(const stage::StageFile& file) {
 }
 
 TEST_F(NodePlaces, TheLowestOfAllThatHangsOnANodeComesToTheFloor) {
-    // Anna is turned by 45° about Z, and hangs on a Pivot that is stretched along X.
+    // Anna is rotated by 45° about Z; her parent is Pivot, which is scaled along X.
     edit::Placement tilted;
     tilted.at = glm::dvec3(1, 0.7, 0);
     tilted.turn_deg = glm::dvec3(0, 0, 90);

@@ -40,7 +40,7 @@ TEST_F(StageRows, ParentsComeBeforeWhatHangsOnThem) {
 }
 
 TEST_F(StageRows, CountsWhatHangsOnWhatHangs) {
-    // Sun on Anna on Pivot, then a root behind them.
+    // Sun is a child of Anna, and Anna of Pivot; another root follows.
     file.json.edit("nodes")[3]["children"] = {4};
     file.json.edit("nodes")[4]["children"] = {5};
     file.json.edit("scenes")[0]["nodes"] = {3, 0};

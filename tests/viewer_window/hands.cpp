@@ -29,7 +29,7 @@ bool is_installed(const std::string& program) {
     return false;
 }
 
-// False where it did not come about, or the process ended.
+// Returns false where the condition is not true after kTimeout, or when the process has ended.
 bool wait_for(const ChildProcess& process, const std::function<bool()>& condition) {
     const auto end = std::chrono::steady_clock::now() + kTimeout;
     while (!condition()) {
@@ -76,8 +76,8 @@ VirtualScreen::VirtualScreen(const std::filesystem::path& folder) : framebuffer_
     display_ = ":" + number();
 }
 
-// An X window dump: numbers of its header are big-endian, then colours of 12 bytes, then rows of B, G, R, and one
-// unused.
+// The file is an X window dump: a header of big-endian numbers, then colours of 12 bytes each, then rows of pixels: B,
+// G, R and an unused byte.
 media::Image VirtualScreen::image() const {
     const std::vector<uint8_t> dump = read_file(framebuffer_);
     const auto number = [&](size_t which) {
@@ -140,7 +140,7 @@ std::string Hands::failure_text(const std::string& what) const {
     json report = seen();
     std::string items;
     if (report.contains("items"))
-        for (const auto& [name, place] : report["items"].items()) items += name + " ";
+        for (const auto& [name, area] : report["items"].items()) items += name + " ";
     report.erase("items");
     return "waited in vain for " + what + "; " + (program_->ended() ? "the program ended" : "the program runs") +
            "\nreport: " + report.dump() + "\nitems: " + items + "\nprinted: " + read_text(log_);
@@ -174,13 +174,13 @@ json Hands::until_notice(const std::string& part) const {
 Spot Hands::middle_of(const std::string& item) const {
     const json report =
         until("the item \"" + item + "\"", [&](const json& now) { return now["items"].contains(item); });
-    const std::vector<double> place = report["items"][item];
-    return {std::round(place[0] + place[2] / 2), std::round(place[1] + place[3] / 2)};
+    const std::vector<double> area = report["items"][item];
+    return {std::round(area[0] + area[2] / 2), std::round(area[1] + area[3] / 2)};
 }
 
 Spot Hands::in_image(double x, double y) const {
-    const std::vector<double> place = seen()["items"]["picture"];
-    return {std::round(place[0] + x * place[2]), std::round(place[1] + y * place[3])};
+    const std::vector<double> area = seen()["items"]["picture"];
+    return {std::round(area[0] + x * area[2]), std::round(area[1] + y * area[3])};
 }
 
 void Hands::xdotool(const std::vector<std::string>& arguments) const {
@@ -190,7 +190,7 @@ void Hands::xdotool(const std::vector<std::string>& arguments) const {
     if (ChildProcess(all, log).wait() != 0) throw std::runtime_error("xdotool " + arguments[0] + ": " + read_text(log));
 }
 
-// Acts, and waits until the program has counted so many more, or has ended by what it was told.
+// Acts, then waits until the program has counted so many more inputs, or has ended because of them.
 void Hands::after(const char* counter, int more, const std::function<void()>& act) const {
     const uint64_t wanted = seen()["handled"][counter].get<uint64_t>() + static_cast<uint64_t>(more);
     act();
@@ -263,7 +263,7 @@ void Hands::minimise() {
     xdotool({"windowunmap", window_});
 }
 
-// Keys go where somebody says: there is no window manager.
+// Without a window manager, the window has to be given the keyboard.
 void Hands::show_again() {
     xdotool({"windowmap", "--sync", window_, "windowfocus", window_});
 }
