@@ -17,7 +17,7 @@ void Report::begin_frame() {
 void Report::item(const std::string& name) {
     if (!on() || !ImGui::IsItemVisible()) return;
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    place(name, low.x, low.y, high.x - low.x, high.y - low.y);
+    area(name, low.x, low.y, high.x - low.x, high.y - low.y);
 }
 
 void Report::area(const std::string& name, float left, float top, float width, float height) {

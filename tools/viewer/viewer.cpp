@@ -213,9 +213,7 @@ void Viewer::frame() {
     apply_ui_scale();
     report_.begin_frame();
     screen_.begin();
-    view_.clock.tick(
-        input_
-            .dt_s);  // before the keys: a clip that starts to play in this frame has not played since the previous one
+    view_.clock.tick(input_.dt_s);  // before the keys: they may start the clock, which has not run since the last frame
     handle_keys();
     screenshots_.take(context_, screen_, image_is_sharp());
     const FrameMeter::Ids before = requested();

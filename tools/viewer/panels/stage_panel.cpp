@@ -176,8 +176,7 @@ void draw_name(Context& context, StageTree& tree, const StageRow& row, const Row
     }
     if (hovered && ImGui::IsMouseDoubleClicked(0)) begin_renaming(tree, row.node);
     const ImVec2 spacing = ImGui::GetStyle().ItemSpacing;
-    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing,
-                        {spacing.x, 0.8f * spacing.x});  // for the rows of the menu, not of the tree
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {spacing.x, 0.8f * spacing.x});  // of the menu, not of the tree
     if (ImGui::BeginPopupContextItem("menu")) {
         menu_of(context, tree, row);
         ImGui::EndPopup();

@@ -192,8 +192,8 @@ void name_cell(Context& context, const TimelineView& view, const edit::Performer
                      "Speed, direction, loops …"))
         ImGui::OpenPopup("time");
     ImGui::SetCursorScreenPos(at);
-    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing,
-                        {0, context.ui(kRowGap)});  // a Selectable extends by half the spacing
+    // A Selectable extends by half the spacing.
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, context.ui(kRowGap)});
     if (ImGui::Selectable("##name", context.editor.selected() == track.node, 0, {width, view.row_height}))
         context.editor.select(track.node);
     ImGui::PopStyleVar();

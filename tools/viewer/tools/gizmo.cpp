@@ -12,9 +12,9 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kMaxDepthShare =
-    0.5;                        // the longest axis, in depths of the node, so that no handle lies behind the camera
-constexpr double kFlat = 1e-3;  // the least volume that three unit axes must span
+// The longest axis, in depths of the node: no handle may lie behind the camera.
+constexpr double kMaxDepthShare = 0.5;
+constexpr double kFlat = 1e-3;        // the least volume that three unit axes must span
 constexpr double kFaceOnRing = 0.98;  // RingFront::facing above which the whole ring is drawn
 constexpr double kShaftFrom = 0.15;   // where an axis begins, in sizes of the gizmo
 constexpr double kHeadLength_px = 13, kHeadWidth_px = 5, kBox_px = 5, kCentre_px = 7;

@@ -11,8 +11,8 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kNotchFactor = 0.9;     // of the distance is left by a notch
-constexpr double kFramedShare = 0.9;     // of half the image is filled by a framed box
+constexpr double kNotchFactor = 0.9;     // the share of the distance that a notch leaves
+constexpr double kFramedShare = 0.9;     // the share of the image that a framed box fills
 constexpr double kScrollHeights = 0.05;  // image heights per unit of a touchpad's scrolling
 constexpr double kFlightScenesPerSecond = 0.5;
 constexpr double kMaxCoordinate_m = 1e9;

@@ -32,8 +32,7 @@ struct PaintTool::Stroke {
     uint32_t node = 0;
     std::filesystem::path path, clip_path;
     std::string what;
-    uint64_t document =
-        0;  // Editor::id() after the last change by the stroke; another id: something else has edited it
+    uint64_t document = 0;  // Editor::id() after the stroke's last change
     glm::dmat4 world_from_performer{1};
     std::vector<std::pair<stage::Camera, std::vector<glm::dvec2>>> waiting;
     // The times of the first events whose pixels wait, and whose pixels are being painted; as FrameInput::now_s.
@@ -303,7 +302,7 @@ void PaintTool::apply_result(Context& context, const std::shared_ptr<Stroke>& ac
                              std::shared_ptr<const voctree::EditLayer> layer) {
     active->under_way = false;
     if (stroke_ != active) return;
-    if (context.editor.id() != active->document) {  // by undo, by opening another document: the stroke ends
+    if (context.editor.id() != active->document) {  // something else has changed the document: the stroke ends
         stroke_.reset();
         return;
     }
