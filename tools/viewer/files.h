@@ -26,8 +26,8 @@ struct FileQuestion {
     // kPath:
     std::string title;
     std::vector<std::string> endings;  // of the files that can be selected, as ".nvv"
-    bool to_save = false;              // the file is to be written; else it is to be read
-    std::filesystem::path folder;      // the folder that is listed
+    bool to_save = false;              // the path is for writing a file, else for reading one
+    std::filesystem::path folder;      // the folder that is listed; of kRecover: the path that was to be opened
     std::string name;                  // of the file, as typed or selected
     // kPath: called with the path that the user gave. kRecover: called with `folder` unless edits are recovered.
     std::function<void(const std::filesystem::path&)> then;

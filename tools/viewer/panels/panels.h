@@ -71,16 +71,17 @@ void paint_tab(Context& context, PaintTool& paint, Files& files);
 void light_tab(Context& context, StageTree& tree);
 void render_tab(Context& context, ExportChoice& choice, Files& files, Exporter& exporter);
 
-void speed_panel(Context& context, const gpu::Device& device,
-                 const FrameMeter& meter);  // how long images and passes take
-void help_panel(Context& context);          // the list of keys
+// How long images and passes take.
+void speed_panel(Context& context, const gpu::Device& device, const FrameMeter& meter);
+// The list of keys.
+void help_panel(Context& context);
 // Notices, jobs that are under way, and problems of the render thread, at the bottom of the image.
 void notices_panel(Context& context, std::span<const editor::Notice> notices);
 
 // Begins the ImGui window of a panel at this area; ImGui::End() ends it.
 bool begin_panel(const char* name, const Area& area);
-// Scrolls the current ImGui window so that a row is in its middle, where the row is not visible. Pixels from its first
-// row.
+// Where a row of the current ImGui window is not visible, scrolls it to the middle. `top` is in pixels from the top of
+// the first row.
 void scroll_to_row(float top, float height);
 
 }  // namespace neuvv::viewer

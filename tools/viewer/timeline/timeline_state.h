@@ -50,13 +50,13 @@ struct TimelineState {
     float scroll_y = 0;   // pixels by which the next frame scrolls the rows
     BarDrag bar_drag;     // the last one, of any performer
     std::optional<KeyDrag> key_drag;
-    std::vector<edit::PerformerTrack> tracks;
-    uint64_t tracks_of = 0;                        // the id of the document that they are of
+    std::vector<edit::PerformerTrack> tracks;      // one per performer
+    uint64_t tracks_of = 0;                        // the id of the document of the tracks
     std::optional<uint32_t> scrolled_selected;     // the selected node that was scrolled to last
-    std::shared_ptr<const stage::Stage> clips_of;  // the stage whose clips they are of
+    std::shared_ptr<const stage::Stage> clips_of;  // the stage whose clips the tracks use
     std::optional<stage::CameraPath> path;         // nullopt: the stage has none
     std::vector<glm::dvec3> path_line;
-    uint64_t path_of = 0;  // the id of the document that they are of
+    uint64_t path_of = 0;  // the id of the document of the path
 };
 
 }  // namespace neuvv::viewer
