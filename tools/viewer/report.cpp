@@ -15,7 +15,7 @@ void Report::begin_frame() {
 }
 
 void Report::item(const std::string& name) {
-    if (!on() || !ImGui::IsItemVisible()) return;
+    if (!enabled() || !ImGui::IsItemVisible()) return;
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
     area(name, low.x, low.y, high.x - low.x, high.y - low.y);
 }

@@ -61,8 +61,8 @@ struct FlightKeys {
     double forward = 0, right = 0, up = 0;
     bool fast = false, slow = false;  // Shift: four times as fast; Alt: a quarter
 };
-constexpr double kMaxFlightStep_s =
-    0.1;  // the longest step, so that an image that took long does not throw the eye out of the scene
+// The longest step of a flight: an image that took long must not throw the eye out of the scene.
+constexpr double kMaxFlightStep_s = 0.1;
 // Moves the pivot, and with it the eye. `scene_m` is the size of the scene: the eye crosses half of it in a second, and
 // is not faster diagonally.
 Eye flown(const Eye& eye, const FlightKeys& keys, double dt_s, double scene_m);
