@@ -23,7 +23,7 @@ void expect_same(const glm::dmat4& a, const glm::dmat4& b) {
         for (int r = 0; r < 4; r++) EXPECT_NEAR(a[c][r], b[c][r], 1e-9) << c << " " << r;
 }
 
-// What was seen when the key was set is seen again when the path comes there.
+// The view with which a key was set is that of the path at the time of the key.
 TEST(CameraKeys, AViewComesBackFromItsKey) {
     viewer::Eye eye;
     eye.pivot = {0.3, 1.1, -0.4};
@@ -52,16 +52,16 @@ TEST(CameraKeys, TheNearestInTimeIsFound) {
 }
 
 TEST(CameraKeys, ACycleTakesTimeToComeBack) {
-    const stage::CameraPath cycle = viewer::made_cyclic(path_at({0, 1, 4}), true);
+    const stage::CameraPath cycle = viewer::with_cyclic(path_at({0, 1, 4}), true);
     EXPECT_TRUE(cycle.cyclic);
     EXPECT_EQ(cycle.duration_s, 6) << "two seconds from key to key";
-    const stage::CameraPath open = viewer::made_cyclic(cycle, false);
+    const stage::CameraPath open = viewer::with_cyclic(cycle, false);
     EXPECT_FALSE(open.cyclic);
     EXPECT_EQ(open.duration_s, 4);
-    EXPECT_EQ(viewer::made_cyclic(path_at({2}), true).duration_s, 3);
+    EXPECT_EQ(viewer::with_cyclic(path_at({2}), true).duration_s, 3);
     stage::CameraPath longer = path_at({0, 1});
     longer.duration_s = 5;
-    EXPECT_EQ(viewer::made_cyclic(longer, true).duration_s, 5) << "there is time already";
+    EXPECT_EQ(viewer::with_cyclic(longer, true).duration_s, 5) << "there is time already";
 }
 
 TEST(CameraKeys, TheLineGoesThroughAllKeysAndHome) {
@@ -69,7 +69,7 @@ TEST(CameraKeys, TheLineGoesThroughAllKeysAndHome) {
     const std::vector<glm::dvec3> line = viewer::line_of(path, 8);
     ASSERT_EQ(line.size(), 17u);
     for (const size_t key : {0u, 1u, 2u}) EXPECT_NEAR(glm::distance(line[8 * key], path.keys[key].position), 0, 1e-9);
-    const std::vector<glm::dvec3> round = viewer::line_of(viewer::made_cyclic(path, true), 8);
+    const std::vector<glm::dvec3> round = viewer::line_of(viewer::with_cyclic(path, true), 8);
     ASSERT_EQ(round.size(), 25u);
     EXPECT_NEAR(glm::distance(round[16], path.keys[2].position), 0, 1e-9);
     EXPECT_NEAR(glm::distance(round[24], path.keys[0].position), 0, 1e-9);
@@ -81,7 +81,7 @@ TEST(CameraKeys, TheLineGoesThroughAllKeysAndHome) {
         many.keys.push_back({});
         many.keys.back().time_s = many.duration_s = i;
     }
-    EXPECT_LE(viewer::line_of(many, 24).size(), viewer::kMostLinePoints);
+    EXPECT_LE(viewer::line_of(many, 24).size(), viewer::kMaxLinePoints);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 const viewer::GizmoHandle kAxes[] = {viewer::GizmoHandle::kX, viewer::GizmoHandle::kY, viewer::GizmoHandle::kZ};
 const viewer::GizmoHandle kPlanes[] = {viewer::GizmoHandle::kYZ, viewer::GizmoHandle::kZX, viewer::GizmoHandle::kXY};
 
-// A node that is turned, stretched and away from the pivot.
+// A node that is rotated, scaled and away from the pivot.
 viewer::Gizmo some_gizmo(viewer::GizmoMode mode, viewer::GizmoAxes axes = viewer::GizmoAxes::kWorld) {
     glm::dmat4 world = glm::translate(glm::dmat4(1), glm::dvec3(0.4, 0.7, -0.1));
     world = glm::rotate(world, 0.5, glm::normalize(glm::dvec3(1, 2, 0.3)));
@@ -26,7 +26,7 @@ viewer::Gizmo some_gizmo(viewer::GizmoMode mode, viewer::GizmoAxes axes = viewer
     return {test::some_camera(), world, mode, axes};
 }
 
-glm::dvec3 place(const glm::dmat4& m) {
+glm::dvec3 position_of(const glm::dmat4& m) {
     return m[3];
 }
 glm::dvec3 axis_of(const viewer::Gizmo& gizmo, int axis) {
@@ -36,11 +36,11 @@ glm::dvec3 axis_of(const viewer::Gizmo& gizmo, int axis) {
     unit[axis] = 1;
     return unit;
 }
-glm::dvec2 seen(const viewer::Gizmo& gizmo, glm::dvec3 world) {
+glm::dvec2 pixel_of(const viewer::Gizmo& gizmo, glm::dvec3 world) {
     return editor::pixel_of(gizmo.camera, world).value();
 }
 double size_m(const viewer::Gizmo& gizmo) {
-    return editor::metres_of_pixels(gizmo.camera, place(gizmo.world_from_node), gizmo.size_px);
+    return editor::metres_of_pixels(gizmo.camera, position_of(gizmo.world_from_node), gizmo.size_px);
 }
 void expect_near(const glm::dvec3& a, const glm::dvec3& b, double within = 1e-9) {
     EXPECT_LT(glm::length(a - b), within)
@@ -72,7 +72,7 @@ TEST(Gizmo, IsAsLargeAtAnyDistance) {
         viewer::Gizmo gizmo{test::some_camera()};
         const Ray ray = editor::ray_through(gizmo.camera, {320, 240});
         gizmo.world_from_node = glm::translate(glm::dmat4(1), ray.origin + ray.direction * distance);
-        // The ring around all has this radius in the image's plane.
+        // The outer ring has this radius in the image's plane.
         gizmo.mode = viewer::GizmoMode::kRotate;
         double widest = 0;
         for (const viewer::HandleShape& shape : viewer::gizmo_shapes(gizmo))
@@ -85,15 +85,15 @@ TEST(Gizmo, IsAsLargeAtAnyDistance) {
 TEST(Gizmo, HandlesAreHitWhereTheyAreSeen) {
     for (const viewer::GizmoAxes axes : {viewer::GizmoAxes::kWorld, viewer::GizmoAxes::kLocal}) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove, axes);
-        const glm::dvec3 middle = place(gizmo.world_from_node);
+        const glm::dvec3 middle = position_of(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
-            const glm::dvec2 pixel = seen(gizmo, middle + axis_of(gizmo, axis) * size_m(gizmo) * 0.9);
+            const glm::dvec2 pixel = pixel_of(gizmo, middle + axis_of(gizmo, axis) * size_m(gizmo) * 0.9);
             EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel), kAxes[axis]);
             const glm::dvec3 u = axis_of(gizmo, (axis + 1) % 3), v = axis_of(gizmo, (axis + 2) % 3);
-            EXPECT_EQ(viewer::gizmo_handle_at(gizmo, seen(gizmo, middle + (u + v) * size_m(gizmo) * 0.5)),
+            EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, middle + (u + v) * size_m(gizmo) * 0.5)),
                       kPlanes[axis]);
         }
-        EXPECT_EQ(viewer::gizmo_handle_at(gizmo, seen(gizmo, middle)), viewer::GizmoHandle::kCentre);
+        EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, middle)), viewer::GizmoHandle::kCentre);
         EXPECT_EQ(viewer::gizmo_handle_at(gizmo, {5, 5}), viewer::GizmoHandle::kNone);
         EXPECT_EQ(viewer::gizmo_handle_at(gizmo, {-FLT_MAX, -FLT_MAX}), viewer::GizmoHandle::kNone);
     }
@@ -101,22 +101,22 @@ TEST(Gizmo, HandlesAreHitWhereTheyAreSeen) {
 
 TEST(Gizmo, RingsAreHitOnTheirFrontHalf) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kRotate);
-    const glm::dvec3 middle = place(gizmo.world_from_node);
+    const glm::dvec3 middle = position_of(gizmo.world_from_node);
     const glm::dvec3 to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - middle);
     for (int axis = 0; axis < 3; ++axis) {
         const glm::dvec3 along = axis_of(gizmo, axis);
         const glm::dvec3 front = glm::normalize(to_eye - along * glm::dot(to_eye, along));
         const glm::dvec3 side = glm::cross(along, front);
         const glm::dvec3 at = front * std::cos(0.4) + side * std::sin(0.4);
-        EXPECT_EQ(viewer::gizmo_handle_at(gizmo, seen(gizmo, middle + at * size_m(gizmo))), kAxes[axis]);
-        EXPECT_NE(viewer::gizmo_handle_at(gizmo, seen(gizmo, middle - at * size_m(gizmo))), kAxes[axis]);
+        EXPECT_EQ(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, middle + at * size_m(gizmo))), kAxes[axis]);
+        EXPECT_NE(viewer::gizmo_handle_at(gizmo, pixel_of(gizmo, middle - at * size_m(gizmo))), kAxes[axis]);
     }
 }
 
 TEST(Gizmo, HitsAreWithinEightPixels) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove);
-    const glm::dvec3 middle = place(gizmo.world_from_node);
-    const glm::dvec2 foot = seen(gizmo, middle), tip = seen(gizmo, middle + glm::dvec3(0, size_m(gizmo), 0));
+    const glm::dvec3 middle = position_of(gizmo.world_from_node);
+    const glm::dvec2 foot = pixel_of(gizmo, middle), tip = pixel_of(gizmo, middle + glm::dvec3(0, size_m(gizmo), 0));
     const glm::dvec2 along = glm::normalize(tip - foot), beside(-along.y, along.x), on = glm::mix(foot, tip, 0.8);
     EXPECT_EQ(viewer::gizmo_handle_at(gizmo, on + 7.5 * beside), viewer::GizmoHandle::kY);
     EXPECT_NE(viewer::gizmo_handle_at(gizmo, on + 8.5 * beside), viewer::GizmoHandle::kY);
@@ -141,14 +141,14 @@ TEST(Gizmo, TheNearerHandleIsHit) {
 TEST(Gizmo, MovesAlongAnAxisExactly) {
     for (const viewer::GizmoAxes axes : {viewer::GizmoAxes::kWorld, viewer::GizmoAxes::kLocal}) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove, axes);
-        const glm::dvec3 middle = place(gizmo.world_from_node);
+        const glm::dvec3 middle = position_of(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
             const glm::dvec3 along = axis_of(gizmo, axis);
-            const glm::dvec2 from = seen(gizmo, middle + along * 0.3), to = seen(gizmo, middle - along * 0.43);
+            const glm::dvec2 from = pixel_of(gizmo, middle + along * 0.3), to = pixel_of(gizmo, middle - along * 0.43);
             const glm::dmat4 after = viewer::dragged(gizmo, kAxes[axis], from, to, false);
-            expect_near(place(after), middle - along * 0.73);
+            expect_near(position_of(after), middle - along * 0.73);
             for (int i = 0; i < 3; ++i) EXPECT_EQ(after[i], gizmo.world_from_node[i]);
-            expect_near(place(viewer::dragged(gizmo, kAxes[axis], from, to, true)), middle - along * 0.7);
+            expect_near(position_of(viewer::dragged(gizmo, kAxes[axis], from, to, true)), middle - along * 0.7);
             EXPECT_EQ(viewer::dragged(gizmo, kAxes[axis], from, from, false), gizmo.world_from_node);
         }
     }
@@ -157,13 +157,14 @@ TEST(Gizmo, MovesAlongAnAxisExactly) {
 TEST(Gizmo, MovesInAPlaneExactly) {
     for (const viewer::GizmoAxes axes : {viewer::GizmoAxes::kWorld, viewer::GizmoAxes::kLocal}) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove, axes);
-        const glm::dvec3 middle = place(gizmo.world_from_node);
+        const glm::dvec3 middle = position_of(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
             const glm::dvec3 u = axis_of(gizmo, (axis + 1) % 3), v = axis_of(gizmo, (axis + 2) % 3);
-            const glm::dvec2 from = seen(gizmo, middle + (u + v) * 0.2);
-            const glm::dvec2 to = seen(gizmo, middle + u * 0.53 - v * 0.18);
-            expect_near(place(viewer::dragged(gizmo, kPlanes[axis], from, to, false)), middle + u * 0.33 - v * 0.38);
-            expect_near(place(viewer::dragged(gizmo, kPlanes[axis], from, to, true)), middle + u * 0.3 - v * 0.4);
+            const glm::dvec2 from = pixel_of(gizmo, middle + (u + v) * 0.2);
+            const glm::dvec2 to = pixel_of(gizmo, middle + u * 0.53 - v * 0.18);
+            expect_near(position_of(viewer::dragged(gizmo, kPlanes[axis], from, to, false)),
+                        middle + u * 0.33 - v * 0.38);
+            expect_near(position_of(viewer::dragged(gizmo, kPlanes[axis], from, to, true)), middle + u * 0.3 - v * 0.4);
         }
     }
 }
@@ -173,29 +174,30 @@ TEST(Gizmo, SnapsInThePlaneOfShearedAxes) {
     glm::dmat4 shear(1);
     shear[1][0] = 0.6;
     gizmo.world_from_node = gizmo.world_from_node * shear;
-    const glm::dvec3 middle = place(gizmo.world_from_node), u = axis_of(gizmo, 0), v = axis_of(gizmo, 1);
-    const glm::dvec2 from = seen(gizmo, middle), to = seen(gizmo, middle + u * 0.33 - v * 0.18);
-    expect_near(place(viewer::dragged(gizmo, viewer::GizmoHandle::kXY, from, to, true)), middle + u * 0.3 - v * 0.2);
+    const glm::dvec3 middle = position_of(gizmo.world_from_node), u = axis_of(gizmo, 0), v = axis_of(gizmo, 1);
+    const glm::dvec2 from = pixel_of(gizmo, middle), to = pixel_of(gizmo, middle + u * 0.33 - v * 0.18);
+    expect_near(position_of(viewer::dragged(gizmo, viewer::GizmoHandle::kXY, from, to, true)),
+                middle + u * 0.3 - v * 0.2);
 }
 
 TEST(Gizmo, TheCentreFollowsThePointer) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kMove);
-    const glm::dvec3 middle = place(gizmo.world_from_node);
-    const glm::dvec2 from = seen(gizmo, middle), to(500, 77);
+    const glm::dvec3 middle = position_of(gizmo.world_from_node);
+    const glm::dvec2 from = pixel_of(gizmo, middle), to(500, 77);
     const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kCentre, from, to, false);
-    EXPECT_LT(glm::distance(seen(gizmo, place(after)), to), 1e-9);
-    EXPECT_NEAR(editor::depth_of(gizmo.camera, place(after)), editor::depth_of(gizmo.camera, middle), 1e-9);
+    EXPECT_LT(glm::distance(pixel_of(gizmo, position_of(after)), to), 1e-9);
+    EXPECT_NEAR(editor::depth_of(gizmo.camera, position_of(after)), editor::depth_of(gizmo.camera, middle), 1e-9);
 }
 
 TEST(Gizmo, RotatesByTheAngleInTheRing) {
     for (const viewer::GizmoAxes axes : {viewer::GizmoAxes::kWorld, viewer::GizmoAxes::kLocal}) {
         const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kRotate, axes);
-        const glm::dvec3 middle = place(gizmo.world_from_node);
+        const glm::dvec3 middle = position_of(gizmo.world_from_node);
         for (int axis = 0; axis < 3; ++axis) {
             const glm::dvec3 along = axis_of(gizmo, axis), u = editor::perpendicular_to(along),
                              v = glm::cross(along, u);
             const auto on_ring = [&](double angle) {
-                return seen(gizmo, middle + size_m(gizmo) * (u * std::cos(angle) + v * std::sin(angle)));
+                return pixel_of(gizmo, middle + size_m(gizmo) * (u * std::cos(angle) + v * std::sin(angle)));
             };
             for (const double angle : {0.3, -1.0, 2.9, kPi / 2}) {
                 const glm::dmat4 after = viewer::dragged(gizmo, kAxes[axis], on_ring(1), on_ring(1 + angle), false);
@@ -229,27 +231,27 @@ TEST(Gizmo, RingsSeenEdgeOnTurnAlongTheirFront) {
     gizmo.mode = viewer::GizmoMode::kRotate;
     const glm::dvec2 from(320, 240), to(320 + 20, 240);
     const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kY, from, to, false);
-    // The front goes to the right: about +Y, by the way over the radius at the front's depth.
-    const double radius = size_m(gizmo), way = 20 * (5 - radius) / gizmo.camera.fx;
-    expect_same(after, glm::rotate(glm::dmat4(1), way / radius, glm::dvec3(0, 1, 0)));
+    // The front goes to the right: about +Y, by its motion divided by the radius at the front's depth.
+    const double radius = size_m(gizmo), move = 20 * (5 - radius) / gizmo.camera.fx;
+    expect_same(after, glm::rotate(glm::dmat4(1), move / radius, glm::dvec3(0, 1, 0)));
 }
 
 TEST(Gizmo, ScalesByTheRatio) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kScale);
-    const glm::dvec3 middle = place(gizmo.world_from_node);
+    const glm::dvec3 middle = position_of(gizmo.world_from_node);
     for (int axis = 0; axis < 3; ++axis) {
         const glm::dvec3 along = axis_of(gizmo, axis) * size_m(gizmo);
         for (const double factor : {0.35, 1.0, 1.83}) {
-            const glm::dvec2 from = seen(gizmo, middle + along), to = seen(gizmo, middle + along * factor);
+            const glm::dvec2 from = pixel_of(gizmo, middle + along), to = pixel_of(gizmo, middle + along * factor);
             glm::dmat4 expected = gizmo.world_from_node;
             expected[axis] *= factor;
             expect_same(viewer::dragged(gizmo, kAxes[axis], from, to, false), expected);
         }
-        const glm::dmat4 snap =
-            viewer::dragged(gizmo, kAxes[axis], seen(gizmo, middle + along), seen(gizmo, middle + along * 1.83), true);
+        const glm::dmat4 snap = viewer::dragged(gizmo, kAxes[axis], pixel_of(gizmo, middle + along),
+                                                pixel_of(gizmo, middle + along * 1.83), true);
         EXPECT_NEAR(glm::length(snap[axis]), 1.8 * glm::length(gizmo.world_from_node[axis]), 1e-9);
     }
-    const glm::dvec2 foot = seen(gizmo, middle);
+    const glm::dvec2 foot = pixel_of(gizmo, middle);
     glm::dmat4 half = gizmo.world_from_node;
     for (int i = 0; i < 3; ++i) half[i] *= 0.5;
     expect_same(viewer::dragged(gizmo, viewer::GizmoHandle::kCentre, foot + glm::dvec2(0, 100),
@@ -259,13 +261,13 @@ TEST(Gizmo, ScalesByTheRatio) {
 
 TEST(Gizmo, ScalesNeitherFlatNorMirrored) {
     const viewer::Gizmo gizmo = some_gizmo(viewer::GizmoMode::kScale);
-    const glm::dvec3 middle = place(gizmo.world_from_node), along = axis_of(gizmo, 0) * size_m(gizmo);
+    const glm::dvec3 middle = position_of(gizmo.world_from_node), along = axis_of(gizmo, 0) * size_m(gizmo);
     for (const double to : {0.0, -1.0, -3.0})
         for (const bool snap : {false, true}) {
-            const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kX, seen(gizmo, middle + along),
-                                                     seen(gizmo, middle + along * to), snap);
-            const double least = snap ? viewer::kScaleSnap : viewer::kLeastFactor;
-            EXPECT_NEAR(glm::length(after[0]), least * glm::length(gizmo.world_from_node[0]), 1e-9);
+            const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kX, pixel_of(gizmo, middle + along),
+                                                     pixel_of(gizmo, middle + along * to), snap);
+            const double min_factor = snap ? viewer::kScaleSnap : viewer::kMinFactor;
+            EXPECT_NEAR(glm::length(after[0]), min_factor * glm::length(gizmo.world_from_node[0]), 1e-9);
             EXPECT_GT(glm::dot(after[0], gizmo.world_from_node[0]), 0);
         }
 }
@@ -283,8 +285,8 @@ TEST(Gizmo, HandlesSeenEndOnAreNotThere) {
     EXPECT_EQ(viewer::dragged(gizmo, viewer::GizmoHandle::kZ, {320, 240}, {400, 300}, false), start);
 }
 
-// Over the whole image and beyond, for every handle: finite, and two pointers near each other give nodes near each
-// other. From all sides, those along axes included.
+// For pointers over the whole image and beyond, and for every handle: the result is finite, and pointers near each
+// other give transforms near each other. The views include those along axes.
 TEST(Gizmo, DragsHaveNoJumps) {
     for (const viewer::GizmoMode mode :
          {viewer::GizmoMode::kMove, viewer::GizmoMode::kScale, viewer::GizmoMode::kRotate})
@@ -295,15 +297,15 @@ TEST(Gizmo, DragsHaveNoJumps) {
                 gizmo.mode = mode;
                 gizmo.world_from_node[3] = glm::dvec4(0.3, -0.2, 0.1, 1);
                 for (int handle = 1; handle <= 7; ++handle)
-                    for (const glm::dvec2 way : {glm::dvec2(1, 0.3), glm::dvec2(-0.2, 1)}) {
+                    for (const glm::dvec2 direction : {glm::dvec2(1, 0.3), glm::dvec2(-0.2, 1)}) {
                         glm::dmat4 before(0);
                         const glm::dvec2 from(400, 200);
                         for (int i = 0; i <= 3000; ++i) {
-                            const glm::dvec2 to = glm::dvec2(310, 230) + way * ((i - 1500) * 0.5);
+                            const glm::dvec2 to = glm::dvec2(310, 230) + direction * ((i - 1500) * 0.5);
                             const glm::dmat4 after =
                                 viewer::dragged(gizmo, static_cast<viewer::GizmoHandle>(handle), from, to, false);
                             ASSERT_TRUE(is_finite(after));
-                            // A turn by nearly half a revolution as the pointer passes the middle is none.
+                            // A rotation by nearly half a revolution, as the pointer passes the middle, is no jump.
                             if (i > 0 && mode != viewer::GizmoMode::kRotate) {
                                 const double farthest = 5 * editor::kMaxDepthFactor;
                                 ASSERT_LT(glm::length(after[3]), 2.5 * farthest);

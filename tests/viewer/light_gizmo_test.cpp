@@ -25,7 +25,7 @@ viewer::LightGizmo askew() {
     gizmo.light = {stage::GltfLightKind::kSpot, {-0.5, 2, -1}, {0.3, 0.6, 0.2}, 0.3, 0.1, 2.2};
     return gizmo;
 }
-// From where it shines to.
+// Seen from where it shines to.
 viewer::LightGizmo from_the_front() {
     viewer::LightGizmo gizmo = from_the_side();
     gizmo.light.position = {0.1, 0.2, -2};
@@ -33,7 +33,7 @@ viewer::LightGizmo from_the_front() {
     return gizmo;
 }
 
-glm::dvec2 seen(const viewer::LightGizmo& gizmo, glm::dvec3 world) {
+glm::dvec2 pixel_of(const viewer::LightGizmo& gizmo, glm::dvec3 world) {
     return editor::pixel_of(gizmo.camera, world).value();
 }
 std::set<int> handles_of(const viewer::LightGizmo& gizmo) {
@@ -81,23 +81,23 @@ TEST(LightGizmo, IsMadeOfALightOfTheStage) {
 
 TEST(LightGizmo, TheAimFollowsThePointer) {
     const viewer::LightGizmo gizmo = askew();
-    const glm::dvec2 from = seen(gizmo, gizmo.light.aim), to(400, 300);
+    const glm::dvec2 from = pixel_of(gizmo, gizmo.light.aim), to(400, 300);
     EXPECT_EQ(viewer::light_handle_at(gizmo, from), viewer::LightHandle::kAim);
     const viewer::AimedLight after = viewer::dragged(gizmo, viewer::LightHandle::kAim, from, to, false);
-    EXPECT_LT(glm::distance(seen(gizmo, after.aim), to), 1e-9);
+    EXPECT_LT(glm::distance(pixel_of(gizmo, after.aim), to), 1e-9);
     EXPECT_NEAR(editor::depth_of(gizmo.camera, after.aim), editor::depth_of(gizmo.camera, gizmo.light.aim), 1e-9);
     EXPECT_EQ(after.position, gizmo.light.position);
     const glm::dvec3 right = gizmo.camera.world_from_camera[0];
-    const double way =
+    const double move =
         glm::dot(viewer::dragged(gizmo, viewer::LightHandle::kAim, from, to, true).aim - gizmo.light.aim, right);
-    EXPECT_NEAR(way, std::round(glm::dot(after.aim - gizmo.light.aim, right) * 10) / 10, 1e-9);
+    EXPECT_NEAR(move, std::round(glm::dot(after.aim - gizmo.light.aim, right) * 10) / 10, 1e-9);
 }
 
 TEST(LightGizmo, TheRimOpensTheConeToThePointer) {
     const viewer::LightGizmo gizmo = from_the_side();
     const viewer::AimedLight& light = gizmo.light;
     const auto at = [&](double angle) {
-        return seen(gizmo, light.position + 2.0 * glm::dvec3(std::cos(angle), std::sin(angle), 0));
+        return pixel_of(gizmo, light.position + 2.0 * glm::dvec3(std::cos(angle), std::sin(angle), 0));
     };
     for (const double side : {1.0, -1.0}) {
         EXPECT_EQ(viewer::light_handle_at(gizmo, at(0.4 * side)), viewer::LightHandle::kRim);
@@ -111,7 +111,7 @@ TEST(LightGizmo, TheRimOpensTheConeToThePointer) {
         EXPECT_EQ(viewer::dragged(gizmo, viewer::LightHandle::kRim, at(0.4 * side), at(2 * side), false).outer_cone_rad,
                   kPi / 2);
         EXPECT_NEAR(viewer::dragged(gizmo, viewer::LightHandle::kRim, at(0.4 * side), at(0), false).outer_cone_rad,
-                    viewer::kLeastCone_deg * kDegree, 1e-9);
+                    viewer::kMinCone_deg * kDegree, 1e-9);
     }
     const viewer::AimedLight narrow = viewer::dragged(gizmo, viewer::LightHandle::kRim, at(0.4), at(0.2), false);
     EXPECT_LT(narrow.inner_cone_rad, narrow.outer_cone_rad);
@@ -124,11 +124,11 @@ TEST(LightGizmo, TheRimOpensTheConeFromTheFrontToo) {
     const viewer::LightGizmo gizmo = from_the_front();
     const viewer::AimedLight& light = gizmo.light;
     const double ahead = 2 * std::cos(light.outer_cone_rad);
-    // Any place of the rim can be taken.
+    // Any point of the rim can be grabbed.
     for (const double turn : {0.0, 1.0, 4.0}) {
         const auto at = [&](double angle) {
             const double out = ahead * std::tan(angle);
-            return seen(gizmo, light.position + glm::dvec3(out * std::cos(turn), out * std::sin(turn), ahead));
+            return pixel_of(gizmo, light.position + glm::dvec3(out * std::cos(turn), out * std::sin(turn), ahead));
         };
         EXPECT_EQ(viewer::light_handle_at(gizmo, at(0.4)), viewer::LightHandle::kRim);
         for (const double angle : {0.1, 0.4, 0.9})
@@ -140,7 +140,7 @@ TEST(LightGizmo, TheRimOpensTheConeFromTheFrontToo) {
 TEST(LightGizmo, TheRangeFollowsThePointer) {
     for (const viewer::LightGizmo& gizmo : {from_the_side(), askew()}) {
         const viewer::AimedLight& light = gizmo.light;
-        const auto at = [&](double range) { return seen(gizmo, light.position + light.direction() * range); };
+        const auto at = [&](double range) { return pixel_of(gizmo, light.position + light.direction() * range); };
         EXPECT_LT(glm::distance(middle_of(gizmo, viewer::LightHandle::kRange), at(light.range_m)), 1e-9);
         for (const double range : {0.3, 1.0, 2.8})
             EXPECT_NEAR(
@@ -149,7 +149,7 @@ TEST(LightGizmo, TheRangeFollowsThePointer) {
         EXPECT_NEAR(viewer::dragged(gizmo, viewer::LightHandle::kRange, at(light.range_m), at(1.26), true).range_m, 1.3,
                     1e-9);
         EXPECT_EQ(viewer::dragged(gizmo, viewer::LightHandle::kRange, at(light.range_m), at(-1), false).range_m,
-                  viewer::kLeastRange_m);
+                  viewer::kMinRange_m);
     }
 }
 
@@ -160,7 +160,7 @@ TEST(LightGizmo, APointsRangeIsACircle) {
     const glm::dvec3 position = gizmo.light.position;
     const glm::dvec3 across =
         editor::perpendicular_to(glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - position));
-    const auto at = [&](double range) { return seen(gizmo, position + across * range); };
+    const auto at = [&](double range) { return pixel_of(gizmo, position + across * range); };
     EXPECT_EQ(viewer::light_handle_at(gizmo, at(0.8)), viewer::LightHandle::kRange);
     EXPECT_NEAR(viewer::dragged(gizmo, viewer::LightHandle::kRange, at(0.8), at(1.3), false).range_m, 1.3, 1e-9);
 }
@@ -169,14 +169,15 @@ TEST(LightGizmo, DragsHaveNoJumps) {
     for (const viewer::LightGizmo& gizmo : {from_the_side(), askew(), from_the_front()})
         for (const viewer::LightHandle handle :
              {viewer::LightHandle::kAim, viewer::LightHandle::kRim, viewer::LightHandle::kRange})
-            for (const glm::dvec2 way : {glm::dvec2(1, 0.3), glm::dvec2(-0.2, 1)}) {
+            for (const glm::dvec2 direction : {glm::dvec2(1, 0.3), glm::dvec2(-0.2, 1)}) {
                 viewer::AimedLight before = gizmo.light;
                 for (int i = 0; i <= 2000; ++i) {
-                    const glm::dvec2 from(330, 230), to = from + way * (i * 0.5);
+                    const glm::dvec2 from(330, 230), to = from + direction * (i * 0.5);
                     const viewer::AimedLight after = viewer::dragged(gizmo, handle, from, to, false);
                     ASSERT_LT(glm::distance(after.aim, before.aim), 0.05);
                     ASSERT_LT(std::abs(after.outer_cone_rad - before.outer_cone_rad), 0.06);
-                    ASSERT_LT(std::abs(after.range_m - before.range_m), 0.2 * editor::kMaxDepthFactor * gizmo.light.range_m);
+                    ASSERT_LT(std::abs(after.range_m - before.range_m),
+                              0.2 * editor::kMaxDepthFactor * gizmo.light.range_m);
                     before = after;
                 }
             }

@@ -17,13 +17,13 @@ using test::some_eye;
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kWidth = 640, kHeight = 480;
 
-glm::dvec3 place(const viewer::Eye& eye) {
+glm::dvec3 position_of(const viewer::Eye& eye) {
     return viewer::world_from_eye(eye)[3];
 }
 glm::dvec3 forward(const viewer::Eye& eye) {
     return -glm::dvec3(viewer::world_from_eye(eye)[2]);
 }
-glm::dvec2 seen(const viewer::Eye& eye, glm::dvec3 world) {
+glm::dvec2 pixel_of(const viewer::Eye& eye, glm::dvec3 world) {
     return editor::pixel_of(viewer::camera_of(eye, kWidth, kHeight), world).value();
 }
 void expect_near(glm::dvec3 a, glm::dvec3 b, double within = 1e-9) {
@@ -38,7 +38,7 @@ TEST(Navigation, TheEyeLooksAtItsPivotLevel) {
     const viewer::Eye eye = some_eye();
     const glm::dmat4 world = viewer::world_from_eye(eye);
     const glm::dmat3 axes(world);
-    expect_near(place(eye) + forward(eye) * eye.distance, eye.pivot);
+    expect_near(position_of(eye) + forward(eye) * eye.distance, eye.pivot);
     EXPECT_NEAR(axes[0].y, 0, 1e-12) << "the horizon is level";
     EXPECT_GT(axes[1].y, 0);
     EXPECT_NEAR(glm::determinant(axes), 1, 1e-12);
@@ -51,7 +51,7 @@ TEST(Navigation, TheEyeLooksAtItsPivotLevel) {
 TEST(Navigation, ItsCameraHasItsAngleOfView) {
     const viewer::Eye eye = some_eye();
     const stage::Camera camera = viewer::camera_of(eye, kWidth, kHeight);
-    EXPECT_LT(glm::length(seen(eye, eye.pivot) - glm::dvec2(kWidth / 2.0, kHeight / 2.0)), 1e-9);
+    EXPECT_LT(glm::length(pixel_of(eye, eye.pivot) - glm::dvec2(kWidth / 2.0, kHeight / 2.0)), 1e-9);
     const glm::dvec3 top = editor::ray_through(camera, {kWidth / 2.0, 0}).direction;
     EXPECT_NEAR(2 * std::acos(glm::dot(top, forward(eye))), eye.angle_y, 1e-12);
     EXPECT_EQ(camera.fx, camera.fy);
@@ -63,8 +63,8 @@ TEST(Navigation, OrbitingTurnsTheSceneWithThePointer) {
     for (const glm::dvec2 moved : {glm::dvec2(10, 0), glm::dvec2(0, 10), glm::dvec2(-10, -10)}) {
         const viewer::Eye after = viewer::orbited(eye, moved, kHeight);
         EXPECT_EQ(after.pivot, eye.pivot);
-        EXPECT_NEAR(glm::length(place(after) - eye.pivot), eye.distance, 1e-12);
-        const glm::dvec2 went = seen(after, nearer) - seen(eye, nearer);
+        EXPECT_NEAR(glm::length(position_of(after) - eye.pivot), eye.distance, 1e-12);
+        const glm::dvec2 went = pixel_of(after, nearer) - pixel_of(eye, nearer);
         EXPECT_GT(glm::dot(went, moved), 0);
     }
     EXPECT_NEAR(viewer::orbited(eye, {kHeight / 4.0, 0}, kHeight).yaw, eye.yaw - kPi / 4, 1e-12);
@@ -83,7 +83,7 @@ TEST(Navigation, OrbitingStopsAtThePoles) {
 
 TEST(Navigation, LookingAroundStandsStill) {
     const viewer::Eye eye = some_eye(), after = viewer::turned(eye, {30, 20}, kHeight);
-    expect_near(place(after), place(eye));
+    expect_near(position_of(after), position_of(eye));
     const glm::dvec3 of = glm::dvec3(glm::inverse(viewer::world_from_eye(eye)) * glm::dvec4(forward(after), 0));
     EXPECT_GT(of.x, 0) << "to the right";
     EXPECT_LT(of.y, 0) << "downwards";
@@ -95,7 +95,7 @@ TEST(Navigation, PanningKeepsTheGrabbedPointUnderThePointer) {
     const glm::dvec3 grabbed =
         editor::plane_drag(viewer::camera_of(eye, kWidth, kHeight), eye.pivot, forward(eye), from).value();
     const viewer::Eye after = viewer::panned(eye, to - from, kHeight);
-    EXPECT_LT(glm::length(seen(after, grabbed) - to), 1e-9);
+    EXPECT_LT(glm::length(pixel_of(after, grabbed) - to), 1e-9);
     expect_near(forward(after), forward(eye));
 }
 
@@ -104,7 +104,7 @@ TEST(Navigation, TheWheelKeepsThePointUnderThePointer) {
     const glm::dvec3 point(1, 0.5, 0.4);
     for (const double notches : {1.0, -1.0, 7.0, -20.0}) {
         const viewer::Eye after = viewer::dollied(eye, notches, point);
-        EXPECT_LT(glm::length(seen(after, point) - seen(eye, point)), 1e-8);
+        EXPECT_LT(glm::length(pixel_of(after, point) - pixel_of(eye, point)), 1e-8);
         EXPECT_NEAR(after.distance, eye.distance * std::pow(0.9, notches), 1e-12);
         expect_same(viewer::world_from_eye(viewer::dollied(after, -notches, point)), viewer::world_from_eye(eye), 1e-8);
     }
@@ -112,15 +112,15 @@ TEST(Navigation, TheWheelKeepsThePointUnderThePointer) {
 
 TEST(Navigation, TheWheelNeverPassesThePivot) {
     viewer::Eye eye = some_eye();
-    const glm::dvec3 pivot = eye.pivot, way = forward(eye);
+    const glm::dvec3 pivot = eye.pivot, direction = forward(eye);
     for (int i = 0; i < 1000; ++i) {
         eye = viewer::dollied(eye, 3);
-        ASSERT_GT(glm::dot(pivot - place(eye), way), 0);
+        ASSERT_GT(glm::dot(pivot - position_of(eye), direction), 0);
     }
     EXPECT_EQ(eye.distance, viewer::kMinEyeDistance_m);
     for (int i = 0; i < 1000; ++i) eye = viewer::dollied(eye, -3, glm::dvec3(1, 2, 3));
     EXPECT_EQ(eye.distance, viewer::kMaxEyeDistance_m);
-    EXPECT_TRUE(std::isfinite(glm::length(place(eye))));
+    EXPECT_TRUE(std::isfinite(glm::length(position_of(eye))));
 }
 
 TEST(Navigation, WholeNumbersAreAWheel) {
@@ -144,18 +144,18 @@ TEST(Navigation, WholeNumbersAreAWheel) {
 TEST(Navigation, FlightGoesWhereTheKeysSay) {
     const viewer::Eye eye = some_eye();
     const glm::dvec3 right = glm::dvec3(viewer::world_from_eye(eye)[0]);
-    const auto way = [&](const viewer::FlightKeys& keys) {
-        return place(viewer::flown(eye, keys, 0.1, 10)) - place(eye);
+    const auto direction = [&](const viewer::FlightKeys& keys) {
+        return position_of(viewer::flown(eye, keys, 0.1, 10)) - position_of(eye);
     };
-    expect_near(way({1, 0, 0}), forward(eye) * 0.5);
-    expect_near(way({0, -1, 0}), -right * 0.5);
-    expect_near(way({0, 0, 1}), {0, 0.5, 0});
-    expect_near(way({1, 0, 0, true}), forward(eye) * 2.0);
-    expect_near(way({1, 0, 0, false, true}), forward(eye) * 0.125);
-    EXPECT_NEAR(glm::length(way({1, 1, 0})), 0.5, 1e-12) << "diagonally no faster";
-    expect_near(way({1, -1, 0}), (forward(eye) - right) * (0.5 / std::sqrt(2.0)));
-    expect_near(way({}), glm::dvec3(0));
-    expect_near(place(viewer::flown(eye, {1}, 60, 10)) - place(eye), way({1}));
+    expect_near(direction({1, 0, 0}), forward(eye) * 0.5);
+    expect_near(direction({0, -1, 0}), -right * 0.5);
+    expect_near(direction({0, 0, 1}), {0, 0.5, 0});
+    expect_near(direction({1, 0, 0, true}), forward(eye) * 2.0);
+    expect_near(direction({1, 0, 0, false, true}), forward(eye) * 0.125);
+    EXPECT_NEAR(glm::length(direction({1, 1, 0})), 0.5, 1e-12) << "diagonally no faster";
+    expect_near(direction({1, -1, 0}), (forward(eye) - right) * (0.5 / std::sqrt(2.0)));
+    expect_near(direction({}), glm::dvec3(0));
+    expect_near(position_of(viewer::flown(eye, {1}, 60, 10)) - position_of(eye), direction({1}));
     expect_near(forward(viewer::flown(eye, {1, 1, 1}, 0.1, 10)), forward(eye));
 }
 
@@ -206,7 +206,7 @@ TEST(Navigation, SidesAreSeenLevel) {
         {viewer::EyeSide::kTop, {0, 1, 0}},   {viewer::EyeSide::kBottom, {0, -1, 0}}};
     for (const auto& [side, from] : sides) {
         const viewer::Eye after = viewer::seen_from(eye, side);
-        expect_near(place(after) - eye.pivot, from * eye.distance);
+        expect_near(position_of(after) - eye.pivot, from * eye.distance);
         EXPECT_NEAR(viewer::world_from_eye(after)[0].y, 0, 1e-12);
     }
     expect_near(glm::dvec3(viewer::world_from_eye(viewer::seen_from(eye, viewer::EyeSide::kTop))[1]), {0, 0, -1});

@@ -22,24 +22,24 @@ struct NodePlaces : testing::Test {
     TemporaryFolder folder;
     stage::StageFile file = stage::read_stage_file(test::put_foreign_stage(folder.path));
     uint32_t node(const char* name) const { return edit::find_node(file, name); }
-    void bring(const char* name, const edit::NodeTransform& to) {
+    void move_to(const char* name, const edit::NodeTransform& to) {
         edit::place_node(file, node(name), viewer::placement_to(edit::transform_of(file, node(name)), to));
     }
 };
 
 TEST(Angles, TurnAboutXThenYThenZ) {
-    expect_near(viewer::turn_of({90, 90, 0}) * glm::dvec3(0, 1, 0), {1, 0, 0});  // Y to Z by X, Z to X by Y
-    expect_near(viewer::turn_of({0, 90, 90}) * glm::dvec3(1, 0, 0), {0, 0, -1});
-    expect_near(viewer::turn_of({0, 0, 90}) * glm::dvec3(1, 0, 0), {0, 1, 0});
+    expect_near(viewer::rotation_of({90, 90, 0}) * glm::dvec3(0, 1, 0), {1, 0, 0});  // Y to Z by X, Z to X by Y
+    expect_near(viewer::rotation_of({0, 90, 90}) * glm::dvec3(1, 0, 0), {0, 0, -1});
+    expect_near(viewer::rotation_of({0, 0, 90}) * glm::dvec3(1, 0, 0), {0, 1, 0});
 }
 
 TEST(Angles, ComeBackFromEveryTurn) {
     for (double x = -170; x <= 180; x += 35)
         for (double y = -90; y <= 90; y += 15)
             for (double z = -170; z <= 180; z += 35) {
-                const glm::dquat turn = viewer::turn_of({x, y, z});
-                const glm::dvec3 angles = viewer::angles_of(turn);
-                EXPECT_LT(distance(viewer::turn_of(angles), turn), 1e-12) << x << ' ' << y << ' ' << z;
+                const glm::dquat rotation = viewer::rotation_of({x, y, z});
+                const glm::dvec3 angles = viewer::angles_of(rotation);
+                EXPECT_LT(distance(viewer::rotation_of(angles), rotation), 1e-12) << x << ' ' << y << ' ' << z;
                 EXPECT_LE(std::abs(angles.y), 90);
                 if (std::abs(y) < 90) expect_near(angles, {x, y, z}, 1e-7);
             }
@@ -47,18 +47,18 @@ TEST(Angles, ComeBackFromEveryTurn) {
 
 TEST(Angles, StayAsShownWhileTheyMeanTheSame) {
     const glm::dvec3 beyond(10, 120, -400);
-    expect_near(viewer::angles_like(beyond, viewer::turn_of(beyond)), beyond, 1e-15);
-    const glm::dquat other = viewer::turn_of({10, 120.01, -400});
+    expect_near(viewer::angles_like(beyond, viewer::rotation_of(beyond)), beyond, 1e-15);
+    const glm::dquat other = viewer::rotation_of({10, 120.01, -400});
     const glm::dvec3 angles = viewer::angles_like(beyond, other);
     EXPECT_LE(std::abs(angles.y), 90);
-    EXPECT_LT(distance(viewer::turn_of(angles), other), 1e-12);
+    EXPECT_LT(distance(viewer::rotation_of(angles), other), 1e-12);
 }
 
 TEST_F(NodePlaces, APlaceOfPartsIsReadAndReached) {
     const edit::NodeTransform before = edit::transform_of(file, node("Anna"));
     expect_near(viewer::angles_of(before.rotation), {0, 0, 45}, 1e-6);
-    const edit::NodeTransform to{{1, 2, 3}, viewer::turn_of({20, -100, 70}), {2, 1, -0.5}};
-    bring("Anna", to);
+    const edit::NodeTransform to{{1, 2, 3}, viewer::rotation_of({20, -100, 70}), {2, 1, -0.5}};
+    move_to("Anna", to);
     const edit::NodeTransform after = edit::transform_of(file, node("Anna"));
     expect_near(after.translation, to.translation);
     expect_near(after.scale, to.scale);
@@ -79,16 +79,16 @@ TEST_F(NodePlaces, OnlyWhatDiffersIsPlaced) {
 }
 
 TEST_F(NodePlaces, AMatrixIsReadAndReached) {
-    edit::NodeTransform told{{0.5, 1, -2}, viewer::turn_of({30, 40, 50}), {-1.5, 2, 0.25}};
-    glm::dmat4 matrix = glm::mat4_cast(told.rotation);
-    for (int axis = 0; axis < 3; axis++) matrix[axis] *= told.scale[axis];
-    matrix[3] = glm::dvec4(told.translation, 1);
+    edit::NodeTransform transform{{0.5, 1, -2}, viewer::rotation_of({30, 40, 50}), {-1.5, 2, 0.25}};
+    glm::dmat4 matrix = glm::mat4_cast(transform.rotation);
+    for (int axis = 0; axis < 3; axis++) matrix[axis] *= transform.scale[axis];
+    matrix[3] = glm::dvec4(transform.translation, 1);
     edit::Placement placement;
     placement.matrix = matrix;
     edit::place_node(file, node("Anna"), placement);
     for (const edit::NodeTransform& to :
-         {told, edit::NodeTransform{{3, 2, 1}, viewer::turn_of({0, 170, 0}), {-1, 1, 1}}}) {
-        bring("Anna", to);
+         {transform, edit::NodeTransform{{3, 2, 1}, viewer::rotation_of({0, 170, 0}), {-1, 1, 1}}}) {
+        move_to("Anna", to);
         ASSERT_TRUE(file.json["nodes"][node("Anna")].contains("matrix"));
         const edit::NodeTransform after = edit::transform_of(file, node("Anna"));
         expect_near(after.translation, to.translation);
@@ -98,12 +98,13 @@ TEST_F(NodePlaces, AMatrixIsReadAndReached) {
 }
 
 TEST(Scales, KeepTheirSignAndStayOffZero) {
-    expect_near(viewer::kept_off_zero({0.5, -2, 0}, {1, -1, 0}), {0.5, -2, 0});
-    expect_near(viewer::kept_off_zero({-0.5, 0.1, 0}, {1, -1, 1}),
-                {viewer::kSmallestScale, -viewer::kSmallestScale, viewer::kSmallestScale});
+    expect_near(viewer::nonzero_scale({0.5, -2, 0}, {1, -1, 0}), {0.5, -2, 0});
+    expect_near(viewer::nonzero_scale({-0.5, 0.1, 0}, {1, -1, 1}),
+                {viewer::kMinScale, -viewer::kMinScale, viewer::kMinScale});
 }
 
-// Metres above the world's floor of the lowest corner of Anna's box, where that begins at her own floor.
+// The height of the lowest corner of Anna's box, in metres of the world. Only the part of the box above her own floor
+// counts.
 double height_of_anna(const stage::StageFile& file) {
     const stage::Stage stage = stage::make_stage(file);
     const stage::StageClip& clip = stage.clips.at(0);
@@ -118,7 +119,7 @@ double height_of_anna(const stage::StageFile& file) {
 }
 
 TEST_F(NodePlaces, TheLowestOfAllThatHangsOnANodeComesToTheFloor) {
-    // Anna is turned by 45° about Z, and hangs on a Pivot that is stretched along X.
+    // Anna is rotated by 45° about Z; her parent is Pivot, which is scaled along X.
     edit::Placement tilted;
     tilted.at = glm::dvec3(1, 0.7, 0);
     tilted.turn_deg = glm::dvec3(0, 0, 90);

@@ -230,7 +230,7 @@ TEST_F(PreferencesFile, FilesThatAreGoneStayListed) {
     viewer::save_preferences(file, preferences);
     const viewer::Preferences read = viewer::load_preferences(file).preferences;
     ASSERT_EQ(read.recent.size(), 2u);
-    EXPECT_EQ(viewer::recent_files_there(read), (std::vector<bool>{true, false}));
+    EXPECT_EQ(viewer::recent_files_exist(read), (std::vector<bool>{true, false}));
 }
 
 TEST_F(PreferencesFile, PathsThatJsonCannotHoldAreLeftOut) {

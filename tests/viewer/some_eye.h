@@ -1,4 +1,4 @@
-// An eye that stands askew to all axes, and its camera.
+// An eye that is parallel to none of the axes, and its camera.
 #pragma once
 
 #include "tools/viewer/tools/navigation.h"

@@ -31,7 +31,7 @@ TEST_F(StageRows, ParentsComeBeforeWhatHangsOnThem) {
     std::vector<uint32_t> below;
     for (const viewer::StageRow& row : rows) {
         kinds.push_back(row.kind);
-        below.push_back(row.below);
+        below.push_back(row.descendants);
     }
     EXPECT_EQ(kinds, (std::vector<edit::NodeKind>{edit::NodeKind::kMesh, edit::NodeKind::kCamera,
                                                   edit::NodeKind::kLight, edit::NodeKind::kGroup,
@@ -40,15 +40,15 @@ TEST_F(StageRows, ParentsComeBeforeWhatHangsOnThem) {
 }
 
 TEST_F(StageRows, CountsWhatHangsOnWhatHangs) {
-    // Sun on Anna on Pivot, then a root behind them.
+    // Sun is a child of Anna, and Anna of Pivot; another root follows.
     file.json.edit("nodes")[3]["children"] = {4};
     file.json.edit("nodes")[4]["children"] = {5};
     file.json.edit("scenes")[0]["nodes"] = {3, 0};
     file.json.edit("nodes")[0].erase("name");
     const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
     EXPECT_EQ(titles(rows), (std::vector<std::string>{"Pivot", ">Anna", ">>Sun", "node 0"}));
-    EXPECT_EQ(rows[0].below, 2u);
-    EXPECT_EQ(rows[1].below, 1u);
+    EXPECT_EQ(rows[0].descendants, 2u);
+    EXPECT_EQ(rows[1].descendants, 1u);
     EXPECT_EQ(viewer::row_of(rows, 1), std::nullopt) << "not in the scene";
     EXPECT_EQ(viewer::row_of(rows, 0), 3u);
 }
@@ -63,26 +63,26 @@ TEST_F(StageRows, WithoutASceneAllRootsAreIt) {
 }
 
 TEST_F(StageRows, HiddenAndLockedAreTheNodesOwnOrFromAbove) {
-    EXPECT_TRUE(row("Anna").shown && row("Anna").shown_above && !row("Anna").locked);
+    EXPECT_TRUE(row("Anna").visible && row("Anna").ancestors_visible && !row("Anna").locked);
     edit::show_node(file, node("Pivot"), false);
     edit::lock_node(file, node("Anna"), true);
-    EXPECT_FALSE(row("Pivot").shown);
-    EXPECT_TRUE(row("Pivot").shown_above);
-    EXPECT_TRUE(row("Anna").shown);
-    EXPECT_FALSE(row("Anna").shown_above);
+    EXPECT_FALSE(row("Pivot").visible);
+    EXPECT_TRUE(row("Pivot").ancestors_visible);
+    EXPECT_TRUE(row("Anna").visible);
+    EXPECT_FALSE(row("Anna").ancestors_visible);
     EXPECT_TRUE(row("Anna").locked);
     EXPECT_FALSE(row("Pivot").locked);
-    EXPECT_TRUE(row("Floor").shown_above);
+    EXPECT_TRUE(row("Floor").ancestors_visible);
 }
 
 TEST_F(StageRows, ClosedOnesHideWhatHangsOnThem) {
     const std::vector<viewer::StageRow> rows = viewer::stage_rows(file);
-    EXPECT_EQ(viewer::open_rows(rows, {}), (std::vector<uint32_t>{0, 1, 2, 3, 4, 5}));
-    EXPECT_EQ(viewer::open_rows(rows, {"Pivot"}), (std::vector<uint32_t>{0, 1, 2, 3}));
+    EXPECT_EQ(viewer::listed_rows(rows, {}), (std::vector<uint32_t>{0, 1, 2, 3, 4, 5}));
+    EXPECT_EQ(viewer::listed_rows(rows, {"Pivot"}), (std::vector<uint32_t>{0, 1, 2, 3}));
     std::set<std::string> closed = {"Pivot", "Floor"};
-    viewer::open_above(rows, 3, closed);
+    viewer::open_ancestors(rows, 3, closed);
     EXPECT_EQ(closed.size(), 2u) << "itself and those before it stay closed";
-    viewer::open_above(rows, 5, closed);
+    viewer::open_ancestors(rows, 5, closed);
     EXPECT_EQ(closed, (std::set<std::string>{"Floor"}));
 }
 

@@ -34,7 +34,7 @@ TEST(TimeAxis, ZoomsAboutThePointerUpToItsLimits) {
     const viewer::TimeAxis farthest = viewer::zoomed(closer, 300, -100, kSixSeconds);
     EXPECT_NEAR(farthest.s_per_px, 0.01, 1e-12) << "never more than all";
     const viewer::TimeAxis closest = viewer::zoomed(whole(), 410, 1000, kSixSeconds);
-    EXPECT_NEAR(1 / (25 * closest.s_per_px), viewer::kWidestImage * kSixSeconds.margin_px, 1e-6);
+    EXPECT_NEAR(1 / (25 * closest.s_per_px), viewer::kMaxFrameWidth * kSixSeconds.margin_px, 1e-6);
     EXPECT_NEAR(closest.s_at(410), 3, 1e-9);
 }
 
@@ -65,7 +65,7 @@ TEST(TimeAxis, MarksAreFarEnoughApart) {
             if (marks.parts > 1) {
                 ASSERT_GE(marks.major_s / marks.parts / s_per_px, 5 * (1 - 1e-9));
             }
-            if (marks.images) {
+            if (marks.frames) {
                 ASSERT_NEAR(marks.major_s * fps, std::round(marks.major_s * fps), 1e-9);
             }
         }
@@ -73,12 +73,12 @@ TEST(TimeAxis, MarksAreFarEnoughApart) {
 
 TEST(TimeAxis, MarksArePicturesFromCloseAndSecondsFromFar) {
     const viewer::TimeMarks close = viewer::marks_for(0.001, 25, 54, 5);
-    EXPECT_TRUE(close.images);
+    EXPECT_TRUE(close.frames);
     EXPECT_DOUBLE_EQ(close.major_s, 0.08);
     EXPECT_EQ(close.parts, 2);
     EXPECT_EQ(viewer::label_of(close, 3, 25), "6 f");
     const viewer::TimeMarks seconds = viewer::marks_for(0.0075, 25, 54, 5);
-    EXPECT_FALSE(seconds.images);
+    EXPECT_FALSE(seconds.frames);
     EXPECT_EQ(seconds.major_s, 1);
     EXPECT_EQ(seconds.parts, 25) << "a mark an image";
     EXPECT_EQ(viewer::label_of(seconds, 3, 25), "3 s");
@@ -89,8 +89,8 @@ TEST(TimeAxis, MarksArePicturesFromCloseAndSecondsFromFar) {
 }
 
 TEST(TimeAxis, FindsThePictureThatIsNearest) {
-    EXPECT_DOUBLE_EQ(viewer::at_image(1.27, 25), 1.28);
-    EXPECT_DOUBLE_EQ(viewer::at_image(-0.05, 10), -0.1);
+    EXPECT_DOUBLE_EQ(viewer::nearest_frame_time(1.27, 25), 1.28);
+    EXPECT_DOUBLE_EQ(viewer::nearest_frame_time(-0.05, 10), -0.1);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// To arrange: who is clicked, moved, copied, lit; and that nothing of it is lost.
+// Tests of arranging a stage: performers are clicked, moved, copied and lit, and no edit is lost.
 #include <thread>
 
 #include "viewer_window/viewer_window.h"
@@ -12,11 +12,12 @@ const Hands::Condition kModified = [](const json& now) { return now["modified"] 
 const Hands::Condition kNotModified = [](const json& now) { return now["modified"] == false; };
 
 struct Arranging : ViewerWindow {
-    // Where anna is seen best: the pixel of what she adds to the empty stage that is nearest to its middle.
+    // A point of the image that shows anna: of all pixels that she changes on the empty stage, the one nearest to their
+    // middle.
     Spot of_anna(const Hands& hands, const media::Image& image) const {
         const std::string empty = file("empty.gltf");
-        stage::StageFile nobody = edit::new_stage(empty);
-        stage::save_stage_file(nobody, empty);
+        stage::StageFile empty_stage = edit::new_stage(empty);
+        stage::save_stage_file(empty_stage, empty);
         done({"render", empty, "-o", file("empty.png"), "--size",
               std::to_string(image.width) + "x" + std::to_string(image.height)});
         const media::Image without = media::read_png(file("empty.png"));
@@ -39,7 +40,7 @@ struct Arranging : ViewerWindow {
         hands.key("ctrl+s");
         hands.until("all to be saved", kNotModified);
     }
-    json place_of_anna() const {
+    json position_of_anna() const {
         const json document = saved();
         const json& anna = document["nodes"][node(document, "anna")];
         EXPECT_FALSE(anna.contains("matrix")) << "who was placed in parts stays so";
@@ -71,7 +72,7 @@ TEST_F(Arranging, TheGizmoMovesTheNodeAndOneUndoTakesItBack) {
     const media::Image after = hands->image();
     EXPECT_TRUE(other(before, after));
     save(*hands);
-    const json there = place_of_anna();
+    const json there = position_of_anna();
     EXPECT_GT(there[0].get<double>(), 0.05);
     EXPECT_EQ(there[1].get<double>(), 0);
     EXPECT_EQ(there[2].get<double>(), 0);

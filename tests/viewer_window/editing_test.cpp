@@ -1,4 +1,4 @@
-// To edit: what hands do to the stage, what of it is seen, what of it is saved.
+// Tests of editing: what a user does to the stage is displayed and saved.
 #include "viewer_window/viewer_window.h"
 #include "voctree/nvpaint.h"
 
@@ -85,7 +85,7 @@ TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
     hands->drag({chest.x - 4, chest.y - 30}, {chest.x + 4, chest.y + 12});
     hands->until("paint", [](const json& now) { return now["modified"] == true; });
     hands->until_rest();
-    hands->point(hands->in_image(0.02, 0.98));  // the brush's circle is away
+    hands->point(hands->in_image(0.02, 0.98));  // away from what is compared, with the circle of the brush
     const media::Image painted = hands->image();
     EXPECT_TRUE(other(bare, painted));
     save(*hands);

@@ -19,7 +19,7 @@ namespace neuvv::test {
 namespace {
 
 using nlohmann::json;
-constexpr auto kLook = std::chrono::milliseconds(10);
+constexpr auto kPollInterval = std::chrono::milliseconds(10);
 constexpr int kDragSteps = 12;
 
 bool is_installed(const std::string& program) {
@@ -29,12 +29,12 @@ bool is_installed(const std::string& program) {
     return false;
 }
 
-// False where it did not come about, or the process ended.
+// Returns false where the condition is not true after kTimeout, or when the process has ended.
 bool wait_for(const ChildProcess& process, const std::function<bool()>& condition) {
     const auto end = std::chrono::steady_clock::now() + kTimeout;
     while (!condition()) {
         if (process.ended() || std::chrono::steady_clock::now() > end) return condition();
-        std::this_thread::sleep_for(kLook);
+        std::this_thread::sleep_for(kPollInterval);
     }
     return true;
 }
@@ -76,8 +76,8 @@ VirtualScreen::VirtualScreen(const std::filesystem::path& folder) : framebuffer_
     display_ = ":" + number();
 }
 
-// An X window dump: numbers of its header are big-endian, then colours of 12 bytes, then rows of B, G, R, and one
-// unused.
+// The file is an X window dump: a header of big-endian numbers, then colours of 12 bytes each, then rows of pixels: B,
+// G, R and an unused byte.
 media::Image VirtualScreen::image() const {
     const std::vector<uint8_t> dump = read_file(framebuffer_);
     const auto number = [&](size_t which) {
@@ -106,18 +106,18 @@ Hands::Hands(const VirtualScreen& screen, const std::filesystem::path& folder,
       screenshots_(folder / "screenshots"),
       log_(folder / "viewer.log") {
     std::filesystem::remove(report_);
-    std::vector<std::string> words{"/usr/bin/env",
-                                   "DISPLAY=" + display_,
-                                   "XDG_CONFIG_HOME=" + (folder / "config").string(),
-                                   "XDG_STATE_HOME=" + (folder / "state").string(),
-                                   NEUVV_PROGRAM,
-                                   "view"};
-    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<std::string> command{"/usr/bin/env",
+                                     "DISPLAY=" + display_,
+                                     "XDG_CONFIG_HOME=" + (folder / "config").string(),
+                                     "XDG_STATE_HOME=" + (folder / "state").string(),
+                                     NEUVV_PROGRAM,
+                                     "view"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
     for (const std::string& word : {std::string("--report"), report_.string(), std::string("--screenshots"),
                                     screenshots_.string(), std::string("--ui-scale"), std::string("1")})
-        words.push_back(word);
-    if (validate) words.emplace_back("--validate");
-    program_ = std::make_unique<ChildProcess>(words, log_);
+        command.push_back(word);
+    if (validate) command.emplace_back("--validate");
+    program_ = std::make_unique<ChildProcess>(command, log_);
     until("a window", [](const json&) { return true; });
     const std::filesystem::path found = folder / "window.txt";
     if (ChildProcess({"/usr/bin/env", "DISPLAY=" + display_, "xdotool", "search", "--sync", "--name", "NeuVV"}, found)
@@ -136,11 +136,11 @@ json Hands::seen() const {
     return report.is_discarded() ? json() : report;
 }
 
-std::string Hands::despair(const std::string& what) const {
+std::string Hands::failure_text(const std::string& what) const {
     json report = seen();
     std::string items;
     if (report.contains("items"))
-        for (const auto& [name, place] : report["items"].items()) items += name + " ";
+        for (const auto& [name, area] : report["items"].items()) items += name + " ";
     report.erase("items");
     return "waited in vain for " + what + "; " + (program_->ended() ? "the program ended" : "the program runs") +
            "\nreport: " + report.dump() + "\nitems: " + items + "\nprinted: " + read_text(log_);
@@ -152,7 +152,7 @@ json Hands::until(const std::string& what, const Condition& condition) const {
         report = seen();
         return report.is_object() && condition(report);
     };
-    if (!wait_for(*program_, holds)) throw std::runtime_error(despair(what));
+    if (!wait_for(*program_, holds)) throw std::runtime_error(failure_text(what));
     return report;
 }
 
@@ -174,23 +174,23 @@ json Hands::until_notice(const std::string& part) const {
 Spot Hands::middle_of(const std::string& item) const {
     const json report =
         until("the item \"" + item + "\"", [&](const json& now) { return now["items"].contains(item); });
-    const std::vector<double> place = report["items"][item];
-    return {std::round(place[0] + place[2] / 2), std::round(place[1] + place[3] / 2)};
+    const std::vector<double> area = report["items"][item];
+    return {std::round(area[0] + area[2] / 2), std::round(area[1] + area[3] / 2)};
 }
 
 Spot Hands::in_image(double x, double y) const {
-    const std::vector<double> place = seen()["items"]["picture"];
-    return {std::round(place[0] + x * place[2]), std::round(place[1] + y * place[3])};
+    const std::vector<double> area = seen()["items"]["picture"];
+    return {std::round(area[0] + x * area[2]), std::round(area[1] + y * area[3])};
 }
 
-void Hands::xdotool(const std::vector<std::string>& words) const {
+void Hands::xdotool(const std::vector<std::string>& arguments) const {
     std::vector<std::string> all{"/usr/bin/env", "DISPLAY=" + display_, "xdotool"};
-    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), arguments.begin(), arguments.end());
     const std::filesystem::path log = folder_ / "xdotool.log";
-    if (ChildProcess(all, log).wait() != 0) throw std::runtime_error("xdotool " + words[0] + ": " + read_text(log));
+    if (ChildProcess(all, log).wait() != 0) throw std::runtime_error("xdotool " + arguments[0] + ": " + read_text(log));
 }
 
-// Acts, and waits until the program has counted so many more, or has ended by what it was told.
+// Acts, then waits until the program has counted so many more inputs, or has ended because of them.
 void Hands::after(const char* counter, int more, const std::function<void()>& act) const {
     const uint64_t wanted = seen()["handled"][counter].get<uint64_t>() + static_cast<uint64_t>(more);
     act();
@@ -199,7 +199,7 @@ void Hands::after(const char* counter, int more, const std::function<void()>& ac
         return report.is_object() && report["handled"][counter] >= wanted && report["handled"]["all"] == true;
     };
     if (!wait_for(*program_, taken) && !program_->ended())
-        throw std::runtime_error(despair(std::string("input to be taken (") + counter + ")"));
+        throw std::runtime_error(failure_text(std::string("input to be taken (") + counter + ")"));
 }
 
 void Hands::point(Spot at) {
@@ -263,7 +263,7 @@ void Hands::minimise() {
     xdotool({"windowunmap", window_});
 }
 
-// Keys go where somebody says: there is no window manager.
+// Without a window manager, the window has to be given the keyboard.
 void Hands::show_again() {
     xdotool({"windowmap", "--sync", window_, "windowfocus", window_});
 }
@@ -290,7 +290,7 @@ media::Image Hands::window() {
 }
 
 int Hands::wait_for_end() {
-    if (!wait_for(*program_, [&] { return program_->ended(); })) throw std::runtime_error(despair("its end"));
+    if (!wait_for(*program_, [&] { return program_->ended(); })) throw std::runtime_error(failure_text("its end"));
     return program_->wait();
 }
 

@@ -1,8 +1,8 @@
-// A person at the viewer: the built program on a screen without a monitor (Xvfb), real events of mouse and keys
-// (xdotool), and eyes, which are the report that the program keeps of what it shows and where.
+// A simulated user of the viewer: starts the built program on a virtual screen (Xvfb), sends real events of mouse and
+// keys (xdotool), and reads the report that the program writes about what it displays and where.
 //
-// Every verb returns when the program has taken its events. What does not come about in kTimeout throws, with the
-// report and what the program printed.
+// Each action returns when the program has handled its events. A condition that does not become true within kTimeout
+// throws std::runtime_error with the report and with what the program printed.
 #pragma once
 
 #include <functional>
@@ -17,17 +17,17 @@
 
 namespace neuvv::test {
 
-constexpr std::chrono::minutes kTimeout{4};  // a busy machine compiles shaders for long
+constexpr std::chrono::minutes kTimeout{4};  // a busy machine needs long to compile shaders
 
-// What is missing to have hands here, in a line; empty: nothing.
+// A line that says which program is missing on this machine; empty: none is.
 std::string why_no_hands();
 
-// An X server of its own, until the end of the object.
+// An X server of its own, which ends with the object.
 class VirtualScreen {
   public:
     explicit VirtualScreen(const std::filesystem::path& folder);
     const std::string& display() const { return display_; }
-    // What a monitor would show now. Throws where the server has no image yet.
+    // The current contents of the screen. Throws where the server has no image yet.
     media::Image image() const;
 
   private:
@@ -43,26 +43,27 @@ struct Spot {
 
 class Hands {
   public:
-    // `neuvv view` with these arguments; its configuration, state and screenshots go into folders of `folder`, where
-    // another Hands finds them again. Waits for the window. `validate`: with the validation layers.
+    // Starts `neuvv view` with these arguments and waits for its window. Its configuration, state and screenshots are
+    // in `folder`, where another Hands finds them again. `validate`: with the validation layers.
     Hands(const VirtualScreen& screen, const std::filesystem::path& folder, const std::vector<std::string>& arguments,
           bool validate = true);
-    // Ends the program, and expects that the validation layers had nothing to say.
+    // Ends the program, and expects that the validation layers have reported nothing.
     ~Hands();
     Hands(const Hands&) = delete;
     Hands& operator=(const Hands&) = delete;
 
-    // The newest report.
+    // The newest report; null where there is none.
     nlohmann::json seen() const;
     using Condition = std::function<bool(const nlohmann::json& seen)>;
-    // Waits for it; the report that fulfils it.
+    // Waits until the report fulfils the condition, and returns that report. `what` is for the message of a failure.
     nlohmann::json until(const std::string& what, const Condition& condition) const;
-    // The image of the document as it is, sharp; nothing is under way.
+    // Waits until the image of the current document is sharp and no job is under way.
     nlohmann::json until_rest() const;
+    // Waits for a notice that contains `part`.
     nlohmann::json until_notice(const std::string& part) const;
 
     Spot middle_of(const std::string& item) const;  // waits for the item
-    // Of the image: 0, 0 is its upper left, 1, 1 its lower right.
+    // A point of the image: (0, 0) is its upper left corner, (1, 1) its lower right corner.
     Spot in_image(double x, double y) const;
 
     void point(Spot at);
@@ -73,29 +74,29 @@ class Hands {
     void double_click(Spot at);
     void drag(Spot from, Spot to, int button = 1);
     void wheel(Spot at, int notches);  // up is positive
-    // As xdotool has them: "ctrl+z", "space", "F12".
+    // Names of keys are those of xdotool: "ctrl+z", "space", "F12".
     void key(const std::string& keys);
     void type(const std::string& text);
 
-    // Of the window as a window manager would.
+    // What a window manager does to the window.
     void resize(int width, int height);
     void minimise();
     void show_again();
 
-    // F12 and Shift-F12: the file that appears.
+    // Screenshots by F12 and Shift+F12: the image, once it is sharp, and the window.
     media::Image image();
     media::Image window();
 
-    // The exit code, once the program has ended by itself.
+    // Waits until the program has ended by itself, and returns its exit code.
     int wait_for_end();
-    void kill();  // at once, without a word
+    void kill();  // by SIGKILL
     bool ended() const { return !program_ || program_->ended(); }
 
   private:
-    void xdotool(const std::vector<std::string>& words) const;
+    void xdotool(const std::vector<std::string>& arguments) const;
     void after(const char* counter, int more, const std::function<void()>& act) const;
     media::Image new_screenshot(const std::string& keys);
-    std::string despair(const std::string& what) const;
+    std::string failure_text(const std::string& what) const;
 
     std::string display_, window_;
     std::filesystem::path folder_, report_, screenshots_, log_;

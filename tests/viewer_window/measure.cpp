@@ -1,6 +1,6 @@
-// How long a window makes hands wait: `viewer_measure STAGE`. Real events in a window of 960×540; what it prints
-// is what the program's report says, the worst since the window opened. A measurement, no test: it holds nothing
-// against a bar.
+// `viewer_measure STAGE` measures how long a user waits, with real events in a window of 960×540. It prints what the
+// program's report says: the worst values since the window opened. It is a measurement and not a test: nothing is
+// compared with a limit.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -27,11 +27,11 @@ void print(const char* what, const Waits& waits) {
     std::fflush(stdout);
 }
 
-// Of the first performer on the time line.
+// The name of the first performer of the timeline.
 std::string first_performer(const Hands& hands) {
     const nlohmann::json items = hands.seen()["items"];
     const std::string begin = "timeline/", end = "/menu";
-    for (const auto& [name, place] : items.items())
+    for (const auto& [name, area] : items.items())
         if (name.starts_with(begin) && name.ends_with(end))
             return name.substr(begin.size(), name.size() - begin.size() - end.size());
     throw std::runtime_error("no performer on this stage");
@@ -44,9 +44,10 @@ struct Measure {
 
     template <typename Act>
     void operator()(const char* what, Act&& act) const {
-        const std::filesystem::path own = folder / what;  // nothing is left to be recovered by the next one
-        std::filesystem::create_directory(own);
-        Hands hands(screen, own, {stage, "--size", "960x540"}, false);
+        const std::filesystem::path own_folder =
+            folder / what;  // so that no edits are left for the next one to recover
+        std::filesystem::create_directory(own_folder);
+        Hands hands(screen, own_folder, {stage, "--size", "960x540"}, false);
         hands.until_rest();
         act(hands);
         print(what, waits_of(hands));
@@ -116,19 +117,19 @@ void measure(const Measure& measure) {
 }  // namespace
 }  // namespace neuvv::test
 
-int main(int arguments, char** words) {
+int main(int argc, char** argv) {
     using namespace neuvv;
-    if (const std::string why = test::why_no_hands(); !why.empty() || arguments != 2) {
+    if (const std::string why = test::why_no_hands(); !why.empty() || argc != 2) {
         fmt::print(stderr, "{}\n", why.empty() ? "usage: viewer_measure STAGE" : why);
         return 2;
     }
     try {
         const TemporaryFolder folder;
-        std::filesystem::copy(std::filesystem::path(words[1]).parent_path(), folder.path / "stage",
+        std::filesystem::copy(std::filesystem::path(argv[1]).parent_path(), folder.path / "stage",
                               std::filesystem::copy_options::recursive);
-        std::filesystem::remove(folder.path / "stage/stage.mp4");  // of which the export would ask
+        std::filesystem::remove(folder.path / "stage/stage.mp4");  // the export would ask whether to replace it
         const test::VirtualScreen screen(folder.path);
-        const std::string stage = (folder.path / "stage" / std::filesystem::path(words[1]).filename()).string();
+        const std::string stage = (folder.path / "stage" / std::filesystem::path(argv[1]).filename()).string();
         test::measure({screen, folder.path, stage});
     } catch (const std::exception& error) {
         fmt::print(stderr, "viewer_measure: {}\n", error.what());

@@ -1,4 +1,4 @@
-// What tests of the window share: a small stage, a screen, images that are compared.
+// What the tests of the window share: a small stage, a screen, and comparisons of images.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,22 +14,22 @@
 
 namespace neuvv::test {
 
-// Share of pixels that differ by more than `steps` of 255 in a channel; 1 where sizes differ.
+// The share of pixels that differ by more than `steps` of 255 in a channel; 1 where sizes differ.
 inline double share_that_differs(const media::Image& a, const media::Image& b, int steps) {
     if (a.width != b.width || a.height != b.height) return 1;
     size_t differ = 0;
     for (size_t i = 0; i < a.rgba.size(); i += 4) {
-        int most = 0;
-        for (size_t c = 0; c < 3; c++) most = std::max(most, std::abs(a.rgba[i + c] - b.rgba[i + c]));
-        differ += most > steps;
+        int max = 0;
+        for (size_t c = 0; c < 3; c++) max = std::max(max, std::abs(a.rgba[i + c] - b.rgba[i + c]));
+        differ += max > steps;
     }
     return 4.0 * static_cast<double>(differ) / static_cast<double>(a.rgba.size());
 }
 
-// The same rays from the same place: what is left is the rounding of cameras that are cut into blocks, which moves an
-// edge of a leaf or of a shadow over the middle of a few pixels.
+// Images of the same view differ by the rounding of the cameras of blocks, which moves an edge of a leaf or of a shadow
+// across the middle of a few pixels.
 constexpr double kSameImage = 0.002;
-// What moves, is added or lit otherwise is seen by more.
+// A change that moves, adds or lights something changes more pixels than this.
 constexpr double kOtherImage = 0.005;
 constexpr int kSteps = 8;
 
@@ -40,7 +40,7 @@ inline bool other(const media::Image& a, const media::Image& b) {
     return a.width == b.width && a.height == b.height && share_that_differs(a, b, kSteps) > kOtherImage;
 }
 
-// A stage with a person of two seconds, `anna`, and what `neuvv stage new` puts on it.
+// A stage with the performer `anna`, of two seconds, and with what `neuvv stage new` adds.
 struct ViewerWindow : testing::Test {
     TemporaryFolder folder;
     std::string clip = file("waver.nvv"), stage = file("show.gltf");
@@ -60,17 +60,17 @@ struct ViewerWindow : testing::Test {
     std::unique_ptr<Hands> open(const std::string& what, const std::string& size = "640x400") const {
         return std::make_unique<Hands>(*screen, folder.path, std::vector<std::string>{what, "--size", size});
     }
-    // What `neuvv render` makes of the stage through its camera, as large as the image.
+    // The image that `neuvv render` makes of the stage through its camera, as large as `as`.
     media::Image rendered(const media::Image& as, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> words{"render", stage,
-                                       "-o",     file("rendered.png"),
-                                       "--size", std::to_string(as.width) + "x" + std::to_string(as.height)};
-        words.insert(words.end(), more.begin(), more.end());
-        done(words);
+        std::vector<std::string> arguments{"render", stage,
+                                           "-o",     file("rendered.png"),
+                                           "--size", std::to_string(as.width) + "x" + std::to_string(as.height)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        done(arguments);
         return media::read_png(file("rendered.png"));
     }
     nlohmann::json saved() const { return nlohmann::json::parse(read_text(stage)); }
-    // The node's number in the file; that of no node where there is none.
+    // The number of a node in the file; the count of nodes where there is no such node.
     static size_t node(const nlohmann::json& document, const std::string& name) {
         size_t i = 0;
         while (i < document["nodes"].size() && document["nodes"][i].value("name", "") != name) i++;

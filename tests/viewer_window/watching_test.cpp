@@ -1,4 +1,4 @@
-// To watch: opening, playing, looking around, the window itself.
+// Tests of watching: opening, playing, looking around, and the window itself.
 #include <fstream>
 
 #include "viewer_window/viewer_window.h"
@@ -34,7 +34,7 @@ TEST_F(Watching, TheWindowShowsWhatRenderDraws) {
     EXPECT_EQ(window.width, 640u);
     EXPECT_EQ(window.height, 400u);
     const std::vector<double> at = hands->seen()["items"]["picture"];
-    const uint32_t tools = 110;                                // their width, in two columns
+    const uint32_t tools = 110;                                // the width of the toolbar, in two columns
     media::Image part(shown.width - tools, shown.height / 2);  // above the notices
     media::Image above(part.width, part.height);
     for (uint32_t y = 0; y < part.height; y++)
@@ -101,7 +101,7 @@ TEST_F(Watching, LooksAroundAndComesToRest) {
     EXPECT_EQ(hands->seen()["modified"], false) << "nothing of it is an edit";
 }
 
-// A person's clicks are short, and images may take long: none is lost.
+// Presses of keys may be much shorter than a frame takes; none may be lost.
 TEST_F(Watching, ShortPressesAreNotLost) {
     const auto hands = open(stage);
     hands->until_rest();

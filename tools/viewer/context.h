@@ -1,7 +1,8 @@
-// What panels and tools work with. Everything that they change of the stage goes through Editor::edit or Editor::drag,
-// so that it can be undone; what they want of the frame loop goes into FrameRequests.
+// What panels and tools work with. They change the stage only through Editor::edit and Editor::drag, so that every
+// change can be undone. What they need from the frame loop (viewer.cpp) they write into FrameRequests.
 //
-// One context lives as long as the viewer. Jobs and tasks of the render thread may keep its address.
+// The viewer has one context, which lives as long as the viewer does. Jobs and tasks of the render thread may keep its
+// address.
 #pragma once
 
 #include <algorithm>
@@ -17,14 +18,15 @@
 
 namespace neuvv::viewer {
 
-// What panels and tools ask of the frame loop.
+// What panels and tools request of the frame loop.
 struct FrameRequests {
-    int frames = 3;                    // that the window is drawn again, though no event comes
-    double last_motion_s = -1e9;       // when something in the image moved
-    std::optional<Eye> eye;            // where the eye shall go, smoothly
-    std::optional<float> ui_scale;     // of panels, from the next frame on
-    bool document_again = false;       // files that the stage plays have changed: read it anew
-    std::optional<double> answered_s;  // when the event came that this frame's changes answer, where that was earlier
+    int frames = 3;                 // how many more frames are drawn even if no event comes
+    double last_motion_s = -1e9;    // when something in the image moved last; as FrameInput::now_s
+    std::optional<Eye> eye;         // the eye flies there
+    std::optional<float> ui_scale;  // of panels, from the next frame on
+    bool reload_document = false;   // a clip's file has changed: the render thread reads the stage again
+    // The event that caused this frame's changes, where it came before the events of this frame (a stroke of paint).
+    std::optional<double> earlier_event_s;
 };
 
 struct Context {
@@ -37,13 +39,16 @@ struct Context {
     FrameRequests& requests;
 
     editor::Parts parts() const { return {editor, jobs, render_thread}; }
-    // From pixels at scale 1 to pixels of the framebuffer.
+    // Converts pixels at scale 1 to pixels of the framebuffer.
     float ui(float pixels) const { return pixels * frame.ui_scale; }
+    // Draws the window at least so many times more, even if no event comes.
     void redraw(int frames = 3) const { requests.frames = std::max(requests.frames, frames); }
-    // Something in the image moves just now: it is drawn soon rather than sharp.
-    void moves() const { requests.last_motion_s = frame.now_s; }
+    // To be called while something in the image moves: images then come soon, with fewer rays where time is short.
+    void mark_motion() const { requests.last_motion_s = frame.now_s; }
+    // Lets the eye fly to `target`.
     void go_to(const Eye& target) const { requests.eye = target; }
-    // The stage that is drawn, where its nodes have the document's numbers: it may be some edits behind. Else null.
+    // The stage that is drawn, which may be some edits behind the document. Null where it has another number of nodes
+    // than the document: then a node's number would mean another node.
     const stage::Stage* stage_of_document() const {
         const stage::Stage* stage = frame.stage.get();
         return stage && editor.is_open() && stage->scene.nodes.size() == editor.node_count() ? stage : nullptr;

@@ -11,8 +11,8 @@ namespace neuvv::viewer {
 
 namespace {
 
-// A block's rays, at most: some tens of milliseconds on a software device.
-constexpr uint32_t kBlockPixels = 512;
+// The most rays along a side of a block: tracing it takes some tens of milliseconds on a software device.
+constexpr uint32_t kMaxBlockRays = 512;
 
 }  // namespace
 
@@ -64,9 +64,9 @@ void Export::draw_block(editor::OnDevice& on_device) {
     const stage::Camera camera = settings_.camera(on_device.stage, evaluated);
     on_device.renderer.show(evaluated, settings_.with_background);
     render::FrameSettings settings = on_device.renderer.settings_at(evaluated);
-    if (block_ == 0)  // the window may grow meanwhile, and the renderer with it
-        side_ = editor::min_grid_side(camera, std::min(settings.width, kBlockPixels) / settings_.samples,
-                                      std::min(settings.height, kBlockPixels) / settings_.samples);
+    if (block_ == 0)  // computed once an image: the renderer may grow with the window while an image is drawn
+        side_ = editor::min_grid_side(camera, std::min(settings.width, kMaxBlockRays) / settings_.samples,
+                                      std::min(settings.height, kMaxBlockRays) / settings_.samples);
     const editor::Block block = editor::block_of(camera, block_++, side_);
     if (block.camera.width == 0 || block.camera.height == 0) return;
     settings.width = block.camera.width;

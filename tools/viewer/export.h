@@ -1,4 +1,5 @@
-// Images and videos of the stage, drawn between the images of the window and written as they come.
+// Exports images and videos of the stage: the render thread draws them between the images of the window, and writes
+// each one as soon as it is complete.
 #pragma once
 
 #include <atomic>
@@ -13,33 +14,34 @@
 namespace neuvv::viewer {
 
 struct ExportSettings {
-    tools::ImageOutput output;  // no .exr
+    tools::ImageOutput output;  // not .exr
     media::ImageSize size{1920, 1080};
-    double fps = 25, first_s = 0;
-    uint32_t images = 1, samples = 2;
-    // At a time of the stage, of the export's size.
+    double fps = 25, first_s = 0;      // images per second of the stage; the stage time of the first image
+    uint32_t images = 1, samples = 2;  // how many images; rays per pixel along each side
+    // The camera at the time of `evaluated`. It must have `size`.
     std::function<stage::Camera(const stage::Stage& stage, const stage::EvaluatedStage& evaluated)> camera;
-    bool with_background = true;  // else images keep their alpha
+    bool with_background = true;  // else images have the alpha of what they show
 };
 
-// One export. The window's thread makes it, asks it and cancels it; the drawer's does its steps.
+// One export. The window's thread constructs, watches and cancels it; the render thread calls step().
 class Export {
   public:
-    // Throws InputError where the settings do not fit together, or the file cannot be written.
+    // Throws InputError where the settings contradict each other, or where the file cannot be written.
     explicit Export(ExportSettings settings);
 
-    // A step: a block of an image, in about the time of a moving image. False: it is over.
+    // Draws one block of an image, which takes about as long as an image of a moving view. Returns false when the
+    // export has ended.
     bool step(editor::OnDevice& on_device);
 
     void cancel() { cancelled_ = true; }
     uint32_t finished_images() const { return finished_; }
     const ExportSettings& settings() const { return settings_; }
-    // What there is to say when it is over, and whether that is an error.
+    // How the export ended: a line for the user, and whether it is an error.
     struct End {
         std::string text;
         bool error = false;
     };
-    std::optional<End> end() const;
+    std::optional<End> end() const;  // nullopt: it goes on
 
   private:
     void draw_block(editor::OnDevice& on_device);
@@ -51,9 +53,9 @@ class Export {
     std::atomic<uint32_t> finished_ = 0;
     mutable std::mutex mutex_;
     std::optional<End> end_;
-    // The drawer's.
+    // Used by the render thread alone.
     std::unique_ptr<tools::ImageSink> sink_;
-    uint32_t block_ = 0, side_ = 1;  // of side × side in the image that is drawn
+    uint32_t block_ = 0, side_ = 1;  // the next block; the blocks of an image are side_ × side_
     media::Image image_;
 };
 

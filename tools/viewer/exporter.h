@@ -1,4 +1,4 @@
-// The export that is under way: one at a time. Meanwhile nothing is edited.
+// Runs one export at a time. While it runs, the document is frozen: it cannot be edited.
 #pragma once
 
 #include <memory>
@@ -10,15 +10,16 @@ namespace neuvv::viewer {
 
 class Exporter {
   public:
-    // Stops one that is under way; call it before the render thread stops.
+    // Cancels the export, where one is under way. To be called before the render thread stops.
     void cancel();
-    // Begins to draw the job's blocks whenever the render thread has nothing else to draw. None may be under way.
+    // Starts an export: the render thread draws its blocks whenever it has nothing else to draw. No other export may be
+    // under way.
     void begin(Context& context, std::shared_ptr<Export> job);
-    // Each frame: says how it ended, and lets the stage be edited again.
+    // To be called once a frame. When the export has ended, notifies the user of its result and unfreezes the document.
     void tick(Context& context);
 
-    Export* job() const { return job_.get(); }   // null: none is under way
-    double begin_s() const { return begin_s_; }  // when it began, of FrameInput::now_s
+    Export* job() const { return job_.get(); }   // null: no export is under way
+    double begin_s() const { return begin_s_; }  // when it began, as FrameInput::now_s
 
   private:
     std::shared_ptr<Export> job_;

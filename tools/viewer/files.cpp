@@ -17,7 +17,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr double kWatchEvery_s = 1;
+constexpr double kWatchInterval_s = 1;
 
 bool is_one_of(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
     return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return path.extension() == e; });
@@ -32,7 +32,7 @@ Files::Files(Context& context, Preferences& preferences, const Exporter& exporte
       events_(std::move(events)),
       saver_(context.editor, context.jobs) {}
 
-// An export's images are all of one stage.
+// All images of an export show the same stage, so no other may be opened meanwhile.
 bool Files::refused_by_export() {
     if (!exporter_.job()) return false;
     context_.editor.notify("an export goes on: cancel it first", true);
@@ -40,10 +40,10 @@ bool Files::refused_by_export() {
 }
 
 void Files::open(const std::filesystem::path& path) {
-    when_saved_or_given_up([this, path] { open_now(path); });
+    when_saved_or_discarded([this, path] { open_now(path); });
 }
 
-// Edits of a process that is gone are offered before the stage is read.
+// Edits that a crash left behind are offered before the stage is read.
 void Files::open_now(const std::filesystem::path& path) {
     context_.jobs.start(fmt::format("Opening {}", path.filename().string()), [this, path] {
         const std::vector<edit::RecoveryEntry> entries = editor::lost_edits_of(editor::stage_of_file(path));
@@ -54,7 +54,7 @@ void Files::open_now(const std::filesystem::path& path) {
     });
 }
 
-void Files::offer_lost() {
+void Files::offer_recovery() {
     context_.jobs.start("", [this]() -> JobQueue::Then {
         const std::vector<edit::RecoveryEntry> entries = editor::lost_edits();
         if (entries.empty()) return {};
@@ -75,16 +75,15 @@ void Files::ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::
 }
 
 void Files::read(const std::filesystem::path& path) {
-    context_.jobs.start(fmt::format("Opening {}", path.filename().string()),
-                        [this, path, number = context_.editor.id()] {
-                            auto document = std::make_shared<edit::Document>(editor::open_document(path));
-                            return [this, document, path, number] {
-                                // Edits that were made while it was read are asked about again.
-                                if (context_.editor.modified() && context_.editor.id() != number) return open(path);
-                                opened(std::move(*document), false);
-                                remember_file(preferences_, std::filesystem::absolute(path));
-                            };
-                        });
+    context_.jobs.start(fmt::format("Opening {}", path.filename().string()), [this, path, id = context_.editor.id()] {
+        auto document = std::make_shared<edit::Document>(editor::open_document(path));
+        return [this, document, path, id] {
+            // Edits that were made while the file was read are asked about again.
+            if (context_.editor.modified() && context_.editor.id() != id) return open(path);
+            opened(std::move(*document), false);
+            remember_file(preferences_, std::filesystem::absolute(path));
+        };
+    });
 }
 
 void Files::recover(const edit::RecoveryEntry& entry) {
@@ -111,7 +110,7 @@ void Files::ask_to_open() {
 }
 
 void Files::new_stage() {
-    when_saved_or_given_up([this] {
+    when_saved_or_discarded([this] {
         const std::filesystem::path path = stage::absolute_path("stage.gltf");
         opened({neuvv::edit::new_stage(path), {}, {}}, true);
     });
@@ -134,35 +133,34 @@ void Files::save_as() {
 
 void Files::save_to(const std::filesystem::path& path, std::function<void()> then) {
     const stage::StageFile& file = context_.editor.file();
-    const bool left = file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(file.path);
-    saver_.save(path, [this, path, left, then](const edit::Document& saved, uint64_t opened) {
-        if (left && opened == context_.editor.open_count()) events_.left_layers(edit::used_layers(saved.file));
+    const bool moves = file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(file.path);
+    saver_.save(path, [this, path, moves, then](const edit::Document& saved, uint64_t open_count) {
+        if (moves && open_count == context_.editor.open_count()) events_.saved_elsewhere(edit::used_layers(saved.file));
         remember_file(preferences_, std::filesystem::absolute(path));
         if (then) then();
     });
 }
 
-void Files::take(const std::filesystem::path& dropped) {
+void Files::open_or_add(const std::filesystem::path& file) {
     editor::Editor& editor = context_.editor;
     std::error_code error;
-    if (!editor.is_open() || editor::has_stage_ending(dropped.string()) ||
-        std::filesystem::is_directory(dropped, error))
-        return open(dropped);
-    if (voctree::has_clip_ending(dropped)) {
+    if (!editor.is_open() || editor::has_stage_ending(file.string()) || std::filesystem::is_directory(file, error))
+        return open(file);
+    if (voctree::has_clip_ending(file)) {
         edit::PerformerEdit performer;
-        performer.clip = dropped;
+        performer.clip = file;
         editor.edit(
-            [&](edit::Document& d) { return edit::add_performer(d.file, dropped.stem().string(), performer, {}); });
-    } else if (is_one_of(dropped, {".nvpaint"})) {
+            [&](edit::Document& d) { return edit::add_performer(d.file, file.stem().string(), performer, {}); });
+    } else if (is_one_of(file, {".nvpaint"})) {
         if (!editor.selected()) return editor.notify("select the performer that shall wear this paint first", true);
-        editor.edit([&](edit::Document& d) { return edit::add_paint_layer(d.file, *editor.selected(), dropped, {}); });
-    } else if (is_one_of(dropped, {".png"})) {
+        editor.edit([&](edit::Document& d) { return edit::add_paint_layer(d.file, *editor.selected(), file, {}); });
+    } else if (is_one_of(file, {".png"})) {
         edit::StageEdit stage;
-        stage.environment = dropped;
+        stage.environment = file;
         editor.edit([&](edit::Document& d) { return edit::set_stage(d.file, stage); });
     } else {
         editor.notify(fmt::format("{}: is no stage, clip, paint or image (.gltf, .glb, .nvv, .npz, .nvpaint, .png)",
-                                  dropped.filename().string()),
+                                  file.filename().string()),
                       true);
     }
 }
@@ -183,7 +181,7 @@ void Files::ask_path(std::string title, std::vector<std::string> endings, bool t
 void Files::list_folder(const std::filesystem::path& folder) {
     question_->folder = stage::absolute_path(folder.empty() ? "." : folder);
     context_.jobs.start("", [this, of = question_->folder, endings = question_->endings] {
-        std::vector<Listed> listed;
+        std::vector<ListedFile> listed;
         std::error_code error;
         for (const auto& entry : std::filesystem::directory_iterator(of, error)) {
             const std::string name = entry.path().filename().string();
@@ -192,7 +190,7 @@ void Files::list_folder(const std::filesystem::path& folder) {
                 is_folder || std::find(endings.begin(), endings.end(), entry.path().extension()) != endings.end();
             if (!name.starts_with('.') && fits) listed.push_back({name, is_folder});
         }
-        std::sort(listed.begin(), listed.end(), [](const Listed& a, const Listed& b) {
+        std::sort(listed.begin(), listed.end(), [](const ListedFile& a, const ListedFile& b) {
             return std::pair(!a.folder, a.name) < std::pair(!b.folder, b.name);
         });
         return [this, of, listed] {
@@ -202,7 +200,7 @@ void Files::list_folder(const std::filesystem::path& folder) {
     });
 }
 
-void Files::when_saved_or_given_up(std::function<void()> then) {
+void Files::when_saved_or_discarded(std::function<void()> then) {
     if (question_ || refused_by_export()) return;
     context_.editor.end_drag();
     if (!context_.editor.modified()) {
@@ -222,10 +220,10 @@ void Files::close_question() {
 
 void Files::tick() {
     saver_.autosave.tick(context_.frame.now_s);
-    if (context_.frame.now_s - watched_s_ >= kWatchEvery_s) watch_clips();
+    if (context_.frame.now_s - watched_s_ >= kWatchInterval_s) watch_clips();
 }
 
-// A training run writes its clip anew with each checkpoint.
+// A training run writes its clip again with each checkpoint.
 void Files::watch_clips() {
     if (!context_.frame.stage || !context_.jobs.idle() || exporter_.job()) return;
     watched_s_ = context_.frame.now_s;
@@ -241,7 +239,7 @@ void Files::watch_clips() {
         if (now == before) return {};
         return [this, now, first = before.empty()] {
             clips_ = now;
-            if (!first) context_.requests.document_again = true;
+            if (!first) context_.requests.reload_document = true;
         };
     });
 }

@@ -1,7 +1,8 @@
-// Files of the viewer: what is open, what is saved, what is recovered, what was opened lately.
+// The files of the viewer: opening, saving, recovery of unsaved edits, and the list of files that were opened recently.
 //
-// The job queue does all reading and writing. What closes a document (opening another, quitting) asks first where there
-// are unsaved edits; a copy of those goes to the recovery folder every kAutosaveInterval_s.
+// The job queue reads and writes all files. Before the document is closed, by opening another or by quitting, the user
+// is asked about unsaved edits. A copy of unsaved edits is stored for recovery every kAutosaveInterval_s
+// (editor/autosave.h).
 #pragma once
 
 #include <filesystem>
@@ -19,57 +20,63 @@
 
 namespace neuvv::viewer {
 
-// What the user is asked: one at a time, each in a modal.
+// A question to the user, in a modal dialog. One is asked at a time.
 struct FileQuestion {
     enum class Kind { kUnsaved, kRecover, kPath } kind = Kind::kUnsaved;
     // kPath:
     std::string title;
-    std::vector<std::string> endings;  // ".nvv"; of files that can be chosen
-    bool to_save = false;
-    std::filesystem::path folder;
-    std::string name;  // typed
+    std::vector<std::string> endings;  // of the files that can be selected, as ".nvv"
+    bool to_save = false;              // the path is for writing a file, else for reading one
+    std::filesystem::path folder;      // the folder that is listed; of kRecover: the path that was to be opened
+    std::string name;                  // of the file, as typed or selected
+    // kPath: called with the path that the user gave. kRecover: called with `folder` unless edits are recovered.
     std::function<void(const std::filesystem::path&)> then;
-    // kRecover:
+    // kRecover; the first entry is the one that is offered:
     std::vector<edit::RecoveryEntry> entries;
-    // kUnsaved:
+    // kUnsaved; called once the edits are saved or discarded:
     std::function<void()> afterwards;
 };
 
-// What else changes when a file does.
+// Functions that Files calls when the open document or its file has changed.
 struct FileEvents {
-    std::function<void()> opened;  // another document is open now
-    // The stage was saved under another name: layers that the file before it wears, too.
-    std::function<void(std::set<std::filesystem::path>)> left_layers;
+    std::function<void()> opened;  // another document is being opened
+    // The stage was saved under another name. The argument: the layers of paint that the stage under its earlier name
+    // still uses, too.
+    std::function<void(std::set<std::filesystem::path>)> saved_elsewhere;
 };
 
 class Files {
   public:
-    // `preferences`: the files that were opened lately are remembered there.
+    // `preferences` gets the list of files that were opened recently. All references must outlive this object.
     Files(Context& context, Preferences& preferences, const Exporter& exporter, FileEvents events);
 
-    // A stage, a clip, a folder of clips. Asks about unsaved edits, then whether to recover lost ones.
+    // Opens a stage, a clip or the newest clip of a folder. Asks about unsaved edits of the open document first, then
+    // whether to recover edits of this stage that a crash left behind.
     void open(const std::filesystem::path& path);
-    // Asks which one.
+    // Asks for a path, then opens it.
     void ask_to_open();
     void new_stage();
-    // At a start without a file: edits of any stage that a process left behind are offered, the latest first.
-    void offer_lost();
-    // Where it has a file, else asks for one.
+    // For a start without a file: offers to recover the edits that a crash left behind, those of the stage that was
+    // edited last.
+    void offer_recovery();
+    // Saves the document to its file, or asks for a path where it has no file yet.
     void save();
     void save_as();
-    // Dropped on the window: a stage is opened; clips, paint and images go onto the stage that is open.
-    void take(const std::filesystem::path& dropped);
+    // For a file that was dropped on the window: opens a stage, or a folder; adds a clip, a layer of paint or an
+    // environment to the open stage. Without an open stage, every file is opened.
+    void open_or_add(const std::filesystem::path& file);
 
-    // Asks for a path, then calls `then` on the window's thread. `to_save`: it need not exist; where it does,
-    // overwriting is confirmed.
+    // Asks for a path and calls `then` with it on the window's thread, unless the user cancels. Does nothing while
+    // another question is open. With `to_save` the file need not exist; the user confirms to replace one that does.
     void ask_path(std::string title, std::vector<std::string> endings, bool to_save, const std::string& name,
                   std::function<void(const std::filesystem::path&)> then);
-    // Now where nothing would be lost, else after the user has decided; never, where the user cancels.
-    void when_saved_or_given_up(std::function<void()> then);
+    // Calls `then`: at once where there are no unsaved edits, else once the user has saved or discarded them. Does not
+    // call it where the user cancels, while another question is open, or while an export is under way.
+    void when_saved_or_discarded(std::function<void()> then);
 
-    // Each frame: stores unsaved edits for recovery, looks whether clips were written anew.
+    // To be called once a frame. Stores unsaved edits for recovery, and reads clips again whose files have changed.
     void tick();
-    // Draws what is asked.
+    // Draws the open question, and acts on its answer.
     void panel();
 
   private:
@@ -77,7 +84,7 @@ class Files {
     void read(const std::filesystem::path& path);
     void opened(edit::Document document, bool modified, std::optional<edit::RecoveryEntry> from = {});
     void recover(const edit::RecoveryEntry& entry);
-    // `then` is called with `path` unless they are recovered.
+    // Calls `then` with `path` once the user has declined.
     void ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::filesystem::path& path,
                         std::function<void(const std::filesystem::path&)> then);
     void save_to(const std::filesystem::path& path, std::function<void()> then);
@@ -95,15 +102,15 @@ class Files {
     Preferences& preferences_;
     const Exporter& exporter_;
     FileEvents events_;
-    struct Listed {
+    struct ListedFile {
         std::string name;
         bool folder = false;
     };
-    std::vector<Listed> listed_;       // of the question's folder
-    std::filesystem::path confirmed_;  // the user was told that this file will be replaced
+    std::vector<ListedFile> listed_;   // the contents of the question's folder
+    std::filesystem::path confirmed_;  // the user has been told that saving again replaces this file
     std::optional<FileQuestion> question_;
     editor::DocumentSaver saver_;
-    double watched_s_ = 0;
+    double watched_s_ = 0;  // when the clips' files were looked at last
     std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> clips_;
 };
 

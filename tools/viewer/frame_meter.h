@@ -1,4 +1,4 @@
-// How fast the viewer is: images per second, and how long it takes from an event to the image that answers it.
+// Measures how fast the viewer is: images per second, and the latency from an event to the image that shows its effect.
 #pragma once
 
 #include <cstdint>
@@ -6,35 +6,36 @@
 
 namespace neuvv::viewer {
 
-// All times in seconds of FrameInput::now_s.
+// Times in seconds, as FrameInput::now_s.
 class FrameMeter {
   public:
-    // The number of the view and of the document that were requested last, or that are displayed.
-    struct Numbers {
+    // Identifies a view (ViewRequest::id) and a document (Editor::id()).
+    struct Ids {
         uint64_t view = 0, document = 0;
-        bool operator==(const Numbers&) const = default;
+        bool operator==(const Ids&) const = default;
     };
 
-    // Each frame: which view is displayed.
-    void count(uint64_t displayed_view, double now_s);
-    // An event that came at `event_s` is answered by what was requested since.
-    void request(const Numbers& requested, double event_s);
-    // What waits for files that are read does not count.
+    // To be called once a frame, with the view that is displayed.
+    void count_image(uint64_t displayed_view, double now_s);
+    // An event at `event_s` had the effect that this view and document were requested. The latency of the event ends
+    // when they, or newer ones, are displayed.
+    void request(const Ids& requested, double event_s);
+    // Drops the requests that wait: the latency is not measured while files are read.
     void forget_requests() { requests_.clear(); }
-    // The frame that displays these numbers has ended.
-    void displayed(const Numbers& numbers, double now_s);
-    // How long the window's thread took for a frame.
-    void frame(double seconds, bool counts);
+    // To be called at the end of each frame, with the view and the document that it displays.
+    void displayed(const Ids& ids, double now_s);
+    // How many seconds the window's thread needed for a frame. `counts`: the frame counts for max_frame_ms().
+    void add_frame(double seconds, bool counts);
 
-    double images_per_second() const { return images_per_second_; }  // the mean of the last second
-    double latency_ms() const { return latency_ms_; }                // of the last event
+    double images_per_second() const { return images_per_second_; }  // the mean over the last second
+    double latency_ms() const { return latency_ms_; }                // of the last event whose effect is displayed
     double max_latency_ms() const { return max_latency_ms_; }
     double frame_ms() const { return frame_ms_; }
     double max_frame_ms() const { return max_frame_ms_; }
 
   private:
     struct Request {
-        Numbers numbers;
+        Ids ids;
         double event_s = 0;
     };
     std::deque<Request> requests_;

@@ -30,15 +30,15 @@ void read_recent(editor::PreferenceReader& reader, const ordered_json& document,
         reader.wrong.emplace_back("recent");
         return;
     }
-    // The newest stand first: remembered last, they come first again.
+    // The newest file comes first in the list, so it has to be remembered last.
     for (size_t i = std::min(list->size(), kMaxRecentFiles); i-- > 0;) {
         std::string file;
-        const std::string place = fmt::format("recent[{}]", i);
-        if (!reader.text((*list)[i], place, file)) continue;
+        const std::string member = fmt::format("recent[{}]", i);
+        if (!reader.text((*list)[i], member, file)) continue;
         if (std::filesystem::path(file).is_absolute())
             remember_file(preferences, file);
         else
-            reader.wrong.push_back(place);
+            reader.wrong.push_back(member);
     }
 }
 
@@ -70,14 +70,14 @@ Preferences read_document(editor::PreferenceReader& reader, ordered_json documen
     return preferences;
 }
 
-// Bytes that are no UTF-8 would come back as another file.
+// JSON cannot hold other bytes: their path would be read back as that of another file.
 bool is_utf8(const std::string& text) {
     using Handler = ordered_json::error_handler_t;
     const ordered_json json(text);
     return json.dump(-1, ' ', false, Handler::ignore) == json.dump(-1, ' ', false, Handler::replace);
 }
 
-ordered_json written(const Preferences& preferences) {
+ordered_json json_of(const Preferences& preferences) {
     ordered_json document = preferences.document.is_object() ? preferences.document : ordered_json::object();
     ordered_json& window = editor::object_in(document, "window");
     window["width"] = preferences.window.width;
@@ -119,7 +119,7 @@ LoadedPreferences load_preferences(const std::filesystem::path& path) {
 }
 
 void save_preferences(const std::filesystem::path& path, const Preferences& preferences) {
-    editor::save_preference_file(path, written(preferences));
+    editor::save_preference_file(path, json_of(preferences));
 }
 
 void remember_file(Preferences& preferences, const std::filesystem::path& file) {
@@ -129,13 +129,13 @@ void remember_file(Preferences& preferences, const std::filesystem::path& file) 
     if (preferences.recent.size() > kMaxRecentFiles) preferences.recent.resize(kMaxRecentFiles);
 }
 
-std::vector<bool> recent_files_there(const Preferences& preferences) {
-    std::vector<bool> there;
+std::vector<bool> recent_files_exist(const Preferences& preferences) {
+    std::vector<bool> exist;
     for (const std::filesystem::path& file : preferences.recent) {
         std::error_code ignored;
-        there.push_back(std::filesystem::is_regular_file(file, ignored));
+        exist.push_back(std::filesystem::is_regular_file(file, ignored));
     }
-    return there;
+    return exist;
 }
 
 }  // namespace neuvv::viewer

@@ -4,7 +4,7 @@
 //    "recent": ["/home/me/a.gltf"], "panels": {"stage": {"open": true, "width": 320}},
 //    "uiScale": 1, "preview": {"resolution": 1, "samples": 4}, "layer": "colour"}
 //
-// Every member may be missing. Members that are not known here stay in the file, in all of these objects.
+// Every member may be missing. Members of these objects that the viewer does not know stay in the file.
 #pragma once
 
 #include <cstdint>
@@ -23,41 +23,42 @@ constexpr size_t kMaxRecentFiles = 10;
 
 struct PanelSize {
     bool open = true;
-    double width = 320;  // in units of the interface, 50 to 4096
+    double width = 320;  // pixels at scale 1, 50 to 4096
 };
 
 struct PreviewQuality {
-    double resolution = 1;  // share of the window's, 0.2 to 1
-    uint32_t samples = 4;   // a pixel, at rest; 1 to 64
+    double resolution = 1;  // while something moves: the most rays per pixel along each side, 0.2 to 1
+    uint32_t samples = 4;   // while nothing moves: rays per pixel, 1 to 64
 };
 
 struct Preferences {
     ui::WindowGeometry window;
     std::vector<std::filesystem::path> recent;  // absolute, each once, newest first, at most kMaxRecentFiles
-    std::map<std::string, PanelSize> panels;    // by their names, at most 64; others leave the file
+    std::map<std::string, PanelSize> panels;    // by name, at most 64; saving removes all others from the file
     double ui_scale = 1;                        // 0.5 to 4
     PreviewQuality preview;
-    std::string layer;  // of the image that is shown, by its name; empty: the first
-    nlohmann::ordered_json document = nlohmann::ordered_json::object();  // as it was read: for what is not known here
+    std::string layer;  // the displayed layer of the image, by name (kLayerNames); empty: the first
+    nlohmann::ordered_json document = nlohmann::ordered_json::object();  // as it was read, unknown members included
 };
 
 struct LoadedPreferences {
     Preferences preferences;
-    std::string message;  // one line for the user about what was wrong; empty: nothing
+    std::string message;  // one line for the user that says what is wrong in the file; empty: nothing
 };
 
-// Never throws for what is in the file or where it should be: what is missing has its default, and what is damaged or
-// out of range, too, with a message that names it.
+// Never throws because of the file's contents or because it is missing: a missing member has its default. So has a
+// damaged member, or one that is out of range, and the message names it.
 LoadedPreferences load_preferences(const std::filesystem::path& path);
 
-// Atomically, its folder made where it is missing. Paths that are not UTF-8 are left out. Throws RuntimeFailure.
+// Replaces the file atomically, and creates its folder where that is missing. Paths that are not UTF-8 are left out.
+// Throws RuntimeFailure.
 void save_preferences(const std::filesystem::path& path, const Preferences& preferences);
 
-// A file was opened or saved: it comes first.
+// To be called when a file was opened or saved. It becomes the first of `recent`.
 void remember_file(Preferences& preferences, const std::filesystem::path& file);
 
-// Of the same order and length as `recent`: whether each is still there. Files that are gone stay listed: a disk may
-// come back.
-std::vector<bool> recent_files_there(const Preferences& preferences);
+// For each file of `recent`, in that order: whether it exists. Files that do not exist stay in the list, because their
+// disk may come back.
+std::vector<bool> recent_files_exist(const Preferences& preferences);
 
 }  // namespace neuvv::viewer

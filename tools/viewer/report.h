@@ -1,5 +1,5 @@
-// What the window shows, as JSON in a file: places of buttons, the selection, the image. For programs that drive the
-// viewer by mouse and keys, tests first.
+// Writes what the window displays to a JSON file: the areas of buttons, the selection, the state of the image. The file
+// is for programs that drive the viewer by mouse and keys, such as tests.
 #pragma once
 
 #include <chrono>
@@ -11,21 +11,24 @@ namespace neuvv::viewer {
 
 class Report {
   public:
-    // Without a file all of this does nothing.
+    // With an empty path, nothing is written.
     explicit Report(std::filesystem::path file) : file_(std::move(file)) {}
-    bool on() const { return !file_.empty(); }
+    bool enabled() const { return !file_.empty(); }
 
     void begin_frame();
-    // The last item of ImGui, by a name; pixels of the framebuffer: left, top, width, height.
+    // Adds the area of ImGui's last item under this name, where it is visible.
     void item(const std::string& name);
-    void place(const std::string& name, float left, float top, float width, float height);
+    // Adds an area, in pixels of the framebuffer.
+    void area(const std::string& name, float left, float top, float width, float height);
+    // Adds a member beside the areas.
     void fact(const std::string& name, nlohmann::json value);
-    // Written where anything changed, at most some times a second; false: it waits for a later frame.
+    // Writes the file where anything has changed, at most 25 times per second. Returns false where a change has to wait
+    // for a later frame.
     bool end_frame();
 
   private:
     std::filesystem::path file_;
-    nlohmann::json now_;
+    nlohmann::json current_;
     std::string written_;
     std::chrono::steady_clock::time_point last_;
 };

@@ -14,15 +14,15 @@ nlohmann::json json_of(const std::optional<T>& value) {
 
 void report_facts(const Context& context, const ReportedState& state) {
     Report& report = context.report;
-    if (!report.on()) return;
+    if (!report.enabled()) return;
     const FrameInput& frame = context.frame;
     const editor::Editor& editor = context.editor;
-    const editor::DisplayedImage& displayed = frame.drawn.displayed;
+    const editor::DisplayedImage& displayed = frame.rendered.displayed;
     const Area& area = frame.image_area;
-    report.place("picture", area.left, area.top, area.width, area.height);
+    report.area("picture", area.left, area.top, area.width, area.height);
     report.fact("open", editor.is_open() ? editor.file().path.string() : "");
     report.fact("modified", editor.modified());
-    report.fact("ready", frame.stage && frame.drawn.stage_id == editor.id() && displayed.view > 0);
+    report.fact("ready", frame.stage && frame.rendered.stage_id == editor.id() && displayed.view > 0);
     report.fact("view", displayed.view);
     report.fact("finished", state.image_is_sharp);
     report.fact("scale", displayed.scale);
@@ -32,7 +32,7 @@ void report_facts(const Context& context, const ReportedState& state) {
     report.fact("along_path", context.view.along_path);
     report.fact("paint", {{"ready", state.paint.ready()},
                           {"busy", state.paint.busy()},
-                          {"radius_m", state.paint.choice.radius_m},
+                          {"radius_m", state.paint.settings.radius_m},
                           {"depth_m", json_of(state.paint.hover_depth_m())}});
     report.fact("latency_ms", state.meter.latency_ms());
     report.fact("worst_latency_ms", state.meter.max_latency_ms());
@@ -45,7 +45,7 @@ void report_facts(const Context& context, const ReportedState& state) {
                             {"scrolls", handled.scrolls},
                             {"all", !state.window.has_more()}});
     report.fact("busy", context.jobs.under_way());
-    report.fact("problem", frame.drawn.problem);
+    report.fact("problem", frame.rendered.problem);
     report.fact("validation", state.validation_messages);
     report.fact("selected", json_of(editor.selected()));
     nlohmann::json notices = nlohmann::json::array();

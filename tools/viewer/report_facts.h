@@ -1,4 +1,4 @@
-// The facts that reports state, besides the places of buttons: all in one place.
+// Adds all facts to the report: everything that it says besides the areas of buttons and handles.
 #pragma once
 
 #include "tools/viewer/context.h"
@@ -13,7 +13,7 @@ struct ReportedState {
     const ui::Window& window;
     std::span<const editor::Notice> notices;
     std::span<const std::string> validation_messages;
-    bool image_is_sharp = false;  // and nothing moves
+    bool image_is_sharp = false;  // the displayed image is final, and nothing moves
 };
 // Does nothing where no report is written.
 void report_facts(const Context& context, const ReportedState& state);

@@ -12,7 +12,7 @@ namespace neuvv::viewer {
 struct Screen::Frame {
     explicit Frame(const gpu::Device& device) : commands(device, "window", 4) {}
     gpu::Commands commands;
-    std::shared_ptr<const gpu::DeviceImage> image;  // lives until its copy is done
+    std::shared_ptr<const gpu::DeviceImage> image;  // kept alive until its copy is done
 };
 
 namespace {
@@ -21,20 +21,21 @@ int32_t edge(int32_t offset, uint32_t extent) {
     return offset + static_cast<int32_t>(extent);
 }
 
-// The window may have become smaller since the image's place was laid out.
-bool is_shown(const ScreenImage& image, VkExtent2D window) {
-    return image.image && image.at.extent.width > 0 && image.at.extent.height > 0 && image.at.offset.x >= 0 &&
-           image.at.offset.y >= 0 && image.at.offset.x < edge(0, window.width) &&
-           image.at.offset.y < edge(0, window.height);
+// The window may have become smaller since the image's area was computed.
+bool is_in_window(const ScreenImage& image, VkExtent2D window) {
+    return image.image && image.area.extent.width > 0 && image.area.extent.height > 0 && image.area.offset.x >= 0 &&
+           image.area.offset.y >= 0 && image.area.offset.x < edge(0, window.width) &&
+           image.area.offset.y < edge(0, window.height);
 }
 
-VkExtent2D shown_part(const ScreenImage& image, VkExtent2D window) {
-    return {std::min(image.at.extent.width, window.width - static_cast<uint32_t>(image.at.offset.x)),
-            std::min(image.at.extent.height, window.height - static_cast<uint32_t>(image.at.offset.y))};
+VkExtent2D visible_extent(const ScreenImage& image, VkExtent2D window) {
+    return {std::min(image.area.extent.width, window.width - static_cast<uint32_t>(image.area.offset.x)),
+            std::min(image.area.extent.height, window.height - static_cast<uint32_t>(image.area.offset.y))};
 }
 
-uint32_t share(uint32_t whole, uint32_t part, uint32_t of) {
-    return std::max(1u, static_cast<uint32_t>(uint64_t{whole} * part / of));
+// extent · part / whole, at least 1.
+uint32_t scaled(uint32_t extent, uint32_t part, uint32_t whole) {
+    return std::max(1u, static_cast<uint32_t>(uint64_t{extent} * part / whole));
 }
 
 }  // namespace
@@ -77,13 +78,13 @@ bool Screen::end(const ScreenImage& image) {
         swapchain_.resize(framebuffer);
         make_framebuffers();
     }
-    Frame& frame = *frames_[turn_];
+    Frame& frame = *frames_[next_frame_];
     frame.commands.wait();
     gpu::CommandSemaphores semaphores;
     const std::optional<gpu::PresentTarget> target = swapchain_.acquire(semaphores);
     if (!target) return false;
-    if (capture_) captured_in_ = turn_;
-    turn_ = 1 - turn_;
+    if (capture_) capture_frame_ = next_frame_;
+    next_frame_ = 1 - next_frame_;
     frame.image = image.image;
     frame.commands.begin();
     record(frame.commands, image, *target);
@@ -92,35 +93,37 @@ bool Screen::end(const ScreenImage& image) {
     return true;
 }
 
-// The image, scaled to its place, on a plain ground; panels over it.
+// Draws the image, scaled to its area, on a plain ground, and the panels over it.
 void Screen::record(gpu::Commands& commands, const ScreenImage& image, const gpu::PresentTarget& target) {
     gpu::move_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkClearColorValue ground = ui::background_colour();
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands.handle(), target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &ground, 1, &all);
-    if (is_shown(image, target.extent)) {
+    if (is_in_window(image, target.extent)) {
         gpu::full_barrier(commands);
-        const VkExtent2D at = shown_part(image, target.extent);
+        const VkExtent2D extent = visible_extent(image, target.extent);
         VkImageBlit blit{};
         blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        blit.srcOffsets[1] = {edge(0, share(image.size.width, at.width, image.at.extent.width)),
-                              edge(0, share(image.size.height, at.height, image.at.extent.height)), 1};
-        blit.dstOffsets[0] = {image.at.offset.x, image.at.offset.y, 0};
-        blit.dstOffsets[1] = {edge(image.at.offset.x, at.width), edge(image.at.offset.y, at.height), 1};
-        const bool same = image.size.width == image.at.extent.width && image.size.height == image.at.extent.height;
+        blit.srcOffsets[1] = {edge(0, scaled(image.size.width, extent.width, image.area.extent.width)),
+                              edge(0, scaled(image.size.height, extent.height, image.area.extent.height)), 1};
+        blit.dstOffsets[0] = {image.area.offset.x, image.area.offset.y, 0};
+        blit.dstOffsets[1] = {edge(image.area.offset.x, extent.width), edge(image.area.offset.y, extent.height), 1};
+        const bool same_size =
+            image.size.width == image.area.extent.width && image.size.height == image.area.extent.height;
         vkCmdBlitImage(commands.handle(), image.image->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.image,
-                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit,
+                       same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
     }
     gpu::move_layout(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     drawing_->record(commands, framebuffers_[target.index], target.extent);
-    VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    VkImageLayout layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     if (capture_) {
-        gpu::move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        gpu::move_layout(commands, target.image, layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
         record_capture(commands, target);
-        drawn = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+        layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
-    gpu::move_layout(commands, target.image, drawn, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+    gpu::move_layout(commands, target.image, layout, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
 
 void Screen::record_capture(gpu::Commands& commands, const gpu::PresentTarget& target) {
@@ -138,14 +141,14 @@ void Screen::record_capture(gpu::Commands& commands, const gpu::PresentTarget& t
 
 std::optional<media::Image> Screen::take_capture() {
     if (!captured_.mapped) return std::nullopt;
-    frames_[captured_in_]->commands.wait();
+    frames_[capture_frame_]->commands.wait();
     media::Image image(captured_size_.width, captured_size_.height);
-    const uint8_t* from = captured_.as<uint8_t>();
+    const uint8_t* source = captured_.as<uint8_t>();
     const bool swapped = swapchain_.format() == VK_FORMAT_B8G8R8A8_UNORM;
     for (size_t i = 0; i < image.rgba.size(); i += 4) {
-        image.rgba[i] = from[i + (swapped ? 2 : 0)];
-        image.rgba[i + 1] = from[i + 1];
-        image.rgba[i + 2] = from[i + (swapped ? 0 : 2)];
+        image.rgba[i] = source[i + (swapped ? 2 : 0)];
+        image.rgba[i + 1] = source[i + 1];
+        image.rgba[i + 2] = source[i + (swapped ? 0 : 2)];
         image.rgba[i + 3] = 255;
     }
     captured_ = gpu::Buffer();

@@ -1,4 +1,4 @@
-// The window's contents: an image, and ImGui's panels over it.
+// Draws the window's contents: an image, and the panels of ImGui over it.
 #pragma once
 
 #include <memory>
@@ -12,30 +12,31 @@
 
 namespace neuvv::viewer {
 
-// Part of an image (RGBA8, layout TRANSFER_SRC), and where it goes in the window, in the framebuffer's pixels.
+// The upper left part of an image (RGBA8, layout TRANSFER_SRC), and the area of the window that it fills.
 struct ScreenImage {
-    std::shared_ptr<const gpu::DeviceImage> image;
-    VkExtent2D size{};
-    VkRect2D at{};
+    std::shared_ptr<const gpu::DeviceImage> image;  // null: no image
+    VkExtent2D size{};                              // of the part, pixels of the image
+    VkRect2D area{};                                // pixels of the framebuffer
 };
 
 class Screen {
   public:
-    // `scale`: of letters and panels. Both must outlive it; ImGui has its context as long as it lives.
+    // `scale` is that of fonts and panels. The device and the window must outlive this object. The context of ImGui
+    // begins and ends with it.
     Screen(const gpu::Device& device, ui::Window& window, float scale);
     ~Screen();
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
 
     float scale() const { return drawing_->scale(); }
-    // Other letters; not between begin() and end().
+    // Loads fonts of another size. Not to be called between begin() and end().
     void set_scale(float scale) { drawing_->set_scale(scale); }
 
-    // Then panels may be drawn with ImGui, until end(), which shows them over the image. False: it could not just
-    // now, and another frame is wanted.
+    // Panels are drawn with ImGui between begin() and end(), which presents them over the image. Returns false where
+    // the swapchain had no image to draw into: then another frame has to be drawn.
     void begin();
     bool end(const ScreenImage& image);
-    // end() keeps what the window shows from now on, until it is taken once.
+    // The next end() also copies the window's contents. take_capture() returns this copy once, and nullopt before.
     void capture_next() { capture_ = true; }
     std::optional<media::Image> take_capture();
 
@@ -49,9 +50,9 @@ class Screen {
     gpu::Swapchain swapchain_;
     std::unique_ptr<ui::PanelDrawing> drawing_;
     std::vector<VkFramebuffer> framebuffers_;
-    std::unique_ptr<Frame> frames_[2];  // in flight in turn
-    size_t turn_ = 0, captured_in_ = 0;
-    bool capture_ = false;
+    std::unique_ptr<Frame> frames_[2];           // used in turn: one may be in flight while the other is recorded
+    size_t next_frame_ = 0, capture_frame_ = 0;  // indices of frames_; of the frame that copied the contents
+    bool capture_ = false;                       // requested by capture_next()
     gpu::Buffer captured_;
     VkExtent2D captured_size_{};
 };

@@ -13,7 +13,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-// Named by the time; a second one of the same second has a number.
+// A file name from the time, with a number where another screenshot was taken in the same second.
 std::filesystem::path free_name(const std::filesystem::path& folder) {
     const std::string time = fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::time(nullptr)));
     std::filesystem::path path = folder / fmt::format("neuvv_{}.png", time);
@@ -21,7 +21,7 @@ std::filesystem::path free_name(const std::filesystem::path& folder) {
     return path;
 }
 
-// From any thread.
+// May be called from any thread.
 void write(Context& context, const std::filesystem::path& folder, std::shared_ptr<const media::Image> image) {
     context.jobs.start("Saving a screenshot", [&context, folder, image] {
         std::filesystem::create_directories(folder);
@@ -31,7 +31,7 @@ void write(Context& context, const std::filesystem::path& folder, std::shared_pt
     });
 }
 
-// The upper left of an image (RGBA8, layout TRANSFER_SRC), opaque.
+// Reads the upper left part of an image (RGBA8, layout TRANSFER_SRC); the result is opaque.
 media::Image read_back(const gpu::Device& device, const gpu::DeviceImage& image, VkExtent2D size) {
     const gpu::Buffer pixels(device, "screenshot", uint64_t{4} * size.width * size.height, gpu::MemoryKind::kReadback);
     gpu::run_once(device, "screenshot", [&](gpu::Commands& commands) {
@@ -56,25 +56,25 @@ std::filesystem::path images_folder() {
 }
 
 void Screenshots::take(Context& context, Screen& screen, bool is_sharp) {
-    if (!image_ && !window_ && !window_asked_) return;
+    if (!image_ && !window_ && !window_capture_pending_) return;
     if (folder_.empty()) folder_ = images_folder();
-    if (window_asked_)
+    if (window_capture_pending_)
         if (std::optional<media::Image> image = screen.take_capture()) {
-            window_asked_ = false;
+            window_capture_pending_ = false;
             write(context, folder_, std::make_shared<const media::Image>(std::move(*image)));
         }
-    if (window_ && !window_asked_) {
+    if (window_ && !window_capture_pending_) {
         window_ = false;
-        window_asked_ = true;
+        window_capture_pending_ = true;
         screen.capture_next();
     }
     if (image_ && is_sharp) {
         image_ = false;
-        context.render_thread.post(
-            [&context, folder = folder_, shown = context.frame.drawn.displayed](editor::OnDevice& on) {
-                write(context, folder,
-                      std::make_shared<const media::Image>(read_back(on.device, *shown.image, shown.size)));
-            });
+        context.render_thread.post([&context, folder = folder_,
+                                    displayed = context.frame.rendered.displayed](editor::OnDevice& on_device) {
+            write(context, folder,
+                  std::make_shared<const media::Image>(read_back(on_device.device, *displayed.image, displayed.size)));
+        });
     }
     context.redraw(1);
 }

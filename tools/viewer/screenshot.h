@@ -1,4 +1,4 @@
-// Screenshots: what is seen, as PNG files.
+// Screenshots of the image or of the window, as PNG files.
 #pragma once
 
 #include <filesystem>
@@ -10,24 +10,24 @@ namespace neuvv::viewer {
 
 class Screenshots {
   public:
-    // Empty: images_folder(). It is made with the first.
+    // An empty path stands for images_folder(). The folder is created with the first screenshot.
     explicit Screenshots(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    // The image without panels, as soon as it is sharp.
-    void want_image() { image_ = true; }
-    // All of the window, as it is.
-    void want_window() { window_ = true; }
+    // Requests the image without panels. It is taken once the image is sharp.
+    void request_image() { image_ = true; }
+    // Requests the window with its panels, as it is.
+    void request_window() { window_ = true; }
 
-    // Each frame: takes what is wanted and there. Files are written off the window's thread; a notice names them.
-    // `is_sharp`: the image that is displayed is final.
+    // To be called once a frame. Takes the requested screenshots that can be taken now. The job queue writes the files,
+    // and a notice names each. `is_sharp`: the displayed image is final.
     void take(Context& context, Screen& screen, bool is_sharp);
 
   private:
     std::filesystem::path folder_;
-    bool image_ = false, window_ = false, window_asked_ = false;
+    bool image_ = false, window_ = false, window_capture_pending_ = false;
 };
 
-// $XDG_PICTURES_DIR, or Images in the home folder where there is one, or the working folder.
+// $XDG_PICTURES_DIR; else the folder Pictures in the home folder, where that exists; else the working folder.
 std::filesystem::path images_folder();
 
 }  // namespace neuvv::viewer

@@ -1,4 +1,4 @@
-// How a stage is looked at: what the viewer's user sets and what is not saved with the stage.
+// How the user looks at the stage: settings of the viewer, which are not saved with the stage.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -16,19 +16,19 @@ constexpr const char* kLayerNames[] = {"colour", "alpha", "depth", "leaf level",
 // How the image is drawn.
 struct ImageSettings {
     render::Show show = render::Show::kColour;
-    float cost_max = 256;         // steps of a ray that are displayed brightest
-    bool overrides_background = false;  // `background` in place of the stage's
-    glm::vec3 background{0.2f};   // sRGB
-    float max_scale = 1;          // rays per pixel along each side while something moves
-    int samples = 2;              // rays per pixel along each side when nothing moves
+    float cost_max = 256;               // of kCost: the number of steps of a ray that is displayed as white
+    bool overrides_background = false;  // `background` replaces that of the stage
+    glm::vec3 background{0.2f};         // sRGB
+    float max_scale = 1;                // the most rays per pixel along each side while something moves
+    int samples = 2;                    // rays per pixel along each side while nothing moves
 };
 
 // Which panels are open, and how large they are at scale 1.
 struct PanelLayout {
-    bool all = true;  // the side panels and the time line; Tab
+    bool all = true;  // the side panels and the timeline are displayed (Tab)
     bool speed = false, help = false;
     float side_width = 320, timeline_height = 170;
-    float tree_share = 0.33f;  // of the side's height
+    float tree_share = 0.33f;  // the stage panel's share of the height of the side panels
 };
 
 struct ViewState {
@@ -37,11 +37,11 @@ struct ViewState {
     ImageSettings image;
     PanelLayout panels;
     const ToolMode* mode = nullptr;  // what the pointer does in the image; never null
-    bool snap = false;               // drags go in steps
-    bool local_axes = false;         // handles stand along the node's own axes
-    bool grid = false;               // lines on the floor
-    bool along_path = false;         // the eye moves along the stage's camera path
-    bool show_path = true;           // that path is drawn
+    bool snap = false;               // drags of handles move in steps
+    bool local_axes = false;         // handles lie along the axes of the node, not of the world
+    bool grid = false;               // a grid of lines is drawn on the floor
+    bool along_path = false;         // the eye follows the camera path of the stage
+    bool show_path = true;           // the camera path is drawn over the image
 };
 
 }  // namespace neuvv::viewer

@@ -14,6 +14,7 @@
 #include "tools/viewer/report_facts.h"
 #include "tools/viewer/timeline/camera_path_view.h"
 #include "tools/viewer/timeline/timeline_view.h"
+#include "tools/viewer/tools/overlay.h"
 
 namespace neuvv::viewer {
 
@@ -27,14 +28,12 @@ double aspect_of(const Area& area) {
     return area.height > 0 ? area.width / area.height : 1;
 }
 
-// The eye when a stage is displayed first: through the stage's first camera, else from the front with all performers in
-// view.
-Eye first_eye(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, double aspect) {
-    const auto [low, high] = stage::performers_box(stage, evaluated);
+// The eye with which a stage is first displayed: that of its first perspective camera, else from the front with all
+// performers in view.
+Eye initial_eye(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, double aspect) {
     for (const stage::EvaluatedCamera& camera : evaluated.cameras)
-        if (!camera.orthographic)
-            return looking_through(camera.world_from_camera, camera.vertical_angle_rad,
-                                   distance_to(camera.world_from_camera, low, high));
+        if (!camera.orthographic) return eye_of(camera, stage, evaluated);
+    const auto [low, high] = stage::performers_box(stage, evaluated);
     return framed(seen_from(Eye{}, EyeSide::kFront), low, high, aspect);
 }
 
@@ -62,7 +61,7 @@ Preferences preferences_for(const Viewer::Options& options, std::string& message
     return loaded.preferences;
 }
 
-// Closes menus and combo boxes; modal questions handle Escape themselves.
+// Closes menus and combo boxes by Escape. Modal dialogs handle it themselves.
 void close_popup_by_escape(const FrameInput& input) {
     const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
     if (!input.escape || open.empty()) return;
@@ -86,7 +85,7 @@ Viewer::Viewer(const Options& options, const std::string& device)
                   tools_.document_opened();
                   timeline_.key_drag.reset();
               },
-              [this](std::set<std::filesystem::path> layers) { paint_.leave_alone(std::move(layers)); }}),
+              [this](std::set<std::filesystem::path> layers) { paint_.protect_layers(std::move(layers)); }}),
       screenshots_(options.screenshots),
       shader_watch_(context_.parts(), options.shaders),
       paint_(device_),
@@ -102,12 +101,12 @@ Viewer::Viewer(const Options& options, const std::string& device)
         if (preferences_.layer == kLayerNames[i]) view_.image.show = static_cast<render::Show>(i);
     if (!preferences_message_.empty()) editor_.notify(preferences_message_, true);
     if (options.file.empty())
-        files_.offer_lost();
+        files_.offer_recovery();
     else
         files_.open(options.file);
 }
 
-// Jobs and tasks of the render thread use the other members.
+// Jobs and tasks of the render thread use the other members, so they must end first.
 Viewer::~Viewer() {
     jobs_.stop();
     exporter_.cancel();
@@ -134,15 +133,15 @@ void Viewer::run() {
         wait();
         read_input();
         frame();
-        const bool displays = input_.drawn.displayed.view > 0;
-        meter_.frame(seconds() - input_.now_s, displays);
-        if (!input_.drawn.loading.empty() || !input_.drawn.problem.empty()) meter_.forget_requests();
-        meter_.displayed({input_.drawn.displayed.view, input_.drawn.displayed.stage}, seconds());
+        const bool displays = input_.rendered.displayed.view > 0;
+        meter_.add_frame(seconds() - input_.now_s, displays);
+        if (!input_.rendered.loading.empty() || !input_.rendered.problem.empty()) meter_.forget_requests();
+        meter_.displayed({input_.rendered.displayed.view, input_.rendered.displayed.stage}, seconds());
         requests_.frames = std::max(0, requests_.frames - 1);
         if (window_.close_requested() && !may_close_) {
             window_.keep_open();
             context_.redraw();
-            files_.when_saved_or_given_up([this] {
+            files_.when_saved_or_discarded([this] {
                 may_close_ = true;
                 window_.close();
             });
@@ -151,8 +150,9 @@ void Viewer::run() {
     store_preferences();
 }
 
-// Until there is something to display: an image of the render thread at once, the rest at most kFrame_s after the frame
-// before, so that panels take little time from the tracing of images where both use the same cores.
+// Waits until there is something to draw. A new image of the render thread, or the result of a job, ends the wait at
+// once. Anything else is drawn no earlier than kFrame_s after the previous frame, so that panels leave time for tracing
+// where both use the same cores.
 void Viewer::wait() {
     double seconds_left = kIdleWait_s;
     if (view_.clock.playing) seconds_left = std::min(kPlayingWait_s, view_.clock.until_next_s());
@@ -160,24 +160,24 @@ void Viewer::wait() {
     if (requests_.frames > 0 || window_.has_more()) seconds_left = 0;
     if (seconds_left > 0) window_.wait(seconds_left);
     for (double left; (left = input_.now_s + kFrame_s - seconds()) > 0;) {
-        if (render_thread_.state().displayed.number != input_.drawn.displayed.number || jobs_.has_posted()) return;
+        if (render_thread_.state().displayed.number != input_.rendered.displayed.number || jobs_.has_posted()) return;
         window_.wait(left);
     }
 }
 
-// The eye flies, or something moved a moment ago.
+// The eye flies, or something moved less than kStillAfter_s ago.
 bool Viewer::in_motion() const {
     return flight_ || requests_.eye || input_.now_s - requests_.last_motion_s < kStillAfter_s;
 }
 
 bool Viewer::image_is_sharp() const {
-    const editor::DisplayedImage& displayed = input_.drawn.displayed;
+    const editor::DisplayedImage& displayed = input_.rendered.displayed;
     return displayed.finished && view_request_ && displayed.view == view_request_->id &&
            displayed.stage == requested_document_;
 }
 
 void Viewer::read_input() {
-    const uint64_t displayed_before = input_.drawn.displayed.number;
+    const uint64_t displayed_before = input_.rendered.displayed.number;
     const bool event = window_.poll();
     const double now_s = seconds();
     input_.dt_s = now_s - input_.now_s;
@@ -193,45 +193,45 @@ void Viewer::read_input() {
     };
     input_.flight_keys = {axis(GLFW_KEY_W, GLFW_KEY_S), axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q),
                           false, false};
-    input_.drawn = render_thread_.state();
-    meter_.count(input_.drawn.displayed.view, now_s);
+    input_.rendered = render_thread_.state();
+    meter_.count_image(input_.rendered.displayed.view, now_s);
     if (event) context_.redraw();
-    if (input_.drawn.displayed.number != displayed_before) context_.redraw(1);
+    if (input_.rendered.displayed.number != displayed_before) context_.redraw(1);
 }
 
 void Viewer::frame() {
     jobs_.run_posted();
     take_notices();
-    take_stage();
-    const bool can_be_taken_back = editor_.dragging() || editor_.history().next_undo();
-    if (can_be_taken_back && input_.drawn.unsound_id == editor_.id()) editor_.take_back(input_.drawn.problem);
+    receive_stage();
+    const bool can_take_back = editor_.dragging() || editor_.history().next_undo();
+    if (can_take_back && input_.rendered.unsound_id == editor_.id()) editor_.take_back(input_.rendered.problem);
     set_title();
     files_.tick();
     shader_watch_.tick(input_.now_s, !exporter_.job());
     exporter_.tick(context_);
-    for (const std::filesystem::path& path : window_.dropped()) files_.take(path);
-    set_ui_scale();
+    for (const std::filesystem::path& path : window_.dropped()) files_.open_or_add(path);
+    apply_ui_scale();
     report_.begin_frame();
     screen_.begin();
-    view_.clock.tick(input_.dt_s);  // before keys: what begins to play now has not played since the frame before
-    take_keys();
+    view_.clock.tick(input_.dt_s);  // before the keys: they may start the clock, which has not run since the last frame
+    handle_keys();
     screenshots_.take(context_, screen_, image_is_sharp());
-    const FrameMeter::Numbers before = requested();
+    const FrameMeter::Ids before = requested();
     move_eye();
     draw_panels();
-    if (editor_.dragging() && !ImGui::IsAnyItemActive() && !tools_.edit()) editor_.end_drag();
+    if (editor_.dragging() && !ImGui::IsAnyItemActive() && !tools_.is_editing()) editor_.end_drag();
     request_document();
     request_view();
     meter_latency(before);
     write_report();
     const Area& area = input_.image_area;
-    const VkRect2D at{{static_cast<int32_t>(area.left), static_cast<int32_t>(area.top)},
-                      {static_cast<uint32_t>(area.width), static_cast<uint32_t>(area.height)}};
-    if (!screen_.end({input_.drawn.displayed.image, input_.drawn.displayed.size, at})) context_.redraw();
-    render_thread_.presented(input_.drawn.displayed.number);
+    const VkRect2D image_area{{static_cast<int32_t>(area.left), static_cast<int32_t>(area.top)},
+                              {static_cast<uint32_t>(area.width), static_cast<uint32_t>(area.height)}};
+    if (!screen_.end({input_.rendered.displayed.image, input_.rendered.displayed.size, image_area})) context_.redraw();
+    render_thread_.presented(input_.rendered.displayed.number);
 }
 
-// Why nothing could be opened stays until something is.
+// While nothing is open, errors stay: they say why nothing could be opened.
 void Viewer::take_notices() {
     for (editor::Notice& notice : editor_.take_notices()) {
         notice.until_s = input_.now_s + kNotice_s;
@@ -245,15 +245,15 @@ void Viewer::take_notices() {
         notices_.erase(notices_.begin(), notices_.end() - static_cast<std::ptrdiff_t>(kMaxNotices));
 }
 
-// The stage that the render thread has read.
-void Viewer::take_stage() {
-    const std::shared_ptr<const stage::Stage> read = input_.drawn.stage;
+// Takes over the stage that the render thread has read.
+void Viewer::receive_stage() {
+    const std::shared_ptr<const stage::Stage> read = input_.rendered.stage;
     if (!read || read == input_.stage) return;
     const bool first = !input_.stage || input_.stage->file.path != read->file.path;
     input_.stage = read;
     view_.clock.set_stage(read->duration_s, read->fps);
     input_.evaluated = stage::stage_at(*read, view_.clock.displayed_s());
-    if (first) view_.eye = first_eye(*read, stage::stage_at(*read, 0), aspect_of(input_.image_area));
+    if (first) view_.eye = initial_eye(*read, stage::stage_at(*read, 0), aspect_of(input_.image_area));
 }
 
 void Viewer::set_title() {
@@ -265,7 +265,7 @@ void Viewer::set_title() {
     window_.set_title(title);
 }
 
-void Viewer::set_ui_scale() {
+void Viewer::apply_ui_scale() {
     if (requests_.ui_scale) {
         const float scale = *std::exchange(requests_.ui_scale, std::nullopt);
         preferences_.ui_scale =
@@ -276,21 +276,21 @@ void Viewer::set_ui_scale() {
     input_.ui_scale = screen_.scale();
 }
 
-void Viewer::take_keys() {
+void Viewer::handle_keys() {
     const bool typing = ImGui::GetIO().WantTextInput, asked = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
-    const bool free = !typing && !asked && !tools_.edit();
+    const bool free = !typing && !asked && !tools_.is_editing();
     input_.flight_keys.fast = ImGui::GetIO().KeyShift;
     input_.flight_keys.slow = ImGui::GetIO().KeyAlt;
     if (free)
-        for (const ui::KeyPress& press : input_.presses) take_key(press);
-    if (free) take_node_keys(context_, tree_);
+        for (const ui::KeyPress& press : input_.presses) handle_key(press);
+    if (free) handle_node_keys(context_, tree_);
     if (!typing && input_.typed.find(U'?') != std::u32string::npos) view_.panels.help = !view_.panels.help;
 }
 
-void Viewer::take_key(const ui::KeyPress& press) {
+void Viewer::handle_key(const ui::KeyPress& press) {
     editor::StageClock& clock = view_.clock;
-    if (press.control) take_control_key(press);
-    tools_.key(context_, press);
+    if (press.control) handle_control_key(press);
+    tools_.handle_key(context_, press);
     if (press.control || press.alt) return;
     if (press.key == GLFW_KEY_COMMA) clock.step(-1);
     if (press.key == GLFW_KEY_PERIOD) clock.step(1);
@@ -300,13 +300,13 @@ void Viewer::take_key(const ui::KeyPress& press) {
     if (press.key == GLFW_KEY_END) clock.scrub(clock.last_s());
     const bool beside_fields = ImGui::GetIO().MousePos.x < input_.image_area.left + input_.image_area.width;
     if (beside_fields && (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER))
-        press.shift ? remove_key_near(context_) : add_key_here(context_);
+        press.shift ? remove_nearest_key(context_) : add_key_here(context_);
     if (press.key == GLFW_KEY_TAB) view_.panels.all = !view_.panels.all;
     if (press.key == GLFW_KEY_F11) window_.toggle_full_screen();
-    if (press.key == GLFW_KEY_F12) press.shift ? screenshots_.want_window() : screenshots_.want_image();
+    if (press.key == GLFW_KEY_F12) press.shift ? screenshots_.request_window() : screenshots_.request_image();
 }
 
-void Viewer::take_control_key(const ui::KeyPress& press) {
+void Viewer::handle_control_key(const ui::KeyPress& press) {
     switch (press.key) {
         case GLFW_KEY_Z:
             return press.shift ? editor_.redo() : editor_.undo();
@@ -325,14 +325,14 @@ void Viewer::take_control_key(const ui::KeyPress& press) {
     }
 }
 
-// By a flight to where a panel or a key sent it, or along the camera path, until something else moves it.
+// Moves the eye on its flight, or along the camera path. Any other motion of the eye ends the latter.
 void Viewer::move_eye() {
     if (requests_.eye) flight_ = Flight{view_.eye, *std::exchange(requests_.eye, std::nullopt), input_.now_s};
     if (flight_) {
         const double flown_s = input_.now_s - flight_->begin_s;
         view_.eye = between(flight_->from, flight_->to, flown_s);
         if (flown_s > kEyeMove_s) flight_.reset();
-        context_.moves();
+        context_.mark_motion();
     }
     if (input_.stage) input_.evaluated = stage::stage_at(*input_.stage, view_.clock.displayed_s());
     const bool moved = path_eye_ && view_.eye != *path_eye_;
@@ -343,7 +343,7 @@ void Viewer::move_eye() {
     view_.eye = *path_eye_;
 }
 
-// The image left, the stage and what is selected right, time below.
+// The layout: the image at the left, the stage and the properties at the right, the timeline below the image.
 void Viewer::draw_panels() {
     PanelLayout& panels = view_.panels;
     close_popup_by_escape(input_);
@@ -365,9 +365,9 @@ void Viewer::draw_panels() {
     input_.image_area = {0, top, window.x - side.width, window.y - top - below.height};
     input_.camera = camera_of(view_.eye, std::max(1u, static_cast<uint32_t>(input_.image_area.width)),
                               std::max(1u, static_cast<uint32_t>(input_.image_area.height)));
-    input_.pointer_in_image = !ImGui::GetIO().WantCaptureMouse && input_.image_area.holds(pointer.x, pointer.y);
+    input_.pointer_in_image = !ImGui::GetIO().WantCaptureMouse && input_.image_area.contains(pointer.x, pointer.y);
     tools_.toolbar(context_);
-    tools_.pointer(context_);
+    tools_.handle_pointer(context_);
     if (panels.all) {
         const float tree = std::round(panels.tree_share * side.height);
         stage_panel(context_, {side.left, side.top, side.width, tree}, tree_);
@@ -382,11 +382,11 @@ void Viewer::draw_panels() {
 }
 
 void Viewer::request_document() {
-    if (std::exchange(requests_.document_again, false)) requested_document_ = 0;
+    if (std::exchange(requests_.reload_document, false)) requested_document_ = 0;
     if (!editor_.is_open() || editor_.id() == requested_document_) return;
     requested_document_ = editor_.id();
     render_thread_.show(std::make_shared<const edit::Document>(editor_.document()), requested_document_);
-    if (editor_.dragging()) context_.moves();
+    if (editor_.dragging()) context_.mark_motion();
 }
 
 void Viewer::request_view() {
@@ -407,8 +407,8 @@ void Viewer::request_view() {
     const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
     view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
     view.resolve.depth_far_m = static_cast<float>(distance + size);
-    // Where the device does not keep pace, it is not known which times will be displayed next.
-    const bool keeps_pace = input_.drawn.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
+    // Where the device is too slow to draw every frame, it is not known which times will be displayed next.
+    const bool keeps_pace = input_.rendered.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
     if (clock.playing && keeps_pace)
         for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.displayed_after_s(i));
     if (view_request_ && same_image(*view_request_, view)) return;
@@ -417,16 +417,17 @@ void Viewer::request_view() {
     render_thread_.request(std::move(view));
 }
 
-// This frame's event, or the earlier one that its changes answer, is answered by what was requested in this frame.
-void Viewer::meter_latency(const FrameMeter::Numbers& before) {
+// The view and the document that this frame requested are the effect of its first event, or of the earlier event that
+// FrameRequests names.
+void Viewer::meter_latency(const FrameMeter::Ids& before) {
     std::optional<double> event_s = input_.event_s;
-    if (const auto answered_s = std::exchange(requests_.answered_s, std::nullopt))
-        event_s = std::min(event_s.value_or(*answered_s), *answered_s);
-    if (event_s && input_.drawn.displayed.view > 0 && requested() != before) meter_.request(requested(), *event_s);
+    if (const auto earlier_event_s = std::exchange(requests_.earlier_event_s, std::nullopt))
+        event_s = std::min(event_s.value_or(*earlier_event_s), *earlier_event_s);
+    if (event_s && input_.rendered.displayed.view > 0 && requested() != before) meter_.request(requested(), *event_s);
 }
 
 void Viewer::write_report() {
-    if (!report_.on()) return;
+    if (!report_.enabled()) return;
     for (std::string& message : device_.drain_validation_messages())
         if (validation_messages_.size() < kMaxMessages) validation_messages_.push_back(std::move(message));
     const bool still = view_request_ && !view_request_->moving;

@@ -1,8 +1,9 @@
 // The viewer: a window that shows a stage and edits it.
 //
-// A frame: poll → FrameInput → keys → clock → panels and tools, which change the editor, the view and their own state →
-// what changed goes to the render thread. A panel is a function in panels/ or timeline/, a tool a class in tools/; both
-// work with a Context (context.h) and take what else they use as arguments.
+// A frame, in the order of Viewer::frame(): the input is read into a FrameInput; the clock moves on; keys act; panels
+// and tools are drawn, and change the document, the view state and their own state; what changed is sent to the render
+// thread. A panel is a function in panels/ or timeline/, a tool is a class in tools/. Both work with a Context
+// (context.h) and take whatever else they use as arguments.
 #pragma once
 
 #include <chrono>
@@ -26,20 +27,21 @@ namespace neuvv::viewer {
 class Viewer {
   public:
     struct Options {
-        std::string file;                // empty: an empty window
-        std::optional<float> ui_scale;   // of panels; none: as the monitor and the preferences say
-        std::filesystem::path report;    // empty: none
-        std::optional<VkExtent2D> size;  // of the window; none: as it was last
-        bool validate = false;
-        std::filesystem::path screenshots;  // their folder; empty: where the user's pictures are
-        std::filesystem::path shaders;      // sources that are watched; empty: none
+        std::string file;                   // a stage, a clip or a folder of clips; empty: nothing is opened
+        std::optional<float> ui_scale;      // of panels; nullopt: from the monitor and the preferences
+        std::filesystem::path report;       // the file of the Report; empty: none
+        std::optional<VkExtent2D> size;     // of the window; nullopt: its size when it was last closed
+        bool validate = false;              // with the Vulkan validation layers
+        std::filesystem::path screenshots;  // their folder; empty: images_folder()
+        std::filesystem::path shaders;      // the folder of sources that is watched; empty: none
     };
+    // `device` selects the device as gpu::Device does. Throws RuntimeFailure where there is no display.
     Viewer(const Options& options, const std::string& device);
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
     ~Viewer();
 
-    // Until the window is closed. Throws what ends the program.
+    // Runs frames until the window is closed, then saves the preferences. What it throws ends the program.
     void run();
 
   private:
@@ -47,23 +49,23 @@ class Viewer {
     void frame();
     void read_input();
     void take_notices();
-    void take_stage();
+    void receive_stage();
     void set_title();
-    void set_ui_scale();
-    void take_keys();
-    void take_key(const ui::KeyPress& press);
-    void take_control_key(const ui::KeyPress& press);
+    void apply_ui_scale();
+    void handle_keys();
+    void handle_key(const ui::KeyPress& press);
+    void handle_control_key(const ui::KeyPress& press);
     void move_eye();
     void draw_panels();
     void request_document();
     void request_view();
-    void meter_latency(const FrameMeter::Numbers& before);
+    void meter_latency(const FrameMeter::Ids& before);
     void write_report();
     void store_preferences();
     double seconds() const;
     bool in_motion() const;
     bool image_is_sharp() const;
-    FrameMeter::Numbers requested() const { return {view_request_ ? view_request_->id : 0, requested_document_}; }
+    FrameMeter::Ids requested() const { return {view_request_ ? view_request_->id : 0, requested_document_}; }
 
     std::string preferences_message_;
     Preferences preferences_;
@@ -93,16 +95,16 @@ class Viewer {
     FrameMeter meter_;
 
     std::chrono::steady_clock::time_point begin_;
-    std::optional<editor::ViewRequest> view_request_;  // the last one
-    uint64_t requested_document_ = 0;                  // the last one that went to the render thread
+    std::optional<editor::ViewRequest> view_request_;  // the last one that was sent to the render thread
+    uint64_t requested_document_ = 0;                  // the Editor::id() of the last document that was sent there
     struct Flight {
         Eye from, to;
         double begin_s = 0;
     };
-    std::optional<Flight> flight_;  // of the eye
-    std::optional<Eye> path_eye_;   // where the camera path has put the eye
+    std::optional<Flight> flight_;  // of the eye; nullopt: it does not fly
+    std::optional<Eye> path_eye_;   // the eye that the camera path gave in the previous frame
     std::string title_;
-    bool may_close_ = false;
+    bool may_close_ = false;  // unsaved edits have been asked about
     std::vector<std::string> validation_messages_;
 };
 

@@ -1,4 +1,4 @@
-// Copies of a node: how many, where they stand, how much later each is.
+// The dialog for copies of a node: how many, where they stand, how much later each begins.
 #include <imgui.h>
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ constexpr const char* kTitle = "Duplicate";
 constexpr const char* kPatterns[] = {"row", "ring", "fan"};
 constexpr const char* kUnits[] = {"frames", "seconds"};
 
-void place_fields(FieldGroup& group, edit::CopySettings& copies) {
+void pattern_fields(FieldGroup& group, edit::CopySettings& copies) {
     auto pattern = static_cast<size_t>(copies.pattern);
     if (group.choice("pattern", pattern, kPatterns)) copies.pattern = static_cast<edit::CopyPattern>(pattern);
     double count = copies.count;
@@ -57,7 +57,7 @@ void duplicate_dialog(Context& context, StageTree& tree) {
     ImGui::SetNextWindowSize({context.ui(360), 0});
     if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) return;
     const auto row = row_of(tree.rows, question.node);
-    // Meanwhile undone, or another file: the node may be another.
+    // After an undo, or in another document, the number may mean another node.
     if (!row || question.id != context.editor.id()) {
         ImGui::CloseCurrentPopup();
         ImGui::EndPopup();
@@ -67,7 +67,7 @@ void duplicate_dialog(Context& context, StageTree& tree) {
     edit::CopySettings settings = question.settings;
     {
         FieldGroup group(context, "duplicate");
-        place_fields(group, settings);
+        pattern_fields(group, settings);
         if (performer) {
             ImGui::Separator();
             time_fields(group, settings);

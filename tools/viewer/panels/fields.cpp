@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kLabelShare = 0.36f;
 
-// Of the text field that is being edited: ImGui edits one at a time.
+// The text field that is being edited, and its text. ImGui edits one field at a time.
 ImGuiID typing = 0;
 std::string typed;
 
@@ -41,26 +41,26 @@ void FieldGroup::label(const char* name) {
 }
 
 void FieldGroup::report_last(const char* name) {
-    // With Tab one comes from field to field in the middle of a drag: each is a step of its own.
+    // The Tab key goes to the next field during a drag; the change of each field is a step of its own.
     if (ImGui::IsItemActivated()) context_.editor.end_drag();
     context_.report.item(name_ + "/" + name);
 }
 
-bool FieldGroup::number(const char* name, double& value, const Numbers& look) {
+bool FieldGroup::number(const char* name, double& value, const NumberOptions& options) {
     label(name);
     ImGui::PushID(name);
-    const bool changed = ImGui::DragScalar("##", ImGuiDataType_Double, &value, static_cast<float>(look.step), &look.low,
-                                           &look.high, look.format, ImGuiSliderFlags_AlwaysClamp);
+    const bool changed = ImGui::DragScalar("##", ImGuiDataType_Double, &value, static_cast<float>(options.step),
+                                           &options.low, &options.high, options.format, ImGuiSliderFlags_AlwaysClamp);
     ImGui::PopID();
     report_last(name);
     return changed;
 }
 
-bool FieldGroup::number(const char* name, glm::dvec3& value, const Numbers& look) {
+bool FieldGroup::number(const char* name, glm::dvec3& value, const NumberOptions& options) {
     label(name);
     ImGui::PushID(name);
-    const bool changed = ImGui::DragScalarN("##", ImGuiDataType_Double, &value.x, 3, static_cast<float>(look.step),
-                                            &look.low, &look.high, look.format, ImGuiSliderFlags_AlwaysClamp);
+    const bool changed = ImGui::DragScalarN("##", ImGuiDataType_Double, &value.x, 3, static_cast<float>(options.step),
+                                            &options.low, &options.high, options.format, ImGuiSliderFlags_AlwaysClamp);
     ImGui::PopID();
     report_last(name);
     return changed;
@@ -68,8 +68,8 @@ bool FieldGroup::number(const char* name, glm::dvec3& value, const Numbers& look
 
 bool FieldGroup::colour(const char* name, glm::dvec3& value) {
     label(name);
-    const glm::dvec3 shown = media::srgb_from_linear(value);
-    float rgb[3] = {static_cast<float>(shown.x), static_cast<float>(shown.y), static_cast<float>(shown.z)};
+    const glm::dvec3 srgb = media::srgb_from_linear(value);
+    float rgb[3] = {static_cast<float>(srgb.x), static_cast<float>(srgb.y), static_cast<float>(srgb.z)};
     ImGui::PushID(name);
     const bool changed = ImGui::ColorEdit3("##", rgb, ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_Float);
     ImGui::PopID();
@@ -107,23 +107,23 @@ bool FieldGroup::choice(const char* name, size_t& value, std::span<const char* c
     return changed;
 }
 
-// ImGui edits one text at a time, and forgets what was typed when it is left by a click elsewhere: it is kept here.
+// ImGui forgets what was typed when a click elsewhere ends the editing, so the text is kept in `typed`.
 bool FieldGroup::text(const char* name, std::string& value) {
     label(name);
     ImGui::PushID(name);
     const ImGuiID id = ImGui::GetID("##");
-    std::string shown = typing == id ? typed : value;
-    ImGui::InputText("##", &shown);
-    const bool changed = ImGui::IsItemDeactivatedAfterEdit() && shown != value;
+    std::string text = typing == id ? typed : value;
+    ImGui::InputText("##", &text);
+    const bool changed = ImGui::IsItemDeactivatedAfterEdit() && text != value;
     if (ImGui::IsItemActive()) {
         typing = id;
-        typed = shown;
+        typed = text;
     } else if (typing == id) {
         typing = 0;
     }
     ImGui::PopID();
     report_last(name);
-    if (changed) value = shown;
+    if (changed) value = text;
     return changed;
 }
 
@@ -137,18 +137,24 @@ bool FieldGroup::slider(const char* name, double& value, double low, double high
     return changed;
 }
 
-bool icon_button(Context& context, const char* name, const char* sign, const char* explained, bool on, bool enabled) {
+bool icon_button(Context& context, const char* name, const char* icon, const char* tooltip, bool on, bool enabled) {
     ImGui::BeginDisabled(!enabled);
     if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyle().Colors[ImGuiCol_ButtonActive]);
     ImGui::PushID(name);
     const float side = ImGui::GetFrameHeight();
-    const bool pressed = ImGui::Button(sign, {std::round(1.25f * side), side});
+    const bool pressed = ImGui::Button(icon, {std::round(1.25f * side), side});
     ImGui::PopID();
     if (on) ImGui::PopStyleColor();
     context.report.item(name);
-    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explained);
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", tooltip);
     ImGui::EndDisabled();
     return pressed;
+}
+
+bool menu_item(Context& context, const std::string& report, const char* text, const char* keys, bool on, bool enabled) {
+    const bool clicked = ImGui::MenuItem(text, keys, on, enabled);
+    context.report.item(report);
+    return clicked;
 }
 
 }  // namespace neuvv::viewer

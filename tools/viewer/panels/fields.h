@@ -1,8 +1,9 @@
-// Fields of panels: a name left, a value right, reported as "PANEL/NAME".
+// Widgets that the panels share: fields with a name at the left and a value at the right, which are reported as
+// "PANEL/NAME"; buttons with icons; items of menus.
 //
-// Each says whether its value was changed in this frame: then call Editor::drag with an operation that sets it, which
-// the viewer makes one step of the history when the field is let go; a toggle, a choice or a text is changed once: call
-// Editor::edit.
+// Each field returns whether its value was changed in this frame. For numbers, colours and sliders, call Editor::drag
+// with an operation that sets the value: the viewer makes the drag one step of the history when the field is released.
+// Toggles, choices and texts change at once: call Editor::edit.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,7 +14,7 @@
 
 namespace neuvv::viewer {
 
-// Between them, fields are reported under this name.
+// The fields of a panel. `name` is the PANEL of their reports.
 class FieldGroup {
   public:
     FieldGroup(Context& context, std::string name);
@@ -21,19 +22,19 @@ class FieldGroup {
     FieldGroup(const FieldGroup&) = delete;
     FieldGroup& operator=(const FieldGroup&) = delete;
 
-    struct Numbers {
+    struct NumberOptions {
         double low = -1e9, high = 1e9;
-        double step = 0.01;           // a pixel of a drag
-        const char* format = "%.3f";  // with its unit: "%.2f m"
+        double step = 0.01;           // the change per pixel of a drag
+        const char* format = "%.3f";  // with the unit, as "%.2f m"
     };
-    bool number(const char* name, double& value, const Numbers& look);
-    bool number(const char* name, glm::dvec3& value, const Numbers& look);  // three in a row
-    bool colour(const char* name, glm::dvec3& linear);                      // 0 and more; shown as sRGB
+    bool number(const char* name, double& value, const NumberOptions& options);
+    bool number(const char* name, glm::dvec3& value, const NumberOptions& options);  // three in a row
+    bool colour(const char* name, glm::dvec3& linear);                               // at least 0; displayed as sRGB
     bool toggle(const char* name, bool& value);
     bool choice(const char* name, size_t& value, std::span<const char* const> of);
-    bool text(const char* name, std::string& value);  // changed with Enter, or when the field is left
+    bool text(const char* name, std::string& value);  // changes with Enter, or when the field loses the focus
     bool slider(const char* name, double& value, double low, double high, const char* format = "%.2f");
-    // The next widget's place, for one that is none of these; report_last after it.
+    // For other widgets: draws the name and places the next widget beside it. Call report_last() after that widget.
     void label(const char* name);
     void report_last(const char* name);
 
@@ -42,8 +43,12 @@ class FieldGroup {
     std::string name_;
 };
 
-// A button of a sign, with a text that explains it; `on`: it is the chosen one. Reported by `name`.
-bool icon_button(Context& context, const char* name, const char* sign, const char* explained, bool on = false,
+// A button with an icon and a tooltip. `on`: it is highlighted as the selected one. Reported by `name`.
+bool icon_button(Context& context, const char* name, const char* icon, const char* tooltip, bool on = false,
                  bool enabled = true);
+
+// An item of a menu, reported by `report`. `keys` is the text at its right. Returns whether it was clicked.
+bool menu_item(Context& context, const std::string& report, const char* text, const char* keys = nullptr,
+               bool on = false, bool enabled = true);
 
 }  // namespace neuvv::viewer

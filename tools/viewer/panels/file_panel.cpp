@@ -1,4 +1,4 @@
-// What the viewer asks about files.
+// The questions about files (FileQuestion).
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "editor/open_file.h"
 #include "tools/options.h"
-
 #include "tools/ui/icons.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/files.h"
@@ -29,7 +28,7 @@ bool button(Context& context, const char* name, bool enabled = true) {
     return pressed;
 }
 
-// Of numbered images the first, else the file itself.
+// The first file of numbered images; else the path itself.
 std::filesystem::path first_of(const std::filesystem::path& path) {
     try {
         return tools::parse_output(path.string()).file(0);
@@ -101,14 +100,14 @@ void Files::recover_panel() {
         ImGui::TextUnformatted("Its file has changed since: saving keeps that beside it, under another name.");
     ImGui::Spacing();
     if (button(context_, "Recover")) {
-        const edit::RecoveryEntry chosen = entry;
+        const edit::RecoveryEntry recovered = entry;
         close_question();
-        return recover(chosen);
+        return recover(recovered);
     }
     const auto then = question_->then;
     const std::filesystem::path path = question_->folder;
     if (button(context_, "Discard")) {
-        for (const edit::RecoveryEntry& one : question_->entries) edit::discard(one);
+        for (const edit::RecoveryEntry& lost : question_->entries) edit::discard(lost);
         close_question();
         return then(path);
     }
@@ -131,17 +130,17 @@ void Files::path_panel() {
     if (ImGui::InputText("##folder", &folder, ImGuiInputTextFlags_EnterReturnsTrue)) return list_folder(folder);
     context_.report.item("question/folder");
     ImGui::BeginChild("files", list, true);
-    for (const Listed& one : listed_) {
-        const std::string text = fmt::format("{}  {}", one.folder ? ICON_FOLDER : ICON_FILE, one.name);
-        const bool clicked = ImGui::Selectable(text.c_str(), !one.folder && one.name == question.name,
+    for (const ListedFile& listed : listed_) {
+        const std::string text = fmt::format("{}  {}", listed.folder ? ICON_FOLDER : ICON_FILE, listed.name);
+        const bool clicked = ImGui::Selectable(text.c_str(), !listed.folder && listed.name == question.name,
                                                ImGuiSelectableFlags_AllowDoubleClick);
-        context_.report.item("question/file/" + one.name);
+        context_.report.item("question/file/" + listed.name);
         if (!clicked) continue;
-        if (one.folder) {
-            list_folder(question.folder / one.name);
+        if (listed.folder) {
+            list_folder(question.folder / listed.name);
             break;
         }
-        question.name = one.name;
+        question.name = listed.name;
         if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
             ImGui::EndChild();
             return choose(question.folder / question.name);
@@ -160,15 +159,15 @@ void Files::path_panel() {
     if (button(context_, "Cancel") || context_.frame.escape) close_question();
 }
 
-void Files::choose(const std::filesystem::path& chosen) {
-    std::filesystem::path path = chosen;
+void Files::choose(const std::filesystem::path& selected) {
+    std::filesystem::path path = selected;
     std::error_code error;
     if (std::filesystem::is_directory(path, error)) return list_folder(path);
     const std::vector<std::string>& endings = question_->endings;
     const bool listed = std::find(endings.begin(), endings.end(), path.extension()) != endings.end();
-    const bool ends_well = listed || (!endings.empty() && editor::has_stage_ending("x" + endings[0]) &&
-                                      editor::has_stage_ending(path.string()));
-    if (question_->to_save && !endings.empty() && !ends_well) path += endings[0];
+    const bool has_ending = listed || (!endings.empty() && editor::has_stage_ending("x" + endings[0]) &&
+                                       editor::has_stage_ending(path.string()));
+    if (question_->to_save && !endings.empty() && !has_ending) path += endings[0];
     if (question_->to_save && confirmed_ != path && std::filesystem::exists(first_of(path), error)) {
         question_->name = path.filename().string();
         confirmed_ = path;

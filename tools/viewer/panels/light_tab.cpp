@@ -1,4 +1,4 @@
-// Lights: all of them in a list, the selected one in full, and what lights the stage as a whole.
+// The tab of light: a list of all lights, the fields of the selected one, and those of the whole stage.
 #include <imgui.h>
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr double kFirstRange_m = 10;
+constexpr double kInitialRange_m = 10;
 constexpr const char* kKinds[] = {"sun", "lamp", "spotlight"};  // by GltfLightKind
 
 void drag(Context& context, uint32_t node, const edit::LightEdit& edit) {
@@ -27,8 +27,8 @@ const char* unit_of(stage::GltfLightKind kind) {
     return kind == stage::GltfLightKind::kDirectional ? "%.1f lx" : "%.1f cd";
 }
 
-// Dragged as fast as it is bright.
-FieldGroup::Numbers look_of_intensity(const edit::LightValues& light) {
+// The step of a drag is proportional to the intensity.
+FieldGroup::NumberOptions intensity_options(const edit::LightValues& light) {
     return {0, 1e9, std::max(0.01, light.intensity / 200), unit_of(light.kind)};
 }
 
@@ -38,8 +38,8 @@ void row_of_light(Context& context, const StageRow& row) {
     const bool selected = context.editor.selected() == row.node;
     const float width = ImGui::GetContentRegionAvail().x, side = ImGui::GetFrameHeight();
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
-    bool on = row.shown;
-    ImGui::BeginDisabled(!row.shown_above);
+    bool on = row.visible;
+    ImGui::BeginDisabled(!row.ancestors_visible);
     if (ImGui::Checkbox("##on", &on))
         context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, on); });
     context.report.item(report + "/on");
@@ -60,9 +60,9 @@ void row_of_light(Context& context, const StageRow& row) {
     ImGui::SameLine(0, gap);
     ImGui::SetNextItemWidth(-FLT_MIN);
     double intensity = light.intensity;
-    const FieldGroup::Numbers look = look_of_intensity(light);
-    if (ImGui::DragScalar("##intensity", ImGuiDataType_Double, &intensity, static_cast<float>(look.step), &look.low,
-                          &look.high, look.format, ImGuiSliderFlags_AlwaysClamp))
+    const FieldGroup::NumberOptions options = intensity_options(light);
+    if (ImGui::DragScalar("##intensity", ImGuiDataType_Double, &intensity, static_cast<float>(options.step),
+                          &options.low, &options.high, options.format, ImGuiSliderFlags_AlwaysClamp))
         drag(context, row.node, {.intensity = intensity});
     if (ImGui::IsItemActivated()) context.editor.end_drag();
     context.report.item(report + "/intensity");
@@ -84,12 +84,12 @@ void list_of_lights(Context& context, const StageTree& tree) {
 void kind_field(Context& context, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
     auto kind = static_cast<size_t>(light.kind);
     if (!group.choice("kind", kind, kKinds)) return;
-    const auto chosen = static_cast<stage::GltfLightKind>(kind);
+    const auto new_kind = static_cast<stage::GltfLightKind>(kind);
     edit::LightEdit edit;
     edit.kind = edit::kLightKindNames[kind];
-    // Lux and candela are no numbers of the same size.
-    if ((chosen == stage::GltfLightKind::kDirectional) != (light.kind == stage::GltfLightKind::kDirectional))
-        edit.intensity = edit::usual_intensity(chosen);
+    // Intensities in lux and in candela are of different magnitude.
+    if ((new_kind == stage::GltfLightKind::kDirectional) != (light.kind == stage::GltfLightKind::kDirectional))
+        edit.intensity = edit::usual_intensity(new_kind);
     context.editor.edit([&](edit::Document& d) { return edit::set_light(d.file, node, edit); });
 }
 
@@ -111,17 +111,17 @@ void spot_fields(Context& context, FieldGroup& group, uint32_t node, const edit:
 void shadow_line(Context& context, FieldGroup& group, uint32_t node) {
     const stage::Stage* const stage = context.stage_of_document();
     if (!stage) return;
-    const std::vector<tools::LightStatus> shares = tools::light_statuses(*stage, context.frame.evaluated);
-    for (size_t i = 0; i < shares.size(); i++) {
+    const std::vector<tools::LightStatus> statuses = tools::light_statuses(*stage, context.frame.evaluated);
+    for (size_t i = 0; i < statuses.size(); i++) {
         if (context.frame.evaluated.lights[i].node != node) continue;
         group.label("");
-        const tools::LightStatus& share = shares[i];
-        const std::string text = !share.text.empty()  ? share.text
-                                 : share.casts_shadow ? "casts shadows"
-                                                      : "casts no shadows";
-        if (!share.text.empty()) ImGui::PushStyleColor(ImGuiCol_Text, ui::kWarning);
+        const tools::LightStatus& status = statuses[i];
+        const std::string text = !status.text.empty()  ? status.text
+                                 : status.casts_shadow ? "casts shadows"
+                                                       : "casts no shadows";
+        if (!status.text.empty()) ImGui::PushStyleColor(ImGuiCol_Text, ui::kWarning);
         ImGui::TextWrapped("%s", text.c_str());
-        if (!share.text.empty()) ImGui::PopStyleColor();
+        if (!status.text.empty()) ImGui::PopStyleColor();
         group.report_last("shadow");
     }
 }
@@ -137,12 +137,12 @@ void selected_light(Context& context, FieldGroup& group, const StageTree& tree) 
     glm::dvec3 color = light->color;
     if (group.colour("colour", color)) drag(context, *node, {.color = color});
     double intensity = light->intensity;
-    if (group.number("intensity", intensity, look_of_intensity(*light))) drag(context, *node, {.intensity = intensity});
+    if (group.number("intensity", intensity, intensity_options(*light))) drag(context, *node, {.intensity = intensity});
     if (light->kind != stage::GltfLightKind::kDirectional) {
         double range_m = light->range_m;
         if (group.number("range", range_m, {0, 1e4, 0.05, range_m > 0 ? "%.2f m" : "endless"})) {
-            // A drag that begins at no end begins far off, not at the lamp.
-            if (light->range_m == 0 && range_m > 0 && range_m < 0.5) range_m = kFirstRange_m;
+            // A drag from "endless" begins at a large range, not near the lamp.
+            if (light->range_m == 0 && range_m > 0 && range_m < 0.5) range_m = kInitialRange_m;
             if (range_m < 0.01) range_m = 0;
             drag(context, *node, {.range_m = range_m});
         }

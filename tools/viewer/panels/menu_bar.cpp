@@ -1,19 +1,18 @@
 #include <imgui.h>
 
 #include "tools/ui/icons.h"
+#include "tools/viewer/panels/fields.h"
 #include "tools/viewer/panels/panels.h"
-#include "tools/viewer/tools/overlay.h"
 #include "tools/viewer/panels/stage_tree.h"
+#include "tools/viewer/tools/overlay.h"
 
 namespace neuvv::viewer {
 
 namespace {
 
-// An item that a report knows by "menu/…".
+// An item that is reported as "menu/NAME".
 bool item(Context& context, const char* name, const char* keys, bool enabled = true, bool checked = false) {
-    const bool chosen = ImGui::MenuItem(name, keys, checked, enabled);
-    context.report.item(std::string("menu/") + name);
-    return chosen;
+    return menu_item(context, std::string("menu/") + name, name, keys, checked, enabled);
 }
 
 bool menu(Context& context, const char* name) {
@@ -37,7 +36,7 @@ void file_menu(Context& context, const MenuBar& uses) {
     if (item(context, "Open…", "Ctrl+O")) uses.files.ask_to_open();
     if (item(context, "Add to the stage…", "", context.editor.is_open()))
         uses.files.ask_path("Add a clip, paint or environment", {".nvv", ".npz", ".nvpaint", ".png"}, false, "",
-                            [files = &uses.files](const std::filesystem::path& path) { files->take(path); });
+                            [files = &uses.files](const std::filesystem::path& path) { files->open_or_add(path); });
     recent_menu(context, uses);
     ImGui::Separator();
     if (item(context, "Save", "Ctrl+S", context.editor.is_open())) uses.files.save();
@@ -60,16 +59,14 @@ void edit_menu(Context& context, StageTree& tree) {
     ImGui::EndMenu();
 }
 
-// Bookmarks are cameras of the stage: saved with it, seen by other programs.
+// Bookmarks are cameras of the stage, so that they are saved with it and other programs can use them.
 void bookmarks(Context& context) {
     if (item(context, "Remember this view", "Ctrl+B", context.editor.is_open())) remember_view(context);
     if (!menu(context, "Look through")) return;
     if (!context.frame.stage || context.frame.evaluated.cameras.empty()) item(context, "no camera yet", "", false);
     for (const stage::EvaluatedCamera& camera : context.frame.evaluated.cameras) {
         if (!item(context, camera.name.c_str(), "", !camera.orthographic)) continue;
-        const auto [low, high] = stage::performers_box(*context.frame.stage, context.frame.evaluated);
-        context.go_to(looking_through(camera.world_from_camera, camera.vertical_angle_rad,
-                                      distance_to(camera.world_from_camera, low, high)));
+        context.go_to(eye_of(camera, *context.frame.stage, context.frame.evaluated));
     }
     ImGui::EndMenu();
 }
@@ -82,8 +79,8 @@ void sides(Context& context) {
                   {"Right", "Pad 3", EyeSide::kRight}, {"Left", "Ctrl+Pad 3", EyeSide::kLeft},
                   {"Above", "Pad 7", EyeSide::kTop},   {"Below", "Ctrl+Pad 7", EyeSide::kBottom}};
     if (!menu(context, "From the")) return;
-    for (const auto& one : kSides)
-        if (item(context, one.name, one.keys)) context.go_to(seen_from(context.view.eye, one.side));
+    for (const auto& [name, keys, side] : kSides)
+        if (item(context, name, keys)) context.go_to(seen_from(context.view.eye, side));
     ImGui::EndMenu();
 }
 

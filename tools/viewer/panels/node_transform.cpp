@@ -8,7 +8,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-// Metres above the floor, of a node and what hangs on it; INFINITY where there is nothing.
+// The height of the lowest point of a node and of its descendants in the world; INFINITY where they have no points.
 double lowest_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, uint32_t node) {
     double lowest = INFINITY;
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
@@ -37,9 +37,9 @@ double lowest_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluat
 
 }  // namespace
 
-// R = Rz · Ry · Rx; at the pole of Y, where X and Z turn about the same axis, Z is 0.
-glm::dvec3 angles_of(const glm::dquat& turn) {
-    const glm::dmat3 m = glm::mat3_cast(turn);
+// R = Rz · Ry · Rx. At the poles of Y, where X and Z rotate about the same axis, Z is 0.
+glm::dvec3 angles_of(const glm::dquat& rotation) {
+    const glm::dmat3 m = glm::mat3_cast(rotation);
     const double sin_y = -m[0][2], cos_y = std::hypot(m[0][0], m[0][1]);
     glm::dvec3 angles(0, std::atan2(sin_y, cos_y), 0);
     if (cos_y > 1e-9) {
@@ -51,15 +51,15 @@ glm::dvec3 angles_of(const glm::dquat& turn) {
     return glm::degrees(angles);
 }
 
-glm::dquat turn_of(const glm::dvec3& angles_deg) {
+glm::dquat rotation_of(const glm::dvec3& angles_deg) {
     const glm::dvec3 a = glm::radians(angles_deg);
     return glm::angleAxis(a.z, glm::dvec3(0, 0, 1)) * glm::angleAxis(a.y, glm::dvec3(0, 1, 0)) *
            glm::angleAxis(a.x, glm::dvec3(1, 0, 0));
 }
 
-glm::dvec3 angles_like(const glm::dvec3& shown_deg, const glm::dquat& turn) {
+glm::dvec3 angles_like(const glm::dvec3& displayed_deg, const glm::dquat& rotation) {
     constexpr double kSame = 1e-12;
-    return 1 - std::abs(glm::dot(turn_of(shown_deg), turn)) < kSame ? shown_deg : angles_of(turn);
+    return 1 - std::abs(glm::dot(rotation_of(displayed_deg), rotation)) < kSame ? displayed_deg : angles_of(rotation);
 }
 
 edit::Placement placement_to(const edit::NodeTransform& from, const edit::NodeTransform& to) {
@@ -73,15 +73,15 @@ edit::Placement placement_to(const edit::NodeTransform& from, const edit::NodeTr
     return placement;
 }
 
-glm::dvec3 kept_off_zero(const glm::dvec3& scale, const glm::dvec3& before) {
-    glm::dvec3 kept = scale;
+glm::dvec3 nonzero_scale(const glm::dvec3& scale, const glm::dvec3& before) {
+    glm::dvec3 nonzero = scale;
     for (int axis = 0; axis < 3; axis++) {
         if (scale[axis] == before[axis]) continue;
-        const bool turned_over = (scale[axis] < 0) != (before[axis] < 0);
-        kept[axis] =
-            std::copysign(turned_over ? kSmallestScale : std::max(kSmallestScale, std::abs(scale[axis])), before[axis]);
+        const bool changes_sign = (scale[axis] < 0) != (before[axis] < 0);
+        nonzero[axis] =
+            std::copysign(changes_sign ? kMinScale : std::max(kMinScale, std::abs(scale[axis])), before[axis]);
     }
-    return kept;
+    return nonzero;
 }
 
 std::optional<glm::dvec3> move_to_floor(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,

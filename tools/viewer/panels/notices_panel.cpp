@@ -10,9 +10,9 @@ namespace neuvv::viewer {
 
 namespace {
 
-void line(unsigned colour, const char* sign, const std::string& text) {
+void line(unsigned colour, const char* icon, const std::string& text) {
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextUnformatted(sign);
+    ImGui::TextUnformatted(icon);
     ImGui::PopStyleColor();
     ImGui::SameLine();
     ImGui::TextWrapped("%s", text.c_str());
@@ -20,12 +20,12 @@ void line(unsigned colour, const char* sign, const std::string& text) {
 
 }  // namespace
 
-// At the bottom of the image.
 void notices_panel(Context& context, std::span<const editor::Notice> notices) {
-    const editor::RenderThreadState& drawn = context.frame.drawn;
+    const editor::RenderThreadState& rendered = context.frame.rendered;
     const auto jobs = context.jobs.under_way();
-    const bool nothing = !context.editor.is_open() && jobs.empty();
-    if (notices.empty() && jobs.empty() && drawn.loading.empty() && drawn.problem.empty() && !nothing) return;
+    const bool nothing_open = !context.editor.is_open() && jobs.empty();
+    if (notices.empty() && jobs.empty() && rendered.loading.empty() && rendered.problem.empty() && !nothing_open)
+        return;
     const Area& area = context.frame.image_area;
     ImGui::SetNextWindowPos({area.left + context.ui(12), area.top + area.height - context.ui(12)}, ImGuiCond_Always,
                             {0, 1});
@@ -34,13 +34,13 @@ void notices_panel(Context& context, std::span<const editor::Notice> notices) {
     ImGui::Begin("Notices", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
-    if (nothing)
+    if (nothing_open)
         line(ui::kAccent, ICON_OPEN, "Drop a stage (.gltf, .glb) or a clip (.nvv, .npz) here, or choose File > Open.");
     for (const std::string& job : jobs) line(ui::kAccent, ICON_LOOP, job + "…");
-    if (!drawn.loading.empty())
+    if (!rendered.loading.empty())
         line(ui::kAccent, ICON_LOOP,
-             fmt::format("Reading {}: clip {} of {}…", drawn.loading, drawn.files_read + 1, drawn.files));
-    if (!drawn.problem.empty()) line(ui::kError, ICON_WARNING, drawn.problem);
+             fmt::format("Reading {}: clip {} of {}…", rendered.loading, rendered.files_read + 1, rendered.files));
+    if (!rendered.problem.empty()) line(ui::kError, ICON_WARNING, rendered.problem);
     for (const editor::Notice& notice : notices)
         line(notice.error ? ui::kError : ui::kGood, notice.error ? ICON_WARNING : ICON_CHECK, notice.text);
     ImGui::End();

@@ -1,4 +1,4 @@
-// The tab for painting: what a brush, a box or an image does, when it holds, and the performer's layers.
+// The tab of paint: what a brush, a box or an image does, at which frames, and the layers of the performer.
 #include <imgui.h>
 
 #include <fmt/format.h>
@@ -10,13 +10,14 @@
 #include "tools/ui/theme.h"
 #include "tools/viewer/panels/fields.h"
 #include "tools/viewer/panels/panels.h"
+#include "tools/viewer/panels/property_fields.h"
 
 namespace neuvv::viewer {
 
 namespace {
 
-using Brush = PaintChoice::Tool;
-using Frames = PaintChoice::Frames;
+using Brush = PaintSettings::Tool;
+using Frames = PaintSettings::Frames;
 
 constexpr const char* kBlends[] = {"Normal", "Multiply", "Tint", "Recolour"};
 constexpr const char* kFrames[] = {"This frame", "A range", "The whole clip"};
@@ -27,7 +28,7 @@ constexpr const char* kFollowTooltips[] = {
     "The edit holds in every frame in which there is a surface where it was painted."};
 
 struct ToolIcon {
-    const char *name, *icon, *explained, *title;
+    const char *name, *icon, *tooltip, *title;
 };
 constexpr ToolIcon kTools[] = {
     {"paint/colour", ICON_BRUSH, "Colour: paint over what is there (Ctrl erases)", "Colour"},
@@ -36,114 +37,109 @@ constexpr ToolIcon kTools[] = {
     {"paint/restore", ICON_UNDO, "Restore: take this layer's paint off again", "Restore"},
     {"paint/stamp", ICON_STAMP, "Image: project a PNG from where you look", "Picture"}};
 
-void heading(const Context& context, const char* text) {
-    ImGui::Dummy({0, context.ui(4)});
-    ImGui::TextDisabled("%s", text);
-    ImGui::Separator();
-}
-
-void tool_row(Context& context, PaintChoice& choice) {
+void tool_row(Context& context, PaintSettings& settings) {
     for (size_t i = 0; i < std::size(kTools); i++) {
         if (i > 0) ImGui::SameLine();
         const ToolIcon& tool = kTools[i];
-        const bool on = choice.tool == static_cast<Brush>(i) && PaintTool::is_current(context);
-        if (icon_button(context, tool.name, tool.icon, tool.explained, on)) {
-            choice.tool = static_cast<Brush>(i);
+        const bool on = settings.tool == static_cast<Brush>(i) && PaintTool::is_current(context);
+        if (icon_button(context, tool.name, tool.icon, tool.tooltip, on)) {
+            settings.tool = static_cast<Brush>(i);
             context.view.mode = &PaintTool::kMode;
         }
     }
 }
 
 void brush_fields(PaintTool& paint, FieldGroup& fields) {
-    PaintChoice& choice = paint.choice;
-    double radius_cm = 100 * choice.radius_m;
+    PaintSettings& settings = paint.settings;
+    double radius_cm = 100 * settings.radius_m;
     if (fields.number("Radius", radius_cm, {100 * kMinRadius_m, 100 * kMaxRadius_m, 0.05, "%.1f cm"}))
-        choice.radius_m = radius_cm / 100;
+        settings.radius_m = radius_cm / 100;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("[ and ] in the image make it smaller and larger");
-    fields.slider("Hardness", choice.hardness, 0, 1);
+    fields.slider("Hardness", settings.hardness, 0, 1);
 }
 
 void box_fields(Context& context, PaintTool& paint, FieldGroup& fields) {
-    PaintChoice& choice = paint.choice;
-    const FieldGroup::Numbers metres{-1000, 1000, 0.005, "%.2f"};
-    fields.number("Low corner", choice.box_low, metres);
-    fields.number("High corner", choice.box_high, metres);
-    choice.box_high = glm::max(choice.box_high, choice.box_low);
+    PaintSettings& settings = paint.settings;
+    const FieldGroup::NumberOptions metres{-1000, 1000, 0.005, "%.2f"};
+    fields.number("Low corner", settings.box_low, metres);
+    fields.number("High corner", settings.box_high, metres);
+    settings.box_high = glm::max(settings.box_high, settings.box_low);
     fields.label("");
     if (ImGui::Button("Around all", {-FLT_MIN, 0})) paint.fit_box(context);
     fields.report_last("Around all");
     constexpr const char* kDo[] = {"Paint the box", "Erase the box", "Shift the box", "Restore the box"};
     fields.label("");
     ImGui::BeginDisabled(paint.busy());
-    if (ImGui::Button(kDo[std::min<size_t>(static_cast<size_t>(choice.tool), 3)], {-FLT_MIN, 0}))
+    if (ImGui::Button(kDo[std::min<size_t>(static_cast<size_t>(settings.tool), 3)], {-FLT_MIN, 0}))
         paint.paint_in_box(context);
     fields.report_last("Do");
     ImGui::EndDisabled();
 }
 
 void stamp_fields(Context& context, PaintTool& paint, Files& files, FieldGroup& fields) {
-    PaintChoice& choice = paint.choice;
-    if (fields.text("File", choice.image)) paint.load_image(context);
+    PaintSettings& settings = paint.settings;
+    if (fields.text("File", settings.image)) paint.load_image(context);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("A PNG. Enter reads it; then it hangs on the pointer");
     fields.label("");
     if (ImGui::Button(ICON_FOLDER "  Choose…", {-FLT_MIN, 0}))
         files.ask_path("Picture", {".png"}, false, "", [&context, &paint](const std::filesystem::path& path) {
-            paint.choice.image = path.string();
+            paint.settings.image = path.string();
             paint.load_image(context);
         });
     fields.report_last("Choose");
-    double percent = 100 * choice.stamp_share;
+    double percent = 100 * settings.stamp_share;
     if (fields.slider("Height", percent, 100 * kMinStamp, 100 * kMaxStamp, "%.0f %% of the view"))
-        choice.stamp_share = percent / 100;
+        settings.stamp_share = percent / 100;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl and the wheel in the image change it, too");
-    fields.slider("Opacity", choice.opacity, 0, 1);
-    if (!choice.image.empty() && paint.stamp_loaded()) ImGui::TextDisabled("Click in the view to project it.");
+    fields.slider("Opacity", settings.opacity, 0, 1);
+    if (!settings.image.empty() && paint.stamp_loaded()) ImGui::TextDisabled("Click in the view to project it.");
 }
 
 void tool_fields(Context& context, PaintTool& paint, Files& files) {
-    PaintChoice& choice = paint.choice;
+    PaintSettings& settings = paint.settings;
     FieldGroup fields(context, "paint");
-    if (choice.tool == Brush::kStamp) return stamp_fields(context, paint, files, fields);
+    if (settings.tool == Brush::kStamp) return stamp_fields(context, paint, files, fields);
     constexpr const char* kWith[] = {"A brush", "A box"};
-    size_t with = choice.in_box;
-    if (fields.choice("With", with, kWith)) choice.in_box = with == 1;
-    if (choice.tool == Brush::kColour) {
-        fields.colour("Colour", choice.colour);
+    size_t with = settings.in_box;
+    if (fields.choice("With", with, kWith)) settings.in_box = with == 1;
+    if (settings.tool == Brush::kColour) {
+        fields.colour("Colour", settings.colour);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("Alt and a click in the view take the colour there");
     }
-    if (choice.tool == Brush::kShift) {
-        fields.slider("Hue", choice.hue_degrees, -180, 180, "%.0f°");
-        fields.slider("Saturation", choice.saturation, 0, 3);
+    if (settings.tool == Brush::kShift) {
+        fields.slider("Hue", settings.hue_degrees, -180, 180, "%.0f°");
+        fields.slider("Saturation", settings.saturation, 0, 3);
     }
-    if (choice.tool == Brush::kColour || choice.tool == Brush::kShift) fields.slider("Opacity", choice.opacity, 0, 1);
-    choice.in_box ? box_fields(context, paint, fields) : brush_fields(paint, fields);
+    if (settings.tool == Brush::kColour || settings.tool == Brush::kShift)
+        fields.slider("Opacity", settings.opacity, 0, 1);
+    settings.in_box ? box_fields(context, paint, fields) : brush_fields(paint, fields);
 }
 
 void frame_fields(Context& context, PaintTool& paint, const PaintedPerformer& performer) {
-    PaintChoice& choice = paint.choice;
+    PaintSettings& settings = paint.settings;
     FieldGroup fields(context, "paint");
-    auto frames = static_cast<size_t>(choice.frames);
+    auto frames = static_cast<size_t>(settings.frames);
     const double last = performer.frames - 1.0;
     if (fields.choice("Frames", frames, kFrames)) {
-        choice.frames = static_cast<Frames>(frames);
-        choice.first = static_cast<int>(performer.frame);
-        choice.last = static_cast<int>(last);
+        settings.frames = static_cast<Frames>(frames);
+        settings.first = static_cast<int>(performer.frame);
+        settings.last = static_cast<int>(last);
     }
-    if (choice.frames == Frames::kRange) {
-        double from = choice.first, to = choice.last;
-        if (fields.number("From", from, {0, last, 0.2, "%.0f"})) choice.first = static_cast<int>(from);
-        if (fields.number("To", to, {0, last, 0.2, "%.0f"})) choice.last = static_cast<int>(to);
+    if (settings.frames == Frames::kRange) {
+        double from = settings.first, to = settings.last;
+        if (fields.number("From", from, {0, last, 0.2, "%.0f"})) settings.first = static_cast<int>(from);
+        if (fields.number("To", to, {0, last, 0.2, "%.0f"})) settings.last = static_cast<int>(to);
     }
-    if (choice.tool == Brush::kStamp && choice.frames != Frames::kThis) {
-        fields.toggle("On each frame", choice.every_frame);
+    if (settings.tool == Brush::kStamp && settings.frames != Frames::kThis) {
+        fields.toggle("On each frame", settings.every_frame);
         if (ImGui::IsItemHovered())
             ImGui::SetTooltip("As a projector would: onto each frame's own surface. Takes longer.");
-        if (choice.every_frame) return;
+        if (settings.every_frame) return;
     }
-    if (choice.frames == Frames::kAll) return;
-    auto follow = static_cast<size_t>(choice.follow);
-    if (fields.choice("Holds", follow, kFollows)) choice.follow = static_cast<edit::Follow>(follow);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", kFollowTooltips[static_cast<size_t>(choice.follow)]);
+    if (settings.frames == Frames::kAll) return;
+    auto follow = static_cast<size_t>(settings.follow);
+    if (fields.choice("Holds", follow, kFollows)) settings.follow = static_cast<edit::Follow>(follow);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", kFollowTooltips[static_cast<size_t>(settings.follow)]);
 }
 
 void set_layer(Context& context, uint32_t node, size_t layer, const edit::PaintEdit& edit, bool is_drag = false) {
@@ -160,7 +156,7 @@ void layer_buttons(Context& context, PaintTool& paint, const PaintedPerformer& p
     if (icon_button(context, "paint/layer-new", ICON_PLUS, "A new layer on top", false, !paint.busy()))
         paint.add_layer(context);
     const auto move_to = [&](size_t to) {
-        paint.choice.layer = performer.layers[painted].path;
+        paint.settings.layer = performer.layers[painted].path;
         context.editor.edit(
             [&](edit::Document& document) { return edit::move_paint_layer(document.file, node, painted, to); });
     };
@@ -177,7 +173,7 @@ void layer_buttons(Context& context, PaintTool& paint, const PaintedPerformer& p
             [&](edit::Document& document) { return edit::remove_paint_layer(document.file, node, painted); });
 }
 
-// The uppermost first.
+// The uppermost layer first.
 void layer_rows(Context& context, PaintTool& paint, const PaintedPerformer& performer, size_t painted) {
     if (performer.layers.empty()) ImGui::TextDisabled("None yet: the first stroke makes one.");
     for (size_t i = performer.layers.size(); i-- > 0;) {
@@ -191,7 +187,7 @@ void layer_rows(Context& context, PaintTool& paint, const PaintedPerformer& perf
         if (!layer.entry.visible) ImGui::PushStyleColor(ImGuiCol_Text, ui::kFaint);
         ImGui::PushStyleVar(ImGuiStyleVar_SelectableTextAlign, {0, 0.5f});
         if (ImGui::Selectable(title.c_str(), i == painted, 0, {0, ImGui::GetFrameHeight()}))
-            paint.choice.layer = layer.path;
+            paint.settings.layer = layer.path;
         ImGui::PopStyleVar();
         if (!layer.entry.visible) ImGui::PopStyleColor();
         context.report.item(name);
@@ -219,18 +215,18 @@ void layer_fields(Context& context, const PaintedPerformer& performer, size_t pa
 }  // namespace
 
 void paint_tab(Context& context, PaintTool& paint, Files& files) {
-    tool_row(context, paint.choice);
+    tool_row(context, paint.settings);
     const auto performer = PaintTool::performer(context);
     if (!performer) {
         ImGui::Spacing();
         ImGui::TextWrapped("Select a performer to paint it.");
         return;
     }
-    heading(context, kTools[static_cast<size_t>(paint.choice.tool)].title);
+    headline(kTools[static_cast<size_t>(paint.settings.tool)].title);
     tool_fields(context, paint, files);
-    heading(context, "When");
+    headline("When");
     frame_fields(context, paint, *performer);
-    heading(context, fmt::format("Layers of {}", performer->name).c_str());
+    headline(fmt::format("Layers of {}", performer->name).c_str());
     const size_t painted = paint.painted_layer(*performer);
     layer_buttons(context, paint, *performer, painted);
     layer_rows(context, paint, *performer, painted);

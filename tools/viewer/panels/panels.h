@@ -1,4 +1,5 @@
-// The panels: each is a function in a file of its own name, called once a frame, that takes what it uses.
+// The panels. Each is a function in a file of its own name, which is called once a frame; its arguments are all that it
+// uses.
 #pragma once
 
 #include <span>
@@ -20,41 +21,41 @@ struct MenuBar {
 };
 void menu_bar(Context& context, const MenuBar& uses);
 
-// The tree of nodes.
+// The tree of nodes, with buttons that add, duplicate and delete nodes.
 void stage_panel(Context& context, const Area& area, StageTree& tree);
 
-// What fields display that the document does not say in these words.
+// What the fields of the properties tab display and the document does not contain.
 struct PropertyFields {
     struct Angles {
         uint32_t node = 0;
         glm::dvec3 deg{0};
-    } angles;  // as they were typed: other angles mean the same rotation
+    } angles;  // as they were typed: other angles may mean the same rotation
     struct Time {
-        std::optional<uint32_t> node;  // none: nothing is wrong
-        uint64_t id = 0;               // of the document that it was typed for
+        std::optional<uint32_t> node;  // nullopt: no error
+        uint64_t id = 0;               // of the document for which it was typed
         std::string typed, error;
-    } time;
-    bool evenly = true;  // scale all axes alike
+    } time;              // a time map that was typed and is not valid
+    bool evenly = true;  // all axes are scaled by the same factor
 };
 
 constexpr const char* kAlongPath = "along the camera path";
 
 // What is exported, as selected in the panel.
 struct ExportChoice {
-    size_t kind = 0;  // video, numbered images, one image
+    size_t kind = 0;  // 0: video; 1: numbered images; 2: one image
     media::ImageSize size{1920, 1080};
-    std::string camera;  // of the stage, or kAlongPath; empty: the window's view
-    size_t range = 0;    // the whole stage, or the clock's range
-    double fps = 0;      // 0: the stage's
-    size_t samples = 1;  // rays along a pixel's side, less one
+    std::string camera;  // of the stage, or kAlongPath; empty: the view of the window
+    size_t range = 0;    // 0: the whole stage; 1: the range of the clock
+    double fps = 0;      // 0: that of the stage
+    size_t samples = 1;  // rays per pixel along each side, minus 1
     bool transparent = false;
 };
 
-// The tabs: properties of what is selected, paint, light, rendering.
+// The panel with tabs for properties, paint, light and rendering.
 struct PropertiesPanel {
     PropertyFields fields;
     ExportChoice export_choice;
-    bool painted_before = false;  // the tool of the last frame was the brush
+    bool painted_before = false;  // painting was the mode of the previous frame
 };
 struct PropertiesUses {
     StageTree& tree;
@@ -62,19 +63,25 @@ struct PropertiesUses {
     Files& files;
     Exporter& exporter;
 };
+// Opens the tab of paint when painting becomes the mode.
 void properties_panel(Context& context, const Area& area, PropertiesPanel& state, const PropertiesUses& uses);
-// Its tabs, in files of their own.
+// The tabs, in files of their own.
 void properties_tab(Context& context, PropertyFields& fields, StageTree& tree);
 void paint_tab(Context& context, PaintTool& paint, Files& files);
 void light_tab(Context& context, StageTree& tree);
 void render_tab(Context& context, ExportChoice& choice, Files& files, Exporter& exporter);
 
-void speed_panel(Context& context, const gpu::Device& device, const FrameMeter& meter);  // how long images take
-void help_panel(Context& context);                                                       // the keys
-// Notices, and what is under way.
+// How long images and passes take.
+void speed_panel(Context& context, const gpu::Device& device, const FrameMeter& meter);
+// The list of keys.
+void help_panel(Context& context);
+// Notices, jobs that are under way, and problems of the render thread, at the bottom of the image.
 void notices_panel(Context& context, std::span<const editor::Notice> notices);
 
-// A panel of the fixed layout: begins an ImGui window there, ImGui::End() ends it.
+// Begins the ImGui window of a panel at this area; ImGui::End() ends it.
 bool begin_panel(const char* name, const Area& area);
+// Where a row of the current ImGui window is not visible, scrolls it to the middle. `top` is in pixels from the top of
+// the first row.
+void scroll_to_row(float top, float height);
 
 }  // namespace neuvv::viewer

@@ -1,4 +1,4 @@
-// What a performer plays, and how it is seen.
+// The fields of a performer: its clip, its time map, and how it is drawn.
 #include <imgui.h>
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ void set(Context& context, uint32_t node, const edit::PerformerEdit& edit) {
     context.editor.edit([=](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
 }
 
-// The clip as it was read; null while it is read.
+// The clip of a performer as it was read; null while it is being read.
 const stage::StageClip* clip_on(const Context& context, uint32_t node) {
     const stage::Stage* stage = context.stage_of_document();
     if (!stage) stage = context.frame.stage.get();
@@ -47,7 +47,7 @@ void clip_lines(const stage::StageClip* clip, FieldGroup& group, const stage::Pe
     explain("Width, height and depth of the space that was captured");
 }
 
-// The map, where the clip can be played so; else what is wrong with it.
+// What is wrong with a time map for this clip; empty: nothing.
 std::string error_of(const stage::TimeMap& map, const stage::StageClip* clip) {
     try {
         if (clip) stage::timeline_of(map, clip->frames, clip->fps, "", "");
@@ -57,6 +57,7 @@ std::string error_of(const stage::TimeMap& map, const stage::StageClip* clip) {
     return "";
 }
 
+// Sets the time map that was typed, or remembers it with its error.
 void try_time(Context& context, PropertyFields::Time& time, uint32_t node, const stage::StageClip* clip,
               const std::string& typed) {
     time.node.reset();
@@ -71,32 +72,32 @@ void try_time(Context& context, PropertyFields::Time& time, uint32_t node, const
     } catch (const InputError& problem) {
         error = problem.what();
     }
-    // Without a file, which it has none, and which operator, which its text says.
+    // Removes the location from the message: there is no file, and the message itself names the operator.
     error.erase(0, error.find_first_not_of(": "));
     if (const size_t end = error.find(": "); error.starts_with('/') && end != std::string::npos)
         error.erase(0, end + 2);
     time = {node, context.editor.id(), typed, error};
 }
 
-// Each tries another map; what is wrong with it is shown as if it had been typed.
+// Each button tries another time map. An error is displayed as if the map had been typed.
 void time_buttons(Context& context, FieldGroup& group, PropertyFields::Time& time, uint32_t node,
                   const stage::StageClip* clip, const stage::TimeMap& map) {
-    const auto button = [&](const char* name, const char* explained) {
+    const auto button = [&](const char* name, const char* tooltip) {
         const bool pressed = ImGui::Button(name);
         group.report_last(name);
-        explain(explained);
+        explain(tooltip);
         ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
         return pressed;
     };
-    const auto also = [&](stage::TimeOperator added) {
+    const auto append = [&](stage::TimeOperator added) {
         stage::TimeMap more = map;
         more.push_back(added);
         try_time(context, time, node, clip, stage::text_of(more));
     };
     group.label("");
-    if (button("loop", "Again and again")) also({.verb = stage::TimeVerb::kLoop, .has_part = false});
+    if (button("loop", "Again and again")) append({.verb = stage::TimeVerb::kLoop, .has_part = false});
     if (button("to and fro", "Forwards and backwards, again and again"))
-        also({.verb = stage::TimeVerb::kPingPong, .has_part = false});
+        append({.verb = stage::TimeVerb::kPingPong, .has_part = false});
     if (button("plain", "As it was filmed, once")) try_time(context, time, node, clip, "");
     ImGui::NewLine();
 }

@@ -1,5 +1,7 @@
 #include <imgui.h>
 
+#include <algorithm>
+
 #include "tools/viewer/panels/panels.h"
 
 namespace neuvv::viewer {
@@ -26,6 +28,12 @@ bool begin_panel(const char* name, const Area& area) {
                         ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                             ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoBringToFrontOnFocus |
                             ImGuiWindowFlags_NoSavedSettings);
+}
+
+void scroll_to_row(float top, float height) {
+    const float window = ImGui::GetWindowHeight();
+    if (top < ImGui::GetScrollY() || top + height > ImGui::GetScrollY() + window)
+        ImGui::SetScrollY(std::max(0.0f, top - 0.5f * (window - height)));
 }
 
 void properties_panel(Context& context, const Area& area, PropertiesPanel& state, const PropertiesUses& uses) {

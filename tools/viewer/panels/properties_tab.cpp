@@ -1,4 +1,4 @@
-// What is selected: its name and place, and what it is; the stage where nothing is.
+// The tab of properties: the name, the transform and the values of the selected node, or those of the stage.
 #include <imgui.h>
 
 #include "tools/ui/icons.h"
@@ -7,6 +7,7 @@
 #include "tools/viewer/panels/panels.h"
 #include "tools/viewer/panels/property_fields.h"
 #include "tools/viewer/panels/stage_tree.h"
+#include "tools/viewer/tools/overlay.h"
 
 namespace neuvv::viewer {
 
@@ -18,36 +19,37 @@ void drag_transform(Context& context, uint32_t node, const edit::NodeTransform& 
     });
 }
 
-void rotation_field(Context& context, FieldGroup& group, PropertyFields::Angles& shown, uint32_t node,
+void rotation_field(Context& context, FieldGroup& group, PropertyFields::Angles& displayed, uint32_t node,
                     edit::NodeTransform transform) {
-    glm::dvec3 deg = shown.node == node ? angles_like(shown.deg, transform.rotation) : angles_of(transform.rotation);
+    glm::dvec3 deg =
+        displayed.node == node ? angles_like(displayed.deg, transform.rotation) : angles_of(transform.rotation);
     for (int axis = 0; axis < 3; axis++)
         if (std::abs(deg[axis]) < 1e-9) deg[axis] = 0;  // no "-0.0"
-    shown = {node, deg};
+    displayed = {node, deg};
     if (!group.number("rotation", deg, {-3600, 3600, 0.5, "%.1f°"})) return;
-    shown.deg = deg;
-    transform.rotation = turn_of(deg);
+    displayed.deg = deg;
+    transform.rotation = rotation_of(deg);
     drag_transform(context, node, transform);
 }
 
-// Its three numbers beside a sign that ties them together.
+// The three numbers, and beside them the button that scales all axes by the same factor.
 void scale_field(Context& context, FieldGroup& group, bool& evenly, uint32_t node, edit::NodeTransform transform) {
     group.label("scale");
     const glm::dvec3 before = transform.scale;
     const double low = -1e4, high = 1e4;
-    const float sign = std::round(1.25f * ImGui::GetFrameHeight());
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - sign - ImGui::GetStyle().ItemInnerSpacing.x);
+    const float button = std::round(1.25f * ImGui::GetFrameHeight());
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - button - ImGui::GetStyle().ItemInnerSpacing.x);
     const bool changed =
         ImGui::DragScalarN("##scale", ImGuiDataType_Double, &transform.scale.x, 3, 0.005f, &low, &high, "%.3f");
     group.report_last("scale");
     ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
     if (icon_button(context, "properties/evenly", ICON_LINK, "All three alike", evenly)) evenly = !evenly;
     if (!changed) return;
-    const glm::dvec3 kept = kept_off_zero(transform.scale, before);
+    const glm::dvec3 scale = nonzero_scale(transform.scale, before);
     double factor = 1;
     for (int axis = 0; axis < 3; axis++)
-        if (kept[axis] != before[axis] && before[axis] != 0) factor = kept[axis] / before[axis];
-    transform.scale = evenly ? factor * before : kept;
+        if (scale[axis] != before[axis] && before[axis] != 0) factor = scale[axis] / before[axis];
+    transform.scale = evenly ? factor * before : scale;
     drag_transform(context, node, transform);
 }
 
@@ -107,11 +109,7 @@ void camera_fields(Context& context, FieldGroup& group, uint32_t node) {
     group.label("");
     if (ImGui::Button("Look through") && stage)
         for (const stage::EvaluatedCamera& at : context.frame.evaluated.cameras)
-            if (at.node == node) {
-                const auto [low, high] = stage::performers_box(*stage, context.frame.evaluated);
-                context.go_to(looking_through(at.world_from_camera, at.vertical_angle_rad,
-                                              distance_to(at.world_from_camera, low, high)));
-            }
+            if (at.node == node) context.go_to(eye_of(at, *stage, context.frame.evaluated));
     group.report_last("look through");
 }
 
@@ -130,12 +128,12 @@ void name_field(Context& context, FieldGroup& group, const StageRow& row) {
 }  // namespace
 
 void explain(const char* text) {
-    constexpr double kAfter_s = 0.5;  // that the pointer rests: who is at work is not to be disturbed
+    constexpr double kRest_s = 0.5;  // the pointer must rest so long, so that tooltips do not disturb work
     static double moved_s = 0;
     if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled) || ImGui::IsItemActive()) return;
     const ImGuiIO& io = ImGui::GetIO();
     if (io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || ImGui::IsAnyMouseDown()) moved_s = ImGui::GetTime();
-    if (ImGui::GetTime() - moved_s < kAfter_s) return;
+    if (ImGui::GetTime() - moved_s < kRest_s) return;
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(22 * ImGui::GetFontSize());
     ImGui::TextUnformatted(text);

@@ -1,4 +1,4 @@
-// Groups of fields of the properties and light tabs.
+// Groups of fields that the tabs of properties, paint and light consist of.
 #pragma once
 
 #include "tools/viewer/panels/fields.h"
@@ -6,17 +6,17 @@
 
 namespace neuvv::viewer {
 
-// Explains the last field while the pointer rests on it.
+// Displays a tooltip for the last field once the pointer rests on it.
 void explain(const char* text);
-// A line above a group of fields.
+// The title above a group of fields.
 void headline(const char* text);
 
-// Of the performer on a node, with its clip and its time.
+// The fields of the performer on a node, with its clip and its time map.
 void performer_fields(Context& context, FieldGroup& group, PropertyFields::Time& time, uint32_t node);
 
-// Of the stage as a whole; the document is open.
+// The fields of the whole stage. A document must be open.
 void stage_fields(Context& context, FieldGroup& group);
-// Those of them that light it: ambient light, environment, shadows, falloff.
+// Those of them that concern light: ambient light, environment, shadows, falloff.
 void stage_light_fields(Context& context, FieldGroup& group);
 
 }  // namespace neuvv::viewer

@@ -1,4 +1,4 @@
-// The tab of rendering: how the image is drawn here, and images and videos to take away.
+// The tab of rendering: how the image is drawn, and the export of images and videos.
 #include <imgui.h>
 
 #include <fmt/format.h>
@@ -23,14 +23,14 @@ constexpr const char* kKinds[] = {"video", "pictures", "one image"};
 constexpr const char* kRanges[] = {"whole stage", "loop range"};
 constexpr const char* kEndings[] = {".mp4", "_%04d.png", ".png"};
 
-void look_fields(Context& context) {
+void image_fields(Context& context) {
     FieldGroup fields(context, "look");
     size_t layer = static_cast<size_t>(context.view.image.show);
     if (fields.choice("Layer", layer, kLayerNames)) context.view.image.show = static_cast<render::Show>(layer);
     if (context.view.image.show == render::Show::kCost) {
-        double most = context.view.image.cost_max;
-        if (fields.number("Brightest", most, {1, 100000, 4, "%.0f steps"}))
-            context.view.image.cost_max = static_cast<float>(most);
+        double max = context.view.image.cost_max;
+        if (fields.number("Brightest", max, {1, 100000, 4, "%.0f steps"}))
+            context.view.image.cost_max = static_cast<float>(max);
     }
     size_t samples = static_cast<size_t>(context.view.image.samples - 1);
     if (fields.choice("When still", samples, kSamples)) context.view.image.samples = static_cast<int>(samples + 1);
@@ -53,7 +53,7 @@ void look_fields(Context& context) {
     fields.toggle("Speed", context.view.panels.speed);
 }
 
-// What a camera of the export is called: the view of the window, the path, those of the stage.
+// The cameras that an export can use: the view of the window, the camera path, those of the stage.
 std::vector<std::string> camera_names(const Context& context) {
     std::vector<std::string> names{"as seen here"};
     if (context.frame.stage->settings.camera_path) names.emplace_back(kAlongPath);
@@ -76,7 +76,7 @@ void size_fields(Context& context, FieldGroup& fields, ExportChoice& choice) {
     ImGui::NewLine();
 }
 
-// All but where it goes.
+// The settings of an export, without its output.
 ExportSettings settings_of(const Context& context, const ExportChoice& choice) {
     ExportSettings settings;
     settings.size = choice.size;
@@ -118,7 +118,7 @@ void begin_export(Context& context, Exporter& exporter, ExportSettings settings,
     }
 }
 
-// One that is gone is told, and the window's view takes its place.
+// Where the selected camera no longer exists, a notice says so, and the view of the window is selected.
 void camera_field(Context& context, FieldGroup& fields, ExportChoice& choice) {
     const std::vector<std::string> names = camera_names(context);
     std::vector<const char*> texts;
@@ -128,8 +128,8 @@ void camera_field(Context& context, FieldGroup& fields, ExportChoice& choice) {
         context.editor.notify(fmt::format("\"{}\" is gone: what is exported is {}", choice.camera, names[0]), true);
         choice.camera.clear();
     }
-    size_t chosen = choice.camera.empty() ? 0 : static_cast<size_t>(found - names.begin());
-    if (fields.choice("Camera", chosen, texts)) choice.camera = chosen == 0 ? "" : names[chosen];
+    size_t selected = choice.camera.empty() ? 0 : static_cast<size_t>(found - names.begin());
+    if (fields.choice("Camera", selected, texts)) choice.camera = selected == 0 ? "" : names[selected];
 }
 
 void export_fields(Context& context, ExportChoice& choice, Files& files, Exporter& exporter) {
@@ -169,7 +169,7 @@ void export_progress(Context& context, const Exporter& exporter) {
 }  // namespace
 
 void render_tab(Context& context, ExportChoice& choice, Files& files, Exporter& exporter) {
-    if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) look_fields(context);
+    if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) image_fields(context);
     context.report.item("render/Picture");
     const bool open = ImGui::CollapsingHeader("Export", ImGuiTreeNodeFlags_DefaultOpen);
     context.report.item("render/Export");

@@ -1,4 +1,4 @@
-// The stage as a whole.
+// The fields of the whole stage.
 #include <imgui.h>
 
 #include "tools/viewer/panels/property_fields.h"

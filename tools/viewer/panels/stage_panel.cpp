@@ -34,14 +34,12 @@ ImU32 text_colour(bool dim) {
 }
 
 void light_menu(Context& context) {
-    const auto item = [&](const char* name, const char* report) {
-        const bool chosen = ImGui::MenuItem(name);
-        context.report.item(report);
-        return chosen;
-    };
-    if (item(ICON_LIGHT "  Spotlight", "stage/add/spot")) add_light_in_view(context, stage::GltfLightKind::kSpot);
-    if (item(ICON_BULLET "  Lamp", "stage/add/point")) add_light_in_view(context, stage::GltfLightKind::kPoint);
-    if (item(ICON_SUN "  Sun", "stage/add/sun")) add_light_in_view(context, stage::GltfLightKind::kDirectional);
+    if (menu_item(context, "stage/add/spot", ICON_LIGHT "  Spotlight"))
+        add_light_in_view(context, stage::GltfLightKind::kSpot);
+    if (menu_item(context, "stage/add/point", ICON_BULLET "  Lamp"))
+        add_light_in_view(context, stage::GltfLightKind::kPoint);
+    if (menu_item(context, "stage/add/sun", ICON_SUN "  Sun"))
+        add_light_in_view(context, stage::GltfLightKind::kDirectional);
 }
 
 void buttons(Context& context, StageTree& tree) {
@@ -65,33 +63,31 @@ void buttons(Context& context, StageTree& tree) {
 }
 
 void menu_of(Context& context, StageTree& tree, const StageRow& row) {
-    const std::string name = "stage/menu/";
     const auto item = [&](const char* title, const char* keys) {
-        const bool chosen = ImGui::MenuItem(title, keys);
-        context.report.item(name + title);
-        return chosen;
+        return menu_item(context, std::string("stage/menu/") + title, title, keys);
     };
     if (item("Rename", "F2")) begin_renaming(tree, row.node);
     if (item("Duplicate", "Ctrl+D")) duplicate_once(context, row.node);
     if (item("Duplicate…", "")) ask_duplicate(context, tree.copies, row.node);
-    if (item(row.shown ? "Hide" : "Show", ""))
-        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.shown); });
+    if (item(row.visible ? "Hide" : "Show", ""))
+        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.visible); });
     if (item(row.locked ? "Unlock" : "Lock", ""))
         context.editor.edit([&](edit::Document& d) { return edit::lock_node(d.file, row.node, !row.locked); });
     ImGui::Separator();
     if (item("Delete", "Del")) delete_node(context, tree, row.node);
 }
 
-// A sign at a row's end, faint where it says nothing unusual and the row is not under the pointer.
-bool mark(Context& context, const char* id, const std::string& report, const char* icon, bool strong, bool seen,
-          const char* explained) {
+// A button without a frame at the end of a row. Its icon is bright where it is `strong` or under the pointer, else
+// faint, and then drawn only where it is `visible`. Returns whether it was pressed.
+bool row_icon(Context& context, const char* id, const std::string& report, const char* icon, bool strong, bool visible,
+              const char* tooltip) {
     const float side = ImGui::GetFrameHeight();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const bool pressed = ImGui::InvisibleButton(id, {side, side});
     context.report.item(report);
     const bool hovered = ImGui::IsItemHovered();
-    if (hovered) ImGui::SetTooltip("%s", explained);
-    if (seen || hovered || strong) {
+    if (hovered) ImGui::SetTooltip("%s", tooltip);
+    if (visible || hovered || strong) {
         const ImVec2 size = ImGui::CalcTextSize(icon);
         ImGui::GetWindowDrawList()->AddText(
             {std::round(at.x + 0.5f * (side - size.x)), std::round(at.y + 0.5f * (side - size.y))},
@@ -100,7 +96,7 @@ bool mark(Context& context, const char* id, const std::string& report, const cha
     return pressed;
 }
 
-// The text, cut with an ellipsis where it is too long; whether it was.
+// Draws text, cut with an ellipsis where it is too long. Returns whether it was cut.
 bool cut_text(ImVec2 at, float width, ImU32 colour, const std::string& text) {
     const float whole = ImGui::CalcTextSize(text.c_str()).x;
     if (whole <= width) {
@@ -128,7 +124,7 @@ void name_field(Context& context, StageTree& tree, const StageRow& row, float wi
         context.editor.edit([&](edit::Document& d) { return edit::rename_node(d.file, row.node, typed); });
 }
 
-// Where a row's parts are.
+// The layout of a row, in pixels of the framebuffer.
 struct RowArea {
     ImVec2 at;
     float right, side, icon_x, name_x, text_y;
@@ -136,7 +132,7 @@ struct RowArea {
 };
 
 RowArea area_of_row(const StageRow& row) {
-    constexpr uint32_t kDeepest = 12;  // further in there were no room for names
+    constexpr uint32_t kDeepest = 12;  // a deeper indent would leave no room for names
     RowArea area;
     area.at = ImGui::GetCursorScreenPos();
     area.right = area.at.x + ImGui::GetContentRegionAvail().x;
@@ -147,9 +143,9 @@ RowArea area_of_row(const StageRow& row) {
     return area;
 }
 
-// Opens and closes what hangs on the row.
+// Draws the caret, which opens and closes the list of descendants.
 void draw_caret(Context& context, StageTree& tree, const StageRow& row, const RowArea& area) {
-    if (row.below == 0) return;
+    if (row.descendants == 0) return;
     std::set<std::string>& closed = tree.closed;
     const bool is_closed = closed.contains(row.title);
     const float width = std::round(0.7f * area.side);
@@ -180,7 +176,7 @@ void draw_name(Context& context, StageTree& tree, const StageRow& row, const Row
     }
     if (hovered && ImGui::IsMouseDoubleClicked(0)) begin_renaming(tree, row.node);
     const ImVec2 spacing = ImGui::GetStyle().ItemSpacing;
-    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {spacing.x, 0.8f * spacing.x});  // a menu's rows, not the tree's
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {spacing.x, 0.8f * spacing.x});  // of the menu, not of the tree
     if (ImGui::BeginPopupContextItem("menu")) {
         menu_of(context, tree, row);
         ImGui::EndPopup();
@@ -188,16 +184,17 @@ void draw_name(Context& context, StageTree& tree, const StageRow& row, const Row
     ImGui::PopStyleVar();
 }
 
-void draw_marks(Context& context, const StageRow& row, const RowArea& area, bool under) {
+void draw_row_icons(Context& context, const StageRow& row, const RowArea& area, bool under) {
     const std::string report = "stage/" + row.title;
     ImGui::SetCursorScreenPos({area.right - 2 * area.side, area.at.y});
-    if (mark(context, "lock", report + "/lock", row.locked ? ICON_LOCK : ICON_UNLOCK, row.locked, under,
-             row.locked ? "Locked: is not moved or deleted by mistake" : "Lock, so that it is not moved by mistake"))
+    if (row_icon(
+            context, "lock", report + "/lock", row.locked ? ICON_LOCK : ICON_UNLOCK, row.locked, under,
+            row.locked ? "Locked: is not moved or deleted by mistake" : "Lock, so that it is not moved by mistake"))
         context.editor.edit([&](edit::Document& d) { return edit::lock_node(d.file, row.node, !row.locked); });
     ImGui::SetCursorScreenPos({area.right - area.side, area.at.y});
-    if (mark(context, "eye", report + "/eye", row.shown ? ICON_EYE : ICON_EYE_OFF, !row.shown, true,
-             row.shown ? "Hide, with all that hangs on it" : "Show"))
-        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.shown); });
+    if (row_icon(context, "eye", report + "/eye", row.visible ? ICON_EYE : ICON_EYE_OFF, !row.visible, true,
+                 row.visible ? "Hide, with all that hangs on it" : "Show"))
+        context.editor.edit([&](edit::Document& d) { return edit::show_node(d.file, row.node, !row.visible); });
 }
 
 void draw_row(Context& context, StageTree& tree, const StageRow& row) {
@@ -205,7 +202,7 @@ void draw_row(Context& context, StageTree& tree, const StageRow& row) {
     const ImVec2 end(area.right, area.at.y + area.side);
     const bool selected = context.editor.selected() == row.node;
     const bool under = ImGui::IsWindowHovered() && ImGui::IsMouseHoveringRect(area.at, end);
-    const bool dim = !row.shown || !row.shown_above;
+    const bool dim = !row.visible || !row.ancestors_visible;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     if (selected || under)
         list.AddRectFilled(area.at, end, ImGui::GetColorU32(selected ? ImGuiCol_Header : ImGuiCol_HeaderHovered),
@@ -219,24 +216,21 @@ void draw_row(Context& context, StageTree& tree, const StageRow& row) {
     } else {
         draw_name(context, tree, row, area, dim);
     }
-    draw_marks(context, row, area, under);
+    draw_row_icons(context, row, area, under);
 }
 
-// Brings what was selected elsewhere into sight.
+// Scrolls to the node that was selected elsewhere.
 void scroll_to_selected(const Context& context, StageTree& tree, float row_height) {
     const auto selected = context.editor.selected();
     if (tree.scrolled_selected == selected) return;
     const auto row = selected ? row_of(tree.rows, *selected) : std::nullopt;
-    if (selected && !row) return;  // it is added in this frame
+    if (selected && !row) return;  // its row has not been read yet
     tree.scrolled_selected = selected;
     if (!row) return;
-    open_above(tree.rows, *row, tree.closed);
-    const std::vector<uint32_t> open = open_rows(tree.rows, tree.closed);
+    open_ancestors(tree.rows, *row, tree.closed);
+    const std::vector<uint32_t> open = listed_rows(tree.rows, tree.closed);
     const auto index = std::find(open.begin(), open.end(), *row) - open.begin();
-    const float top = static_cast<float>(index) * row_height, bottom = top + row_height;
-    const float seen = ImGui::GetWindowHeight();
-    if (top < ImGui::GetScrollY() || bottom > ImGui::GetScrollY() + seen)
-        ImGui::SetScrollY(std::max(0.0f, top - 0.5f * (seen - row_height)));
+    scroll_to_row(static_cast<float>(index) * row_height, row_height);
 }
 
 void draw_tree(Context& context, StageTree& tree) {
@@ -244,7 +238,7 @@ void draw_tree(Context& context, StageTree& tree) {
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {ImGui::GetStyle().ItemSpacing.x, 0});
     ImGui::BeginChild("tree");
     scroll_to_selected(context, tree, row_height);
-    const std::vector<uint32_t> open = open_rows(tree.rows, tree.closed);
+    const std::vector<uint32_t> open = listed_rows(tree.rows, tree.closed);
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(open.size()), row_height);
     while (clipper.Step())

@@ -5,11 +5,11 @@ namespace neuvv::viewer {
 namespace {
 
 void count_below(std::vector<StageRow>& rows) {
-    std::vector<size_t> above;  // of the row, one a depth
+    std::vector<size_t> above;  // the ancestors of the row, by depth
     for (size_t row = 0; row <= rows.size(); row++) {
         const size_t depth = row < rows.size() ? rows[row].depth : 0;
         for (; above.size() > depth; above.pop_back())
-            rows[above.back()].below = static_cast<uint32_t>(row - above.back() - 1);
+            rows[above.back()].descendants = static_cast<uint32_t>(row - above.back() - 1);
         above.push_back(row);
     }
 }
@@ -20,11 +20,11 @@ std::vector<StageRow> stage_rows(const stage::StageFile& file) {
     const size_t count = edit::node_count(file);
     struct Next {
         uint32_t node, depth;
-        bool shown_above;
+        bool ancestors_visible;
     };
-    std::vector<Next> next;  // the last is the next row
-    const auto push = [&](const std::vector<uint32_t>& nodes, uint32_t depth, bool shown_above) {
-        for (size_t i = nodes.size(); i-- > 0;) next.push_back({nodes[i], depth, shown_above});
+    std::vector<Next> next;  // a stack: the last one becomes the next row
+    const auto push = [&](const std::vector<uint32_t>& nodes, uint32_t depth, bool ancestors_visible) {
+        for (size_t i = nodes.size(); i-- > 0;) next.push_back({nodes[i], depth, ancestors_visible});
     };
     push(edit::scene_roots(file), 0, true);
     std::vector<StageRow> rows;
@@ -36,20 +36,20 @@ std::vector<StageRow> stage_rows(const stage::StageFile& file) {
         row.depth = at.depth;
         row.kind = edit::kind_of(file, at.node);
         row.title = edit::node_title(file, at.node);
-        row.shown = edit::is_visible(file, at.node);
-        row.shown_above = at.shown_above;
+        row.visible = edit::is_visible(file, at.node);
+        row.ancestors_visible = at.ancestors_visible;
         row.locked = edit::is_locked(file, at.node);
-        push(edit::children_of(file, at.node), at.depth + 1, at.shown_above && row.shown);
+        push(edit::children_of(file, at.node), at.depth + 1, at.ancestors_visible && row.visible);
     }
     count_below(rows);
     return rows;
 }
 
-std::vector<uint32_t> open_rows(const std::vector<StageRow>& rows, const std::set<std::string>& closed) {
+std::vector<uint32_t> listed_rows(const std::vector<StageRow>& rows, const std::set<std::string>& closed) {
     std::vector<uint32_t> open;
     for (uint32_t row = 0; row < rows.size(); row++) {
         open.push_back(row);
-        if (closed.contains(rows[row].title)) row += rows[row].below;
+        if (closed.contains(rows[row].title)) row += rows[row].descendants;
     }
     return open;
 }
@@ -60,13 +60,13 @@ std::optional<uint32_t> row_of(const std::vector<StageRow>& rows, uint32_t node)
     return {};
 }
 
-void open_above(const std::vector<StageRow>& rows, uint32_t row, std::set<std::string>& closed) {
+void open_ancestors(const std::vector<StageRow>& rows, uint32_t row, std::set<std::string>& closed) {
     for (uint32_t above = 0; above < row; above++)
-        if (above + rows[above].below >= row) closed.erase(rows[above].title);
+        if (above + rows[above].descendants >= row) closed.erase(rows[above].title);
 }
 
 std::optional<std::string> locked_within(const std::vector<StageRow>& rows, uint32_t row) {
-    for (uint32_t i = row; i <= row + rows[row].below; i++)
+    for (uint32_t i = row; i <= row + rows[row].descendants; i++)
         if (rows[i].locked) return rows[i].title;
     return {};
 }

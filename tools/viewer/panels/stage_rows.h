@@ -1,4 +1,4 @@
-// The tree of a stage as rows: what the stage panel shows of each node.
+// The tree of a stage as rows: what the stage panel displays of each node.
 #pragma once
 
 #include <cstdint>
@@ -16,27 +16,28 @@ using edit::NodeKind;
 struct StageRow {
     uint32_t node = 0;  // of the document
     uint32_t depth = 0;
-    uint32_t below = 0;  // so many of the next rows hang on it
+    uint32_t descendants = 0;  // so many of the next rows are its descendants
     NodeKind kind = NodeKind::kGroup;
-    std::string title;  // its name, or "node 3"
-    bool shown = true;  // as it says itself
-    bool shown_above = true;
-    bool locked = false;  // itself
+    std::string title;              // its name, or "node 3"
+    bool visible = true;            // not hidden itself
+    bool ancestors_visible = true;  // no ancestor is hidden
+    bool locked = false;            // locked itself
 };
 
-// The nodes of the scene that is shown, parents before what hangs on them. The document is sound.
+// The nodes of the default scene, each before its descendants. The document must be sound.
 std::vector<StageRow> stage_rows(const stage::StageFile& file);
 
-// The rows, by index, that are seen where these are closed, by title.
-std::vector<uint32_t> open_rows(const std::vector<StageRow>& rows, const std::set<std::string>& closed);
+// The indices of the rows that are listed where the rows with these titles are closed.
+std::vector<uint32_t> listed_rows(const std::vector<StageRow>& rows, const std::set<std::string>& closed);
 
-// The index of a node's row; nothing where the scene does not hold it.
+// The index of a node's row; nullopt where the scene does not contain the node.
 std::optional<uint32_t> row_of(const std::vector<StageRow>& rows, uint32_t node);
 
-// Opens all above a row.
-void open_above(const std::vector<StageRow>& rows, uint32_t row, std::set<std::string>& closed);
+// Opens all ancestors of a row.
+void open_ancestors(const std::vector<StageRow>& rows, uint32_t row, std::set<std::string>& closed);
 
-// The title of what keeps a row's node from being removed: itself, or the first below it, where that is locked.
+// The title of the first locked node among a row's node and its descendants, which keeps the node from being removed;
+// nullopt: none is locked.
 std::optional<std::string> locked_within(const std::vector<StageRow>& rows, uint32_t row);
 
 }  // namespace neuvv::viewer

@@ -31,7 +31,7 @@ void begin_renaming(StageTree& tree, uint32_t node) {
     const std::vector<StageRow>& rows = tree.rows;
     const auto row = row_of(rows, node);
     if (!row) return;
-    open_above(rows, *row, tree.closed);
+    open_ancestors(rows, *row, tree.closed);
     tree.renaming = node;
     tree.typed = rows[*row].title;
     tree.begin_typing = true;
@@ -49,16 +49,16 @@ void delete_node(Context& context, const StageTree& tree, uint32_t node) {
         context.editor.notify(fmt::format("\"{}\" is locked: unlock it to delete it", *locked), true);
         return;
     }
-    // Another node would have its number.
+    // The number would mean another node now.
     if (context.editor.edit([&](edit::Document& document) { return edit::remove_node(document.file, node); }))
         context.editor.select({});
 }
 
-// A lamp stands where one hangs it in front of who is looked at: aside, above, and on the viewer's side.
+// The light is at the side of the performers, above them, and in front of them as the eye sees them.
 void add_light_in_view(Context& context, stage::GltfLightKind kind) {
     const Eye& eye = context.view.eye;
-    const glm::dmat4 seen = world_from_eye(eye);
-    const glm::dvec3 right(seen[0]);
+    const glm::dmat4 world_from_camera = world_from_eye(eye);
+    const glm::dvec3 right(world_from_camera[0]);
     const glm::dvec3 back = glm::dvec3(std::sin(eye.yaw), 0, std::cos(eye.yaw));
     glm::dvec3 aim = eye.pivot;
     if (context.frame.stage && !context.frame.stage->performers.empty()) {
@@ -87,7 +87,7 @@ void add_camera_in_view(Context& context) {
     });
 }
 
-void take_node_keys(Context& context, StageTree& tree) {
+void handle_node_keys(Context& context, StageTree& tree) {
     const auto node = context.editor.selected();
     if (!node) return;
     for (const ui::KeyPress& press : context.frame.presses) {

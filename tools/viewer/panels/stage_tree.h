@@ -1,4 +1,4 @@
-// The tree of nodes as the stage panel displays it, and what its menus, its buttons and keys do to a node.
+// The state of the tree of nodes in the stage panel, and the edits of nodes that menus, buttons and keys make.
 #pragma once
 
 #include <set>
@@ -9,9 +9,9 @@
 
 namespace neuvv::viewer {
 
-// What is asked before a node is duplicated.
+// The dialog that asks how a node is to be duplicated.
 struct CopyQuestion {
-    bool ask = false;
+    bool ask = false;  // it is to be opened
     uint32_t node = 0;
     uint64_t id = 0;  // of the document
     edit::CopySettings settings{3, edit::CopyPattern::kRow, 1.5, 90, {0, true}, 0};
@@ -23,15 +23,15 @@ struct StageTree {
     std::set<std::string> closed;               // titles of rows whose descendants are not listed
     std::optional<uint32_t> renaming;           // the node whose name is typed
     std::string typed;                          // so far
-    bool begin_typing = false;                  // in this frame
+    bool begin_typing = false;                  // the field gets the keyboard in the next frame
     std::optional<uint32_t> scrolled_selected;  // the selected node that the tree was scrolled to
     CopyQuestion copies;
 };
 
-// Makes the rows those of the document, where it has changed since. Panels that use them call it first.
+// Reads the rows again where the document has changed. Panels call it before they use the rows.
 void follow_document(const Context& context, StageTree& tree);
 
-// The tree has a field for the node's name from now on.
+// Displays a text field for the node's name in the tree.
 void begin_renaming(StageTree& tree, uint32_t node);
 // Adds a copy at the same position, and selects it.
 void duplicate_once(Context& context, uint32_t node);
@@ -42,10 +42,10 @@ void add_light_in_view(Context& context, stage::GltfLightKind kind);
 // Adds a camera that sees what the eye sees, and selects it.
 void add_camera_in_view(Context& context);
 
-// H, F2, Ctrl-D and Del, for the selected node. No text may be typed meanwhile.
-void take_node_keys(Context& context, StageTree& tree);
+// Handles H, F2, Ctrl+D and Del for the selected node. Not to be called while text is typed.
+void handle_node_keys(Context& context, StageTree& tree);
 
-// Many copies: asks how many, where, and how much later each begins.
+// Opens the dialog that asks how many copies to make, where they stand, and how much later each begins.
 void ask_duplicate(const Context& context, CopyQuestion& question, uint32_t node);
 void duplicate_dialog(Context& context, StageTree& tree);  // each frame
 

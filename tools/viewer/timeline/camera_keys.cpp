@@ -21,16 +21,16 @@ Eye eye_on(const stage::CameraPath& path, double time_s, double distance_m) {
 }
 
 size_t nearest_key(const stage::CameraPath& path, double time_s) {
-    const auto farther = [&](const stage::CameraPathKey& a, const stage::CameraPathKey& b) {
+    const auto is_nearer = [&](const stage::CameraPathKey& a, const stage::CameraPathKey& b) {
         return std::abs(a.time_s - time_s) < std::abs(b.time_s - time_s);
     };
-    return static_cast<size_t>(std::min_element(path.keys.begin(), path.keys.end(), farther) - path.keys.begin());
+    return static_cast<size_t>(std::min_element(path.keys.begin(), path.keys.end(), is_nearer) - path.keys.begin());
 }
 
-stage::CameraPath made_cyclic(stage::CameraPath path, bool cyclic) {
+stage::CameraPath with_cyclic(stage::CameraPath path, bool cyclic) {
     const double first_s = path.keys.front().time_s, last_s = path.keys.back().time_s;
-    const size_t ways = path.keys.size() - 1;
-    const double mean_s = ways > 0 ? (last_s - first_s) / static_cast<double>(ways) : 1;
+    const size_t segments = path.keys.size() - 1;
+    const double mean_s = segments > 0 ? (last_s - first_s) / static_cast<double>(segments) : 1;
     path.cyclic = cyclic;
     if (!cyclic)
         path.duration_s = last_s;

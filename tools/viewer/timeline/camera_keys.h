@@ -1,4 +1,4 @@
-// The stage's camera path, between its keys and the eye.
+// Converts between the keys of the stage's camera path and the eye.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,18 @@
 
 namespace neuvv::viewer {
 
+// A key at which the camera sees what the eye sees.
 stage::CameraPathKey key_of(const Eye& eye, double time_s);
-// The eye that sees as the path's camera does; the pivot `distance_m` in front of it.
+// The eye that sees as the path's camera does at a time; its pivot is `distance_m` in front of it.
 Eye eye_on(const stage::CameraPath& path, double time_s, double distance_m);
-// The key that is nearest in time, of at least one.
+// The index of the key that is nearest in time. The path has at least one.
 size_t nearest_key(const stage::CameraPath& path, double time_s);
-// A cycle comes back to its first key in the time that it takes from key to key, one of a single key in a second; a
-// path that is none any more ends with its last key.
-stage::CameraPath made_cyclic(stage::CameraPath path, bool cyclic);
+// The path as a cycle, or no longer as one. A cycle that has no time to come back to its first key gets the mean time
+// between two keys for it, or a second where it has a single key. A path that is no cycle ends with its last key.
+stage::CameraPath with_cyclic(stage::CameraPath path, bool cyclic);
 
-// What a line through all places of a path joins: `steps` points from key to key. Nothing for cuts.
+// The points of a line along the path: `steps` from each key to the next, but at most about kMaxLinePoints in all.
+// Empty where the path cuts from key to key.
 constexpr size_t kMaxLinePoints = 4096;
 std::vector<glm::dvec3> line_of(const stage::CameraPath& path, size_t steps);
 

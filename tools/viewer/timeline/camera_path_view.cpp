@@ -8,36 +8,27 @@
 #include "edit/operations.h"
 #include "editor/pointer.h"
 #include "tools/ui/theme.h"
+#include "tools/viewer/tools/overlay.h"
 
 namespace neuvv::viewer {
 
 namespace {
 
-constexpr float kSightPixels = 26;  // of a pyramid of sight, at scale 1
-constexpr unsigned kWay = 0xc0e8a33d, kKeyColour = 0xffd8d2cb;
+constexpr float kFrustum_px = 26;  // height of a frustum, at scale 1
+constexpr unsigned kPathColour = 0xc0e8a33d, kKeyColour = 0xffd8d2cb;
 
-void draw_line(const Context& context, glm::dvec3 a, glm::dvec3 b, unsigned colour, float width) {
-    const auto seen = editor::pixels_of(context.frame.camera, a, b);
-    if (!seen) return;
-    const auto at = [&](glm::dvec2 pixel) {
-        return ImVec2(context.frame.image_area.left + static_cast<float>(pixel.x),
-                      context.frame.image_area.top + static_cast<float>(pixel.y));
-    };
-    ImGui::GetBackgroundDrawList()->AddLine(at(seen->first), at(seen->second), colour, context.ui(width));
-}
-
-// From the camera's place to the corners of what it sees, as large in the image wherever it stands.
-void draw_sight(const Context& context, const stage::Camera& seen, unsigned colour, float width) {
-    const glm::dvec3 from(seen.world_from_camera[3]);
+// The frustum of a camera (whose image has height 2), of the same size in the image wherever the camera is.
+void draw_frustum(const Context& context, const stage::Camera& camera, unsigned colour, float width) {
+    const glm::dvec3 from(camera.world_from_camera[3]);
     if (editor::depth_of(context.frame.camera, from) < editor::kMinDepth_m) return;
-    const double high = editor::metres_of_pixels(context.frame.camera, from, context.ui(kSightPixels)) / 2;
+    const double high = editor::metres_of_pixels(context.frame.camera, from, context.ui(kFrustum_px)) / 2;
     const double aspect =
         context.frame.camera.height > 0 ? 1.0 * context.frame.camera.width / context.frame.camera.height : 1;
     glm::dvec3 corners[4];
     for (int i = 0; i < 4; i++) {
         const double x = i == 1 || i == 2 ? 1 : -1, y = i >= 2 ? 1 : -1;
-        const glm::dvec4 corner(x * high * aspect, y * high, -high * seen.fy, 1);  // fy for a height of 2
-        corners[i] = glm::dvec3(seen.world_from_camera * corner);
+        const glm::dvec4 corner(x * high * aspect, y * high, -high * camera.fy, 1);
+        corners[i] = glm::dvec3(camera.world_from_camera * corner);
     }
     for (int i = 0; i < 4; i++) {
         draw_line(context, from, corners[i], colour, width);
@@ -63,7 +54,7 @@ void add_key_here(Context& context) {
         context.editor.notify(fmt::format("a key of the camera path at {:.2f} s", key.time_s));
 }
 
-void remove_key_near(Context& context) {
+void remove_nearest_key(Context& context) {
     if (!context.editor.is_open()) return;
     const std::optional<stage::CameraPath> path = edit::camera_path_of(context.editor.file());
     if (!path) return context.editor.notify("there is no camera path");
@@ -75,10 +66,10 @@ void draw_camera_path(const Context& context, const stage::CameraPath& path, con
     const Area& area = context.frame.image_area;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({area.left, area.top}, {area.left + area.width, area.top + area.height});
-    for (size_t i = 0; i + 1 < line.size(); i++) draw_line(context, line[i], line[i + 1], kWay, 2);
+    for (size_t i = 0; i + 1 < line.size(); i++) draw_line(context, line[i], line[i + 1], kPathColour, 2);
     for (const stage::CameraPathKey& key : path.keys)
-        draw_sight(context, stage::camera_at(path, key.time_s, 2, 2), kKeyColour, 1);
-    draw_sight(context, stage::camera_at(path, context.view.clock.displayed_s(), 2, 2), ui::kAccent, 2);
+        draw_frustum(context, stage::camera_at(path, key.time_s, 2, 2), kKeyColour, 1);
+    draw_frustum(context, stage::camera_at(path, context.view.clock.displayed_s(), 2, 2), ui::kAccent, 2);
     list.PopClipRect();
 }
 

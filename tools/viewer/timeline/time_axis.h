@@ -1,4 +1,4 @@
-// The timeline's axis: seconds of the stage along a row of pixels, and the marks of its ruler.
+// The axis of the timeline: stage time in seconds along a row of pixels, and the marks of its ruler.
 #pragma once
 
 #include <cstdint>
@@ -15,34 +15,34 @@ struct TimeAxis {
     double end_s() const { return s_at(left + width); }
 };
 
-// What an axis may show: from 0 to `extent_s` with so many pixels free on both sides; at the closest an image is
-// kWidestImage times `margin_px` wide.
+// The limits of an axis: it shows at most the time from 0 to `extent_s`, with a margin on both sides, and at least so
+// little that a frame is kMaxFrameWidth margins wide.
 struct TimeLimits {
     double extent_s = 1, fps = 25, margin_px = 8;
 };
-constexpr double kWidestImage = 10;
+constexpr double kMaxFrameWidth = 10;  // in margins
 
-// All that there is. An extent of 0 is shown as one image.
+// The axis that shows all the time up to the extent, which counts as at least one frame.
 TimeAxis fitted(TimeAxis axis, const TimeLimits& limits);
-// Each notch shows four fifths of what was shown (negative: five quarters); what is at `x` stays there where the limits
-// allow it.
+// Each notch reduces the displayed time to four fifths; a negative one extends it to five fourths. The time at `x`
+// stays there where the limits allow.
 TimeAxis zoomed(TimeAxis axis, double x, double notches, const TimeLimits& limits);
-// What was at `x` is then at `x + moved_px`.
+// Moves every time by so many pixels to the right, as far as the limits allow.
 TimeAxis scrolled(TimeAxis axis, double moved_px, const TimeLimits& limits);
 
-// Marks of a ruler: at whole multiples of `major_s` with a label, each of these divided into `parts`.
+// The marks of a ruler: labelled ones at whole multiples of `major_s`, and small ones that divide these into `parts`.
 struct TimeMarks {
     double major_s = 1;
     int parts = 1;
-    bool images = false;  // labelled by the image's number, else by time
+    bool frames = false;  // labels are frame numbers; else times
 };
-// So that labels are at least `label_px` apart, smaller marks at least `mark_px`. Below a second they are at whole
-// images.
+// Marks for a scale, with labels at least `label_px` apart and small marks at least `mark_px`. Marks less than a second
+// apart are at whole frames.
 TimeMarks marks_for(double s_per_px, double fps, double label_px, double mark_px);
-// "3 s", "1:05", "31 f" of the mark at major_s · number; nothing left of 0.
+// The label of the mark at number · major_s, as "3 s", "1:05" or "31 f" (frame 31); empty left of 0.
 std::string label_of(const TimeMarks& marks, int64_t number, double fps);
 
-// The nearest time at which an image begins.
-double at_image(double time_s, double fps);
+// The nearest time at which a frame begins.
+double nearest_frame_time(double time_s, double fps);
 
 }  // namespace neuvv::viewer

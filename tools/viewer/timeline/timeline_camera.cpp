@@ -6,6 +6,7 @@
 #include "edit/operations.h"
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
+#include "tools/viewer/panels/fields.h"
 #include "tools/viewer/timeline/camera_path_view.h"
 #include "tools/viewer/timeline/timeline_view.h"
 
@@ -13,8 +14,8 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr float kKey = 6;  // half a diamond, at scale 1
-constexpr unsigned kLane = 0xff2f2b29, kKeyColour = 0xffd8d2cb, kWay = 0x60d8d2cb;
+constexpr float kKeySize = 6;  // half a diamond, at scale 1
+constexpr unsigned kLane = 0xff2f2b29, kKeyColour = 0xffd8d2cb, kPathColour = 0x60d8d2cb;
 
 double frame_s(const Context& context) {
     return 1 / context.view.clock.fps();
@@ -46,9 +47,7 @@ void name_cell(Context& context, const TimelineView& view, bool has_path) {
 
 void key_items(Context& context, const stage::CameraPath& path, size_t key) {
     const auto item = [&](const char* name, const char* text) {
-        const bool chosen = ImGui::MenuItem(text);
-        context.report.item(fmt::format("timeline/key/{}/{}", key, name));
-        return chosen;
+        return menu_item(context, fmt::format("timeline/key/{}/{}", key, name), text);
     };
     if (item("go", "Go there")) {
         context.view.clock.scrub(path.keys[key].time_s);
@@ -63,23 +62,21 @@ void key_items(Context& context, const stage::CameraPath& path, size_t key) {
 }
 
 void path_items(Context& context, stage::CameraPath path) {
-    constexpr std::pair<const char*, const char*> kWays[] = {
+    constexpr std::pair<const char*, const char*> kInterpolations[] = {
         {"smooth", "Smooth"}, {"linear", "Straight from key to key"}, {"cut", "Cut from key to key"}};
     const auto item = [&](const char* name, const char* text, bool on) {
-        const bool chosen = ImGui::MenuItem(text, nullptr, on);
-        context.report.item(fmt::format("timeline/path/{}", name));
-        return chosen;
+        return menu_item(context, fmt::format("timeline/path/{}", name), text, nullptr, on);
     };
-    for (const stage::Interpolation way :
-         {stage::Interpolation::kSmooth, stage::Interpolation::kLinear, stage::Interpolation::kCut})
-        if (item(kWays[static_cast<size_t>(way)].first, kWays[static_cast<size_t>(way)].second,
-                 path.interpolation == way)) {
-            path.interpolation = way;
-            edit_path(context, path);
-        }
+    for (const stage::Interpolation interpolation :
+         {stage::Interpolation::kSmooth, stage::Interpolation::kLinear, stage::Interpolation::kCut}) {
+        const auto& [name, text] = kInterpolations[static_cast<size_t>(interpolation)];
+        if (!item(name, text, path.interpolation == interpolation)) continue;
+        path.interpolation = interpolation;
+        edit_path(context, path);
+    }
     ImGui::Separator();
     if (item("cyclic", "Round and round, back to the first key", path.cyclic))
-        edit_path(context, made_cyclic(path, !path.cyclic));
+        edit_path(context, with_cyclic(path, !path.cyclic));
     if (item("remove", "Remove the path", false))
         context.editor.edit([](edit::Document& d) { return edit::set_camera_path(d.file, std::nullopt); });
 }
@@ -101,10 +98,10 @@ void move_key(Context& context, const TimelineView& view, KeyDrag& drag) {
     });
 }
 
-// Whether the pointer is over it.
+// Draws a key and drags it. Returns whether the pointer is over it.
 bool key_button(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& path,
                 size_t key, double time_s, float middle) {
-    const float x = std::round(view.x_at(time_s)), half = context.ui(kKey);
+    const float x = std::round(view.x_at(time_s)), half = context.ui(kKeySize);
     const bool dragged = drag && drag->key == key;
     if (!dragged && (x < view.left() - half || x > view.right() + half)) return false;
     ImGui::PushID(static_cast<int>(key));
@@ -114,35 +111,35 @@ bool key_button(Context& context, const TimelineView& view, std::optional<KeyDra
     if (ImGui::IsItemActivated()) drag = KeyDrag{key, false, view.axis.s_at(ImGui::GetIO().MousePos.x), time_s, path};
     if (drag && (ImGui::IsItemActive() || ImGui::IsItemDeactivated())) move_key(context, view, *drag);
     if (ImGui::IsItemDeactivated()) drag.reset();
-    const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
-    if (lit)
+    const bool highlighted = ImGui::IsItemHovered() || ImGui::IsItemActive();
+    if (highlighted)
         ImGui::SetTooltip("camera at %s%s", text_of_time(time_s).c_str(),
                           ImGui::IsItemActive() ? "" : "\nDrag: earlier, later; right click: more");
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("key_menu");
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const bool now = std::abs(time_s - context.view.clock.time_s()) < frame_s(context) / 2;
     list.AddQuadFilled({x - half, middle}, {x, middle - half}, {x + half, middle}, {x, middle + half},
-                       lit || now ? ui::kAccent : kKeyColour);
+                       highlighted || now ? ui::kAccent : kKeyColour);
     if (ImGui::BeginPopup("key_menu")) {
         key_items(context, path, key);
         path_items(context, path);
         ImGui::EndPopup();
     }
     ImGui::PopID();
-    return lit;
+    return highlighted;
 }
 
-// The way, from its first key to its end, and its keys; whether the pointer is over one.
+// Draws the path, from its first key to its end, and its keys. Returns whether the pointer is over a key.
 bool draw_keys(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag, const stage::CameraPath& now,
                float middle) {
     const bool released = !ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseReleased(ImGuiMouseButton_Left);
-    if (released) drag.reset();  // while the panel was not displayed
+    if (released) drag.reset();  // released while the panel was not displayed
     const stage::CameraPath path = drag ? drag->before : now;
     const double end_s = now.cyclic ? now.duration_s : now.keys.back().time_s;
     const float low = std::clamp(view.x_at(now.keys.front().time_s), view.left(), view.right());
     const float high = std::clamp(view.x_at(end_s), view.left(), view.right());
     if (now.interpolation != stage::Interpolation::kCut)
-        ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kWay, context.ui(2));
+        ImGui::GetWindowDrawList()->AddLine({low, middle}, {high, middle}, kPathColour, context.ui(2));
     ImGui::PushClipRect({view.left(), middle - view.row_height}, {view.right(), middle + view.row_height}, true);
     bool over_key = false;
     for (size_t i = 0; i < path.keys.size(); i++)

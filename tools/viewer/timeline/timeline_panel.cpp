@@ -34,7 +34,7 @@ void read_tracks(TimelineState& state, const Context& context) {
     state.clips_of = context.frame.stage;
 }
 
-// The end of the stage, or of who plays longer.
+// The end of the stage, or that of a performer who plays longer.
 double extent_of(const TimelineState& state, const editor::StageClock& clock) {
     double extent_s = clock.duration_s();
     for (const edit::PerformerTrack& track : state.tracks)
@@ -42,7 +42,7 @@ double extent_of(const TimelineState& state, const editor::StageClock& clock) {
     return extent_s;
 }
 
-void place_view(TimelineState& state, const Context& context) {
+void lay_out(TimelineState& state, const Context& context) {
     TimelineView& view = state.view;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x;
@@ -51,12 +51,12 @@ void place_view(TimelineState& state, const Context& context) {
     view.row_height = std::round(context.ui(kRowHeight));
     view.axis.left = at.x + view.names_width;
     view.axis.width = std::max(1.0f, width - view.names_width - ImGui::GetStyle().ScrollbarSize);
-    if (!context.editor.dragging())  // else what is dragged would run away from the pointer
+    if (!context.editor.dragging())  // a change of the limits would move what is dragged away from the pointer
         view.limits = {extent_of(state, context.view.clock), context.view.clock.fps(), context.ui(kMargin)};
     view.axis = state.fits ? fitted(view.axis, view.limits) : scrolled(view.axis, 0, view.limits);
 }
 
-// Wheel and middle button over time, wherever in the panel.
+// The wheel and the middle button over the time axis, in any row of the panel.
 void navigate(TimelineState& state, const Context& context, float top) {
     const ImGuiIO& io = ImGui::GetIO();
     TimelineView& view = state.view;
@@ -75,26 +75,24 @@ void navigate(TimelineState& state, const Context& context, float top) {
         view.axis = scrolled(view.axis, io.MouseDelta.x, view.limits);
         state.scroll_y -= io.MouseDelta.y;
     }
-    // After the way of this frame: what the pointer went before its button went down is none of it.
+    // Set after this frame's motion was used, because the pointer moved before the button went down.
     if (over_time && ImGui::IsMouseClicked(ImGuiMouseButton_Middle)) state.panned = true;
     if (!ImGui::IsMouseDown(ImGuiMouseButton_Middle)) state.panned = false;
     if (view.axis.begin_s != before_s || view.axis.s_per_px != before_scale) state.fits = false;
     if (over_time && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) state.fits = true;
 }
 
-// Brings who was selected elsewhere into sight.
+// Scrolls to the row of a performer that was selected elsewhere.
 void scroll_to_selected(TimelineState& state, const Context& context) {
     const auto selected = context.editor.selected();
     if (state.scrolled_selected == selected) return;
     const auto track = std::find_if(state.tracks.begin(), state.tracks.end(),
-                                    [&](const edit::PerformerTrack& one) { return one.node == selected; });
-    if (selected && track == state.tracks.end()) return;  // it may be added in this frame
+                                    [&](const edit::PerformerTrack& each) { return each.node == selected; });
+    if (selected && track == state.tracks.end()) return;  // its track may not have been read yet
     state.scrolled_selected = selected;
     if (!selected) return;
-    const float row = state.view.row_height + context.ui(2), seen = ImGui::GetWindowHeight();
-    const float top = static_cast<float>(track - state.tracks.begin()) * row;
-    if (top < ImGui::GetScrollY() || top + row > ImGui::GetScrollY() + seen)
-        ImGui::SetScrollY(std::max(0.0f, top - 0.5f * (seen - row)));
+    const float row = state.view.row_height + context.ui(2);
+    scroll_to_row(static_cast<float>(track - state.tracks.begin()) * row, row);
 }
 
 void rows(TimelineState& state, Context& context) {
@@ -113,18 +111,18 @@ void rows(TimelineState& state, Context& context) {
 double snapped_time(const Context& context, const TimelineView& view, double time_s) {
     const double clock_s = context.view.clock.time_s();
     if (std::abs(time_s - clock_s) < context.ui(5) * view.axis.s_per_px) return clock_s;
-    return at_image(time_s, context.view.clock.fps());
+    return nearest_frame_time(time_s, context.view.clock.fps());
 }
 
 bool is_dragged(const Context& context) {
     const ImGuiIO& io = ImGui::GetIO();
     const ImVec2 from = io.MouseClickedPos[ImGuiMouseButton_Left];
-    const float x = io.MousePos.x - from.x, y = io.MousePos.y - from.y, least = context.ui(3);
-    return std::max(x * x + y * y, io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left]) >= least * least;
+    const float x = io.MousePos.x - from.x, y = io.MousePos.y - from.y, min = context.ui(3);
+    return std::max(x * x + y * y, io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left]) >= min * min;
 }
 
 bool small_button(Context& context, const TimelineView& view, const std::string& name, const char* icon,
-                  const char* explained, bool on, bool enabled) {
+                  const char* tooltip, bool on, bool enabled) {
     ImGui::BeginDisabled(!enabled);
     ImGui::PushID(name.c_str());
     if (!on) ImGui::PushStyleColor(ImGuiCol_Button, 0);
@@ -134,7 +132,7 @@ bool small_button(Context& context, const TimelineView& view, const std::string&
     if (!on) ImGui::PopStyleColor();
     ImGui::PopID();
     context.report.item(name);
-    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", explained);
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", tooltip);
     ImGui::EndDisabled();
     return pressed;
 }
@@ -146,7 +144,7 @@ void timeline_panel(Context& context, const Area& area, TimelineState& state) {
     if (state.path && context.view.show_path && !context.view.along_path)
         draw_camera_path(context, *state.path, state.path_line);
     transport_row(context);
-    place_view(state, context);
+    lay_out(state, context);
     const float top = ImGui::GetCursorScreenPos().y;
     ruler_row(context, state.view);
     camera_row(context, state.view, state.key_drag, state.path);

@@ -16,7 +16,7 @@ constexpr float kGrip = 7, kCurveStep = 2, kRowGap = 2;  // at scale 1
 constexpr unsigned kBar = 0xff6b4f2b, kBarSelected = 0xff9a6a2c, kOutsideBar = 0xff3a322a, kCurve = 0xffe9d2b4,
                    kCurveOutside = 0x80e9d2b4;
 
-// In pixels, within the axis.
+// The visible part of a bar, pixels of the framebuffer.
 struct BarArea {
     float left, right, top, bottom;
 };
@@ -24,13 +24,13 @@ struct BarArea {
 BarArea area_of(const Context& context, const TimelineView& view, const edit::PerformerTrack& track, float top) {
     const double end_s =
         std::isfinite(track.bar.end_s) ? track.bar.end_s : std::max(context.view.clock.duration_s(), 0.0);
-    const float least = std::min(context.ui(3 * kGrip), view.right() - view.left());
-    const float left = std::clamp(view.x_at(track.bar.start_s), view.left(), view.right() - least);
-    const float right = std::clamp(view.x_at(end_s), left + least, view.right());
+    const float min_width = std::min(context.ui(3 * kGrip), view.right() - view.left());
+    const float left = std::clamp(view.x_at(track.bar.start_s), view.left(), view.right() - min_width);
+    const float right = std::clamp(view.x_at(end_s), left + min_width, view.right());
     return {left, right, top + context.ui(2), top + view.row_height - context.ui(2)};
 }
 
-void edit_now(Context& context, uint32_t node, edit::TimeEdit edit) {
+void edit_time_map(Context& context, uint32_t node, edit::TimeEdit edit) {
     context.editor.edit(
         [node, edit = std::move(edit)](edit::Document& d) { return edit::edit_time(d.file, node, edit); });
 }
@@ -55,14 +55,14 @@ void draw_curve(const Context& context, const TimelineView& view, const stage::T
 }
 
 void draw_bar(const Context& context, const TimelineView& view, const edit::PerformerTrack& track, const BarArea& bar,
-              bool lit) {
+              bool highlighted) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float round = context.ui(3);
     const bool selected = context.editor.selected() == track.node;
     list.AddRectFilled({view.left(), bar.top}, {view.right(), bar.bottom}, kOutsideBar, round);
     list.AddRectFilled({bar.left, bar.top}, {bar.right, bar.bottom}, selected ? kBarSelected : kBar, round);
     draw_curve(context, view, track.timeline, bar);
-    if (lit || selected) list.AddRect({bar.left, bar.top}, {bar.right, bar.bottom}, ui::kAccent, round);
+    if (highlighted || selected) list.AddRect({bar.left, bar.top}, {bar.right, bar.bottom}, ui::kAccent, round);
 }
 
 void time_tooltip(const Context& context, const TimelineView& view, const edit::PerformerTrack& track) {
@@ -76,7 +76,7 @@ void time_tooltip(const Context& context, const TimelineView& view, const edit::
                   .c_str());
 }
 
-// The edit that brings the edge that is held to where the pointer is.
+// Edits the time map so that the dragged part of the bar follows the pointer.
 void follow(Context& context, const TimelineView& view, BarDrag& drag, const edit::PerformerTrack& track) {
     if (!is_dragged(context) || drag.cancelled) return;
     const double edge_s = drag.part != BarPart::kEnd         ? drag.before.start_s
@@ -101,7 +101,7 @@ void follow(Context& context, const TimelineView& view, BarDrag& drag, const edi
     });
 }
 
-// Makes a part of the bar one that can be held; whether the pointer is over it.
+// Drags a part of the bar, which is the last item of ImGui. Returns whether the pointer is over it.
 bool drag_part(Context& context, const TimelineView& view, BarDrag& drag, const edit::PerformerTrack& track,
                BarPart part) {
     if (ImGui::IsItemActivated())
@@ -113,18 +113,16 @@ bool drag_part(Context& context, const TimelineView& view, BarDrag& drag, const 
     }
     if (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) follow(context, view, drag, track);
     if (ImGui::IsItemDeactivated() && !is_dragged(context)) context.editor.select(track.node);
-    const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
-    if (lit) ImGui::SetMouseCursor(part == BarPart::kBody ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_ResizeEW);
-    if (lit) time_tooltip(context, view, track);
+    const bool highlighted = ImGui::IsItemHovered() || ImGui::IsItemActive();
+    if (highlighted) ImGui::SetMouseCursor(part == BarPart::kBody ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_ResizeEW);
+    if (highlighted) time_tooltip(context, view, track);
     if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) ImGui::OpenPopup("time");
-    return lit;
+    return highlighted;
 }
 
-bool menu_item(Context& context, const edit::PerformerTrack& track, const char* name, const char* text,
-               bool on = false) {
-    const bool chosen = ImGui::MenuItem(text, nullptr, on);
-    context.report.item(fmt::format("timeline/{}/{}", track.name, name));
-    return chosen;
+bool track_item(Context& context, const edit::PerformerTrack& track, const char* name, const char* text,
+                bool on = false) {
+    return menu_item(context, fmt::format("timeline/{}/{}", track.name, name), text, nullptr, on);
 }
 
 void speed_field(Context& context, const edit::PerformerTrack& track) {
@@ -145,24 +143,25 @@ void repeat_items(Context& context, const edit::PerformerTrack& track) {
         {"once", "Once"}, {"loop", "Again and again"}, {"ping-pong", "Back and forth"}};
     for (const edit::Repeat repeat : {edit::Repeat::kOnce, edit::Repeat::kLoop, edit::Repeat::kPingPong}) {
         const auto [name, text] = kItems[static_cast<size_t>(repeat)];
-        if (menu_item(context, track, name, text, edit::repeat_of(track.map) == repeat))
-            edit_now(context, track.node, [repeat](const stage::TimeMap& map) { return edit::repeated(map, repeat); });
+        if (track_item(context, track, name, text, edit::repeat_of(track.map) == repeat))
+            edit_time_map(context, track.node,
+                          [repeat](const stage::TimeMap& map) { return edit::repeated(map, repeat); });
     }
 }
 
-void here_items(Context& context, const edit::PerformerTrack& track) {
+void items_at_time(Context& context, const edit::PerformerTrack& track) {
     const double now_s = context.view.clock.displayed_s();
     const edit::ClipRate rate = track.rate;
-    const auto now = [&](edit::TimeEdit edit) { edit_now(context, track.node, std::move(edit)); };
-    if (menu_item(context, track, "start_here", "Begin here"))
+    const auto now = [&](edit::TimeEdit edit) { edit_time_map(context, track.node, std::move(edit)); };
+    if (track_item(context, track, "start_here", "Begin here"))
         now([=, by_s = now_s - track.bar.start_s](const stage::TimeMap& map) { return edit::moved(map, rate, by_s); });
-    if (menu_item(context, track, "trim_start", "Cut off what is before"))
+    if (track_item(context, track, "trim_start", "Cut off what is before"))
         now([=](const stage::TimeMap& map) { return edit::trimmed_start(map, rate, now_s); });
-    if (menu_item(context, track, "trim_end", "Cut off what is after"))
+    if (track_item(context, track, "trim_end", "Cut off what is after"))
         now([=](const stage::TimeMap& map) { return edit::trimmed_end(map, rate, now_s); });
-    if (menu_item(context, track, "hold", "Hold this image for a second"))
+    if (track_item(context, track, "hold", "Hold this image for a second"))
         now([=](const stage::TimeMap& map) { return edit::paused_at(map, rate, now_s, 1); });
-    if (menu_item(context, track, "freeze", "Freeze this image"))
+    if (track_item(context, track, "freeze", "Freeze this image"))
         now([=](const stage::TimeMap& map) { return edit::frozen_at(map, rate, now_s); });
 }
 
@@ -172,16 +171,16 @@ void time_menu(Context& context, const edit::PerformerTrack& track) {
                         track.map.empty() ? "as the clip is" : stage::text_of(track.map).c_str());
     ImGui::Separator();
     speed_field(context, track);
-    if (menu_item(context, track, "reverse", "Backwards", edit::is_reversed(track.map)))
-        edit_now(context, track.node,
-                 [rate = track.rate](const stage::TimeMap& map) { return edit::reversed(map, rate); });
+    if (track_item(context, track, "reverse", "Backwards", edit::is_reversed(track.map)))
+        edit_time_map(context, track.node,
+                      [rate = track.rate](const stage::TimeMap& map) { return edit::reversed(map, rate); });
     ImGui::Separator();
     repeat_items(context, track);
     ImGui::Separator();
-    here_items(context, track);
+    items_at_time(context, track);
     ImGui::Separator();
-    if (menu_item(context, track, "reset", "As the clip is"))
-        edit_now(context, track.node, [](const stage::TimeMap&) { return stage::TimeMap(); });
+    if (track_item(context, track, "reset", "As the clip is"))
+        edit_time_map(context, track.node, [](const stage::TimeMap&) { return stage::TimeMap(); });
     ImGui::EndPopup();
 }
 
@@ -193,7 +192,8 @@ void name_cell(Context& context, const TimelineView& view, const edit::Performer
                      "Speed, direction, loops …"))
         ImGui::OpenPopup("time");
     ImGui::SetCursorScreenPos(at);
-    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, context.ui(kRowGap)});  // a Selectable reaches over half of it
+    // A Selectable extends by half the spacing.
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, context.ui(kRowGap)});
     if (ImGui::Selectable("##name", context.editor.selected() == track.node, 0, {width, view.row_height}))
         context.editor.select(track.node);
     ImGui::PopStyleVar();
@@ -215,19 +215,19 @@ void performer_row(Context& context, const TimelineView& view, BarDrag& drag, co
     name_cell(context, view, track);
     const BarArea bar = area_of(context, view, track, at.y);
     const float grip = context.ui(kGrip), height = bar.bottom - bar.top;
-    bool lit = false;
+    bool highlighted = false;
     const auto part = [&](const char* name, BarPart which, float left, float width) {
         ImGui::SetCursorScreenPos({left, bar.top});
         ImGui::InvisibleButton(name, {std::max(width, 1.0f), height});
         const std::string row = "timeline/" + track.name;
         context.report.item(which == BarPart::kBody ? row : row + "/" + name);
-        lit |= drag_part(context, view, drag, track, which);
+        highlighted |= drag_part(context, view, drag, track, which);
     };
     part("start", BarPart::kStart, bar.left, grip);
     part("end", BarPart::kEnd, bar.right - grip, grip);
     part("body", BarPart::kBody, bar.left + grip, bar.right - bar.left - 2 * grip);
     if (ImGui::IsRectVisible({view.left(), at.y}, {view.right(), at.y + view.row_height}))
-        draw_bar(context, view, track, bar, lit);
+        draw_bar(context, view, track, bar, highlighted);
     time_menu(context, track);
     ImGui::SetCursorScreenPos({at.x, at.y + view.row_height + context.ui(kRowGap)});
     ImGui::PopID();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kHeight = 27, kRangeHeight = 9, kGrip = 9;  // at scale 1
 constexpr float kLabelPixels = 54, kMarkPixels = 5;
-constexpr unsigned kMark = 0xff6a6661, kLetters = 0xffb5b0aa, kOutside = 0x66000000, kInstant = 0xff4f6bff;
+constexpr unsigned kMarkColour = 0xff6a6661, kTextColour = 0xffb5b0aa, kOutside = 0x66000000, kTimeColour = 0xff4f6bff;
 
 void draw_marks(const Context& context, const TimelineView& view, float top, float bottom) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -24,14 +24,15 @@ void draw_marks(const Context& context, const TimelineView& view, float top, flo
     for (int64_t i = first; i <= last; i++) {
         const float x = std::floor(view.x_at(static_cast<double>(i) * step_s)) + 0.5f;
         const bool major = i % marks.parts == 0;
-        list.AddLine({x, bottom - context.ui(major ? 7 : 3)}, {x, bottom}, kMark);
+        list.AddLine({x, bottom - context.ui(major ? 7 : 3)}, {x, bottom}, kMarkColour);
         if (!major) continue;
         const std::string label = label_of(marks, i / marks.parts, fps);
-        list.AddText({x + context.ui(4), top - context.ui(1)}, kLetters, label.c_str());
+        list.AddText({x + context.ui(4), top - context.ui(1)}, kTextColour, label.c_str());
     }
 }
 
-// The loop's range as a bar with two ends to drag; a double click on an end gives back the whole.
+// The range of the loop as a bar whose ends can be dragged. A double click on an end resets the range to the whole
+// stage.
 void range_bar(Context& context, const TimelineView& view, float top) {
     editor::StageClock& clock = context.view.clock;
     ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -45,15 +46,15 @@ void range_bar(Context& context, const TimelineView& view, float top) {
     list.AddRectFilled({low, middle - half}, {high, middle + half}, colour, half);
     for (const bool end : {false, true}) {
         const float at = end ? high : low;
-        if (std::abs(view.x_at(end ? clock.out_s() : clock.in_s()) - at) > 1) continue;  // it lies out of the axis
-        // Outside of the range, so that both can be taken where it is short.
+        if (std::abs(view.x_at(end ? clock.out_s() : clock.in_s()) - at) > 1) continue;  // it is outside the axis
+        // Outside the range, so that both ends can be grabbed where it is short.
         ImGui::SetCursorScreenPos({end ? at : at - grip, top});
         ImGui::InvisibleButton(end ? "out" : "in", {grip, height});
         context.report.item(end ? "timeline/out" : "timeline/in");
-        const bool lit = ImGui::IsItemHovered() || ImGui::IsItemActive();
+        const bool highlighted = ImGui::IsItemHovered() || ImGui::IsItemActive();
         const float side = end ? grip : -grip;
-        list.AddTriangleFilled({at, top}, {at + side, middle}, {at, top + height}, lit ? ui::kAccent : colour);
-        if (lit) {
+        list.AddTriangleFilled({at, top}, {at + side, middle}, {at, top + height}, highlighted ? ui::kAccent : colour);
+        if (highlighted) {
             ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
             ImGui::SetTooltip(
                 "%s\nDrag: what is played again and again. Double click: all.",
@@ -65,7 +66,7 @@ void range_bar(Context& context, const TimelineView& view, float top) {
             const double shortest_s = 1 / clock.fps();
             const float pointer = std::clamp(ImGui::GetIO().MousePos.x, view.left(), view.right());
             const double to_s = std::clamp(snapped_time(context, view, view.axis.s_at(pointer)), view.axis.begin_s,
-                                           view.axis.end_s());  // an end that were out of sight could not be held
+                                           view.axis.end_s());  // an end outside the axis could not be dragged again
             if (end)
                 clock.set_range(clock.in_s(), std::max(to_s, clock.in_s() + shortest_s));
             else
@@ -85,7 +86,7 @@ void draw_range_and_time(Context& context, const TimelineView& view, float top, 
     if (high < view.right()) list.AddRectFilled({high, top}, {view.right(), bottom}, kOutside);
     const float x = std::floor(view.x_at(clock.time_s())) + 0.5f;
     if (x < view.left() || x > view.right()) return;
-    list.AddLine({x, top}, {x, bottom}, kInstant, std::max(1.0f, std::round(context.ui(1.5f))));
+    list.AddLine({x, top}, {x, bottom}, kTimeColour, std::max(1.0f, std::round(context.ui(1.5f))));
 }
 
 void ruler_row(Context& context, const TimelineView& view) {
@@ -97,15 +98,15 @@ void ruler_row(Context& context, const TimelineView& view) {
     draw_range_and_time(context, view, at.y + range, bottom);
     const float x = view.x_at(clock.time_s()), side = context.ui(5);
     ImGui::GetWindowDrawList()->AddTriangleFilled({x - side, at.y + range}, {x + side, at.y + range},
-                                                  {x, at.y + range + 1.4f * side}, kInstant);
+                                                  {x, at.y + range + 1.4f * side}, kTimeColour);
     ImGui::PopClipRect();
     range_bar(context, view, at.y);
     ImGui::SetCursorScreenPos({view.left(), at.y + range});
     ImGui::InvisibleButton("ruler", {static_cast<float>(view.axis.width), height - range});
     context.report.item("timeline/ruler");
     if (ImGui::IsItemActive() || ImGui::IsItemDeactivated()) {
-        clock.scrub(at_image(view.axis.s_at(ImGui::GetIO().MousePos.x), clock.fps()));
-        context.moves();
+        clock.scrub(nearest_frame_time(view.axis.s_at(ImGui::GetIO().MousePos.x), clock.fps()));
+        context.mark_motion();
     }
     ImGui::SetCursorScreenPos({at.x, bottom + context.ui(2)});
 }

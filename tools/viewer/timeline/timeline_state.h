@@ -1,4 +1,4 @@
-// What the time line remembers from frame to frame, and what of it is held by the mouse.
+// What the timeline keeps from frame to frame, the drag states of bars and keys included.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace neuvv::viewer {
 
-// Names left, time right; pixels of the framebuffer.
+// The layout of the rows: names at the left, time at the right. Pixels of the framebuffer.
 struct TimelineView {
     TimeAxis axis;
     TimeLimits limits;
@@ -24,37 +24,39 @@ struct TimelineView {
 
 enum class BarPart { kBody, kStart, kEnd };
 
-// A performer's bar: where it is held, and how it was.
+// The drag state of a performer's bar.
 struct BarDrag {
     uint32_t node = 0;
     BarPart part = BarPart::kBody;
-    bool stagger = false, cancelled = false;
-    double grabbed_s = 0, moved_s = 0;  // of the pointer; of the edge, so far
-    edit::TimeBar before;
+    bool stagger = false;    // staggers the performers instead of moving this one (Alt)
+    bool cancelled = false;  // by Escape
+    double grabbed_s = 0;    // time under the pointer when it was grabbed
+    double moved_s = 0;      // how far the bar or its edge has been moved
+    edit::TimeBar before;    // when it was grabbed
 };
 
-// A key of the camera path. Its number is that of before, as operations of a drag count.
+// The drag state of a key of the camera path.
 struct KeyDrag {
-    size_t key = 0;
-    bool cancelled = false;
-    double grabbed_s = 0, to_s = 0;
-    stage::CameraPath before;
+    size_t key = 0;                  // index in `before`, which the operation of a drag applies to
+    bool cancelled = false;          // by Escape
+    double grabbed_s = 0, to_s = 0;  // time under the pointer when it was grabbed; the key's time now
+    stage::CameraPath before;        // when it was grabbed
 };
 
 struct TimelineState {
     TimelineView view;
-    bool fits = true;  // all is shown, and shall be when it becomes longer
-    bool panned = false;
-    float scroll_y = 0;  // of the rows, to be done in the next frame
-    BarDrag bar_drag;    // the last one
+    bool fits = true;     // the axis shows all the time, also when the stage becomes longer
+    bool panned = false;  // the middle button drags the axis
+    float scroll_y = 0;   // pixels by which the next frame scrolls the rows
+    BarDrag bar_drag;     // the last one, of any performer
     std::optional<KeyDrag> key_drag;
-    std::vector<edit::PerformerTrack> tracks;
-    uint64_t tracks_of = 0;                     // the document's id
-    std::optional<uint32_t> scrolled_selected;  // already scrolled to
-    std::shared_ptr<const stage::Stage> clips_of;
-    std::optional<stage::CameraPath> path;
+    std::vector<edit::PerformerTrack> tracks;      // one per performer
+    uint64_t tracks_of = 0;                        // the id of the document of the tracks
+    std::optional<uint32_t> scrolled_selected;     // the selected node that was scrolled to last
+    std::shared_ptr<const stage::Stage> clips_of;  // the stage whose clips the tracks use
+    std::optional<stage::CameraPath> path;         // nullopt: the stage has none
     std::vector<glm::dvec3> path_line;
-    uint64_t path_of = 0;  // likewise
+    uint64_t path_of = 0;  // the id of the document of the path
 };
 
 }  // namespace neuvv::viewer

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSlowest = 0.1, kFastest = 4;
 
-// From -kFastest to kFastest, without what is slower than kSlowest either way.
+// Sets a speed from -kFastest to kFastest whose size is at least kSlowest.
 void set_speed(editor::StageClock& clock, float speed) {
     const double size = std::clamp<double>(std::abs(speed), kSlowest, kFastest);
     clock.speed = speed < 0 ? -size : size;
@@ -24,7 +24,7 @@ void speed_field(Context& context) {
     auto speed = static_cast<float>(context.view.clock.speed);
     ImGui::SetNextItemWidth(context.ui(54));
     if (ImGui::DragFloat("##speed", &speed, 0.01f, -kFastest, kFastest, "%.2f×", kFlags)) {
-        // Slower than the slowest it goes on the other way, as far as the hand went.
+        // A drag below the slowest speed reverses the direction.
         const bool crossed = std::abs(speed) < kSlowest && std::abs(context.view.clock.speed) <= kSlowest + 1e-6 &&
                              (speed < context.view.clock.speed) == (context.view.clock.speed > 0);
         set_speed(context.view.clock, crossed ? static_cast<float>(-context.view.clock.speed) : speed);

@@ -1,4 +1,4 @@
-// Inside of the timeline panel: its rows, each kind in a file of its own.
+// The timeline panel, and, private to it, its rows, each kind in a file of its own.
 #pragma once
 
 #include <imgui.h>
@@ -10,28 +10,29 @@
 
 namespace neuvv::viewer {
 
-// The time under a pointer there: at an image's beginning, or the clock's where that is near.
+// Snaps a time to the beginning of the nearest frame, or to the clock's time where that is within some pixels.
 double snapped_time(const Context& context, const TimelineView& view, double time_s);
 
-// Whether the pointer has gone far enough from where its button went down; also in the frame in which it is let go,
-// whose last piece of the way counts.
+// Whether the pointer has moved so far since the left button went down that this is a drag and not a click. It is still
+// true in the frame in which the button is released, because that frame's motion counts, too.
 bool is_dragged(const Context& context);
-// A button as high as a row, without a ground until it is `on`.
+// A button as high as a row, without a background unless it is `on`. It is reported by `name`.
 bool small_button(Context& context, const TimelineView& view, const std::string& name, const char* icon,
-                  const char* explained, bool on = false, bool enabled = true);
+                  const char* tooltip, bool on = false, bool enabled = true);
 
-// The time line: transport, ruler, camera path, a row of each performer.
+// The timeline: the transport buttons, the ruler, the camera path, and a row for each performer.
 void timeline_panel(Context& context, const Area& area, TimelineState& state);
 
 void transport_row(Context& context);
 void ruler_row(Context& context, const TimelineView& view);
-// `drag`: of a key, while one is dragged.
+// `drag` is set while a key is dragged. `path`: nullopt where the stage has none.
 void camera_row(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag,
                 const std::optional<stage::CameraPath>& path);
-// `drag`: of any performer's bar, the last one.
+// `drag` is the last drag of any performer's bar.
 void performer_row(Context& context, const TimelineView& view, BarDrag& drag, const edit::PerformerTrack& track);
 
-// What lies over rows from `top` to `bottom`: outside of the loop's range it is dimmer; the clock's time is a line.
+// Draws over rows from `top` to `bottom`: what is outside the range of the loop becomes darker, and a line marks the
+// clock's time.
 void draw_range_and_time(Context& context, const TimelineView& view, float top, float bottom);
 
 // "1.25 s".

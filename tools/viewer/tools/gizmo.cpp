@@ -12,10 +12,11 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kMostDepths = 0.5;   // an axis's length at most, so that no handle comes behind the camera
-constexpr double kFlat = 1e-3;        // volume that three unit axes must span
-constexpr double kFaceOnRing = 0.98;  // above which the whole ring is there
-constexpr double kShaftFrom = 0.15;   // of an axis, in sizes
+// The longest axis, in depths of the node: no handle may lie behind the camera.
+constexpr double kMaxDepthShare = 0.5;
+constexpr double kFlat = 1e-3;        // the least volume that three unit axes must span
+constexpr double kFaceOnRing = 0.98;  // RingFront::facing above which the whole ring is drawn
+constexpr double kShaftFrom = 0.15;   // where an axis begins, in sizes of the gizmo
 constexpr double kHeadLength_px = 13, kHeadWidth_px = 5, kBox_px = 5, kCentre_px = 7;
 constexpr double kSquareOpacity = 0.5;
 
@@ -41,10 +42,10 @@ struct Shapes {
     static int across(size_t axis) { return static_cast<int>(GizmoHandle::kYZ) + static_cast<int>(axis); }
 
     void add_axis(size_t axis, bool arrow) {
-        const glm::dvec3 way = frame.axes[axis] * frame.size_m, tip = frame.middle + way;
-        if (!editor::line_drag(gizmo.camera, frame.middle, way, 1, {0, 0})) return;
+        const glm::dvec3 axis_m = frame.axes[axis] * frame.size_m, tip = frame.middle + axis_m;
+        if (!editor::line_drag(gizmo.camera, frame.middle, axis_m, 1, {0, 0})) return;
         const glm::vec4 colour = colour_of(axis, 1);
-        const glm::dvec3 ends[] = {frame.middle + kShaftFrom * way, tip};
+        const glm::dvec3 ends[] = {frame.middle + kShaftFrom * axis_m, tip};
         const std::optional<HandleShape> shaft = line_shape(view, first(axis), colour, ends);
         add(shaft);
         if (!arrow) return add(square_shape(view, first(axis), colour, tip, kBox_px));
@@ -69,12 +70,12 @@ struct Shapes {
         const RingFront ring = ring_front(frame, frame.axes[axis]);
         const double half_angle = ring.facing > kFaceOnRing ? kPi : kPi / 2;
         add(line_shape(view, first(axis), colour_of(axis, 1),
-                       arc(frame.middle, ring.front, ring.onward, frame.size_m, half_angle)));
+                       arc(frame.middle, ring.front, ring.tangent, frame.size_m, half_angle)));
     }
-    void add_ring_around() {
+    void add_outer_ring() {
         const glm::dvec3 u = editor::perpendicular_to(frame.to_eye);
         add(line_shape(view, static_cast<int>(GizmoHandle::kCentre), kWhite,
-                       arc(frame.middle, u, glm::cross(frame.to_eye, u), kRingAround * frame.size_m, kPi)));
+                       arc(frame.middle, u, glm::cross(frame.to_eye, u), kOuterRing * frame.size_m, kPi)));
     }
 };
 
@@ -93,12 +94,13 @@ std::optional<GizmoFrame> gizmo_frame(const Gizmo& gizmo) {
                      {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)}};
     const double depth = editor::depth_of(gizmo.camera, frame.middle);
     if (!(depth >= editor::kMinDepth_m)) return std::nullopt;
-    frame.size_m = std::min(editor::metres_of_pixels(gizmo.camera, frame.middle, gizmo.size_px), kMostDepths * depth);
+    frame.size_m =
+        std::min(editor::metres_of_pixels(gizmo.camera, frame.middle, gizmo.size_px), kMaxDepthShare * depth);
     frame.to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - frame.middle);
     if (gizmo.axes == GizmoAxes::kWorld && gizmo.mode != GizmoMode::kScale) return frame;
-    glm::dmat3 own(gizmo.world_from_node);
-    for (int i = 0; i < 3; ++i) own[i] /= glm::length(own[i]);
-    if (std::abs(glm::determinant(own)) >= kFlat) frame.axes = {own[0], own[1], own[2]};
+    glm::dmat3 local(gizmo.world_from_node);
+    for (int i = 0; i < 3; ++i) local[i] /= glm::length(local[i]);
+    if (std::abs(glm::determinant(local)) >= kFlat) frame.axes = {local[0], local[1], local[2]};
     return frame;
 }
 
@@ -107,7 +109,7 @@ RingFront ring_front(const GizmoFrame& frame, glm::dvec3 axis) {
     const glm::dvec3 front = frame.to_eye - axis * facing;
     const double length = glm::length(front);
     RingFront ring{length > 1e-6 ? front / length : editor::perpendicular_to(axis), {}, std::abs(facing)};
-    ring.onward = glm::cross(axis, ring.front);
+    ring.tangent = glm::cross(axis, ring.front);
     return ring;
 }
 
@@ -127,7 +129,7 @@ std::vector<HandleShape> gizmo_shapes(const Gizmo& gizmo) {
         shapes.add(
             square_shape(shapes.view, static_cast<int>(GizmoHandle::kCentre), kWhite, frame->middle, kCentre_px));
     else
-        shapes.add_ring_around();
+        shapes.add_outer_ring();
     sort_for_drawing(shapes.all);
     return std::move(shapes.all);
 }

@@ -10,10 +10,10 @@ namespace neuvv::viewer {
 
 namespace {
 
-// Sine of the angle to the line of sight below which a ring is turned along its front.
+// RingFront::facing below which a ring is rotated by the length along its front.
 constexpr double kEdgeOnRing = 0.15;
-// Distances from the middle count at least so much in ratios.
-constexpr double kLeastGrip = 0.1, kLeastGrip_px = 8;
+// The least distance from the middle by which a ratio divides, in sizes of the gizmo and in pixels.
+constexpr double kMinGrip = 0.1, kMinGrip_px = 8;
 
 struct Grabbed {
     const Gizmo& gizmo;
@@ -22,13 +22,13 @@ struct Grabbed {
     bool snap;
 };
 
-// Components of `v`, which lies in their plane, along two directions of it.
+// The components of `v` along `a` and `b`, in whose plane it lies. The two need not be at right angles.
 glm::dvec2 components(glm::dvec3 v, glm::dvec3 a, glm::dvec3 b) {
     const glm::dvec3 normal = glm::cross(a, b), beside_a = glm::cross(normal, a), beside_b = glm::cross(normal, b);
     return {glm::dot(v, beside_b) / glm::dot(a, beside_b), glm::dot(v, beside_a) / glm::dot(b, beside_a)};
 }
 
-glm::dvec3 way_along(const Grabbed& grabbed, glm::dvec3 axis) {
+glm::dvec3 move_along(const Grabbed& grabbed, glm::dvec3 axis) {
     const stage::Camera& camera = grabbed.gizmo.camera;
     const GizmoFrame& frame = grabbed.frame;
     const std::optional<double> from = editor::line_drag(camera, frame.middle, axis, frame.size_m, grabbed.from),
@@ -36,14 +36,14 @@ glm::dvec3 way_along(const Grabbed& grabbed, glm::dvec3 axis) {
     return from && to ? axis * editor::snapped(*to - *from, kMoveSnap_m, grabbed.snap) : glm::dvec3(0);
 }
 
-glm::dvec3 way_in_plane(const Grabbed& grabbed, glm::dvec3 u, glm::dvec3 v) {
+glm::dvec3 move_in_plane(const Grabbed& grabbed, glm::dvec3 u, glm::dvec3 v) {
     const glm::dvec3 normal = glm::cross(u, v), middle = grabbed.frame.middle;
     const std::optional<glm::dvec3> from = editor::plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.from),
                                     to = editor::plane_drag(grabbed.gizmo.camera, middle, normal, grabbed.to);
     if (!from || !to) return glm::dvec3(0);
     if (!grabbed.snap) return *to - *from;
-    const glm::dvec2 way = components(*to - *from, u, v);
-    return u * editor::snapped(way.x, kMoveSnap_m, true) + v * editor::snapped(way.y, kMoveSnap_m, true);
+    const glm::dvec2 move = components(*to - *from, u, v);
+    return u * editor::snapped(move.x, kMoveSnap_m, true) + v * editor::snapped(move.y, kMoveSnap_m, true);
 }
 
 double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
@@ -53,7 +53,7 @@ double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
     if (ring.facing < kEdgeOnRing) {
         const double radius = grabbed.frame.size_m;
         const auto along = [&](glm::dvec2 pointer) {
-            return editor::line_drag(camera, middle + ring.front * radius, ring.onward * radius, 1, pointer);
+            return editor::line_drag(camera, middle + ring.front * radius, ring.tangent * radius, 1, pointer);
         };
         const std::optional<double> from = along(grabbed.from), to = along(grabbed.to);
         return from && to ? *to - *from : 0;
@@ -65,9 +65,9 @@ double angle_about(const Grabbed& grabbed, glm::dvec3 axis) {
     return std::atan2(glm::dot(axis, glm::cross(a, b)), glm::dot(a, b));
 }
 
-double factor_of(double from, double to, double least_grip, bool snap) {
-    const double factor = 1 + (to - from) / std::max(from, least_grip);
-    return snap ? std::max(editor::snapped(factor, kScaleSnap, true), kScaleSnap) : std::max(factor, kLeastFactor);
+double factor_of(double from, double to, double min_grip, bool snap) {
+    const double factor = 1 + (to - from) / std::max(from, min_grip);
+    return snap ? std::max(editor::snapped(factor, kScaleSnap, true), kScaleSnap) : std::max(factor, kMinFactor);
 }
 
 double factor_along(const Grabbed& grabbed, glm::dvec3 axis) {
@@ -76,49 +76,49 @@ double factor_along(const Grabbed& grabbed, glm::dvec3 axis) {
         return editor::line_drag(grabbed.gizmo.camera, frame.middle, axis * frame.size_m, 1, pointer);
     };
     const std::optional<double> from = along(grabbed.from), to = along(grabbed.to);
-    return from && to ? factor_of(*from, *to, kLeastGrip, grabbed.snap) : 1;
+    return from && to ? factor_of(*from, *to, kMinGrip, grabbed.snap) : 1;
 }
 
-double factor_around(const Grabbed& grabbed) {
+double uniform_factor(const Grabbed& grabbed) {
     const std::optional<glm::dvec2> middle = editor::pixel_of(grabbed.gizmo.camera, grabbed.frame.middle);
     if (!middle) return 1;
-    return factor_of(glm::distance(grabbed.from, *middle), glm::distance(grabbed.to, *middle), kLeastGrip_px,
+    return factor_of(glm::distance(grabbed.from, *middle), glm::distance(grabbed.to, *middle), kMinGrip_px,
                      grabbed.snap);
 }
 
 glm::dmat4 moved(const Grabbed& grabbed, GizmoHandle handle) {
     const std::array<glm::dvec3, 3>& axes = grabbed.frame.axes;
-    glm::dvec3 way;
+    glm::dvec3 move;
     switch (handle) {
         case GizmoHandle::kX:
-            way = way_along(grabbed, axes[0]);
+            move = move_along(grabbed, axes[0]);
             break;
         case GizmoHandle::kY:
-            way = way_along(grabbed, axes[1]);
+            move = move_along(grabbed, axes[1]);
             break;
         case GizmoHandle::kZ:
-            way = way_along(grabbed, axes[2]);
+            move = move_along(grabbed, axes[2]);
             break;
         case GizmoHandle::kYZ:
-            way = way_in_plane(grabbed, axes[1], axes[2]);
+            move = move_in_plane(grabbed, axes[1], axes[2]);
             break;
         case GizmoHandle::kZX:
-            way = way_in_plane(grabbed, axes[2], axes[0]);
+            move = move_in_plane(grabbed, axes[2], axes[0]);
             break;
         case GizmoHandle::kXY:
-            way = way_in_plane(grabbed, axes[0], axes[1]);
+            move = move_in_plane(grabbed, axes[0], axes[1]);
             break;
         default: {
             const glm::dmat4& camera = grabbed.gizmo.camera.world_from_camera;
-            way = way_in_plane(grabbed, camera[0], camera[1]);
+            move = move_in_plane(grabbed, camera[0], camera[1]);
         }
     }
     glm::dmat4 matrix = grabbed.gizmo.world_from_node;
-    matrix[3] += glm::dvec4(way, 0);
+    matrix[3] += glm::dvec4(move, 0);
     return matrix;
 }
 
-// Which of the axes a handle of one is.
+// The index of the axis that a handle belongs to; nullopt for handles of planes and for the centre.
 std::optional<size_t> axis_of(GizmoHandle handle) {
     if (handle < GizmoHandle::kX || handle > GizmoHandle::kZ) return std::nullopt;
     return static_cast<size_t>(handle) - static_cast<size_t>(GizmoHandle::kX);
@@ -137,7 +137,7 @@ glm::dmat4 rotated(const Grabbed& grabbed, GizmoHandle handle) {
 
 glm::dmat4 scaled(const Grabbed& grabbed, GizmoHandle handle) {
     const std::optional<size_t> of = axis_of(handle);
-    const double factor = of ? factor_along(grabbed, grabbed.frame.axes[*of]) : factor_around(grabbed);
+    const double factor = of ? factor_along(grabbed, grabbed.frame.axes[*of]) : uniform_factor(grabbed);
     glm::dmat4 matrix = grabbed.gizmo.world_from_node;
     for (int i = 0; i < 3; ++i)
         if (!of || static_cast<size_t>(i) == *of) matrix[i] *= factor;

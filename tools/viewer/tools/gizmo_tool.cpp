@@ -1,4 +1,4 @@
-// Handles of the selected node, which move, turn and scale it.
+// The tool with the handles of the selected node, which move, rotate and scale it.
 #include <GLFW/glfw3.h>
 
 #include "edit/operations.h"
@@ -18,10 +18,11 @@ constexpr ToolMode kModes[] = {{"tool/move", ICON_MOVE, "Move (1)", GLFW_KEY_1},
 constexpr GizmoMode kGizmoModes[] = {GizmoMode::kMove, GizmoMode::kRotate, GizmoMode::kScale};
 constexpr float kGizmo_px = 90;  // at scale 1
 
-// None where the current mode is another tool's, or where nothing that can be moved is selected.
+// The gizmo of the selected node; nullopt: the current mode belongs to another tool, or no node that can be moved is
+// selected.
 std::optional<Gizmo> gizmo_of_selected(const Context& context) {
     const auto mode = std::find_if(std::begin(kModes), std::end(kModes),
-                                   [&](const ToolMode& one) { return context.view.mode == &one; });
+                                   [&](const ToolMode& each) { return context.view.mode == &each; });
     const stage::Stage* stage = context.stage_of_document();
     const std::optional<uint32_t> node = context.editor.selected();
     if (mode == std::end(kModes) || !stage || !node || edit::is_locked(context.editor.file(), *node))
@@ -32,7 +33,7 @@ std::optional<Gizmo> gizmo_of_selected(const Context& context) {
                  context.view.local_axes ? GizmoAxes::kLocal : GizmoAxes::kWorld, context.ui(kGizmo_px)};
 }
 
-// The box around each handle.
+// Reports the rectangle around each handle.
 void report_handles(const Context& context, std::span<const HandleShape> shapes) {
     constexpr const char* kNames[] = {"", "x", "y", "z", "yz", "zx", "xy", "centre"};
     for (const HandleShape& shape : shapes) {
@@ -43,20 +44,20 @@ void report_handles(const Context& context, std::span<const HandleShape> shapes)
             high = glm::max(high, glm::dvec2(shape.points[i]));
         }
         const glm::vec2 at(low), size(high - low);
-        context.report.place(std::string("gizmo/") + kNames[shape.handle], context.frame.image_area.left + at.x,
-                             context.frame.image_area.top + at.y, size.x, size.y);
+        context.report.area(std::string("gizmo/") + kNames[shape.handle], context.frame.image_area.left + at.x,
+                            context.frame.image_area.top + at.y, size.x, size.y);
     }
 }
 
 class GizmoTool : public Tool {
   public:
     std::span<const ToolMode> modes() const override { return kModes; }
-    bool has_pointer() const override { return drag_.has_value(); }
-    bool edits() const override { return drag_.has_value(); }
+    bool captures_pointer() const override { return drag_.has_value(); }
+    bool is_editing() const override { return drag_.has_value(); }
     void document_opened() override { drag_.reset(); }
     void overlay(Context& context) override { draw_handles(context, shapes_, hot_); }
 
-    void pointer(Context& context, PointerUse& use) override {
+    void handle_pointer(Context& context, PointerUse& use) override {
         shapes_.clear();
         if (drag_) {
             use.left = true;

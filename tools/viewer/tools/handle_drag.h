@@ -1,4 +1,4 @@
-// The drag of a handle: what it was grabbed on, and whether it goes on.
+// The drag state of a gizmo's handle, shared by the tools that have handles.
 #pragma once
 
 #include <imgui.h>
@@ -7,23 +7,24 @@
 
 namespace neuvv::viewer {
 
-// A handle that is dragged. The gizmo stays as it was when the handle was grabbed: a drag is computed from there.
+// A handle that is being dragged. `grabbed` is the gizmo at the time when the handle was grabbed; the result of the
+// drag is computed from it.
 template <typename GizmoType, typename Handle>
 struct HandleDrag {
     GizmoType grabbed;
     Handle handle;
-    glm::dvec2 from{0};  // the pointer then, in pixels of the image
+    glm::dvec2 from{0};  // where the pointer was then, in pixels of the image
     uint32_t node = 0;
-    glm::dmat4 world_from_parent{1};  // of the node
+    glm::dmat4 world_from_parent{1};  // of the node's parent
 };
 
-// Until the left button is released. Escape ends it, too, and the document is as it was before.
+// Whether the drag goes on: until the left button is released, or Escape cancels it and restores the document.
 inline bool drag_goes_on(Context& context) {
     if (context.frame.escape) context.editor.cancel_drag();
     return !context.frame.escape && ImGui::IsMouseDown(ImGuiMouseButton_Left);
 }
 
-// Of a node of the stage that is drawn.
+// The transform of the parent of a node of the drawn stage; the identity where it has no parent.
 inline glm::dmat4 world_from_parent(const Context& context, uint32_t node) {
     const int32_t parent = context.frame.stage->scene.nodes[node].parent;
     return parent < 0 ? glm::dmat4(1) : context.frame.evaluated.pose.world_from_node[static_cast<size_t>(parent)];

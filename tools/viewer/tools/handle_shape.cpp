@@ -9,13 +9,13 @@ namespace neuvv::viewer {
 namespace {
 
 struct Nearest {
-    double distance_px = 0, depth = 0;  // depth as the points' z
+    double distance_px = 0, depth = 0;  // depth as the z of HandleShape::points
 };
 
 Nearest nearest_on(const glm::dvec3& a, const glm::dvec3& b, glm::dvec2 pointer) {
-    const glm::dvec2 from(a), way(glm::dvec2(b) - from);
-    const double length2 = glm::dot(way, way);
-    const double part = length2 > 0 ? std::clamp(glm::dot(pointer - from, way) / length2, 0.0, 1.0) : 0;
+    const glm::dvec2 from(a), segment(glm::dvec2(b) - from);
+    const double length2 = glm::dot(segment, segment);
+    const double part = length2 > 0 ? std::clamp(glm::dot(pointer - from, segment) / length2, 0.0, 1.0) : 0;
     const glm::dvec3 at = glm::mix(a, b, part);
     return {glm::distance(glm::dvec2(at), pointer), at.z};
 }
@@ -41,27 +41,27 @@ double middle_depth(const HandleShape& shape) {
     return sum / shape.count;
 }
 
-// How far a pointer is off a shape, being in front counted in.
+// The distance of a pointer from a shape as handle_at counts it; INFINITY: too far to grab the shape.
 double cost(const HandleShape& shape, glm::dvec2 pointer) {
     if (shape.filled && inside(shape, pointer)) return kInside_px + kFront_px * middle_depth(shape);
-    double least = INFINITY;
+    double min = INFINITY;
     const uint32_t lines = shape.filled ? shape.count : shape.count - 1;
     for (uint32_t i = 0; i < lines; ++i) {
         const Nearest nearest = nearest_on(shape.points[i], shape.points[(i + 1) % shape.count], pointer);
-        if (nearest.distance_px <= kGrab_px) least = std::min(least, nearest.distance_px + kFront_px * nearest.depth);
+        if (nearest.distance_px <= kGrab_px) min = std::min(min, nearest.distance_px + kFront_px * nearest.depth);
     }
-    return least;
+    return min;
 }
 
 }  // namespace
 
 int handle_at(std::span<const HandleShape> shapes, glm::dvec2 pointer) {
     int found = 0;
-    double least = INFINITY;
+    double min_cost = INFINITY;
     for (const HandleShape& shape : shapes) {
-        const double of = shape.handle == 0 || shape.count == 0 ? INFINITY : cost(shape, pointer);
-        if (!(of < least)) continue;
-        least = of;
+        const double shape_cost = shape.handle == 0 || shape.count == 0 ? INFINITY : cost(shape, pointer);
+        if (!(shape_cost < min_cost)) continue;
+        min_cost = shape_cost;
         found = shape.handle;
     }
     return found;
@@ -82,8 +82,8 @@ std::optional<HandleShape> line_shape(const ShapeView& view, int handle, glm::ve
                                       std::span<const glm::dvec3> world) {
     assert(world.size() <= kMaxShapePoints);
     HandleShape shape{handle, colour};
-    for (const glm::dvec3& place : world) {
-        const std::optional<glm::dvec3> point = view.point(place);
+    for (const glm::dvec3& position : world) {
+        const std::optional<glm::dvec3> point = view.point(position);
         if (!point) break;
         shape.points[shape.count++] = *point;
     }

@@ -9,22 +9,22 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kAlong = 0.7;  // cosine of the angle between light and view above which one looks along the light
-constexpr double kMinReach_m = 1e-3;
-constexpr double kLeastHeight = 0.3;  // of the plane across a wide cone, in reaches
-constexpr double kInnerShare = 0.99;  // of the outer cone, where it takes the inner one along
+constexpr double kAlong = 0.7;  // cosine of the angle between light and view above which the eye looks along the light
+constexpr double kMinAimDistance_m = 1e-3;
+constexpr double kMinHeight = 0.3;  // distance of the plane across a wide cone from the light, in distances of the aim
+constexpr double kInnerShare = 0.99;  // the inner cone's share of the outer one, where it has to follow
 constexpr double kSquare_px = 5;
 
-// What shapes and drags measure alike.
+// The geometry of the cone that shapes and drags have in common. World space.
 struct Cone {
-    glm::dvec3 direction, to_eye, side;  // unit; `side`: across both, where the outline is
-    double reach_m;
-    bool along;  // looked along
+    glm::dvec3 direction, to_eye, side;  // unit; `side` is across the other two and points at the outline
+    double aim_distance_m;
+    bool along;  // the eye looks along the light
 
     explicit Cone(const LightGizmo& gizmo) {
         const AimedLight& light = gizmo.light;
         direction = light.direction();
-        reach_m = glm::distance(light.aim, light.position);
+        aim_distance_m = glm::distance(light.aim, light.position);
         to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - light.aim);
         along = std::abs(glm::dot(direction, to_eye)) > kAlong;
         const glm::dvec3 across = glm::cross(direction, to_eye);
@@ -32,13 +32,14 @@ struct Cone {
     }
     glm::dvec3 rim(const AimedLight& light, glm::dvec3 across) const {
         return light.position +
-               reach_m * (direction * std::cos(light.outer_cone_rad) + across * std::sin(light.outer_cone_rad));
+               aim_distance_m * (direction * std::cos(light.outer_cone_rad) + across * std::sin(light.outer_cone_rad));
     }
 };
 
-bool is_sound(const AimedLight& light) {
-    const double reach_m = glm::distance(light.aim, light.position);
-    return reach_m >= kMinReach_m && std::isfinite(reach_m) && std::isfinite(glm::length(light.position));
+bool is_valid(const AimedLight& light) {
+    const double aim_distance_m = glm::distance(light.aim, light.position);
+    return aim_distance_m >= kMinAimDistance_m && std::isfinite(aim_distance_m) &&
+           std::isfinite(glm::length(light.position));
 }
 
 struct Shapes {
@@ -49,7 +50,7 @@ struct Shapes {
     std::vector<HandleShape> all;
 
     explicit Shapes(const LightGizmo& of)
-        : gizmo(of), light(of.light), cone(of), view(of.camera, of.light.aim, cone.reach_m) {
+        : gizmo(of), light(of.light), cone(of), view(of.camera, of.light.aim, cone.aim_distance_m) {
         all.reserve(16);
     }
     void add(const std::optional<HandleShape>& shape) {
@@ -68,7 +69,7 @@ struct Shapes {
 double outer_cone(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
     const AimedLight& light = gizmo.light;
     const Cone cone(gizmo);
-    const double height = std::max(std::cos(light.outer_cone_rad), kLeastHeight) * cone.reach_m;
+    const double height = std::max(std::cos(light.outer_cone_rad), kMinHeight) * cone.aim_distance_m;
     const glm::dvec3 through = cone.along ? light.position + cone.direction * height : light.position;
     const glm::dvec3 normal = cone.along ? cone.direction : glm::cross(cone.direction, cone.side);
     const auto angle = [&](glm::dvec2 pointer) -> std::optional<double> {
@@ -87,7 +88,7 @@ double outer_cone(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool 
 
 double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
     const AimedLight& light = gizmo.light;
-    const auto reached = [&](glm::dvec2 pointer) -> std::optional<double> {
+    const auto fraction = [&](glm::dvec2 pointer) -> std::optional<double> {
         if (light.kind != stage::GltfLightKind::kPoint) {
             const glm::dvec3 along = light.direction() * light.range_m;
             return editor::line_drag(gizmo.camera, light.position + along, along, 1, pointer);
@@ -97,7 +98,7 @@ double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap)
         if (!at) return std::nullopt;
         return glm::distance(*at, light.position) / light.range_m;
     };
-    const std::optional<double> before = reached(from), after = reached(to);
+    const std::optional<double> before = fraction(from), after = fraction(to);
     if (!before || !after) return light.range_m;
     const double range_m = editor::snapped(light.range_m * (1 + *after - *before), kRangeSnap_m, snap);
     return std::max(range_m, snap ? kRangeSnap_m : kMinRange_m);
@@ -110,19 +111,19 @@ glm::dvec3 aim(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool sna
     const std::optional<glm::dvec3> before = editor::plane_drag(camera, light.aim, editor::facing_normal(camera), from),
                                     after = editor::plane_drag(camera, light.aim, editor::facing_normal(camera), to);
     if (!before || !after) return light.aim;
-    const glm::dvec3 right = camera.world_from_camera[0], up = camera.world_from_camera[1], way = *after - *before;
-    const glm::dvec3 aimed = light.aim + right * editor::snapped(glm::dot(way, right), kAimSnap_m, snap) +
-                             up * editor::snapped(glm::dot(way, up), kAimSnap_m, snap);
-    return glm::distance(aimed, light.position) >= kMinReach_m ? aimed : light.aim;
+    const glm::dvec3 right = camera.world_from_camera[0], up = camera.world_from_camera[1], move = *after - *before;
+    const glm::dvec3 aimed = light.aim + right * editor::snapped(glm::dot(move, right), kAimSnap_m, snap) +
+                             up * editor::snapped(glm::dot(move, up), kAimSnap_m, snap);
+    return glm::distance(aimed, light.position) >= kMinAimDistance_m ? aimed : light.aim;
 }
 
 }  // namespace
 
-AimedLight aimed_light(const stage::EvaluatedLight& light, double reach_m) {
+AimedLight aimed_light(const stage::EvaluatedLight& light, double aim_distance_m) {
     const auto angle = [](double cosine) { return std::acos(std::clamp(cosine, 0.0, 1.0)); };
     return {light.kind,
             light.position,
-            light.position + light.direction * reach_m,
+            light.position + light.direction * aim_distance_m,
             angle(light.cos_outer),
             angle(light.cos_inner),
             light.range_m};
@@ -130,7 +131,7 @@ AimedLight aimed_light(const stage::EvaluatedLight& light, double reach_m) {
 
 std::vector<HandleShape> light_shapes(const LightGizmo& gizmo) {
     const AimedLight& light = gizmo.light;
-    if (!is_sound(light)) return {};
+    if (!is_valid(light)) return {};
     Shapes shapes(gizmo);
     const Cone& cone = shapes.cone;
     if (light.kind == stage::GltfLightKind::kPoint) {
@@ -166,7 +167,7 @@ LightHandle light_handle_at(const LightGizmo& gizmo, glm::dvec2 pointer) {
 
 AimedLight dragged(const LightGizmo& gizmo, LightHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap) {
     AimedLight light = gizmo.light;
-    if (!is_sound(light) || !editor::is_valid_pointer(from) || !editor::is_valid_pointer(to)) return light;
+    if (!is_valid(light) || !editor::is_valid_pointer(from) || !editor::is_valid_pointer(to)) return light;
     switch (handle) {
         case LightHandle::kNone:
             break;

@@ -1,8 +1,8 @@
-// The gizmo of a light: handles for what it shines at, how wide and how far. Pure geometry, as gizmo.h.
+// The gizmo of a light: handles for the point that it is aimed at, its cone and its range. Pure geometry, as gizmo.h.
 //
-//   spot          the point that it is aimed at; the rim of its outer cone; its range, where it has one
-//   directional   the point that it is aimed at
-//   point         its range, where it has one
+//   spot          the aim, the rim of the outer cone, and the range, where it is limited
+//   directional   the aim
+//   point         the range, where it is limited
 #pragma once
 
 #include "stage/evaluated_stage.h"
@@ -12,18 +12,18 @@ namespace neuvv::viewer {
 
 enum class LightHandle : int { kNone, kAim, kRim, kRange };
 
-// A light as its handles see it: in the world, metres.
+// A light in the form that its handles change. World space, metres.
 struct AimedLight {
     stage::GltfLightKind kind = stage::GltfLightKind::kSpot;
     glm::dvec3 position{0};
-    glm::dvec3 aim{0, 0, -1};  // not at `position`; its rim is drawn as far away from there as this
+    glm::dvec3 aim{0, 0, -1};                         // not `position`; the rim is drawn at the same distance
     double outer_cone_rad = 0.5, inner_cone_rad = 0;  // half angles; inner < outer ≤ π/2
-    double range_m = 0;                               // 0: without end
+    double range_m = 0;                               // 0: unlimited
 
     glm::dvec3 direction() const { return glm::normalize(aim - position); }
 };
-// Aimed at the point `reach_m` away in which it shines.
-AimedLight aimed_light(const stage::EvaluatedLight& light, double reach_m);
+// The light with its aim at this distance in the direction in which it shines.
+AimedLight aimed_light(const stage::EvaluatedLight& light, double aim_distance_m);
 
 struct LightGizmo {
     stage::Camera camera;
@@ -31,15 +31,20 @@ struct LightGizmo {
     glm::vec4 colour{1, 0.85f, 0.3f, 1};
 };
 
+// The shapes to draw, the farthest first. Empty where the aim is at the position, or either is not finite.
 std::vector<HandleShape> light_shapes(const LightGizmo& gizmo);
+// The handle under the pointer (pixels of the image), as handle_at selects it.
 LightHandle light_handle_at(const LightGizmo& gizmo, glm::dvec2 pointer);
 
-// The light after a handle was grabbed at `from` and dragged to `to`; the gizmo stays as it was when it was grabbed.
-// The aim moves in the image's plane; the cone opens by the angle, at the light, between the pointer's places in the
-// plane of its outline, or, for who looks along the light, across it; the range grows along the light, or, of a point,
-// across the view. An outer cone that comes below the inner one takes it along.
+// The light that results when a handle is grabbed at `from` and dragged to `to` (pixels of the image). `grabbed` is the
+// gizmo at the time when it was grabbed.
 //
-// `snap`: the aim in steps of 0.1 m to the right and up, angles and ranges as multiples of 5° and 0.1 m.
+// The aim moves in the plane of the image. The outer cone changes by the angle, at the light, between the points under
+// the pointers: points in the plane that contains the cone's outline, or, seen along the light, in a plane across the
+// cone. Where the outer cone becomes narrower than the inner one, the inner one follows. The range changes by the
+// points on the axis of the light, or, for a point light, by their distances in a plane that faces the eye.
+//
+// `snap`: the aim moves in steps of 0.1 m to the right and up; angles are multiples of 5°, ranges of 0.1 m.
 constexpr double kAimSnap_m = 0.1, kConeSnap_deg = 5, kRangeSnap_m = 0.1;
 constexpr double kMinCone_deg = 0.5, kMinRange_m = 0.01;
 AimedLight dragged(const LightGizmo& grabbed, LightHandle handle, glm::dvec2 from, glm::dvec2 to, bool snap);

@@ -1,4 +1,4 @@
-// Handles of the selected light: where it shines, how wide, how far.
+// The tool with the handles of the selected light: its aim, its cone and its range.
 #include "edit/operations.h"
 #include "tools/viewer/tools/handle_drag.h"
 #include "tools/viewer/tools/light_gizmo.h"
@@ -10,9 +10,10 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr double kAimDistance_m = 3;  // of the aim of a light that shines away from the performers
+constexpr double kAimDistance_m = 3;  // distance of the aim of a light that shines away from the performers
 
-// The aim lies as far away as the middle of the performers, so that it is among them. None where no light is selected.
+// The gizmo of the selected light; nullopt: none is selected, or painting is the current mode. The aim is as far away
+// as the middle of the performers.
 std::optional<LightGizmo> gizmo_of_selected(const Context& context) {
     const std::optional<uint32_t> node = context.editor.selected();
     const stage::Stage* stage = context.stage_of_document();
@@ -29,7 +30,7 @@ std::optional<LightGizmo> gizmo_of_selected(const Context& context) {
 
 using LightDrag = HandleDrag<LightGizmo, LightHandle>;
 
-// Sets what the handle stands for, as one operation.
+// Sets the values that the handle changes, as one operation.
 std::string set_light(stage::StageFile& file, const LightDrag& drag, const AimedLight& light) {
     edit::LightEdit edit;
     if (drag.handle == LightHandle::kAim) {
@@ -47,12 +48,12 @@ std::string set_light(stage::StageFile& file, const LightDrag& drag, const Aimed
 
 class LightTool : public Tool {
   public:
-    bool has_pointer() const override { return drag_.has_value(); }
-    bool edits() const override { return drag_.has_value(); }
+    bool captures_pointer() const override { return drag_.has_value(); }
+    bool is_editing() const override { return drag_.has_value(); }
     void document_opened() override { drag_.reset(); }
     void overlay(Context& context) override { draw_handles(context, shapes_, hot_); }
 
-    void pointer(Context& context, PointerUse& use) override {
+    void handle_pointer(Context& context, PointerUse& use) override {
         shapes_.clear();
         if (drag_) {
             use.left = true;

@@ -1,4 +1,4 @@
-// Moves the eye by mouse, touchpad and keys, and selects what is clicked.
+// The tool that moves the eye by mouse, touchpad and keys, and selects what is clicked.
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
@@ -10,7 +10,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr float kClick_px = 4;  // a button that moves farther drags; at scale 1
+constexpr float kClick_px = 4;  // where the pointer moves farther, a button drags; at scale 1
 
 enum class Motion { kOrbit, kPan, kTurn };
 
@@ -19,18 +19,19 @@ Motion motion_of(int button, const ImGuiIO& io) {
     return button == ImGuiMouseButton_Right ? Motion::kTurn : Motion::kOrbit;
 }
 
-// Lights and cameras are selected by their icons at once, the rest when the render thread has traced the pixel.
+// Lights and cameras are selected by their icons at once, other nodes when the render thread has traced the pixel.
 void select_at(Context& context, glm::vec2 at) {
     if (const auto node = icon_at(context, at.x, at.y)) return context.editor.select(node);
     const FrameInput& frame = context.frame;
     if (!frame.stage) return;
     const glm::dvec2 pixel(at.x - frame.image_area.left, at.y - frame.image_area.top);
     context.render_thread.post([&context, pixel, camera = frame.camera, time_s = context.view.clock.displayed_s(),
-                                id = context.editor.id(), drawn = frame.stage](editor::OnDevice& on_device) {
-        if (&on_device.stage != drawn.get()) return;  // its nodes may have other numbers
-        const editor::PickedPoint seen = editor::pick_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
-        context.jobs.post([&context, seen, id] {
-            if (context.editor.id() == id) context.editor.select(seen.node);
+                                id = context.editor.id(), stage = frame.stage](editor::OnDevice& on_device) {
+        if (&on_device.stage != stage.get()) return;  // its nodes may have other numbers
+        const editor::PickedPoint picked =
+            editor::pick_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
+        context.jobs.post([&context, picked, id] {
+            if (context.editor.id() == id) context.editor.select(picked.node);
             context.redraw();
         });
     });
@@ -41,7 +42,7 @@ void scroll(Context& context) {
     if (!context.frame.pointer_in_image || (io.MouseWheel == 0 && io.MouseWheelH == 0)) return;
     context.view.eye = scrolled(context.view.eye, {{io.MouseWheelH, io.MouseWheel}, io.KeyShift, io.KeyCtrl},
                                 context.frame.image_area.height);
-    context.moves();
+    context.mark_motion();
 }
 
 void fly(Context& context) {
@@ -54,29 +55,29 @@ void fly(Context& context) {
         scene_m = glm::length(high - low);
     }
     context.view.eye = flown(context.view.eye, keys, context.frame.dt_s, scene_m);
-    context.moves();
+    context.mark_motion();
 }
 
 class NavigateTool : public Tool {
   public:
-    bool has_pointer() const override { return drag_.has_value(); }
+    bool captures_pointer() const override { return drag_.has_value(); }
 
-    void key(Context& context, const ui::KeyPress& press) override {
-        const auto side = [&](EyeSide one, EyeSide other) {
-            context.go_to(seen_from(context.view.eye, press.control ? other : one));
+    void handle_key(Context& context, const ui::KeyPress& press) override {
+        const auto look_from = [&](EyeSide side, EyeSide opposite) {
+            context.go_to(seen_from(context.view.eye, press.control ? opposite : side));
         };
-        if (press.key == GLFW_KEY_KP_1) side(EyeSide::kFront, EyeSide::kBack);
-        if (press.key == GLFW_KEY_KP_3) side(EyeSide::kRight, EyeSide::kLeft);
-        if (press.key == GLFW_KEY_KP_7) side(EyeSide::kTop, EyeSide::kBottom);
+        if (press.key == GLFW_KEY_KP_1) look_from(EyeSide::kFront, EyeSide::kBack);
+        if (press.key == GLFW_KEY_KP_3) look_from(EyeSide::kRight, EyeSide::kLeft);
+        if (press.key == GLFW_KEY_KP_7) look_from(EyeSide::kTop, EyeSide::kBottom);
         if (press.key == GLFW_KEY_B && press.control) remember_view(context);
         if (press.key == GLFW_KEY_F && !press.control && !press.alt) focus(context);
     }
 
-    void pointer(Context& context, PointerUse& use) override {
+    void handle_pointer(Context& context, PointerUse& use) override {
         if (!use.all) begin(context, use);
         if (drag_) {
             use.left = true;
-            if (!use.all) go_on(context);
+            if (!use.all) continue_drag(context);
             if (!ImGui::IsMouseDown(drag_->button)) end(context);
         }
         if (!use.wheel) scroll(context);
@@ -84,11 +85,11 @@ class NavigateTool : public Tool {
     }
 
   private:
-    // Decided where the button goes down; the drag goes on wherever the pointer goes.
+    // Begins where the button goes down in the image, and goes on wherever the pointer goes.
     struct Drag {
         Motion motion;
         int button;
-        bool moved;  // else it is a click
+        bool moved;  // farther than kClick_px; else it is a click
     };
 
     void begin(Context& context, const PointerUse& use) {
@@ -99,7 +100,7 @@ class NavigateTool : public Tool {
         }
     }
 
-    void go_on(Context& context) {
+    void continue_drag(Context& context) {
         const ImGuiIO& io = ImGui::GetIO();
         const ImVec2 total = ImGui::GetMouseDragDelta(drag_->button, 0);
         if (std::abs(total.x) + std::abs(total.y) > context.ui(kClick_px)) drag_->moved = true;
@@ -108,7 +109,7 @@ class NavigateTool : public Tool {
         constexpr decltype(&orbited) kMotions[] = {orbited, panned, turned};  // by Motion
         context.view.eye =
             kMotions[static_cast<size_t>(drag_->motion)](context.view.eye, step, context.frame.image_area.height);
-        context.moves();
+        context.mark_motion();
     }
 
     void end(Context& context) {

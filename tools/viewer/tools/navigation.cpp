@@ -11,18 +11,19 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kNotch = 0.9;         // of the distance that a notch leaves
-constexpr double kFramed = 0.9;        // of the half image that a framed box fills
-constexpr double kPadHeights = 0.05;   // image heights a unit of a touchpad's scrolling
-constexpr double kFlightScenes = 0.5;  // a second
-constexpr double kWorldEnd_m = 1e9;
-constexpr double kPole = 1e-6;  // sine of the angle to the vertical within which yaw and roll are one
+constexpr double kNotchFactor = 0.9;     // the share of the distance that a notch leaves
+constexpr double kFramedShare = 0.9;     // the share of the image that a framed box fills
+constexpr double kScrollHeights = 0.05;  // image heights per unit of a touchpad's scrolling
+constexpr double kFlightScenesPerSecond = 0.5;
+constexpr double kMaxCoordinate_m = 1e9;
+constexpr double kPole = 1e-6;  // sine of the angle to the vertical within which yaw and roll are the same rotation
 
-double shorter(double angle) {
+// The same angle between −π and π.
+double wrapped(double angle) {
     return std::remainder(angle, 2 * kPi);
 }
 
-double held(double distance) {
+double clamped_distance(double distance) {
     return std::clamp(distance, kMinEyeDistance_m, kMaxEyeDistance_m);
 }
 
@@ -32,7 +33,7 @@ glm::dmat3 axes(const Eye& eye) {
     return glm::dmat3(glm::rotate(pitched, eye.roll, glm::dvec3(0, 0, 1)));
 }
 
-glm::dvec3 place(const Eye& eye) {
+glm::dvec3 position_of(const Eye& eye) {
     return eye.pivot + axes(eye)[2] * eye.distance;
 }
 
@@ -40,15 +41,15 @@ double metres_per_pixel(const Eye& eye, double height) {
     return 2 * eye.distance * std::tan(eye.angle_y / 2) / height;
 }
 
-bool in_this_world(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) <= kWorldEnd_m && v == v;
+bool is_within_world(const glm::dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) <= kMaxCoordinate_m && v == v;
 }
 
 }  // namespace
 
 glm::dmat4 world_from_eye(const Eye& eye) {
     glm::dmat4 matrix(axes(eye));
-    matrix[3] = glm::dvec4(place(eye), 1);
+    matrix[3] = glm::dvec4(position_of(eye), 1);
     return matrix;
 }
 
@@ -59,14 +60,14 @@ stage::Camera camera_of(const Eye& eye, uint32_t width, uint32_t height) {
 
 Eye orbited(const Eye& eye, glm::dvec2 moved_px, double height) {
     Eye moved = eye;
-    moved.yaw = shorter(eye.yaw - kPi * moved_px.x / height);
+    moved.yaw = wrapped(eye.yaw - kPi * moved_px.x / height);
     moved.pitch = std::clamp(eye.pitch - kPi * moved_px.y / height, -kPi / 2, kPi / 2);
     return moved;
 }
 
 Eye turned(const Eye& eye, glm::dvec2 moved_px, double height) {
     Eye moved = orbited(eye, moved_px, height);
-    moved.pivot = place(eye) - axes(moved)[2] * eye.distance;
+    moved.pivot = position_of(eye) - axes(moved)[2] * eye.distance;
     return moved;
 }
 
@@ -79,7 +80,7 @@ Eye panned(const Eye& eye, glm::dvec2 moved_px, double height) {
 
 Eye dollied(const Eye& eye, double notches, const std::optional<glm::dvec3>& towards) {
     Eye moved = eye;
-    moved.distance = held(eye.distance * std::pow(kNotch, notches));
+    moved.distance = clamped_distance(eye.distance * std::pow(kNotchFactor, notches));
     const glm::dvec3 about = towards.value_or(eye.pivot);
     moved.pivot = about + (eye.pivot - about) * (moved.distance / eye.distance);
     return moved;
@@ -91,33 +92,33 @@ bool is_wheel(const Scroll& scroll) {
 
 Eye scrolled(const Eye& eye, const Scroll& scroll, double height, const std::optional<glm::dvec3>& towards) {
     if (is_wheel(scroll) || scroll.control) return dollied(eye, scroll.offset.y, towards);
-    const glm::dvec2 moved_px = scroll.offset * (kPadHeights * height);
+    const glm::dvec2 moved_px = scroll.offset * (kScrollHeights * height);
     return scroll.shift ? panned(eye, moved_px, height) : orbited(eye, moved_px, height);
 }
 
 Eye flown(const Eye& eye, const FlightKeys& keys, double dt_s, double scene_m) {
     const glm::dmat3 of = axes(eye);
-    glm::dvec3 way = of[0] * keys.right + glm::dvec3(0, 1, 0) * keys.up - of[2] * keys.forward;
-    way /= std::max(1.0, glm::length(way));
-    const double speed = kFlightScenes * scene_m * (keys.fast ? 4 : 1) / (keys.slow ? 4 : 1);
+    glm::dvec3 direction = of[0] * keys.right + glm::dvec3(0, 1, 0) * keys.up - of[2] * keys.forward;
+    direction /= std::max(1.0, glm::length(direction));
+    const double speed = kFlightScenesPerSecond * scene_m * (keys.fast ? 4 : 1) / (keys.slow ? 4 : 1);
     Eye moved = eye;
-    moved.pivot += way * (speed * std::clamp(dt_s, 0.0, kLongestFlight_s));
+    moved.pivot += direction * (speed * std::clamp(dt_s, 0.0, kMaxFlightStep_s));
     return moved;
 }
 
 Eye framed(const Eye& eye, glm::dvec3 low, glm::dvec3 high, double aspect) {
-    if (!in_this_world(low) || !in_this_world(high)) return eye;
+    if (!is_within_world(low) || !is_within_world(high)) return eye;
     Eye moved = eye;
     moved.pivot = (low + high) / 2.0;
     const glm::dmat3 from_camera = axes(eye);
-    const double tan_y = kFramed * std::tan(eye.angle_y / 2), tan_x = tan_y * aspect;
+    const double tan_y = kFramedShare * std::tan(eye.angle_y / 2), tan_x = tan_y * aspect;
     double distance = 0;
     for (int i = 0; i < 8; ++i) {
         const glm::dvec3 corner(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
         const glm::dvec3 p = (corner - moved.pivot) * from_camera;  // in the camera's axes, about the middle
         distance = std::max({distance, p.z + std::abs(p.x) / tan_x, p.z + std::abs(p.y) / tan_y});
     }
-    moved.distance = held(distance > 0 ? distance : 1);
+    moved.distance = clamped_distance(distance > 0 ? distance : 1);
     return moved;
 }
 
@@ -152,7 +153,7 @@ Eye looking_through(const glm::dmat4& world_from_camera, double angle_y, double 
     assert(back == back && right == right);
     Eye eye;
     eye.angle_y = std::clamp(angle_y, kMinEyeAngle, kMaxEyeAngle);
-    eye.distance = held(distance_m);
+    eye.distance = clamped_distance(distance_m);
     const double level = std::hypot(back.x, back.z);
     eye.pitch = std::atan2(-back.y, level);
     if (level > kPole) {
@@ -169,7 +170,7 @@ Eye looking_through(const glm::dmat4& world_from_camera, double angle_y, double 
 double distance_to(const glm::dmat4& world_from_camera, glm::dvec3 low, glm::dvec3 high) {
     const glm::dvec3 to_middle = (low + high) / 2.0 - glm::dvec3(world_from_camera[3]);
     const double depth = -glm::dot(to_middle, glm::normalize(glm::dvec3(world_from_camera[2])));
-    return held(depth > kMinEyeDistance_m ? depth : glm::length(high - low) / 2);
+    return clamped_distance(depth > kMinEyeDistance_m ? depth : glm::length(high - low) / 2);
 }
 
 Eye between(const Eye& from, const Eye& to, double elapsed_s) {
@@ -177,9 +178,9 @@ Eye between(const Eye& from, const Eye& to, double elapsed_s) {
     const double x = std::max(elapsed_s, 0.0) / kEyeMove_s, part = x * x * (3 - 2 * x);
     Eye eye;
     eye.pivot = glm::mix(from.pivot, to.pivot, part);
-    eye.yaw = from.yaw + part * shorter(to.yaw - from.yaw);
+    eye.yaw = from.yaw + part * wrapped(to.yaw - from.yaw);
     eye.pitch = from.pitch + part * (to.pitch - from.pitch);
-    eye.roll = from.roll + part * shorter(to.roll - from.roll);
+    eye.roll = from.roll + part * wrapped(to.roll - from.roll);
     eye.distance = from.distance * std::pow(to.distance / from.distance, part);
     eye.angle_y = from.angle_y + part * (to.angle_y - from.angle_y);
     return eye;

@@ -14,34 +14,25 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr unsigned kGridColour = 0x30ffffff, kAxisX = 0x705050e0, kAxisZ = 0x70e08050;
-constexpr int kGridReach_m = 10;
+constexpr int kGridSize_m = 10;  // from the middle to an edge
 constexpr glm::vec4 kHotHandle(1, 0.95f, 0.4f, 1);
 
+// Draws over the image, clipped to its area.
 class Drawing {
   public:
-    explicit Drawing(const Context& context)
-        : context_(context),
-          list_(*ImGui::GetBackgroundDrawList()),
-          left_(context.frame.image_area.left),
-          top_(context.frame.image_area.top) {
+    explicit Drawing(const Context& context) : context_(context), list_(*ImGui::GetBackgroundDrawList()) {
         const Area& area = context.frame.image_area;
-        list_.PushClipRect({left_, top_}, {left_ + area.width, top_ + area.height});
+        list_.PushClipRect({area.left, area.top}, {area.left + area.width, area.top + area.height});
     }
     ~Drawing() { list_.PopClipRect(); }
     Drawing(const Drawing&) = delete;
     Drawing& operator=(const Drawing&) = delete;
 
-    ImVec2 at(glm::dvec2 pixel) const {
-        return {left_ + static_cast<float>(pixel.x), top_ + static_cast<float>(pixel.y)};
-    }
-    void line(glm::dvec3 a, glm::dvec3 b, unsigned colour, float width = 1) {
-        if (const auto pixels = editor::pixels_of(context_.frame.camera, a, b))
-            list_.AddLine(at(pixels->first), at(pixels->second), colour, context_.ui(width));
-    }
+    void line(glm::dvec3 a, glm::dvec3 b, unsigned colour) { draw_line(context_, a, b, colour, 1); }
     void icon(glm::dvec3 position, const char* text, unsigned colour) {
         const auto pixel = editor::pixel_of(context_.frame.camera, position);
         if (!pixel) return;
-        const ImVec2 size = ImGui::CalcTextSize(text), middle = at(*pixel);
+        const ImVec2 size = ImGui::CalcTextSize(text), middle = in_window(context_, *pixel);
         list_.AddCircleFilled(middle, 0.75f * size.y, 0x90000000);
         list_.AddText({middle.x - size.x / 2, middle.y - size.y / 2}, colour, text);
     }
@@ -58,7 +49,7 @@ class Drawing {
     }
     void shape(const HandleShape& shape) {
         std::vector<ImVec2> points;
-        for (uint32_t i = 0; i < shape.count; i++) points.push_back(at(glm::dvec2(shape.points[i])));
+        for (uint32_t i = 0; i < shape.count; i++) points.push_back(in_window(context_, glm::dvec2(shape.points[i])));
         const glm::vec4 c = shape.colour;
         const ImU32 colour = ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, c.a});
         if (shape.filled)
@@ -70,13 +61,12 @@ class Drawing {
   private:
     const Context& context_;
     ImDrawList& list_;
-    float left_, top_;
 };
 
 void draw_grid(Drawing& drawing) {
-    for (int i = -kGridReach_m; i <= kGridReach_m; i++) {
-        drawing.line({i, 0, -kGridReach_m}, {i, 0, kGridReach_m}, i == 0 ? kAxisZ : kGridColour);
-        drawing.line({-kGridReach_m, 0, i}, {kGridReach_m, 0, i}, i == 0 ? kAxisX : kGridColour);
+    for (int i = -kGridSize_m; i <= kGridSize_m; i++) {
+        drawing.line({i, 0, -kGridSize_m}, {i, 0, kGridSize_m}, i == 0 ? kAxisZ : kGridColour);
+        drawing.line({-kGridSize_m, 0, i}, {kGridSize_m, 0, i}, i == 0 ? kAxisX : kGridColour);
     }
 }
 
@@ -86,34 +76,46 @@ unsigned colour_of(const Context& context, uint32_t node) {
 
 }  // namespace
 
+ImVec2 in_window(const Context& context, glm::dvec2 pixel) {
+    const Area& area = context.frame.image_area;
+    return {area.left + static_cast<float>(pixel.x), area.top + static_cast<float>(pixel.y)};
+}
+
+void draw_line(const Context& context, glm::dvec3 a, glm::dvec3 b, unsigned colour, float width) {
+    const auto pixels = editor::pixels_of(context.frame.camera, a, b);
+    if (!pixels) return;
+    ImGui::GetBackgroundDrawList()->AddLine(in_window(context, pixels->first), in_window(context, pixels->second),
+                                            colour, context.ui(width));
+}
+
 std::pair<glm::dvec3, glm::dvec3> box_of_node(const Context& context, uint32_t node) {
     glm::dvec3 low(INFINITY), high(-INFINITY);
-    const auto take = [&](glm::dvec3 position) {
+    const auto add = [&](glm::dvec3 position) {
         low = glm::min(low, position);
         high = glm::max(high, position);
     };
-    const auto take_box = [&](const glm::dmat4& world, glm::dvec3 from, glm::dvec3 to) {
+    const auto add_box = [&](const glm::dmat4& world, glm::dvec3 from, glm::dvec3 to) {
         for (int i = 0; i < 8; i++)
-            take(world * glm::dvec4(i & 1 ? to.x : from.x, i & 2 ? to.y : from.y, i & 4 ? to.z : from.z, 1));
+            add(world * glm::dvec4(i & 1 ? to.x : from.x, i & 2 ? to.y : from.y, i & 4 ? to.z : from.z, 1));
     };
-    const auto hangs_on = [&](uint32_t one) {
-        for (int64_t i = one; i >= 0; i = context.frame.stage->scene.nodes[static_cast<size_t>(i)].parent)
+    const auto is_in_subtree = [&](uint32_t candidate) {
+        for (int64_t i = candidate; i >= 0; i = context.frame.stage->scene.nodes[static_cast<size_t>(i)].parent)
             if (i == node) return true;
         return false;
     };
     for (const stage::EvaluatedPerformer& performer : context.frame.evaluated.performers) {
-        if (!hangs_on(context.frame.stage->performers[performer.performer].node)) continue;
-        const auto& [from, to] = context.frame.drawn.leaf_boxes[performer.clip];
-        take_box(performer.world_from_performer, from, to);
+        if (!is_in_subtree(context.frame.stage->performers[performer.performer].node)) continue;
+        const auto& [from, to] = context.frame.rendered.leaf_boxes[performer.clip];
+        add_box(performer.world_from_performer, from, to);
     }
     const stage::GltfScene& scene = context.frame.stage->scene;
     for (uint32_t i = 0; i < scene.nodes.size(); i++) {
-        if (scene.nodes[i].mesh < 0 || !hangs_on(i)) continue;
+        if (scene.nodes[i].mesh < 0 || !is_in_subtree(i)) continue;
         for (const stage::GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[i].mesh)].primitives)
             for (const glm::vec3& position : primitive.positions)
-                take(context.frame.evaluated.pose.world_from_node[i] * glm::dvec4(position, 1));
+                add(context.frame.evaluated.pose.world_from_node[i] * glm::dvec4(position, 1));
     }
-    if (low.x > high.x) take(glm::dvec3(context.frame.evaluated.pose.world_from_node[node][3]));
+    if (low.x > high.x) add(glm::dvec3(context.frame.evaluated.pose.world_from_node[node][3]));
     return {low, high};
 }
 
@@ -150,16 +152,22 @@ glm::dvec2 pointer_of(const Context& context) {
 std::optional<uint32_t> icon_at(const Context& context, float x, float y) {
     if (!context.view.panels.all || !context.stage_of_document()) return std::nullopt;
     std::optional<uint32_t> found;
-    const auto look = [&](glm::dvec3 position, uint32_t node) {
+    const auto test = [&](glm::dvec3 position, uint32_t node) {
         const auto pixel = editor::pixel_of(context.frame.camera, position);
         if (!pixel) return;
-        const glm::dvec2 at = *pixel + glm::dvec2(context.frame.image_area.left, context.frame.image_area.top);
-        if (glm::distance(at, glm::dvec2(x, y)) < context.ui(12)) found = node;
+        const ImVec2 icon = in_window(context, *pixel);
+        if (std::hypot(icon.x - x, icon.y - y) < context.ui(12)) found = node;
     };
-    for (const stage::EvaluatedLight& light : context.frame.evaluated.lights) look(light.position, light.node);
+    for (const stage::EvaluatedLight& light : context.frame.evaluated.lights) test(light.position, light.node);
     for (const stage::EvaluatedCamera& camera : context.frame.evaluated.cameras)
-        look(glm::dvec3(camera.world_from_camera[3]), camera.node);
+        test(glm::dvec3(camera.world_from_camera[3]), camera.node);
     return found;
+}
+
+Eye eye_of(const stage::EvaluatedCamera& camera, const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
+    const auto [low, high] = stage::performers_box(stage, evaluated);
+    return looking_through(camera.world_from_camera, camera.vertical_angle_rad,
+                           distance_to(camera.world_from_camera, low, high));
 }
 
 void focus(Context& context) {
@@ -168,7 +176,7 @@ void focus(Context& context) {
     auto [low, high] = stage::performers_box(*context.frame.stage, context.frame.evaluated);
     if (selected) {
         const auto [node_low, node_high] = box_of_node(context, *context.editor.selected());
-        const bool is_point = node_low == node_high;  // a light, a camera: with those whom it lights or sees
+        const bool is_point = node_low == node_high;  // a light or a camera: together with the performers
         low = is_point ? glm::min(low, node_low) : node_low;
         high = is_point ? glm::max(high, node_high) : node_high;
     }

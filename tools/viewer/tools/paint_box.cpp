@@ -1,4 +1,4 @@
-// The box whose leaves are painted all at once: its edges and six handles in the image.
+// The box whose leaves are painted at once: its edges and six handles in the image. Part of PaintTool.
 #include <imgui.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include "tools/ui/theme.h"
 #include "tools/view_path.h"
 #include "tools/viewer/context.h"
+#include "tools/viewer/tools/overlay.h"
 #include "tools/viewer/tools/paint_tool.h"
 
 namespace neuvv::viewer {
@@ -20,6 +21,7 @@ constexpr unsigned kAxisColours[] = {0xff5a5af0, 0xff6ecb5a, 0xfff0a05a};
 constexpr const char* kSides[] = {"x-low", "y-low", "z-low", "x-high", "y-high", "z-high"};
 
 struct Box {
+    // The middle of a side.
     glm::dvec3 low, high;
     glm::dvec3 side(int axis, bool is_high) const {
         glm::dvec3 middle = 0.5 * (low + high);
@@ -29,23 +31,16 @@ struct Box {
 };
 
 void draw_edges(const Context& context, const Box& box, const glm::dmat4& world_from_performer) {
-    ImDrawList* list = ImGui::GetBackgroundDrawList();
     const auto corner = [&](int i) {
         const glm::dvec3 at((i & 1) ? box.high.x : box.low.x, (i & 2) ? box.high.y : box.low.y,
                             (i & 4) ? box.high.z : box.low.z);
         return glm::dvec3(world_from_performer * glm::dvec4(at, 1));
     };
-    const Area& area = context.frame.image_area;
     for (int i = 0; i < 8; i++)
         for (const int step : {1, 2, 4}) {
             if (i & step) continue;
-            const auto line = editor::pixels_of(context.frame.camera, corner(i), corner(i | step));
-            if (!line) continue;
-            const auto at = [&](glm::dvec2 p) {
-                return ImVec2(area.left + static_cast<float>(p.x), area.top + static_cast<float>(p.y));
-            };
-            list->AddLine(at(line->first), at(line->second), 0x80000000, context.ui(3));
-            list->AddLine(at(line->first), at(line->second), ui::kAccent, context.ui(1.25f));
+            draw_line(context, corner(i), corner(i | step), 0x80000000, 3);
+            draw_line(context, corner(i), corner(i | step), ui::kAccent, 1.25f);
         }
 }
 
@@ -54,16 +49,14 @@ void draw_edges(const Context& context, const Box& box, const glm::dmat4& world_
 void PaintTool::fit_box(const Context& context) {
     const auto performer = this->performer(context);
     if (!performer || !clip_ || clip_path_ != performer->clip) return;
-    std::tie(choice.box_low, choice.box_high) = tools::occupied_box(clip_->tree);
+    std::tie(settings.box_low, settings.box_high) = tools::occupied_box(clip_->tree);
 }
 
 bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bool pointer_used) {
-    if (choice.box_low == choice.box_high) fit_box(context);
-    Box box{choice.box_low, choice.box_high};
-    const ImVec2 mouse = ImGui::GetIO().MousePos;
-    const Area& area = context.frame.image_area;
-    const glm::dvec2 pointer(mouse.x - area.left, mouse.y - area.top);
-    const auto way = [&](int axis, bool high, double grabbed) {
+    if (settings.box_low == settings.box_high) fit_box(context);
+    Box box{settings.box_low, settings.box_high};
+    const glm::dvec2 pointer = pointer_of(context);
+    const auto along_axis = [&](int axis, bool high, double grabbed) {
         Box from = box;
         (high ? from.high : from.low)[axis] = grabbed;
         const glm::dvec3 through(performer.world_from_performer * glm::dvec4(from.side(axis, high), 1));
@@ -72,15 +65,15 @@ bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bo
     };
     if (box_drag_ && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) box_drag_.reset();
     if (box_drag_) {
-        if (const auto s = way(box_drag_->axis, box_drag_->high, box_drag_->grabbed)) {
+        if (const auto s = along_axis(box_drag_->axis, box_drag_->high, box_drag_->grabbed)) {
             const double to = box_drag_->grabbed + *s - box_drag_->s;
             const int axis = box_drag_->axis;
             if (box_drag_->high)
-                choice.box_high[axis] = std::max(to, box.low[axis] + kMinSide_m);
+                settings.box_high[axis] = std::max(to, box.low[axis] + kMinSide_m);
             else
-                choice.box_low[axis] = std::min(to, box.high[axis] - kMinSide_m);
+                settings.box_low[axis] = std::min(to, box.high[axis] - kMinSide_m);
         }
-        box = {choice.box_low, choice.box_high};
+        box = {settings.box_low, settings.box_high};
     }
     draw_edges(context, box, performer.world_from_performer);
     std::optional<int> over;
@@ -88,7 +81,7 @@ bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bo
         const auto at = editor::pixel_of(
             context.frame.camera, glm::dvec3(performer.world_from_performer * glm::dvec4(box.side(i % 3, i >= 3), 1)));
         if (!at) continue;
-        const ImVec2 middle(area.left + static_cast<float>(at->x), area.top + static_cast<float>(at->y));
+        const ImVec2 middle = in_window(context, *at);
         const bool near = glm::length(*at - pointer) < double{context.ui(kGrab)};
         if (near && context.frame.pointer_in_image && !pointer_used && !over) over = i;
         const bool active = box_drag_ ? box_drag_->axis == i % 3 && box_drag_->high == (i >= 3) : over == i;
@@ -98,14 +91,14 @@ bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bo
                             active ? 0xffffffff : kAxisColours[i % 3], context.ui(1));
         list->AddRect({middle.x - half, middle.y - half}, {middle.x + half, middle.y + half}, 0xc0000000,
                       context.ui(1));
-        context.report.place(std::string("paint/box/") + kSides[i], middle.x - half, middle.y - half, 2 * half,
-                             2 * half);
+        context.report.area(std::string("paint/box/") + kSides[i], middle.x - half, middle.y - half, 2 * half,
+                            2 * half);
     }
     if (over && !box_drag_ && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
         const int axis = *over % 3;
         const bool high = *over >= 3;
         const double grabbed = high ? box.high[axis] : box.low[axis];
-        if (const auto s = way(axis, high, grabbed)) box_drag_ = BoxDrag{axis, high, grabbed, *s};
+        if (const auto s = along_axis(axis, high, grabbed)) box_drag_ = BoxDrag{axis, high, grabbed, *s};
     }
     return over || box_drag_;
 }

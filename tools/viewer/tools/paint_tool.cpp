@@ -27,18 +27,19 @@ constexpr const char* kDone[] = {"painted", "erased", "colours shifted", "restor
 
 const ToolMode PaintTool::kMode{"tool/paint", ICON_BRUSH, "Paint (4)", GLFW_KEY_4};
 
-// What goes on from the press of a button to its release, and until the last of it is painted.
-struct PaintTool::Active {
+// A stroke: from the press of the button until it is released and all its touches are painted.
+struct PaintTool::Stroke {
     uint32_t node = 0;
     std::filesystem::path path, clip_path;
     std::string what;
-    uint64_t document = 0;  // as it was left by the stroke; another one: somebody else edits
+    uint64_t document = 0;  // Editor::id() after the stroke's last change
     glm::dmat4 world_from_performer{1};
     std::vector<std::pair<stage::Camera, std::vector<glm::dvec2>>> waiting;
-    std::optional<double> waiting_since_s, sent_since_s;  // the events of the first place that waits, that is laid
-    glm::dvec2 last{-1e9};
+    // The times of the first events whose pixels wait, and whose pixels are being painted; as FrameInput::now_s.
+    std::optional<double> waiting_since_s, sent_since_s;
+    glm::dvec2 last{-1e9};  // the last pixel
     bool under_way = false, released = false;
-    // Of the render thread.
+    // Used by the render thread alone once the stroke has begun.
     editor::PaintSubject subject;
     std::shared_ptr<const voctree::EditLayer> before;
     editor::PaintOperation operation;
@@ -57,39 +58,39 @@ std::optional<PaintedPerformer> PaintTool::performer(const Context& context) {
     auto layers = edit::paint_layers_of(context.editor.file(), all[index].node);
     if (!layers) return {};
     const stage::StageClip& clip = context.frame.stage->clips[all[index].clip];
-    const stage::EvaluatedPerformer& stands = context.frame.evaluated.performers[index];
-    return PaintedPerformer{all[index].node, all[index].name,   clip.path,
-                            clip.frames,     stands.frame,      stands.world_from_performer,
-                            stands.visible,  std::move(*layers)};
+    const stage::EvaluatedPerformer& evaluated = context.frame.evaluated.performers[index];
+    return PaintedPerformer{all[index].node,   all[index].name,   clip.path,
+                            clip.frames,       evaluated.frame,   evaluated.world_from_performer,
+                            evaluated.visible, std::move(*layers)};
 }
 
 size_t PaintTool::painted_layer(const PaintedPerformer& performer) const {
     for (size_t i = 0; i < performer.layers.size(); i++)
-        if (performer.layers[i].path == choice.layer) return i;
+        if (performer.layers[i].path == settings.layer) return i;
     return performer.layers.empty() ? 0 : performer.layers.size() - 1;
 }
 
 edit::EditFrames PaintTool::frames_of(const PaintedPerformer& performer) const {
     const auto last = static_cast<float>(performer.frames - 1);
-    edit::EditFrames frames{performer.frame, performer.frame, choice.follow};
-    if (choice.frames == PaintChoice::Frames::kRange) {
-        const auto [first, end] = std::minmax(choice.first, choice.last);
+    edit::EditFrames frames{performer.frame, performer.frame, settings.follow};
+    if (settings.frames == PaintSettings::Frames::kRange) {
+        const auto [first, end] = std::minmax(settings.first, settings.last);
         frames.first = std::clamp(static_cast<float>(first), 0.0f, last);
         frames.last = std::clamp(static_cast<float>(end), 0.0f, last);
     }
-    if (choice.frames == PaintChoice::Frames::kAll) frames = {0, last, edit::Follow::kNot};
+    if (settings.frames == PaintSettings::Frames::kAll) frames = {0, last, edit::Follow::kNot};
     return frames;
 }
 
 editor::PaintOperation PaintTool::operation_of(const PaintedPerformer& performer, bool inverted) const {
     editor::PaintOperation operation;
-    if (choice.tool != PaintChoice::Tool::kStamp)
-        operation.kind = static_cast<editor::PaintOperation::Kind>(choice.tool);
+    if (settings.tool != PaintSettings::Tool::kStamp)
+        operation.kind = static_cast<editor::PaintOperation::Kind>(settings.tool);
     if (inverted && operation.kind == editor::PaintOperation::Kind::kColour)
         operation.kind = editor::PaintOperation::Kind::kErase;
-    operation.colour = glm::clamp(glm::vec3(choice.colour), 0.0f, 1.0f);
-    operation.opacity = static_cast<float>(choice.opacity);
-    operation.shift = {static_cast<float>(choice.hue_degrees), static_cast<float>(choice.saturation)};
+    operation.colour = glm::clamp(glm::vec3(settings.colour), 0.0f, 1.0f);
+    operation.opacity = static_cast<float>(settings.opacity);
+    operation.shift = {static_cast<float>(settings.hue_degrees), static_cast<float>(settings.saturation)};
     operation.frames = frames_of(performer);
     return operation;
 }
@@ -102,7 +103,7 @@ std::shared_ptr<const voctree::EditLayer> PaintTool::layer_at(const Context& con
     return found != read_.end() ? found->second : nullptr;
 }
 
-// The clip, and those of its layers that show or are painted.
+// Painting needs the clip, the visible layers and the painted layer.
 bool PaintTool::prepare(Context& context) {
     const auto performer = this->performer(context);
     if (!performer) return false;
@@ -169,43 +170,43 @@ std::shared_ptr<const voctree::EditLayer> PaintTool::open_target(Context& contex
     }
     path = target.path;
     auto layer = layer_at(context, path);
-    if (others_.contains(path) ||
-        edit::is_shared(context.editor.file(), performer.node, path)) {  // what is painted is this performer's alone
+    if (protected_layers_.contains(path) ||
+        edit::is_shared(context.editor.file(), performer.node, path)) {  // a copy for this performer alone
         path = edit::free_paint_path(context.editor.document(), performer.node);
-        own_ = {path, target.path};
+        unshared_ = {path, target.path};
         return layer;
     }
     context.editor.open_layer(path, layer);
-    read_.erase(path);  // the editor's from now on
+    read_.erase(path);  // from now on the editor has it
     return layer;
 }
 
-void PaintTool::key(Context& context, const ui::KeyPress& press) {
+void PaintTool::handle_key(Context& context, const ui::KeyPress& press) {
     if (press.key == GLFW_KEY_B && !press.control && !press.alt) context.view.mode = &kMode;
 }
 
 void PaintTool::set_radius_by_keys(const Context& context) {
     if (!is_current(context) || ImGui::GetIO().WantTextInput) return;
     for (const char32_t character : context.frame.typed) {
-        if (character == U'[') choice.radius_m /= kRadiusStep;
-        if (character == U']') choice.radius_m *= kRadiusStep;
+        if (character == U'[') settings.radius_m /= kRadiusStep;
+        if (character == U']') settings.radius_m *= kRadiusStep;
     }
-    choice.radius_m = std::clamp(choice.radius_m, kMinRadius_m, kMaxRadius_m);
+    settings.radius_m = std::clamp(settings.radius_m, kMinRadius_m, kMaxRadius_m);
 }
 
-void PaintTool::pointer(Context& context, PointerUse& use) {
+void PaintTool::handle_pointer(Context& context, PointerUse& use) {
     set_radius_by_keys(context);
     const auto performer = this->performer(context);
-    ready_ = is_current(context) && performer && performer->seen && prepare(context);
+    ready_ = is_current(context) && performer && performer->visible && prepare(context);
     if (stroke_) {
-        go_on(context);
+        continue_stroke(context);
         if (performer) draw_brush(context, *performer);
         use = {true, true, true};
         return;
     }
     if (!ready_) return;
-    const bool stamps = choice.tool == PaintChoice::Tool::kStamp;
-    if (choice.in_box && !stamps)
+    const bool is_stamp = settings.tool == PaintSettings::Tool::kStamp;
+    if (settings.in_box && !is_stamp)
         use.left |= drag_box(context, *performer, use.left);
     else
         click_or_hover(context, *performer, use);
@@ -213,18 +214,18 @@ void PaintTool::pointer(Context& context, PointerUse& use) {
 
 void PaintTool::click_or_hover(Context& context, const PaintedPerformer& performer, PointerUse& use) {
     const ImGuiIO& io = ImGui::GetIO();
-    const bool stamps = choice.tool == PaintChoice::Tool::kStamp, over = context.frame.pointer_in_image;
+    const bool is_stamp = settings.tool == PaintSettings::Tool::kStamp, over = context.frame.pointer_in_image;
     const bool free = over && !io.KeyShift && !use.left;
     const bool clicked = free && ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !busy();
-    if (over && !context.view.clock.playing) look_under(context, performer);
-    if (free && (!stamps || stamp_loaded())) use.left = true;
+    if (over && !context.view.clock.playing) update_hover(context, performer);
+    if (free && (!is_stamp || stamp_loaded())) use.left = true;
     if (clicked && io.KeyAlt) {
         take_colour(context);
-    } else if (stamps) {
+    } else if (is_stamp) {
         use.wheel = over && io.KeyCtrl;
         if (use.wheel && io.MouseWheel != 0)
-            choice.stamp_share =
-                std::clamp(choice.stamp_share * std::pow(1.1, double{io.MouseWheel}), kMinStamp, kMaxStamp);
+            settings.stamp_share =
+                std::clamp(settings.stamp_share * std::pow(1.1, double{io.MouseWheel}), kMinStamp, kMaxStamp);
         if (clicked && stamp_loaded()) project_stamp(context, performer);
         if ((over || task_runs_) && stamp_loaded()) draw_stamp(context);
     } else {
@@ -234,7 +235,7 @@ void PaintTool::click_or_hover(Context& context, const PaintedPerformer& perform
 }
 
 void PaintTool::begin_stroke(Context& context, const PaintedPerformer& performer) {
-    auto active = std::make_shared<Active>();
+    auto active = std::make_shared<Stroke>();
     active->before = open_target(context, performer, active->path);
     if (!active->before) return;
     context.view.clock.pause();
@@ -245,15 +246,16 @@ void PaintTool::begin_stroke(Context& context, const PaintedPerformer& performer
     active->document = context.editor.id();
     active->world_from_performer = performer.world_from_performer;
     active->subject = subject_of(context, performer, active->operation.kind == editor::PaintOperation::Kind::kRestore);
-    active->area.radius_m = static_cast<float>(choice.radius_m);
-    active->area.hardness = static_cast<float>(choice.hardness);
+    active->area.radius_m = static_cast<float>(settings.radius_m);
+    active->area.hardness = static_cast<float>(settings.hardness);
     stroke_ = std::move(active);
-    go_on(context);
+    continue_stroke(context);
 }
 
-// Each frame: takes the pointer's pixel, and sends the pixels that wait as soon as the last ones are painted.
-void PaintTool::go_on(Context& context) {
-    Active& stroke = *stroke_;
+// Called once a frame: adds the pixel of the pointer to those that wait, and sends these once the last ones are
+// painted.
+void PaintTool::continue_stroke(Context& context) {
+    Stroke& stroke = *stroke_;
     if (context.frame.escape) {
         context.editor.cancel_drag();
         stroke_.reset();
@@ -288,7 +290,7 @@ void PaintTool::go_on(Context& context) {
             }
             for (const auto& [camera, pixels] : waiting) active->session->add_touches(surface, camera, pixels);
             const auto layer = active->session->layer();
-            return [this, &context, active, layer] { took(context, active, layer); };
+            return [this, &context, active, layer] { apply_result(context, active, layer); };
         },
         [this, &context, active = stroke_] {
             clip_.reset();
@@ -296,25 +298,25 @@ void PaintTool::go_on(Context& context) {
         });
 }
 
-void PaintTool::took(Context& context, const std::shared_ptr<Active>& active,
-                     std::shared_ptr<const voctree::EditLayer> layer) {
+void PaintTool::apply_result(Context& context, const std::shared_ptr<Stroke>& active,
+                             std::shared_ptr<const voctree::EditLayer> layer) {
     active->under_way = false;
     if (stroke_ != active) return;
-    if (context.editor.id() != active->document) {  // undone, saved, opened: it ends here
+    if (context.editor.id() != active->document) {  // something else has changed the document: the stroke ends
         stroke_.reset();
         return;
     }
     if (!layer) return;
-    if (active->sent_since_s) context.requests.answered_s = active->sent_since_s;
+    if (active->sent_since_s) context.requests.earlier_event_s = active->sent_since_s;
     context.editor.drag([&](edit::Document& document) {
         return write_layer(document, active->node, active->path, layer, active->what);
     });
-    choice.layer = active->path;
+    settings.layer = active->path;
     active->document = context.editor.id();
 }
 
-// Where the pointer meets the surface, for the cursor.
-void PaintTool::look_under(Context& context, const PaintedPerformer& performer) {
+// Finds the surface under the pointer, whose depth gives the size of the brush.
+void PaintTool::update_hover(Context& context, const PaintedPerformer& performer) {
     const glm::dvec2 pixel = pointer_of(context);
     const bool same = pixel == hover_.pixel && performer.frame == hover_.frame &&
                       context.frame.camera.world_from_camera == hover_.camera.world_from_camera;
@@ -323,7 +325,7 @@ void PaintTool::look_under(Context& context, const PaintedPerformer& performer) 
     hover_.pixel = pixel;
     hover_.frame = performer.frame;
     hover_.camera = context.frame.camera;
-    const bool restores = choice.tool == PaintChoice::Tool::kRestore;
+    const bool restores = settings.tool == PaintSettings::Tool::kRestore;
     editor::post_paint_task(
         context.parts(), surface_, performer.clip, clip_,
         [this, &context, subject = subject_of(context, performer, restores), pixel, camera = context.frame.camera,
@@ -332,12 +334,12 @@ void PaintTool::look_under(Context& context, const PaintedPerformer& performer) 
             const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
             subject.field = field;
             surface.show(subject);
-            const auto place = surface.surface_at(render::in_performer(camera, glm::mat4(world_from_performer)), pixel);
-            return [this, &context, place, camera, world_from_performer] {
+            const auto point = surface.surface_at(render::in_performer(camera, glm::mat4(world_from_performer)), pixel);
+            return [this, &context, point, camera, world_from_performer] {
                 hover_.under_way = false;
                 hover_.world.reset();
-                if (!place) return;
-                hover_.world = glm::dvec3(world_from_performer * glm::dvec4(*place, 1));
+                if (!point) return;
+                hover_.world = glm::dvec3(world_from_performer * glm::dvec4(*point, 1));
                 hover_.depth_m = editor::depth_of(camera, *hover_.world);
                 context.redraw(1);
             };
@@ -348,17 +350,17 @@ void PaintTool::look_under(Context& context, const PaintedPerformer& performer) 
         });
 }
 
-// Until put().
+// A task lasts until write_result().
 void PaintTool::begin_task(const Context& context) {
     task_runs_ = true;
-    task_began_on_ = {context.editor.open_count(), context.editor.node_count()};
+    task_document_ = {context.editor.open_count(), context.editor.node_count()};
 }
 
-void PaintTool::put(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
-                    const std::shared_ptr<const voctree::EditLayer>& before,
-                    const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) {
+void PaintTool::write_result(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
+                             const std::shared_ptr<const voctree::EditLayer>& before,
+                             const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) {
     task_runs_ = false;
-    if (task_began_on_ != std::pair(context.editor.open_count(), context.editor.node_count())) {
+    if (task_document_ != std::pair(context.editor.open_count(), context.editor.node_count())) {
         context.editor.notify("the stage is another now: nothing was painted", true);
         return;
     }
@@ -373,23 +375,24 @@ void PaintTool::put(Context& context, const PaintedPerformer& performer, const s
     }
     const bool done = context.editor.edit(
         [&](edit::Document& document) { return write_layer(document, performer.node, path, layer, what); });
-    if (done) choice.layer = path;
+    if (done) settings.layer = path;
 }
 
-// In the place of the shared one that it is painted instead of, where there is one.
+// A copy of a shared layer replaces that layer first.
 std::string PaintTool::write_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
                                    const std::shared_ptr<const voctree::EditLayer>& layer,
                                    const std::string& what) const {
-    const auto worn = edit::paint_layers_of(document.file, node).value_or(std::vector<edit::ListedLayer>{});
+    const auto layers = edit::paint_layers_of(document.file, node).value_or(std::vector<edit::ListedLayer>{});
     const auto at = [&](const std::filesystem::path& of) {
-        return std::find_if(worn.begin(), worn.end(), [&](const edit::ListedLayer& one) { return one.path == of; });
+        return std::find_if(layers.begin(), layers.end(),
+                            [&](const edit::ListedLayer& listed) { return listed.path == of; });
     };
-    if (path == own_.first && at(path) == worn.end() && at(own_.second) != worn.end())
-        edit::unshare_paint(document, node, static_cast<size_t>(at(own_.second) - worn.begin()), path, layer);
+    if (path == unshared_.first && at(path) == layers.end() && at(unshared_.second) != layers.end())
+        edit::unshare_paint(document, node, static_cast<size_t>(at(unshared_.second) - layers.begin()), path, layer);
     return edit::set_paint(document, node, path, "paint", layer, what);
 }
 
-// The device is not needed: a job does it.
+// This needs no device, so a job does it.
 void PaintTool::paint_in_box(Context& context) {
     const auto performer = this->performer(context);
     std::filesystem::path path;
@@ -398,16 +401,17 @@ void PaintTool::paint_in_box(Context& context) {
     if (!before) return;
     begin_task(context);
     const editor::PaintOperation operation = operation_of(*performer, false);
-    const edit::Region box = edit::box_region(glm::vec3(choice.box_low), glm::vec3(choice.box_high));
-    context.jobs.start("Painting in the box", [=, this, &context, clip = clip_, who = *performer]() -> JobQueue::Then {
-        editor::PaintSession session({clip}, before, operation);
-        session.add_region(box);
-        const auto layer = session.layer();
-        return [=, this, &context] {
-            put(context, who, path, before, layer,
-                fmt::format("{} in a box", kDone[static_cast<size_t>(operation.kind)]));
-        };
-    });
+    const edit::Region box = edit::box_region(glm::vec3(settings.box_low), glm::vec3(settings.box_high));
+    context.jobs.start("Painting in the box",
+                       [=, this, &context, clip = clip_, performer = *performer]() -> JobQueue::Then {
+                           editor::PaintSession session({clip}, before, operation);
+                           session.add_region(box);
+                           const auto layer = session.layer();
+                           return [=, this, &context] {
+                               write_result(context, performer, path, before, layer,
+                                            fmt::format("{} in a box", kDone[static_cast<size_t>(operation.kind)]));
+                           };
+                       });
 }
 
 void PaintTool::add_layer(Context& context) {
@@ -419,7 +423,7 @@ void PaintTool::add_layer(Context& context) {
     if (context.editor.edit([&](edit::Document& document) {
             return edit::set_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
         }))
-        choice.layer = path;
+        settings.layer = path;
 }
 
 }  // namespace neuvv::viewer

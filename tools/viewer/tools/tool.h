@@ -1,7 +1,7 @@
-// A tool: what the mouse and the keys do in the image.
+// The interface of tools: what the mouse and the keys do in the image.
 //
-// A new tool is a class in a file of its own and a line in make_tools() (tools.cpp). Its modes become buttons of the
-// toolbar, with their keys.
+// A new tool is a class in a file of its own and an entry of the table in the constructor of Tools (tools.cpp). Each of
+// its modes gets a button of the toolbar and a key.
 #pragma once
 
 #include <memory>
@@ -12,19 +12,19 @@
 
 namespace neuvv::viewer {
 
-// A button of the toolbar: what the pointer does in the image while it is the current one.
+// What the pointer does in the image while this is the current mode, and its button in the toolbar.
 struct ToolMode {
-    const char* name;  // of the button in reports: "tool/move"
+    const char* name;  // of its button in reports, as "tool/move"
     const char* icon;
-    const char* explained;  // the tooltip
-    int key;                // of GLFW, chooses the mode; 0: none
+    const char* tooltip;
+    int key;  // GLFW's number of the key that selects this mode; 0: none
 };
 
-// What of the pointer is in use, so that later tools leave it alone.
+// Which parts of the pointer a tool uses in this frame, so that later tools leave them alone.
 struct PointerUse {
-    bool left = false;  // the left button: something is under the pointer, or is dragged
+    bool left = false;  // the left button: it would grab what is under the pointer, or is dragging
     bool wheel = false;
-    bool all = false;  // the image shall not be moved by anything
+    bool all = false;  // everything: the eye must not move
 };
 
 class Tool {
@@ -34,19 +34,19 @@ class Tool {
     Tool& operator=(const Tool&) = delete;
     virtual ~Tool() = default;
 
-    // None for a tool that works in every mode.
+    // Empty for a tool that works in every mode.
     virtual std::span<const ToolMode> modes() const { return {}; }
-    // A key that was pressed while nothing is typed and no handle is dragged.
-    virtual void key(Context&, const ui::KeyPress&) {}
-    // Each frame: the pointer in the image. `use` is what tools before this one use of it; adds what this one uses.
-    virtual void pointer(Context& context, PointerUse& use) = 0;
-    // A button is down that this tool answers, wherever the pointer goes: it comes before all other tools.
-    virtual bool has_pointer() const { return false; }
-    // It changes the document: until that is over, keys do nothing and the drag of the document does not end.
-    virtual bool edits() const { return false; }
-    // Another document was opened: whatever is dragged is dropped.
+    // A key was pressed. It is not called while text is typed, while a popup is open, or while a tool is editing.
+    virtual void handle_key(Context&, const ui::KeyPress&) {}
+    // Called once a frame for the pointer in the image. `use` says what earlier tools use; the tool adds what it uses.
+    virtual void handle_pointer(Context& context, PointerUse& use) = 0;
+    // Whether the tool is dragging: it then comes before all other tools, wherever the pointer goes.
+    virtual bool captures_pointer() const { return false; }
+    // Whether the tool is changing the document. Meanwhile keys do nothing, and Editor::end_drag() is not called.
+    virtual bool is_editing() const { return false; }
+    // Another document is being opened: the tool forgets its drag.
     virtual void document_opened() {}
-    // Draws over the image, after all tools have seen the pointer.
+    // Draws over the image, once the pointer has been given to all tools.
     virtual void overlay(Context&) {}
 };
 

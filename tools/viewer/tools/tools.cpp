@@ -10,35 +10,35 @@
 
 namespace neuvv::viewer {
 
-// The table of tools. Where two of them want the pointer, the one that stands first has it.
+// The table of tools. Where two tools could use the pointer, the first one of them gets it.
 Tools::Tools(PaintTool& paint) {
-    const auto own = [&](std::unique_ptr<Tool> tool) {
+    const auto keep = [&](std::unique_ptr<Tool> tool) {
         owned_.push_back(std::move(tool));
         return owned_.back().get();
     };
-    all_ = {own(make_gizmo_tool()), own(make_light_tool()), &paint, own(make_navigate_tool())};
+    all_ = {keep(make_gizmo_tool()), keep(make_light_tool()), &paint, keep(make_navigate_tool())};
 }
 
-void Tools::key(Context& context, const ui::KeyPress& press) {
+void Tools::handle_key(Context& context, const ui::KeyPress& press) {
     for (Tool* tool : all_) {
         for (const ToolMode& mode : tool->modes())
             if (!press.control && !press.alt && mode.key == press.key) context.view.mode = &mode;
-        tool->key(context, press);
+        tool->handle_key(context, press);
     }
     if (!press.control && !press.alt && press.key == GLFW_KEY_G) context.view.grid = !context.view.grid;
 }
 
-void Tools::pointer(Context& context) {
+void Tools::handle_pointer(Context& context) {
     PointerUse use;
     std::vector<Tool*> order = all_;
-    std::stable_partition(order.begin(), order.end(), [](const Tool* tool) { return tool->has_pointer(); });
-    for (Tool* tool : order) tool->pointer(context, use);
+    std::stable_partition(order.begin(), order.end(), [](const Tool* tool) { return tool->captures_pointer(); });
+    for (Tool* tool : order) tool->handle_pointer(context, use);
     draw_scene_overlay(context);
     for (Tool* tool : all_) tool->overlay(context);
 }
 
-bool Tools::edit() const {
-    return std::any_of(all_.begin(), all_.end(), [](const Tool* tool) { return tool->edits(); });
+bool Tools::is_editing() const {
+    return std::any_of(all_.begin(), all_.end(), [](const Tool* tool) { return tool->is_editing(); });
 }
 
 void Tools::document_opened() {
@@ -63,13 +63,13 @@ void Tools::toolbar(Context& context) const {
     ImGui::BeginGroup();
     for (const Tool* tool : all_)
         for (const ToolMode& mode : tool->modes())
-            if (icon_button(context, mode.name, mode.icon, mode.explained, view.mode == &mode)) view.mode = &mode;
+            if (icon_button(context, mode.name, mode.icon, mode.tooltip, view.mode == &mode)) view.mode = &mode;
     if (one_column) ImGui::Separator();
     ImGui::EndGroup();
     if (!one_column) ImGui::SameLine();
     ImGui::BeginGroup();
-    const auto toggle = [&](const char* name, const char* icon, const char* explained, bool& on) {
-        if (icon_button(context, name, icon, explained, on)) on = !on;
+    const auto toggle = [&](const char* name, const char* icon, const char* tooltip, bool& on) {
+        if (icon_button(context, name, icon, tooltip, on)) on = !on;
     };
     toggle("tool/snap", ICON_MAGNET, "In steps of 0.1 m, 15°, 0.1 (Ctrl turns it round)", view.snap);
     toggle("tool/local", ICON_BOX, "Along the node's own axes", view.local_axes);

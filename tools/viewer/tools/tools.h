@@ -1,4 +1,4 @@
-// All tools of the viewer, and what the frame loop does with them.
+// All tools of the viewer, as the frame loop uses them.
 #pragma once
 
 #include "tools/viewer/tools/tool.h"
@@ -7,30 +7,30 @@ namespace neuvv::viewer {
 
 class PaintTool;
 
-std::unique_ptr<Tool> make_gizmo_tool();     // moves, turns and scales the selected node
-std::unique_ptr<Tool> make_light_tool();     // aims and opens the selected light
-std::unique_ptr<Tool> make_navigate_tool();  // moves the eye, selects by clicks
+std::unique_ptr<Tool> make_gizmo_tool();     // moves, rotates and scales the selected node
+std::unique_ptr<Tool> make_light_tool();     // changes the aim, the cone and the range of the selected light
+std::unique_ptr<Tool> make_navigate_tool();  // moves the eye; selects what is clicked
 
 class Tools {
   public:
-    // `paint` belongs to the panel of painting, too.
+    // `paint` is passed in because the panel of painting uses it, too. It must outlive this object.
     explicit Tools(PaintTool& paint);
 
     // The mode in which the viewer begins.
     const ToolMode& first_mode() const { return all_.front()->modes().front(); }
-    // Buttons of all modes, and of how handles behave, at the image's left.
+    // Draws the buttons of all modes and those of the settings of handles, at the left of the image.
     void toolbar(Context& context) const;
-    // A key that was pressed while nothing is typed.
-    void key(Context& context, const ui::KeyPress& press);
-    // Each frame: the pointer in the image; then what is drawn over the image.
-    void pointer(Context& context);
-    // Whether one of them is changing the document.
-    bool edit() const;
+    // A key was pressed (see Tool::handle_key).
+    void handle_key(Context& context, const ui::KeyPress& press);
+    // Called once a frame: gives the pointer to the tools, then draws the overlays.
+    void handle_pointer(Context& context);
+    // Whether a tool is changing the document.
+    bool is_editing() const;
     void document_opened();
 
   private:
-    std::vector<std::unique_ptr<Tool>> owned_;
-    std::vector<Tool*> all_;
+    std::vector<std::unique_ptr<Tool>> owned_;  // all but `paint`
+    std::vector<Tool*> all_;                    // the first one has precedence
 };
 
 }  // namespace neuvv::viewer
