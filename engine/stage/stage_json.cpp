@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 namespace neuvv::stage {
@@ -52,6 +53,16 @@ const ordered_json& StageJson::at(std::string_view name) const {
     return *found;
 }
 
+size_t StageJson::value(std::string_view name, size_t otherwise) const {
+    const ordered_json* found = find(name);
+    return found ? found->get<size_t>() : otherwise;
+}
+
+ordered_json StageJson::value(std::string_view name, const ordered_json& otherwise) const {
+    const ordered_json* found = find(name);
+    return found ? *found : otherwise;
+}
+
 std::vector<std::pair<std::string_view, const ordered_json*>> StageJson::members() const {
     std::vector<std::pair<std::string_view, const ordered_json*>> all;
     for (const Member& member : members_) all.emplace_back(member.name, &member.value->json);
@@ -67,6 +78,10 @@ ordered_json& StageJson::edit(std::string_view name) {
     std::atomic_thread_fence(std::memory_order_acquire);
     value->bytes = 0;
     return value->json;
+}
+
+void StageJson::set(std::string_view name, ordered_json value) {
+    edit(name) = std::move(value);
 }
 
 void StageJson::erase(std::string_view name) {

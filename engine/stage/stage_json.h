@@ -6,7 +6,7 @@
 
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,11 +27,9 @@ class StageJson {
     // Throws std::out_of_range where there is no such member.
     const nlohmann::ordered_json& at(std::string_view name) const;
     const nlohmann::ordered_json& operator[](std::string_view name) const { return at(name); }
-    template <typename Value>
-    Value value(std::string_view name, const Value& otherwise) const {
-        const nlohmann::ordered_json* found = find(name);
-        return found ? found->get<Value>() : otherwise;
-    }
+    // The member, or `otherwise` where there is none; throws as get() of JSON does for another type.
+    size_t value(std::string_view name, size_t otherwise) const;
+    nlohmann::ordered_json value(std::string_view name, const nlohmann::ordered_json& otherwise) const;
     size_t size() const { return members_.size(); }
     bool empty() const { return members_.empty(); }
     // All members, in the order of the document.
@@ -40,7 +38,7 @@ class StageJson {
     // The member for writing; it is added with the value null where it is missing. Write through the reference only
     // until the document is next copied or the member erased: the value may then be shared with a copy.
     nlohmann::ordered_json& edit(std::string_view name);
-    void set(std::string_view name, nlohmann::ordered_json value) { edit(name) = std::move(value); }
+    void set(std::string_view name, nlohmann::ordered_json value);
     void erase(std::string_view name);
     // Shares with `other` each member whose value is equal in both documents.
     void share(const StageJson& other);
