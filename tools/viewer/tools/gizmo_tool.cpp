@@ -4,7 +4,7 @@
 #include "edit/operations.h"
 #include "tools/ui/icons.h"
 #include "tools/viewer/tools/gizmo.h"
-#include "tools/viewer/tools/handle_drag.h"
+#include "tools/viewer/tools/handle_tool.h"
 #include "tools/viewer/tools/overlay.h"
 #include "tools/viewer/tools/tools.h"
 
@@ -20,7 +20,7 @@ constexpr float kGizmo_px = 90;  // at scale 1
 
 // The gizmo of the selected node; nullopt: the current mode belongs to another tool, or no node that can be moved is
 // selected.
-std::optional<Gizmo> gizmo_of_selected(const Context& context) {
+std::optional<Gizmo> gizmo_in(const Context& context) {
     const auto mode = std::find_if(std::begin(kModes), std::end(kModes),
                                    [&](const ToolMode& each) { return context.view.mode == &each; });
     const stage::Stage* stage = context.stage_of_document();
@@ -28,6 +28,8 @@ std::optional<Gizmo> gizmo_of_selected(const Context& context) {
     if (mode == std::end(kModes) || !stage || !node || edit::is_locked(context.editor.file(), *node))
         return std::nullopt;
     if (*node >= stage->scene.nodes.size() || !stage->scene.nodes[*node].in_scene) return std::nullopt;
+    // Below a flat parent no transform of the node can follow a drag.
+    if (!parent_from_node(world_from_parent(context, *node), glm::dmat4(1))) return std::nullopt;
     return Gizmo{context.frame.camera, context.frame.evaluated.pose.world_from_node[*node],
                  kGizmoModes[mode - std::begin(kModes)],
                  context.view.local_axes ? GizmoAxes::kLocal : GizmoAxes::kWorld, context.ui(kGizmo_px)};
@@ -49,55 +51,29 @@ void report_handles(const Context& context, std::span<const HandleShape> shapes)
     }
 }
 
-class GizmoTool : public Tool {
+class GizmoTool : public HandleTool<Gizmo, GizmoHandle> {
   public:
     std::span<const ToolMode> modes() const override { return kModes; }
-    bool captures_pointer() const override { return drag_.has_value(); }
-    bool is_editing() const override { return drag_.has_value(); }
-    void document_opened() override { drag_.reset(); }
-    void overlay(Context& context) override { draw_handles(context, shapes_, hot_); }
 
-    void handle_pointer(Context& context, PointerUse& use) override {
-        shapes_.clear();
-        if (drag_) {
-            use.left = true;
-            return drag_goes_on(context) ? drag(context) : drag_.reset();
-        }
-        const std::optional<Gizmo> gizmo = gizmo_of_selected(context);
-        if (!gizmo) return;
-        const bool free = context.frame.pointer_in_image && !use.left && !use.all;
-        const GizmoHandle handle = free ? gizmo_handle_at(*gizmo, pointer_of(context)) : GizmoHandle::kNone;
-        show(*gizmo, handle);
-        report_handles(context, shapes_);
-        if (handle == GizmoHandle::kNone) return;
-        use.left = true;
-        const uint32_t node = *context.editor.selected();
-        if (ImGui::IsMouseClicked(ImGuiMouseButton_Left))
-            drag_ = {*gizmo, handle, pointer_of(context), node, world_from_parent(context, node)};
+  protected:
+    std::optional<Gizmo> gizmo_of_selected(const Context& context) const override { return gizmo_in(context); }
+    std::vector<HandleShape> shapes_of(const Gizmo& gizmo) const override { return gizmo_shapes(gizmo); }
+    GizmoHandle handle_at(const Gizmo& gizmo, glm::dvec2 pointer) const override {
+        return gizmo_handle_at(gizmo, pointer);
     }
-
-  private:
-    void show(const Gizmo& gizmo, GizmoHandle hot) {
-        shapes_ = gizmo_shapes(gizmo);
-        hot_ = static_cast<int>(hot);
+    Gizmo moved(const Drag& drag, glm::dvec2 pointer, bool snap) const override {
+        Gizmo gizmo = drag.grabbed;
+        gizmo.world_from_node = dragged(gizmo, drag.handle, drag.from, pointer, snap);
+        return gizmo;
     }
-
-    void drag(Context& context) {
-        const bool snap = context.view.snap != ImGui::GetIO().KeyCtrl;
-        Gizmo moved = drag_->grabbed;
-        moved.world_from_node = dragged(drag_->grabbed, drag_->handle, drag_->from, pointer_of(context), snap);
-        const auto local = parent_from_node(drag_->world_from_parent, moved.world_from_node);
-        if (!local) return;
-        show(moved, drag_->handle);
+    std::string apply(stage::StageFile& file, const Drag& drag, const Gizmo& gizmo) const override {
         edit::Placement placement;
-        placement.to = *local;
-        context.editor.drag(
-            [&](edit::Document& document) { return edit::place_node(document.file, drag_->node, placement); });
+        placement.to = parent_from_node(drag.parent, gizmo.world_from_node);
+        return edit::place_node(file, drag.node, placement);
     }
-
-    std::optional<HandleDrag<Gizmo, GizmoHandle>> drag_;
-    std::vector<HandleShape> shapes_;
-    int hot_ = 0;
+    void report_shapes(const Context& context, std::span<const HandleShape> shapes) const override {
+        report_handles(context, shapes);
+    }
 };
 
 }  // namespace
