@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "base/platform.h"
 #include "gpu/device.h"
 #include "tools/commands.h"
@@ -62,21 +63,21 @@ void run_capture(Options& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_capture(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("capture", "Render an animated glTF model into a multi-view data set");
+void add_capture(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("capture", "Render an animated glTF model into a multi-view data set");
     const auto options = std::make_shared<Options>();
     training::CaptureSettings& settings = options->settings;
-    verb->add_option("MODEL", options->model, "the model, .glb or .gltf")->required();
-    verb->add_option("-o,--output", options->folder, "the data set's folder; created")->required();
-    verb->add_option("--cameras", settings.cameras, "cameras of the dome, in four rings")->capture_default_str();
-    verb->add_option("--frames", settings.frames, "frames to capture")->capture_default_str();
-    verb->add_option("--fps", settings.fps, "frames a second")->capture_default_str();
-    verb->add_option("--size", options->size, "of the images, WxH pixels")->capture_default_str();
-    verb->add_option("--animation", settings.animation, "its name or index; default: the first");
-    verb->add_option("--holdout", settings.holdout, "share of the cameras kept for the test")->capture_default_str();
-    verb->add_option("--background", options->background, "clear or checker")->capture_default_str();
-    verb->footer(kFooter);
-    verb->callback([options, &common] { run_capture(*options, common); });
+    verb.add_option("MODEL", options->model, "the model, .glb or .gltf").required();
+    verb.add_option("-o,--output", options->folder, "the data set's folder; created").required();
+    verb.add_option("--cameras", settings.cameras, "cameras of the dome, in four rings").show_default();
+    verb.add_option("--frames", settings.frames, "frames to capture").show_default();
+    verb.add_option("--fps", settings.fps, "frames a second").show_default();
+    verb.add_option("--size", options->size, "of the images, WxH pixels").show_default();
+    verb.add_option("--animation", settings.animation, "its name or index; default: the first");
+    verb.add_option("--holdout", settings.holdout, "share of the cameras kept for the test").show_default();
+    verb.add_option("--background", options->background, "clear or checker").show_default();
+    verb.footer({kFooter});
+    verb.callback([options, &common] { run_capture(*options, common); });
 }
 
 }  // namespace neuvv::tools

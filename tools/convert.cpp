@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
+#include "base/output_path.h"
 #include "base/platform.h"
 #include "render/frame.h"
 #include "tools/commands.h"
@@ -162,31 +164,32 @@ void run(const ConvertOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_convert(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("convert", "Write a scene smaller, its images as good as asked for");
+void add_convert(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("convert", "Write a scene smaller, its images as good as asked for");
     const auto options = std::make_shared<ConvertOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file, or the .npz of a PlenOctree")->required();
-    verb->add_option("-o,--output", options->output, "The .nvv to write; may be the same")->required();
-    verb->add_option("--quality", options->quality,
-                     "PSNR in dB that each image keeps at least, against the scene's own image")
-        ->check(number_between(10, 90))
-        ->capture_default_str();
-    verb->add_option("--views", options->views, "Images that are compared, over one orbit as the clip plays")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
-    verb->add_option("--size", options->size, "WIDTHxHEIGHT of them")->capture_default_str();
-    verb->add_option("--compression", options->compression,
-                     "zstd's level: 19 takes a tenth to a sixth off, and ten times as long as 9 to write")
-        ->check(CLI::Range(1, 19))
-        ->capture_default_str();
-    verb->add_flag("--json", options->json, "Print JSON: psnr_db, bytes_before, bytes, leaves, ...");
-    verb->footer(std::string("Rounds weights in coarser steps, more where leaves show little: the coarsest that keep "
-                             "the quality, by bisection.\nPSNR is over whole images on white, as `neuvv eval` takes "
-                             "it. What else the file carries (chunks that only some\nprograms know) is left out.\n") +
-                 kDeviceHelp + kExamplesHead +
-                 "  neuvv convert build/performer.nvv -o build/small.nvv\n"
-                 "  neuvv convert build/performer.nvv -o build/smaller.nvv --quality 38 --compression 19");
-    verb->callback([options, &common] { run(*options, common); });
+    verb.add_option("scene", options->scene, "The .nvv file, or the .npz of a PlenOctree").required();
+    verb.add_option("-o,--output", options->output, "The .nvv to write; may be the same").required();
+    verb.add_option("--quality", options->quality,
+                    "PSNR in dB that each image keeps at least, against the scene's own image")
+        .number_between(10, 90)
+        .show_default();
+    verb.add_option("--views", options->views, "Images that are compared, over one orbit as the clip plays")
+        .in_range(1, 100)
+        .show_default();
+    verb.add_option("--size", options->size, "WIDTHxHEIGHT of them").show_default();
+    verb.add_option("--compression", options->compression,
+                    "zstd's level: 19 takes a tenth to a sixth off, and ten times as long as 9 to write")
+        .in_range(1, 19)
+        .show_default();
+    verb.add_flag("--json", options->json, "Print JSON: psnr_db, bytes_before, bytes, leaves, ...");
+    verb.footer(
+        {"Rounds weights in coarser steps, more where leaves show little: the coarsest that keep "
+         "the quality, by bisection.\nPSNR is over whole images on white, as `neuvv eval` takes "
+         "it. What else the file carries (chunks that only some\nprograms know) is left out.\n",
+         kDeviceHelp, kExamplesHead,
+         "  neuvv convert build/performer.nvv -o build/small.nvv\n"
+         "  neuvv convert build/performer.nvv -o build/smaller.nvv --quality 38 --compression 19"});
+    verb.callback([options, &common] { run(*options, common); });
 }
 
 }  // namespace neuvv::tools

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
@@ -239,25 +240,23 @@ void run(const DatasetOptions& options) {
 
 }  // namespace
 
-void add_dataset(CLI::App& app, CommonOptions&) {
-    CLI::App* verb = app.add_subcommand("dataset", "Say what a data set holds, and draw its cameras and images");
+void add_dataset(Command app, CommonOptions&) {
+    Command verb = app.add_verb("dataset", "Say what a data set holds, and draw its cameras and images");
     const auto options = std::make_shared<DatasetOptions>();
-    verb->add_option("dataset", options->folder, "The data set's folder")->required();
-    add_format_option(*verb, options->format);
-    verb->add_option("--split", options->split, "Whose images are read")
-        ->check(CLI::IsMember({"train", "test"}))
-        ->capture_default_str();
-    verb->add_option("-o,--output", options->output,
-                     "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "
-                     "orange) and contact_sheet.png (an image of each camera) into this folder");
-    verb->footer(
-        "Reads the calibration whole, and of the images those of at most 64 cameras at 3 times.\n"
-        "training/README.md describes the layouts.\n\n"
-        "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
-        "  neuvv dataset build/performer\n"
-        "  neuvv dataset build/performer -o build/look\n"
-        "  neuvv dataset build/performer --split test --format nerf");
-    verb->callback([options] { run(*options); });
+    verb.add_option("dataset", options->folder, "The data set's folder").required();
+    add_format_option(verb, options->format);
+    verb.add_option("--split", options->split, "Whose images are read").one_of({"train", "test"}).show_default();
+    verb.add_option("-o,--output", options->output,
+                    "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "
+                    "orange) and contact_sheet.png (an image of each camera) into this folder");
+    verb.footer(
+        {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times.\n"
+         "training/README.md describes the layouts.\n\n"
+         "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
+         "  neuvv dataset build/performer\n"
+         "  neuvv dataset build/performer -o build/look\n"
+         "  neuvv dataset build/performer --split test --format nerf"});
+    verb.callback([options] { run(*options); });
 }
 
 }  // namespace neuvv::tools

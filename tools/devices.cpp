@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "gpu/device.h"
 #include "tools/commands.h"
 #include "tools/report.h"
@@ -56,19 +57,19 @@ void run(bool json) {
 
 }  // namespace
 
-void add_devices(CLI::App& app, CommonOptions&) {
-    CLI::App* verb = app.add_subcommand("devices", "List the Vulkan devices of this machine and what each lacks");
+void add_devices(Command app, CommonOptions&) {
+    Command verb = app.add_verb("devices", "List the Vulkan devices of this machine and what each lacks");
     const auto json = std::make_shared<bool>(false);
-    verb->add_flag("--json", *json,
-                   "Print JSON: index, name, kind, driver, vulkan, memory_bytes, usable, missing, lacks");
-    verb->footer(
-        "Other verbs take the best usable device: discrete, integrated, virtual, then CPU. --device or NEUVV_DEVICE\n"
-        "chooses another by its index or a part of its name.\n\n"
-        "Examples:\n"
-        "  neuvv devices\n"
-        "  neuvv devices --json\n"
-        "  NEUVV_DEVICE=llvmpipe neuvv devices");
-    verb->callback([json] { run(*json); });
+    verb.add_flag("--json", *json,
+                  "Print JSON: index, name, kind, driver, vulkan, memory_bytes, usable, missing, lacks");
+    verb.footer(
+        {"Other verbs take the best usable device: discrete, integrated, virtual, then CPU. --device or NEUVV_DEVICE\n"
+         "chooses another by its index or a part of its name.\n\n"
+         "Examples:\n"
+         "  neuvv devices\n"
+         "  neuvv devices --json\n"
+         "  NEUVV_DEVICE=llvmpipe neuvv devices"});
+    verb.callback([json] { run(*json); });
 }
 
 }  // namespace neuvv::tools

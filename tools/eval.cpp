@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/json.h"
+#include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/eval_page.h"
@@ -188,47 +190,44 @@ void run(const EvalOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_eval(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("eval", "Measure a scene against the images of a data set");
+void add_eval(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("eval", "Measure a scene against the images of a data set");
     const auto options = std::make_shared<EvalOptions>();
-    verb->add_option("scene", options->scene, "The .nvv file")->required();
-    verb->add_option("dataset", options->dataset, "The data set's folder")->required();
-    add_format_option(*verb, options->format);
-    verb->add_option("--split", options->split, "Which of its images")
-        ->check(CLI::IsMember(kSplits))
-        ->capture_default_str();
-    add_samples_option(*verb, options->samples);
-    verb->add_option("--json", options->json, "Write the numbers to this file (-: print them instead of the table)");
-    verb->add_option("--images", options->images,
-                     "Write NAME_truth.png, NAME_render.png, NAME_error.png of each image NAME, and contact_sheet.png "
-                     "(rows of truth, render, error), into this folder");
-    verb->add_option("--html", options->html,
-                     "Write one page to this file that opens in any browser: images to slide over each other or to "
-                     "blink between, curves over the clip, all numbers");
-    verb->add_option("--per", options->per, "What a row of the table is: --json and --html hold both")
-        ->check(CLI::IsMember({"camera", "frame"}))
-        ->capture_default_str();
-    verb->add_option("--lpips", options->lpips,
-                     "Also LPIPS 0.1 with AlexNet, its weights in this .npz (training/README.md says how to export "
-                     "them): the mean, and in --json each image's");
-    verb->footer(
-        std::string(
-            "Each image is rendered with its own camera, size and time. Truth and render are 8-bit sRGB,\n"
-            "composited over white in encoded values, and compared whole, values scaled to [0,1]:\n"
-            "  PSNR  -10 log10(mean over pixels and R, G, B of the squared error), dB; at most 99\n"
-            "  SSIM  Wang et al. 2004: Gaussian window of 11x11, sigma 1.5, K1 0.01, K2 0.03; mean over R, G, B\n"
-            "        and the pixels whose whole window lies inside the image\n"
-            "  MAE   mean absolute error\n"
-            "  FLIP  LDR-FLIP (Andersson et al. 2020), mean over pixels, seen from 67 pixels per degree: 0 where\n"
-            "        nobody sees a difference, at most 1\n"
-            "The mean is over images, also per camera and per frame. In the error image, 0.25 and more is "
-            "white.\n") +
-        kDeviceHelp + kExamplesHead +
-        "  neuvv eval build/performer.nvv build/performer\n"
-        "  neuvv eval build/performer.nvv build/performer --json build/metrics.json --images build/pictures\n"
-        "  neuvv eval build/performer.nvv build/performer --html build/performer.html --per frame\n"
-        "  neuvv eval build/performer.nvv build/performer --split train --json - | jq .psnr");
-    verb->callback([options, &common] { run(*options, common); });
+    verb.add_option("scene", options->scene, "The .nvv file").required();
+    verb.add_option("dataset", options->dataset, "The data set's folder").required();
+    add_format_option(verb, options->format);
+    verb.add_option("--split", options->split, "Which of its images").one_of({"test", "train", "val"}).show_default();
+    add_samples_option(verb, options->samples);
+    verb.add_option("--json", options->json, "Write the numbers to this file (-: print them instead of the table)");
+    verb.add_option("--images", options->images,
+                    "Write NAME_truth.png, NAME_render.png, NAME_error.png of each image NAME, and contact_sheet.png "
+                    "(rows of truth, render, error), into this folder");
+    verb.add_option("--html", options->html,
+                    "Write one page to this file that opens in any browser: images to slide over each other or to "
+                    "blink between, curves over the clip, all numbers");
+    verb.add_option("--per", options->per, "What a row of the table is: --json and --html hold both")
+        .one_of({"camera", "frame"})
+        .show_default();
+    verb.add_option("--lpips", options->lpips,
+                    "Also LPIPS 0.1 with AlexNet, its weights in this .npz (training/README.md says how to export "
+                    "them): the mean, and in --json each image's");
+    verb.footer(
+        {"Each image is rendered with its own camera, size and time. Truth and render are 8-bit sRGB,\n"
+         "composited over white in encoded values, and compared whole, values scaled to [0,1]:\n"
+         "  PSNR  -10 log10(mean over pixels and R, G, B of the squared error), dB; at most 99\n"
+         "  SSIM  Wang et al. 2004: Gaussian window of 11x11, sigma 1.5, K1 0.01, K2 0.03; mean over R, G, B\n"
+         "        and the pixels whose whole window lies inside the image\n"
+         "  MAE   mean absolute error\n"
+         "  FLIP  LDR-FLIP (Andersson et al. 2020), mean over pixels, seen from 67 pixels per degree: 0 where\n"
+         "        nobody sees a difference, at most 1\n"
+         "The mean is over images, also per camera and per frame. In the error image, 0.25 and more is "
+         "white.\n",
+         kDeviceHelp, kExamplesHead,
+         "  neuvv eval build/performer.nvv build/performer\n"
+         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json --images build/pictures\n"
+         "  neuvv eval build/performer.nvv build/performer --html build/performer.html --per frame\n"
+         "  neuvv eval build/performer.nvv build/performer --split train --json - | jq .psnr"});
+    verb.callback([options, &common] { run(*options, common); });
 }
 
 }  // namespace neuvv::tools

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "editor/open_file.h"
 #include "tools/commands.h"
 #include "tools/options.h"
@@ -115,22 +116,22 @@ void run(const InfoOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_info(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("info", "Say what a clip holds, or who and what is on a stage");
+void add_info(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("info", "Say what a clip holds, or who and what is on a stage");
     const auto options = std::make_shared<InfoOptions>();
-    verb->add_option("file", options->file,
-                     "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (`neuvv stage info` tells it at "
-                     "any time)")
-        ->required();
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->add_flag("--check", options->check, "Read all of it: checksums, topology, numbers (exit code 2 if damaged)");
-    verb->add_flag("--memory", options->memory, "Of a stage: measure what its clips take on a device, each once");
-    verb->footer(std::string(kExamplesHead + 2) +
+    verb.add_option("file", options->file,
+                    "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (`neuvv stage info` tells it at "
+                    "any time)")
+        .required();
+    verb.add_flag("--json", options->json, "Print JSON");
+    verb.add_flag("--check", options->check, "Read all of it: checksums, topology, numbers (exit code 2 if damaged)");
+    verb.add_flag("--memory", options->memory, "Of a stage: measure what its clips take on a device, each once");
+    verb.footer({kExamplesHead + 2,
                  "  neuvv info build/performer.nvv\n"
                  "  neuvv info build/performer.nvv --check\n"
                  "  neuvv info build/performer.nvv --json | jq .leaves\n"
-                 "  neuvv info build/show.gltf --memory");
-    verb->callback([options, &common] { run(*options, common); });
+                 "  neuvv info build/show.gltf --memory"});
+    verb.callback([options, &common] { run(*options, common); });
 }
 
 }  // namespace neuvv::tools

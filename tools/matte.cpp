@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/options.h"
@@ -43,35 +44,34 @@ void run_matte(MatteOptions options) {
 
 }  // namespace
 
-void add_matte(CLI::App& app, CommonOptions&) {
+void add_matte(Command app, CommonOptions&) {
     auto options = std::make_shared<MatteOptions>();
     training::MatteJob& what = options->what;
-    CLI::App* verb = app.add_subcommand("matte", "Find the performer in images that have no alpha");
-    verb->add_option("dataset", what.dataset, "The data set's folder (see training/README.md)")->required();
-    add_format_option(*verb, what.format);
-    verb->add_option("-o,--output", what.output,
-                     "Folder of the mattes (default: DATASET/mattes, where training looks)");
-    CLI::Option* from =
-        verb->add_option("--from", what.from,
-                         "Take the mattes of another program instead: NAME.png (alpha, or else brightness) for each "
-                         "image NAME, or a video CAMERA.mov, .webm, .mkv or .mp4 with the frames of the camera's");
-    verb->add_option("--threshold", what.settings.threshold,
-                     "What differs from the background by so many times the camera's noise is the performer")
-        ->check(number_between(1, 250))
-        ->capture_default_str()
-        ->excludes(from);
-    verb->add_flag("--overwrite", options->overwrite, "Replace mattes that are there");
-    verb->footer(
-        "The background of a camera is its clean plate, or else, per pixel, the median of up to 31 of its images:\n"
-        "right where the performer stands for less than half of the clip. Each matte is an 8-bit grey PNG named after "
-        "its\n"
-        "image; correct those that are wrong in any image editor: `neuvv train` and `eval` read them. OUTPUT/\n"
-        "contact_sheet.png shows image, matte, and the performer over magenta.\n\n"
-        "Examples:\n"
-        "  neuvv matte studio\n"
-        "  neuvv matte studio --threshold 20 --overwrite\n"
-        "  neuvv matte studio --from rotoscoped");
-    verb->callback([options] { run_matte(*options); });
+    Command verb = app.add_verb("matte", "Find the performer in images that have no alpha");
+    verb.add_option("dataset", what.dataset, "The data set's folder (see training/README.md)").required();
+    add_format_option(verb, what.format);
+    verb.add_option("-o,--output", what.output, "Folder of the mattes (default: DATASET/mattes, where training looks)");
+    Option from =
+        verb.add_option("--from", what.from,
+                        "Take the mattes of another program instead: NAME.png (alpha, or else brightness) for each "
+                        "image NAME, or a video CAMERA.mov, .webm, .mkv or .mp4 with the frames of the camera's");
+    verb.add_option("--threshold", what.settings.threshold,
+                    "What differs from the background by so many times the camera's noise is the performer")
+        .number_between(1, 250)
+        .show_default()
+        .excludes(from);
+    verb.add_flag("--overwrite", options->overwrite, "Replace mattes that are there");
+    verb.footer(
+        {"The background of a camera is its clean plate, or else, per pixel, the median of up to 31 of its images:\n"
+         "right where the performer stands for less than half of the clip. Each matte is an 8-bit grey PNG named after "
+         "its\n"
+         "image; correct those that are wrong in any image editor: `neuvv train` and `eval` read them. OUTPUT/\n"
+         "contact_sheet.png shows image, matte, and the performer over magenta.\n\n"
+         "Examples:\n"
+         "  neuvv matte studio\n"
+         "  neuvv matte studio --threshold 20 --overwrite\n"
+         "  neuvv matte studio --from rotoscoped"});
+    verb.callback([options] { run_matte(*options); });
 }
 
 }  // namespace neuvv::tools

@@ -18,7 +18,6 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr int kMaxDigits = 9;       // of a numbered file name
 constexpr double kMaxNumber = 1e9;  // in a list of numbers
 
 // CSS's basic colours.
@@ -34,30 +33,6 @@ template <typename T>
 bool read_number(std::string_view text, T& value) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     return error == std::errc() && end == text.data() + text.size();
-}
-
-std::string lower(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
-
-// The number in a printf pattern: its first character, the one after its last, and its minimum number of digits.
-struct NumberField {
-    size_t begin = 0, end = 0;
-    int digits = 1;
-};
-
-// %d or %0Nd at `begin`; nothing where anything else follows the %, for instance in "%%".
-std::optional<NumberField> number_field(const std::string& text, size_t begin) {
-    NumberField field{begin, begin + 1, 1};
-    if (field.end < text.size() && text[field.end] == '0') {
-        ++field.end;
-        if (field.end >= text.size() || !std::isdigit(static_cast<unsigned char>(text[field.end]))) return {};
-        field.digits = text[field.end++] - '0';
-    }
-    if (field.end >= text.size() || text[field.end] != 'd' || field.digits < 1 || field.digits > kMaxDigits) return {};
-    ++field.end;
-    return field;
 }
 
 }  // namespace
@@ -94,7 +69,7 @@ std::vector<double> parse_numbers(const std::string& option, const std::string& 
 }
 
 glm::vec4 parse_colour(const std::string& option, const std::string& text) {
-    const std::string name = lower(text);
+    const std::string name = lower_case(text);
     if (name == "clear" || name == "transparent" || name == "none") return glm::vec4(0);
     std::string hex = name, names;
     for (const auto& [known, digits] : kColours) {
@@ -127,57 +102,6 @@ FrameRange parse_frame_range(const std::string& text, uint32_t frames) {
         throw InputError("--frames", text, "is not a part of the clip",
                          fmt::format("write FIRST:LAST within 0:{}, as in 0:{}", end, end));
     return range;
-}
-
-ImageOutput parse_output(const std::string& text) {
-    const std::string ending = lower(std::filesystem::path(text).extension().string());
-    if (ending == ".mp4") return {ImageOutput::Kind::kVideo, text};
-    const bool exr = ending == ".exr";
-    if (ending != ".png" && !exr)
-        throw InputError("--output", text, "is neither an .mp4 nor a .png nor an .exr",
-                         "write out.mp4, out_%04d.png, out.png, out_%04d.exr or out.exr");
-    const size_t percent = text.find('%');
-    if (percent == std::string::npos) return {ImageOutput::Kind::kImage, text, exr};
-    const auto field = number_field(text, percent);
-    if (!field || text.find('%', field->end) != std::string::npos)
-        throw InputError("--output", text, "needs one place for the image's number", "write it as in out_%04d.png");
-    return {ImageOutput::Kind::kNumberedImages, text, exr};
-}
-
-std::filesystem::path ImageOutput::file(const std::string& in_place_of_number) const {
-    if (kind != Kind::kNumberedImages) return path;
-    const std::string text = path.string();
-    const NumberField field = number_field(text, text.rfind('%')).value();
-    return text.substr(0, field.begin) + in_place_of_number + text.substr(field.end);
-}
-
-std::filesystem::path ImageOutput::file(uint32_t i) const {
-    if (kind != Kind::kNumberedImages) return path;
-    const std::string text = path.string();
-    return file(fmt::format("{:0{}}", i, number_field(text, text.rfind('%')).value().digits));
-}
-
-void prepare_output_folder(const std::string& option, const std::filesystem::path& folder) {
-    std::error_code error;
-    if (!folder.empty()) std::filesystem::create_directories(folder, error);
-    if (error)
-        throw InputError(option, folder.string(), fmt::format("this folder cannot be made: {}", error.message()),
-                         "choose another");
-    if (!folder_is_writable(folder.empty() ? "." : folder))
-        throw InputError(option, folder.string(), "this folder cannot be written into", "choose another");
-}
-
-void prepare_output_file(const std::string& option, const std::filesystem::path& file) {
-    std::error_code ignored;
-    if (!file.has_filename() || std::filesystem::is_directory(file, ignored))
-        throw InputError(option, file.string(), "is a folder, not a file", "add a file name");
-    if (!is_replaceable(file))
-        throw InputError(option, file.string(), "is no regular file, and would be replaced", "choose another");
-    prepare_output_folder(option, link_target(file).parent_path());
-}
-
-void write_text_file(const std::filesystem::path& file, const std::string& text) {
-    write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
 }
 
 }  // namespace neuvv::tools

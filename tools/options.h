@@ -33,26 +33,4 @@ struct FrameRange {
 // "a:b", "a:", ":b" or "a"; an empty text is the whole clip, which has `frames` frames.
 FrameRange parse_frame_range(const std::string& text, uint32_t frames);
 
-// Where the images of a render go.
-struct ImageOutput {
-    enum class Kind { kVideo, kNumberedImages, kImage } kind = Kind::kVideo;
-    std::filesystem::path path;  // a pattern for kNumberedImages
-    bool exr = false;            // linear light and depth, not sRGB
-
-    // The file of image i.
-    std::filesystem::path file(uint32_t i) const;
-    // The pattern's file with this text in place of the number; the path itself where it is no pattern.
-    std::filesystem::path file(const std::string& in_place_of_number) const;
-};
-// "out.mp4", "out_%04d.png", "out.png", or the same as .exr.
-ImageOutput parse_output(const std::string& text);
-
-// Both are called before any work, so that no work is lost where its results could not be written. They make the folder
-// (or the file's folder) where it is missing, and throw InputError where it cannot be written into; an empty folder is
-// the working directory. `option` is for the error.
-void prepare_output_folder(const std::string& option, const std::filesystem::path& folder);
-void prepare_output_file(const std::string& option, const std::filesystem::path& file);
-// Writes a whole file, atomically. Throws RuntimeFailure.
-void write_text_file(const std::filesystem::path& file, const std::string& text);
-
 }  // namespace neuvv::tools

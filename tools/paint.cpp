@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
+#include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/paint.h"
@@ -160,38 +162,38 @@ void restore(const PaintOptions& options) {
     finish(options, scene);
 }
 
-void add_project(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, const CommonOptions& common) {
-    CLI::App* verb = paints.add_subcommand("project", "An image, from a camera, onto what the camera sees");
-    add_scene_options(*verb, *options);
-    verb->add_option("--image", options->image, "The PNG; where it is transparent, nothing is painted")->required();
-    add_camera_options(*verb, *options);
-    add_alpha_option(*verb, *options);
-    add_region_options(*verb, *options);
-    add_frame_options(*verb, *options);
-    CLI::Option* follow = add_follow_option(*verb, *options);
-    verb->add_flag("--every-frame", options->every_frame,
-                   "Onto each of --frames as it is then, as a projector would: nothing is left bare when the performer "
-                   "moves. On a stage it stands as at --time")
-        ->excludes(follow);
-    verb->callback([options, &common] {
+void add_project(Command paints, const std::shared_ptr<PaintOptions>& options, const CommonOptions& common) {
+    Command verb = paints.add_verb("project", "An image, from a camera, onto what the camera sees");
+    add_scene_options(verb, *options);
+    verb.add_option("--image", options->image, "The PNG; where it is transparent, nothing is painted").required();
+    add_camera_options(verb, *options);
+    add_alpha_option(verb, *options);
+    add_region_options(verb, *options);
+    add_frame_options(verb, *options);
+    Option follow = add_follow_option(verb, *options);
+    verb.add_flag("--every-frame", options->every_frame,
+                  "Onto each of --frames as it is then, as a projector would: nothing is left bare when the performer "
+                  "moves. On a stage it stands as at --time")
+        .excludes(follow);
+    verb.callback([options, &common] {
         paint(*options, [&](const PaintedScene& scene, const edit::EditFrames& frames) {
             return projected(scene, *options, frames, common);
         });
     });
 }
 
-void add_brush(CLI::App& paints, const std::shared_ptr<PaintOptions>& options, const CommonOptions& common) {
-    CLI::App* verb = paints.add_subcommand("brush", "A stroke of a round brush along the surface");
-    add_scene_options(*verb, *options);
-    add_brush_options(*verb, *options);
-    verb->add_option("--colour,--color", options->colour, "'#rrggbb' or a name");
-    add_density_option(*verb, *options);
-    add_camera_options(*verb, *options);
-    add_alpha_option(*verb, *options);
-    add_region_options(*verb, *options);
-    add_frame_options(*verb, *options);
-    add_follow_option(*verb, *options);
-    verb->callback([options, &common] {
+void add_brush(Command paints, const std::shared_ptr<PaintOptions>& options, const CommonOptions& common) {
+    Command verb = paints.add_verb("brush", "A stroke of a round brush along the surface");
+    add_scene_options(verb, *options);
+    add_brush_options(verb, *options);
+    verb.add_option("--colour,--color", options->colour, "'#rrggbb' or a name");
+    add_density_option(verb, *options);
+    add_camera_options(verb, *options);
+    add_alpha_option(verb, *options);
+    add_region_options(verb, *options);
+    add_frame_options(verb, *options);
+    add_follow_option(verb, *options);
+    verb.callback([options, &common] {
         paint(*options, [&](const PaintedScene& scene, const edit::EditFrames& frames) {
             return brushed(scene, *options, frames, common);
         });
@@ -206,77 +208,78 @@ void fill(const PaintOptions& options) {
     });
 }
 
-void add_region(CLI::App& paints, const std::shared_ptr<PaintOptions>& options) {
-    CLI::App* verb = paints.add_subcommand("region", "All leaves of a region: a colour, another hue, a density");
-    add_scene_options(*verb, *options);
-    CLI::Option* colour = verb->add_option("--colour,--color", options->colour, "'#rrggbb' or a name");
-    CLI::Option* follow = add_follow_option(*verb, *options);
-    verb->add_option("--hue", options->hue, "Degrees that hues turn by, at each frame from what they are then")
-        ->check(number_between(-360, 360))
-        ->excludes(colour)
-        ->excludes(follow);
-    verb->add_option("--saturation", options->saturation, "What saturation is multiplied by")
-        ->check(number_between(0, 100))
-        ->excludes(colour)
-        ->excludes(follow);
-    add_alpha_option(*verb, *options);
-    add_density_option(*verb, *options);
-    add_region_options(*verb, *options);
-    add_frame_options(*verb, *options);
-    verb->callback([options] { fill(*options); });
+void add_region(Command paints, const std::shared_ptr<PaintOptions>& options) {
+    Command verb = paints.add_verb("region", "All leaves of a region: a colour, another hue, a density");
+    add_scene_options(verb, *options);
+    Option colour = verb.add_option("--colour,--color", options->colour, "'#rrggbb' or a name");
+    Option follow = add_follow_option(verb, *options);
+    verb.add_option("--hue", options->hue, "Degrees that hues turn by, at each frame from what they are then")
+        .number_between(-360, 360)
+        .excludes(colour)
+        .excludes(follow);
+    verb.add_option("--saturation", options->saturation, "What saturation is multiplied by")
+        .number_between(0, 100)
+        .excludes(colour)
+        .excludes(follow);
+    add_alpha_option(verb, *options);
+    add_density_option(verb, *options);
+    add_region_options(verb, *options);
+    add_frame_options(verb, *options);
+    verb.callback([options] { fill(*options); });
 }
 
-void add_erase_and_restore(CLI::App& paints, const std::shared_ptr<PaintOptions>& options) {
-    CLI::App* erase = paints.add_subcommand("erase", "All leaves of a region: no density");
-    CLI::App* back = paints.add_subcommand("restore", "Takes the layer's edits of a region out, at --frames");
-    for (CLI::App* verb : {erase, back}) {
-        add_scene_options(*verb, *options);
-        add_region_options(*verb, *options);
-        add_frame_options(*verb, *options);
+void add_erase_and_restore(Command paints, const std::shared_ptr<PaintOptions>& options) {
+    Command erase = paints.add_verb("erase", "All leaves of a region: no density");
+    Command back = paints.add_verb("restore", "Takes the layer's edits of a region out, at --frames");
+    for (Command verb : {erase, back}) {
+        add_scene_options(verb, *options);
+        add_region_options(verb, *options);
+        add_frame_options(verb, *options);
     }
-    add_follow_option(*erase, *options);
-    erase->callback([options] {
+    add_follow_option(erase, *options);
+    erase.callback([options] {
         options->density = 0;
         fill(*options);
     });
-    back->callback([options] { restore(*options); });
+    back.callback([options] { restore(*options); });
 }
 
-void add_info(CLI::App& paints, const std::shared_ptr<PaintOptions>& options) {
-    CLI::App* verb = paints.add_subcommand("info", "What the layer holds");
-    add_scene_options(*verb, *options);
-    verb->callback([options] { print_layer(*options, PaintedScene(*options, PaintedScene::Use::kRead)); });
+void add_info(Command paints, const std::shared_ptr<PaintOptions>& options) {
+    Command verb = paints.add_verb("info", "What the layer holds");
+    add_scene_options(verb, *options);
+    verb.callback([options] { print_layer(*options, PaintedScene(*options, PaintedScene::Use::kRead)); });
 }
 
 }  // namespace
 
-void add_paint(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("paint", "Paint a scene: a layer of edits beside it, which stays as it is");
+void add_paint(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("paint", "Paint a scene: a layer of edits beside it, which stays as it is");
     const auto options = std::make_shared<PaintOptions>();
-    verb->require_subcommand(1);
-    add_project(*verb, options, common);
-    add_brush(*verb, options, common);
-    add_region(*verb, options);
-    add_erase_and_restore(*verb, options);
-    add_info(*verb, options);
-    verb->footer(
-        std::string(
-            "`neuvv render --paint` shows layers of a .nvv. On a stage the performer is painted where it stands at\n"
-            "--time, as its layers show it then, whatever stands before it; a layer that is not in its list yet "
-            "becomes\n"
-            "the uppermost one there. Copies have lists of their own, but a file that is in several shows on all.\n") +
-        kDeviceHelp + kExamplesHead +
-        "  neuvv paint region build/performer.nvv build/look.nvpaint --box -1,0,-1,1,0.9,1 --hue 120\n"
-        "  neuvv paint brush build/performer.nvv build/look.nvpaint --line 300,200 420,220 --colour '#d02020' "
-        "--follow all\n"
-        "  neuvv paint project build/performer.nvv build/logo.nvpaint --image tools/performer/starry.png --every-frame "
-        "--box -1,0.8,-1,1,1.5,1\n"
-        "  neuvv paint info build/performer.nvv build/look.nvpaint\n"
-        "  neuvv render build/performer.nvv -o build/turn.mp4 --paint build/look.nvpaint,build/logo.nvpaint:tint\n"
-        "  neuvv stage new build/show.gltf\n"
-        "  neuvv stage add build/show.gltf build/performer.nvv --name anna --turn 0,30,0 --scale 1,1.2,1\n"
-        "  neuvv paint brush build/show.gltf build/anna.nvpaint --node anna --time 1.5 --camera camera --size 1280x720 "
-        "--line 600,380 680,380 --colour '#d02020' --follow run");
+    verb.require_verb();
+    add_project(verb, options, common);
+    add_brush(verb, options, common);
+    add_region(verb, options);
+    add_erase_and_restore(verb, options);
+    add_info(verb, options);
+    verb.footer(
+        {"`neuvv render --paint` shows layers of a .nvv. On a stage the performer is painted where it stands at\n"
+         "--time, as its layers show it then, whatever stands before it; a layer that is not in its list yet "
+         "becomes\n"
+         "the uppermost one there. Copies have lists of their own, but a file that is in several shows on all.\n",
+         kDeviceHelp, kExamplesHead,
+         "  neuvv paint region build/performer.nvv build/look.nvpaint --box -1,0,-1,1,0.9,1 --hue 120\n"
+         "  neuvv paint brush build/performer.nvv build/look.nvpaint --line 300,200 420,220 --colour '#d02020' "
+         "--follow all\n"
+         "  neuvv paint project build/performer.nvv build/logo.nvpaint --image tools/performer/starry.png "
+         "--every-frame "
+         "--box -1,0.8,-1,1,1.5,1\n"
+         "  neuvv paint info build/performer.nvv build/look.nvpaint\n"
+         "  neuvv render build/performer.nvv -o build/turn.mp4 --paint build/look.nvpaint,build/logo.nvpaint:tint\n"
+         "  neuvv stage new build/show.gltf\n"
+         "  neuvv stage add build/show.gltf build/performer.nvv --name anna --turn 0,30,0 --scale 1,1.2,1\n"
+         "  neuvv paint brush build/show.gltf build/anna.nvpaint --node anna --time 1.5 --camera camera --size "
+         "1280x720 "
+         "--line 600,380 680,380 --colour '#d02020' --follow run"});
 }
 
 }  // namespace neuvv::tools

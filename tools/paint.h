@@ -2,8 +2,6 @@
 // performer by itself, or one that stands on a stage.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +9,7 @@
 
 #include "editor/paint_session.h"
 #include "stage/evaluated_stage.h"
+#include "tools/command_line.h"
 #include "tools/options.h"
 
 namespace neuvv::tools {
@@ -41,14 +40,14 @@ struct PaintOptions {
     bool json = false;
 };
 
-void add_scene_options(CLI::App& paint, PaintOptions& options);
-void add_frame_options(CLI::App& verb, PaintOptions& options);
-CLI::Option* add_follow_option(CLI::App& verb, PaintOptions& options);
-void add_camera_options(CLI::App& verb, PaintOptions& options);
-void add_region_options(CLI::App& verb, PaintOptions& options);
-void add_alpha_option(CLI::App& verb, PaintOptions& options);
-void add_density_option(CLI::App& verb, PaintOptions& options);
-void add_brush_options(CLI::App& verb, PaintOptions& options);
+void add_scene_options(Command paint, PaintOptions& options);
+void add_frame_options(Command verb, PaintOptions& options);
+Option add_follow_option(Command verb, PaintOptions& options);
+void add_camera_options(Command verb, PaintOptions& options);
+void add_region_options(Command verb, PaintOptions& options);
+void add_alpha_option(Command verb, PaintOptions& options);
+void add_density_option(Command verb, PaintOptions& options);
+void add_brush_options(Command verb, PaintOptions& options);
 
 // All functions below throw InputError.
 

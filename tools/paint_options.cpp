@@ -22,24 +22,24 @@ edit::Region sphere_of(const std::string& option, const std::string& text) {
 
 }  // namespace
 
-void add_scene_options(CLI::App& paint, PaintOptions& options) {
+void add_scene_options(Command paint, PaintOptions& options) {
     paint.add_option("scene", options.scene, "The .nvv file, or a stage (.gltf, .glb) that a performer stands on")
-        ->required();
-    paint.add_option("layer", options.layer, "The .nvpaint to add to; made where there is none")->required();
+        .required();
+    paint.add_option("layer", options.layer, "The .nvpaint to add to; made where there is none").required();
     paint.add_option("--node", options.node, "Of a stage: the performer, by name or index; not needed where it is one");
     paint.add_option("--time", options.time_s, "Of a stage: the time at which it is seen, seconds (default: 0)")
-        ->check(number_between(-stage::kMaxStageSeconds, stage::kMaxStageSeconds));
+        .number_between(-stage::kMaxStageSeconds, stage::kMaxStageSeconds);
     paint.add_flag("--json", options.json, "Print JSON: edits, leaves, colours, densities, erased; the stage's layer");
 }
 
-void add_frame_options(CLI::App& verb, PaintOptions& options) {
+void add_frame_options(Command verb, PaintOptions& options) {
     verb.add_option("--frames", options.frames,
                     "FIRST:LAST frame of the clip at which the edits hold (default: all of it)");
     verb.add_option("--at", options.at,
                     "The frame that is seen (default: 0; on a stage, the one that shows at --time)");
 }
 
-CLI::Option* add_follow_option(CLI::App& verb, PaintOptions& options) {
+Option add_follow_option(Command verb, PaintOptions& options) {
     static constexpr const char* kNames[] = {"not", "run", "all"};  // by Follow
     return add_choice(
         verb, "--follow", options.follow, kNames,
@@ -47,17 +47,17 @@ CLI::Option* add_follow_option(CLI::App& verb, PaintOptions& options) {
         "--frames); all: whenever it is opaque (default: not)");
 }
 
-void add_camera_options(CLI::App& verb, PaintOptions& options) {
-    CLI::Option* camera = verb.add_option("--camera", options.camera,
-                                          "A camera path or transforms.json, of which --key is the camera; or the name "
-                                          "of a stage's camera (default there: its first)");
-    verb.add_option("--key", options.key, "Which of its frames, from 0")->needs(camera);
+void add_camera_options(Command verb, PaintOptions& options) {
+    Option camera = verb.add_option("--camera", options.camera,
+                                    "A camera path or transforms.json, of which --key is the camera; or the name "
+                                    "of a stage's camera (default there: its first)");
+    verb.add_option("--key", options.key, "Which of its frames, from 0").needs(camera);
     verb.add_option("--orbit", options.orbit_deg, "In place of it, degrees around the scene: 0 is the front, +Z")
-        ->check(number_between(-1e6, 1e6))
-        ->excludes(camera);
+        .number_between(-1e6, 1e6)
+        .excludes(camera);
 }
 
-void add_region_options(CLI::App& verb, PaintOptions& options) {
+void add_region_options(Command verb, PaintOptions& options) {
     verb.add_option("--box", options.boxes,
                     "X0,Y0,Z0,X1,Y1,Z1 in the performer's own metres, wherever it stands; any of several");
     verb.add_option("--sphere", options.spheres, "X,Y,Z,RADIUS in the same metres; any of several");
@@ -67,28 +67,26 @@ void add_region_options(CLI::App& verb, PaintOptions& options) {
     verb.add_option("--without-sphere", options.without_spheres, "But for what lies in this sphere");
 }
 
-void add_alpha_option(CLI::App& verb, PaintOptions& options) {
-    verb.add_option("--alpha", options.alpha, "How much of the colour")
-        ->check(number_between(0, 1))
-        ->capture_default_str();
+void add_alpha_option(Command verb, PaintOptions& options) {
+    verb.add_option("--alpha", options.alpha, "How much of the colour").number_between(0, 1).show_default();
 }
 
-void add_density_option(CLI::App& verb, PaintOptions& options) {
+void add_density_option(Command verb, PaintOptions& options) {
     verb.add_option("--density", options.density, "1/m that leaves get; 0 erases")
-        ->check(number_between(0, double{kMaxPaintSigma}));
+        .number_between(0, double{kMaxPaintSigma});
 }
 
-void add_brush_options(CLI::App& verb, PaintOptions& options) {
-    verb.add_option("--line", options.line, "X,Y X,Y ...: the pixels that the stroke goes along")->required();
+void add_brush_options(Command verb, PaintOptions& options) {
+    verb.add_option("--line", options.line, "X,Y X,Y ...: the pixels that the stroke goes along").required();
     verb.add_option("--size", options.size,
                     "WIDTHxHEIGHT of the image that they lie in (default: that of `neuvv render`: of the path of "
                     "--camera, else 720x720, of a stage 1280x720)");
     verb.add_option("--radius", options.radius_m, "In the performer's own metres, wherever it stands")
-        ->check(number_between(1e-6, 1e6))
-        ->capture_default_str();
+        .number_between(1e-6, 1e6)
+        .show_default();
     verb.add_option("--hardness", options.hardness, "The part of the radius that is painted whole")
-        ->check(number_between(0, 1))
-        ->capture_default_str();
+        .number_between(0, 1)
+        .show_default();
 }
 
 edit::Region region_of(const PaintOptions& options) {

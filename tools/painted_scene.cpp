@@ -1,3 +1,4 @@
+#include "base/output_path.h"
 #include "tools/paint.h"
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "training/camera_path_file.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::tools {
 
@@ -168,7 +170,7 @@ media::ImageSize image_size(const PaintOptions& options, const PaintedScene& sce
 stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, media::ImageSize size) {
     if (!scene.staged)
         return options.camera.empty()
-                   ? orbit_camera(occupied_box(scene.clip->tree), options.orbit_deg.value_or(0), size)
+                   ? orbit_camera(voctree::occupied_box(scene.clip->tree), options.orbit_deg.value_or(0), size)
                    : path_camera(options, size);
     const StagedPerformer& staged = *scene.staged;
     if (!stage::is_valid_transform(staged.evaluated_performer().world_from_performer))

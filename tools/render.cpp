@@ -7,11 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/platform.h"
 #include "editor/open_file.h"
 #include "gpu/frame_capture.h"
+#include "media/image_sink.h"
 #include "render/frame_passes.h"
 #include "tools/render.h"
+#include "tools/options.h"
 #include "tools/report.h"
 
 namespace neuvv::tools {
@@ -45,32 +48,32 @@ void print_passes() {
 }
 
 // `--pass list` prints and ends the program while options are parsed, so it needs none of the verb's other arguments.
-CLI::Option* add_pass_option(CLI::App& verb, RenderOptions& options) {
-    return verb.add_option_function<std::string>(
+Option add_pass_option(Command verb, RenderOptions& options) {
+    return verb.add_parsed_option(
         "--pass",
         [&options](const std::string& name) {
             if (name == "list") {
                 print_passes();
-                throw CLI::Success();
+                throw Command::Finished();
             }
             if (!render::find_frame_pass(name))
-                throw CLI::ValidationError("--pass", name + " is none of the passes that --pass list prints");
+                throw Command::WrongValue{name + " is none of the passes that --pass list prints"};
             options.pass = name;
         },
         "Show an intermediate buffer of each frame, a PNG in the colours of viridis, and print the range of its "
         "values. `--pass list` prints the names, and what each shows in which unit");
 }
 
-void add_options(CLI::App& verb, RenderOptions& options) {
+void add_options(Command verb, RenderOptions& options) {
     verb.add_option("scene", options.scene,
                     "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (neuvv stage)")
-        ->required();
+        .required();
     verb.add_option(
             "-o,--output", options.output,
             "out.mp4, or out_%04d.png, or out.png for a single image, at one time (--frames F) the orbit's first; "
             ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
-        ->required();
-    CLI::Option* orbit =
+        .required();
+    Option orbit =
         verb.add_flag("--orbit", options.orbit,
                       "Turn around the scene while the clip plays, which repeats until 4 s have passed (default)");
     verb.add_option(
@@ -80,7 +83,7 @@ void add_options(CLI::App& verb, RenderOptions& options) {
             "camera. Of a stage also `path`, its own camera path (neuvv stage path), for as long as the stage lasts, "
             "or the "
             "name of one of its cameras (default: its first camera, also where it has a path)")
-        ->excludes(orbit);
+        .excludes(orbit);
     verb.add_option("--frames", options.frames,
                     "FIRST:LAST frame of the clip, from 0, fractions allowed; one number: that time. Keys of --camera "
                     "with a time ignore it");
@@ -96,41 +99,41 @@ void add_options(CLI::App& verb, RenderOptions& options) {
         "--background", options.background,
         "A colour's name, '#rrggbb' or clear (default: white for a video, clear for images; of a stage its own). It "
         "stands in a stage's environment's place, which shines all the same");
-    CLI::Option* samples = add_samples_option(verb, options.samples);
-    CLI::Option* scale =
+    Option samples = add_samples_option(verb, options.samples);
+    Option scale =
         verb.add_option("--scale", options.scale,
                         "Rays a pixel along each side, below 1, scaled up: fast, for previews; in place of --samples")
-            ->check(number_between(0.1, 1))
-            ->excludes(samples);
-    CLI::Option* paint = verb.add_option("--paint", options.paint,
-                                         "LAYER.nvpaint[:BLEND[:OPACITY]],...: layers of `neuvv paint`, the lowest "
-                                         "first; normal, multiply, tint or recolour. Of a stage: its performers' own")
-                             ->delimiter(',');
+            .number_between(0.1, 1)
+            .excludes(samples);
+    Option paint = verb.add_option("--paint", options.paint,
+                                   "LAYER.nvpaint[:BLEND[:OPACITY]],...: layers of `neuvv paint`, the lowest "
+                                   "first; normal, multiply, tint or recolour. Of a stage: its performers' own")
+                       .delimiter(',');
     add_slice_budget_option(verb, options.slice_budget_mb);
-    CLI::Option* depth = verb.add_flag("--depth", options.depth, "Show depth: near is white, far is black");
-    CLI::Option* alpha = verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white")->excludes(depth);
-    CLI::Option* level = verb.add_flag("--level", options.level,
-                                       "Show how deep in the octree the leaf lies in which a ray's alpha first passes "
-                                       "0.5: the coarsest level is dark, the finest bright (viridis). Of performers "
-                                       "alone, without a stage's set")
-                             ->excludes(depth)
-                             ->excludes(alpha);
-    CLI::Option* cost = verb.add_flag("--cost", options.cost,
-                                      "Show what each ray costs: how many nodes of the octree its walk comes to and "
-                                      "leaves it samples, in all performers (viridis), without a stage's set")
-                            ->excludes(depth)
-                            ->excludes(alpha)
-                            ->excludes(level);
+    Option depth = verb.add_flag("--depth", options.depth, "Show depth: near is white, far is black");
+    Option alpha = verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white").excludes(depth);
+    Option level = verb.add_flag("--level", options.level,
+                                 "Show how deep in the octree the leaf lies in which a ray's alpha first passes "
+                                 "0.5: the coarsest level is dark, the finest bright (viridis). Of performers "
+                                 "alone, without a stage's set")
+                       .excludes(depth)
+                       .excludes(alpha);
+    Option cost = verb.add_flag("--cost", options.cost,
+                                "Show what each ray costs: how many nodes of the octree its walk comes to and "
+                                "leaves it samples, in all performers (viridis), without a stage's set")
+                      .excludes(depth)
+                      .excludes(alpha)
+                      .excludes(level);
     verb.add_option("--cost-max", options.cost_max, "The cost from which --cost is brightest (default: 256)")
-        ->check(number_between(1, 1e6))
-        ->needs(cost);
-    add_pass_option(verb, options)->excludes(depth)->excludes(alpha)->excludes(level)->excludes(cost);
+        .number_between(1, 1e6)
+        .needs(cost);
+    Option pass = add_pass_option(verb, options).excludes(depth).excludes(alpha).excludes(level).excludes(cost);
     verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)")
-        ->excludes(scale)
-        ->excludes(paint)
-        ->excludes(verb.get_option("--pass"))
-        ->excludes(level)
-        ->excludes(cost);
+        .excludes(scale)
+        .excludes(paint)
+        .excludes(pass)
+        .excludes(level)
+        .excludes(cost);
     add_choice(verb, "--blend", options.blend, stage::kStageBlendNames,
                "Of a stage: performers that stand in each other exactly, or as layers as in the paper");
     add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
@@ -148,8 +151,8 @@ void add_options(CLI::App& verb, RenderOptions& options) {
 
 }  // namespace
 
-render::ResolveSettings resolve_settings(const RenderOptions& options, const ImageOutput& output) {
-    const bool video = output.kind == ImageOutput::Kind::kVideo;
+render::ResolveSettings resolve_settings(const RenderOptions& options, const media::ImageOutput& output) {
+    const bool video = output.kind == media::ImageOutput::Kind::kVideo;
     render::ResolveSettings resolve;
     resolve.background =
         parse_colour("--background", options.background.empty() ? (video ? "white" : "clear") : options.background);
@@ -164,14 +167,14 @@ render::ResolveSettings resolve_settings(const RenderOptions& options, const Ima
     return resolve;
 }
 
-void expect_fitting_output(const ImageOutput& output, size_t images) {
-    if (output.kind == ImageOutput::Kind::kImage && images > 1)
+void expect_fitting_output(const media::ImageOutput& output, size_t images) {
+    if (output.kind == media::ImageOutput::Kind::kImage && images > 1)
         throw InputError("--output", output.path.string(), fmt::format("is one file for {} images", images),
                          "number them, as in out_%04d.png, or give --camera one key and --frames one frame");
 }
 
-void expect_fitting_output(const ImageOutput& output, const RenderOptions& options) {
-    if (!options.pass.empty() && (output.exr || output.kind == ImageOutput::Kind::kVideo))
+void expect_fitting_output(const media::ImageOutput& output, const RenderOptions& options) {
+    if (!options.pass.empty() && (output.exr || output.kind == media::ImageOutput::Kind::kVideo))
         throw InputError("--pass", options.pass, "is written as PNG", "name out.png or out_%04d.png");
     const char* fix = "write .png or .mp4, or leave it out";
     if (!output.exr) return;
@@ -188,7 +191,7 @@ double checked_fps(const RenderOptions& options, double path_fps, double fallbac
     return options.fps.value_or(path_fps > 0 ? std::clamp(path_fps, kMinFps, kMaxFps) : fallback);
 }
 
-RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images) {
+media::RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images) {
     return {{"--fps", fmt::format("{}", fps)},
             {"--size", fmt::format("{}x{}", size.width, size.height)},
             {"--background", options.background.empty() ? "default" : options.background},
@@ -217,11 +220,11 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
     return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
 }
 
-RenderTotals render_images(const RenderOptions& options, const ImageOutput& output, media::ImageSize size, double fps,
-                           uint32_t images, ImageSink& sink, const gpu::Device& device,
+RenderTotals render_images(const RenderOptions& options, const media::ImageOutput& output, media::ImageSize size,
+                           double fps, uint32_t images, media::ImageSink& sink, const gpu::Device& device,
                            const std::function<FrameTimes(uint32_t)>& render) {
     catch_stop_signals();
-    const bool video = output.kind == ImageOutput::Kind::kVideo;
+    const bool video = output.kind == media::ImageOutput::Kind::kVideo;
     const media::ImageSize encoded{media::video_side(size.width), media::video_side(size.height)};
     RenderTotals totals{images, 0, video ? encoded : size, fps};
     Progress progress("render", images);
@@ -248,26 +251,27 @@ RenderTotals render_images(const RenderOptions& options, const ImageOutput& outp
     return totals;
 }
 
-void add_render(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("render", "Render a clip or a stage to a free-viewpoint video or to images");
+void add_render(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("render", "Render a clip or a stage to a free-viewpoint video or to images");
     const auto options = std::make_shared<RenderOptions>();
-    add_options(*verb, *options);
-    verb->footer(std::string("NEUVV_TRACE=1 prints the time of each pass; of a stage not on software devices, whose "
-                             "clocks miss the set.\n") +
-                 kDeviceHelp + kExamplesHead +
-                 "  neuvv render build/performer.nvv -o build/turn.mp4\n"
-                 "  neuvv render build/performer.nvv -o build/still.png --frames 1.5 --size 1280x720\n"
-                 "  neuvv render build/performer.nvv -o build/seen.mp4 --camera build/performer/transforms_test.json "
-                 "--size 480x480\n"
-                 "  neuvv render build/performer.nvv -o build/shot/out_%04d.exr --camera path.json --resume\n"
-                 "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
-                 "  neuvv render build/performer.nvv -o build/cost.png --cost --cost-max 64 --frames 0\n"
-                 "  neuvv render --pass list\n"
-                 "  neuvv render build/performer.nvv -o build/near.png --pass tile-near --frames 0\n"
-                 "  neuvv stage new build/show.gltf\n"
-                 "  neuvv stage add build/show.gltf build/performer.nvv\n"
-                 "  neuvv render build/show.gltf -o build/show.mp4 --camera camera --size 640x360");
-    verb->callback([options, &common] { run(*options, common); });
+    add_options(verb, *options);
+    verb.footer(
+        {"NEUVV_TRACE=1 prints the time of each pass; of a stage not on software devices, whose "
+         "clocks miss the set.\n",
+         kDeviceHelp, kExamplesHead,
+         "  neuvv render build/performer.nvv -o build/turn.mp4\n"
+         "  neuvv render build/performer.nvv -o build/still.png --frames 1.5 --size 1280x720\n"
+         "  neuvv render build/performer.nvv -o build/seen.mp4 --camera build/performer/transforms_test.json "
+         "--size 480x480\n"
+         "  neuvv render build/performer.nvv -o build/shot/out_%04d.exr --camera path.json --resume\n"
+         "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
+         "  neuvv render build/performer.nvv -o build/cost.png --cost --cost-max 64 --frames 0\n"
+         "  neuvv render --pass list\n"
+         "  neuvv render build/performer.nvv -o build/near.png --pass tile-near --frames 0\n"
+         "  neuvv stage new build/show.gltf\n"
+         "  neuvv stage add build/show.gltf build/performer.nvv\n"
+         "  neuvv render build/show.gltf -o build/show.mp4 --camera camera --size 640x360"});
+    verb.callback([options, &common] { run(*options, common); });
 }
 
 }  // namespace neuvv::tools

@@ -5,10 +5,10 @@
 #include <functional>
 #include <optional>
 
+#include "media/image_sink.h"
 #include "render/frame.h"
 #include "stage/stage_settings.h"
 #include "tools/commands.h"
-#include "tools/image_sink.h"
 
 namespace neuvv::tools {
 
@@ -40,11 +40,11 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common);
 
 // What the images show. Throws InputError where a video would have to be transparent.
-render::ResolveSettings resolve_settings(const RenderOptions& options, const ImageOutput& output);
+render::ResolveSettings resolve_settings(const RenderOptions& options, const media::ImageOutput& output);
 // Throws InputError where the options ask for what the output cannot be, for instance an .exr of --depth.
-void expect_fitting_output(const ImageOutput& output, const RenderOptions& options);
+void expect_fitting_output(const media::ImageOutput& output, const RenderOptions& options);
 // Throws InputError where the output is one file for several images.
-void expect_fitting_output(const ImageOutput& output, size_t images);
+void expect_fitting_output(const media::ImageOutput& output, size_t images);
 // The rate of --fps, else of the camera path where it has one (not 0), else `fallback`. Throws InputError for a --fps
 // that is no rate.
 double checked_fps(const RenderOptions& options, double path_fps, double fallback);
@@ -54,7 +54,7 @@ inline uint32_t samples_of(const RenderOptions& options) {
 }
 
 // What the images depend on, without scene and camera. The device is left out, as its rounding is not visible.
-RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images);
+media::RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images);
 
 // How long a frame took from its submission to its end, by the host's clock, and each pass on the device.
 struct FrameTimes {
@@ -71,8 +71,8 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
 
 // Renders the images that the sink does not have yet, one after the other: `render` adds image i to it. Throws
 // RuntimeFailure where the user stops it.
-RenderTotals render_images(const RenderOptions& options, const ImageOutput& output, media::ImageSize size, double fps,
-                           uint32_t images, ImageSink& sink, const gpu::Device& device,
+RenderTotals render_images(const RenderOptions& options, const media::ImageOutput& output, media::ImageSize size,
+                           double fps, uint32_t images, media::ImageSink& sink, const gpu::Device& device,
                            const std::function<FrameTimes(uint32_t)>& render);
 
 }  // namespace neuvv::tools

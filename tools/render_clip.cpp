@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/output_path.h"
+#include "media/image_sink.h"
 #include "render/frame_passes.h"
 #include "render/linear_image.h"
 #include "render/paint.h"
@@ -16,6 +18,7 @@
 #include "voctree/chunk_file.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::tools {
 
@@ -99,7 +102,7 @@ PaintStack read_paint_stack(const std::vector<std::string>& names, const voctree
 std::vector<ViewStep> view_path(const RenderOptions& options, const voctree::VOctree& tree, Playback& playback,
                                 media::ImageSize size) {
     playback.output_fps = checked_fps(options, 0, playback.clip_fps);
-    if (options.camera.empty()) return orbit_path(occupied_box(tree), playback, size.width ? size : kClipSize);
+    if (options.camera.empty()) return orbit_path(voctree::occupied_box(tree), playback, size.width ? size : kClipSize);
     const stage::CameraPath path = training::read_camera_path(options.camera, playback.output_fps);
     playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
     return path_steps(path, playback, tree.frames, size, kClipSize);
@@ -107,7 +110,7 @@ std::vector<ViewStep> view_path(const RenderOptions& options, const voctree::VOc
 
 // What is rendered. All of it is known, and wrong options are refused, before the device is opened.
 struct RenderPlan {
-    ImageOutput output;
+    media::ImageOutput output;
     render::ResolveSettings resolve;
     voctree::VOctree tree;
     PaintStack paint;
@@ -119,7 +122,7 @@ struct RenderPlan {
 
 RenderPlan plan_render(const RenderOptions& options) {
     RenderPlan plan;
-    plan.output = parse_output(options.output);
+    plan.output = media::parse_output(options.output);
     plan.resolve = resolve_settings(options, plan.output);
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
@@ -130,10 +133,10 @@ RenderPlan plan_render(const RenderOptions& options) {
     plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, clip_fps};
     plan.path = view_path(options, plan.tree, plan.playback, given_size);
     const bool one_time = plan.playback.range.first == plan.playback.range.last;
-    if (one_time && plan.output.kind == ImageOutput::Kind::kImage && options.camera.empty())
+    if (one_time && plan.output.kind == media::ImageOutput::Kind::kImage && options.camera.empty())
         plan.path.resize(1);  // a still: the orbit's first view
     expect_fitting_output(plan.output, plan.path.size());
-    const auto [near, far] = depth_range(plan.path, occupied_box(plan.tree));
+    const auto [near, far] = depth_range(plan.path, voctree::occupied_box(plan.tree));
     plan.resolve.depth_near_m = static_cast<float>(near);
     plan.resolve.depth_far_m = static_cast<float>(far);
     plan.size = {plan.path[0].camera.width, plan.path[0].camera.height};
@@ -144,7 +147,7 @@ RenderPlan plan_render(const RenderOptions& options) {
 // Adds the last image of a renderer to the sink.
 template <typename Renderer>
 FrameTimes add_image(const Renderer& renderer, const media::Image& image, const RenderPlan& plan, uint32_t i,
-                     ImageSink& sink) {
+                     media::ImageSink& sink) {
     if (sink.exr())
         sink.add(i, render::linear_image(renderer.radiance(), renderer.depth(), plan.size.width, plan.size.height,
                                          plan.samples, plan.resolve.background));
@@ -154,7 +157,7 @@ FrameTimes add_image(const Renderer& renderer, const media::Image& image, const 
 }
 
 FrameTimes render_image(render::FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan,
-                        uint32_t paint, uint32_t i, ImageSink& sink) {
+                        uint32_t paint, uint32_t i, media::ImageSink& sink) {
     render::FrameSettings settings;
     settings.instances[0].frame = static_cast<float>(plan.path[i].frame);
     settings.instances[0].paint = paint;
@@ -168,7 +171,8 @@ FrameTimes render_image(render::FrameRenderer& renderer, const RenderOptions& op
     return add_image(renderer, options.pass.empty() ? image : pass_image(options, renderer, i), plan, i, sink);
 }
 
-FrameTimes render_directly(render::ReferenceRenderer& renderer, const RenderPlan& plan, uint32_t i, ImageSink& sink) {
+FrameTimes render_directly(render::ReferenceRenderer& renderer, const RenderPlan& plan, uint32_t i,
+                           media::ImageSink& sink) {
     render::ReferenceSettings settings;
     settings.path = render::ReferencePath::kDirect;
     settings.frame = static_cast<float>(plan.path[i].frame);
@@ -197,14 +201,14 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     const RenderPlan plan = plan_render(options);
     const media::ImageSize size = plan.size;
     const auto images = static_cast<uint32_t>(plan.path.size());
-    RenderFacts facts = render_facts(options, plan.playback.output_fps, size, images);
-    facts["scene"] = content_fact(options.scene);
-    facts["--camera"] = options.camera.empty() ? "orbit" : content_fact(options.camera);
+    media::RenderFacts facts = render_facts(options, plan.playback.output_fps, size, images);
+    facts["scene"] = media::content_fact(options.scene);
+    facts["--camera"] = options.camera.empty() ? "orbit" : media::content_fact(options.camera);
     facts["--frames"] = fmt::format("{}:{}", plan.playback.range.first, plan.playback.range.last);
     for (size_t i = 0; i < plan.paint.files.size(); i++)
-        facts["--paint " + options.paint[i]] = content_fact(plan.paint.files[i]);
+        facts["--paint " + options.paint[i]] = media::content_fact(plan.paint.files[i]);
     facts["--direct"] = fmt::format("{}", options.direct);
-    ImageSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
+    media::ImageSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
     const gpu::Device device(common.device);
     const render::Field field = render::upload_field(device, plan.tree, render::WeightPrecision::kHalf);
     const auto render_all = [&](const std::function<FrameTimes(uint32_t)>& render) {

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/output_path.h"
+#include "media/image_sink.h"
+#include "render/light_status.h"
 #include "render/stage_renderer.h"
-#include "tools/light_status.h"
 #include "tools/render.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
@@ -21,7 +24,7 @@ constexpr const char* kStagePath = "path";  // the --camera that is the stage's 
 constexpr double kMinOrbitSeconds = 4;
 
 struct StagePlan {
-    ImageOutput output;
+    media::ImageOutput output;
     render::ResolveSettings resolve;
     stage::Stage stage;
     std::optional<stage::CameraPath> path;  // without: the orbit, or where that is empty a camera of the stage
@@ -122,10 +125,10 @@ void plan_time(const RenderOptions& options, StagePlan& plan) {
 
 // A stage may have more lights than the renderer takes; that is no error of the file, but the user should know.
 void warn_of_light_limits(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
-    const std::vector<LightStatus> lights = light_statuses(stage, evaluated);
+    const std::vector<render::LightStatus> lights = render::light_statuses(stage, evaluated);
     const std::string file = stage.file.path.string();
     size_t shining = 0, casting = 0, shadowless = 0;
-    for (const LightStatus& light : lights) {
+    for (const render::LightStatus& light : lights) {
         shining += light.shines;
         casting += light.casts_shadow;
         shadowless += light.shines && !light.text.empty();
@@ -140,7 +143,7 @@ void warn_of_light_limits(const stage::Stage& stage, const stage::EvaluatedStage
 StagePlan plan_stage(const RenderOptions& options) {
     expect_stage_options(options);
     StagePlan plan;
-    plan.output = parse_output(options.output);
+    plan.output = media::parse_output(options.output);
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
     const media::ImageSize given_size = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
@@ -156,7 +159,7 @@ StagePlan plan_stage(const RenderOptions& options) {
         plan.is_stage_path = true;
     }
     plan_time(options, plan);
-    const bool still = plan.output.kind == ImageOutput::Kind::kImage;
+    const bool still = plan.output.kind == media::ImageOutput::Kind::kImage;
     if (still && options.time.empty() && (!plan.path || plan.is_stage_path)) plan.images = 1;
     expect_fitting_output(plan.output, plan.images);
     plan.size = given_size.width                ? given_size
@@ -174,23 +177,27 @@ StagePlan plan_stage(const RenderOptions& options) {
 }
 
 // What the images depend on: options, and the content of all files of the stage.
-RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
-    RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.images);
-    facts["stage"] = content_fact(options.scene);
-    for (const stage::StageClip& clip : plan.stage.clips) facts["clip " + clip.path.string()] = content_fact(clip.path);
+media::RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
+    media::RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.images);
+    facts["stage"] = media::content_fact(options.scene);
+    for (const stage::StageClip& clip : plan.stage.clips)
+        facts["clip " + clip.path.string()] = media::content_fact(clip.path);
     if (const auto& environment = plan.stage.settings.environment)
-        facts["environment"] = content_fact(stage::file_of_uri(plan.stage.file, environment->uri, "environment"));
+        facts["environment"] =
+            media::content_fact(stage::file_of_uri(plan.stage.file, environment->uri, "environment"));
     for (const char* kind : {"buffers", "images"})
         if (const nlohmann::ordered_json* list = plan.stage.file.json.find(kind))
             for (const auto& entry : *list) {
                 const std::string uri = entry.value("uri", "");
                 if (!uri.empty() && uri.rfind("data:", 0) != 0)
-                    facts[std::string(kind) + " " + uri] = content_fact(stage::file_of_uri(plan.stage.file, uri, kind));
+                    facts[std::string(kind) + " " + uri] =
+                        media::content_fact(stage::file_of_uri(plan.stage.file, uri, kind));
             }
     for (const stage::StagePerformer& performer : plan.stage.performers)
         for (const stage::PaintLayer& layer : performer.settings.paint)
-            facts["paint " + layer.uri] = content_fact(stage::file_of_uri(plan.stage.file, layer.uri, performer.name));
-    facts["--camera"] = plan.path && !plan.is_stage_path ? content_fact(options.camera)
+            facts["paint " + layer.uri] =
+                media::content_fact(stage::file_of_uri(plan.stage.file, layer.uri, performer.name));
+    facts["--camera"] = plan.path && !plan.is_stage_path ? media::content_fact(options.camera)
                         : options.orbit                  ? "orbit"
                                                          : options.camera;
     facts["--time"] = fmt::format("{}", plan.first_s);
@@ -201,7 +208,7 @@ RenderFacts stage_facts(const RenderOptions& options, const StagePlan& plan) {
 }
 
 void render_image(render::StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan, uint32_t i,
-                  ImageSink& sink) {
+                  media::ImageSink& sink) {
     const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
     const stage::Camera camera = camera_of(options, plan, evaluated, i);
     renderer.show(evaluated, options.background.empty());
@@ -219,7 +226,7 @@ void render_image(render::StageRenderer& renderer, const RenderOptions& options,
 
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common) {
     const StagePlan plan = plan_stage(options);
-    ImageSink sink(plan.output, plan.size, plan.fps, stage_facts(options, plan), options.resume);
+    media::ImageSink sink(plan.output, plan.size, plan.fps, stage_facts(options, plan), options.resume);
     const gpu::Device device(common.device);
     render::FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
     capacity.slice_budget = bytes_of_mebibytes(options.slice_budget_mb);

@@ -74,10 +74,6 @@ std::string format_duration(double seconds) {
     return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-std::string json_text(const nlohmann::ordered_json& json) {
-    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
 std::string size_text(uint64_t bytes) {
     constexpr const char* kUnits[] = {"kB", "MB", "GB", "TB"};
     if (bytes < 1000) return fmt::format("{} B", bytes);

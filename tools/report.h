@@ -59,9 +59,6 @@ class Progress {
 // "4.2 s", "3:07", "1:02:30"; "?" for a negative or endless duration.
 std::string format_duration(double seconds);
 
-// Indented JSON with a line break at its end. Bytes that are not UTF-8, which file names may have, become U+FFFD.
-std::string json_text(const nlohmann::ordered_json& json);
-
 // "12.3 MB".
 std::string size_text(uint64_t bytes);
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "shared/lights.h"
 #include "stage/stage.h"
 #include "tools/options.h"
@@ -40,12 +41,12 @@ void expect_fitting_paint(const stage::StageFile& file, uint32_t node, const std
     }
 }
 
-void add_new(CLI::App& stage) {
-    CLI::App* verb = stage.add_subcommand("new", "Make a stage: a floor, a camera, a spotlight");
+void add_new(Command stage) {
+    Command verb = stage.add_verb("new", "Make a stage: a floor, a camera, a spotlight");
     const auto output = std::make_shared<std::string>();
-    verb->add_option("STAGE", *output, "The stage to make, .gltf or .glb")->required();
-    verb->footer("\n\nExamples:\n  neuvv stage new build/show.gltf");
-    verb->callback([output] {
+    verb.add_option("STAGE", *output, "The stage to make, .gltf or .glb").required();
+    verb.footer({"\n\nExamples:\n  neuvv stage new build/show.gltf"});
+    verb.callback([output] {
         std::error_code error;
         expect_stage_name("STAGE", *output);
         if (std::filesystem::exists(*output, error))
@@ -71,16 +72,17 @@ std::string add_performer(stage::StageFile& file, const AddOptions& options) {
     return edit::add_performer(file, options.name, performer, options.placement);
 }
 
-void add_add(CLI::App& stage) {
+void add_add(Command stage) {
     auto [verb, options] = add_edit_verb(stage, "add", "Put a performer on a stage", add_performer);
-    verb->add_option("CLIP", options.clip, "The .nvv that it plays, or the .npz of a PlenOctree")->required();
-    verb->add_option("--name", options.name, "Its node's; default: the file's");
-    add_placement_options(*verb, options.placement);
-    add_performer_options(*verb, options.performer);
-    verb->footer(std::string(kExamplesHead) +
-                 "  neuvv stage new build/show.gltf\n"
-                 "  neuvv stage add build/show.gltf build/performer.nvv --name anna --at 0,0,0\n"
-                 "  neuvv stage add build/show.gltf build/performer.nvv --name berta --at 1,0,0 --time loop,speed:0.5");
+    verb.add_option("CLIP", options.clip, "The .nvv that it plays, or the .npz of a PlenOctree").required();
+    verb.add_option("--name", options.name, "Its node's; default: the file's");
+    add_placement_options(verb, options.placement);
+    add_performer_options(verb, options.performer);
+    verb.footer(
+        {kExamplesHead,
+         "  neuvv stage new build/show.gltf\n"
+         "  neuvv stage add build/show.gltf build/performer.nvv --name anna --at 0,0,0\n"
+         "  neuvv stage add build/show.gltf build/performer.nvv --name berta --at 1,0,0 --time loop,speed:0.5"});
 }
 
 struct SetOptions : StageTarget {
@@ -109,33 +111,33 @@ std::string set_node(stage::StageFile& file, const SetOptions& options) {
     return change;
 }
 
-void add_set(CLI::App& stage) {
-    CLI::App* verb = stage.add_subcommand("set", "Change a node of a stage, or the stage itself");
+void add_set(Command stage) {
+    Command verb = stage.add_verb("set", "Change a node of a stage, or the stage itself");
     const auto options = std::make_shared<SetOptions>();
-    add_target(*verb, *options);
-    verb->add_option("NODE", options->node, "Its name or index; without: the stage");
-    CLI::App* node = verb->add_option_group("Of a node");
-    node->add_option("--name", options->name, "A new name");
-    add_switch(*node, "--shown", options->shown, "Whether it is seen, with all that hangs on it, cameras aside");
-    add_switch(*node, "--locked", options->locked, "Whether programs keep hands from moving it");
-    add_placement_options(*node, options->placement);
-    CLI::App* performer = verb->add_option_group("Of a performer");
-    performer->add_option_function<std::string>(
+    add_target(verb, *options);
+    verb.add_option("NODE", options->node, "Its name or index; without: the stage");
+    Command node = verb.add_group("Of a node");
+    node.add_option("--name", options->name, "A new name");
+    add_switch(node, "--shown", options->shown, "Whether it is seen, with all that hangs on it, cameras aside");
+    add_switch(node, "--locked", options->locked, "Whether programs keep hands from moving it");
+    add_placement_options(node, options->placement);
+    Command performer = verb.add_group("Of a performer");
+    performer.add_parsed_option(
         "--clip", [&edit = options->performer](const std::string& clip) { edit.clip = clip; }, "Another .nvv");
-    add_performer_options(*performer, options->performer);
-    CLI::App* whole = verb->add_option_group("Of the stage");
-    add_stage_options(*whole, options->whole);
-    verb->footer(
-        "\n\nExamples, after those of `neuvv stage add --help`:\n"
-        "  neuvv stage set build/show.gltf anna --turn 0,90,0 --spin 30\n"
-        "  neuvv stage set build/show.gltf anna --time loop:0:1s,offset:3f --opacity 0.5\n"
-        "  neuvv stage set build/show.gltf --duration 6 --ambient 0.1,0.1,0.15");
-    verb->callback([options, node, performer, whole] {
+    add_performer_options(performer, options->performer);
+    Command whole = verb.add_group("Of the stage");
+    add_stage_options(whole, options->whole);
+    verb.footer(
+        {"\n\nExamples, after those of `neuvv stage add --help`:\n"
+         "  neuvv stage set build/show.gltf anna --turn 0,90,0 --spin 30\n"
+         "  neuvv stage set build/show.gltf anna --time loop:0:1s,offset:3f --opacity 0.5\n"
+         "  neuvv stage set build/show.gltf --duration 6 --ambient 0.1,0.1,0.15"});
+    verb.callback([options, node, performer, whole] {
         const bool names_node = options->node.has_value();
-        if (names_node && whole->count_all() > 0)
+        if (names_node && whole.count_all() > 0)
             throw InputError("stage set", *options->node, "a node has no options of the stage",
                              "leave the node out, or set them one after the other");
-        if (!names_node && node->count_all() + performer->count_all() > 0)
+        if (!names_node && node.count_all() + performer.count_all() > 0)
             throw InputError("stage set", options->stage, "these options are a node's", "name the node");
         edit_stage(*options, [&](stage::StageFile& file) {
             return names_node ? set_node(file, *options) : edit::set_stage(file, options->whole);
@@ -167,32 +169,31 @@ std::string duplicate_node(stage::StageFile& file, const DuplicateOptions& optio
     return edit::duplicate_node(file, edit::find_node(file, options.node), settings);
 }
 
-void add_duplicate(CLI::App& stage) {
+void add_duplicate(Command stage) {
     auto [verb, options] =
         add_edit_verb(stage, "duplicate", "Copies of a node in a row, a ring or a fan, each later", duplicate_node);
-    verb->add_option("NODE", options.node, "Its name or index")->required();
-    verb->add_option("--count", options.count, "Copies, besides the node itself")
-        ->check(CLI::Range(int64_t{1}, int64_t{edit::kMaxCopies}))
-        ->capture_default_str();
-    CLI::App* pattern = verb->add_option_group("How they stand");
-    pattern->add_option("--row", options.row, "One beside the other along +X, so many metres apart")
-        ->check(number_between(-1e6, 1e6));
-    pattern->add_option("--ring", options.ring, "On a circle of this radius, facing outward")
-        ->check(number_between(1e-3, 1e6));
-    pattern->add_option("--fan", options.fan, "On an arc of such a circle: radius, degrees")
-        ->expected(2)
-        ->check(number_between(-1e6, 1e6));
-    pattern->require_option(1);
-    verb->add_option("--stagger", options.stagger,
-                     "Each is so much behind the one before: 3f, frames of the clip, or 0.5s. What loops runs "
-                     "from the start on; what does not starts so much later, and the stage becomes longer")
-        ->capture_default_str();
-    verb->add_option("--spin-step", options.spin_step, "Each spins so much faster, degrees a second")
-        ->check(number_between(-stage::kMaxSpin, stage::kMaxSpin));
-    verb->footer(
-        "\n\nExamples, after those of `neuvv stage add --help`:\n"
-        "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
-        "  neuvv stage duplicate build/show.gltf berta --count 3 --row 0.8 --spin-step 45");
+    verb.add_option("NODE", options.node, "Its name or index").required();
+    verb.add_option("--count", options.count, "Copies, besides the node itself")
+        .in_range(int64_t{1}, int64_t{edit::kMaxCopies})
+        .show_default();
+    Command pattern = verb.add_group("How they stand");
+    pattern.add_option("--row", options.row, "One beside the other along +X, so many metres apart")
+        .number_between(-1e6, 1e6);
+    pattern.add_option("--ring", options.ring, "On a circle of this radius, facing outward").number_between(1e-3, 1e6);
+    pattern.add_option("--fan", options.fan, "On an arc of such a circle: radius, degrees")
+        .expected(2)
+        .number_between(-1e6, 1e6);
+    pattern.require_options(1, 1);
+    verb.add_option("--stagger", options.stagger,
+                    "Each is so much behind the one before: 3f, frames of the clip, or 0.5s. What loops runs "
+                    "from the start on; what does not starts so much later, and the stage becomes longer")
+        .show_default();
+    verb.add_option("--spin-step", options.spin_step, "Each spins so much faster, degrees a second")
+        .number_between(-stage::kMaxSpin, stage::kMaxSpin);
+    verb.footer(
+        {"\n\nExamples, after those of `neuvv stage add --help`:\n"
+         "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
+         "  neuvv stage duplicate build/show.gltf berta --count 3 --row 0.8 --spin-step 45"});
 }
 
 struct RemoveOptions : StageTarget {
@@ -203,13 +204,13 @@ std::string remove_node(stage::StageFile& file, const RemoveOptions& options) {
     return edit::remove_node(file, edit::find_node(file, options.node));
 }
 
-void add_remove(CLI::App& stage) {
+void add_remove(Command stage) {
     auto [verb, options] =
         add_edit_verb(stage, "remove", "Take a node off, what hangs on it, and what only it used", remove_node);
-    verb->add_option("NODE", options.node, "Its name or index")->required();
-    verb->footer(
-        "\n\nExamples, after those of `neuvv stage add --help`:\n"
-        "  neuvv stage remove build/show.gltf berta");
+    verb.add_option("NODE", options.node, "Its name or index").required();
+    verb.footer(
+        {"\n\nExamples, after those of `neuvv stage add --help`:\n"
+         "  neuvv stage remove build/show.gltf berta"});
 }
 
 struct LightOptions : StageTarget {
@@ -232,24 +233,24 @@ std::string change_light(stage::StageFile& file, const LightOptions& options) {
     return change;
 }
 
-void add_light_verb(CLI::App& stage) {
+void add_light_verb(Command stage) {
     auto [verb, options] = add_edit_verb(
         stage, "light",
         fmt::format("Add a light, change it or take it off. The first {} of a stage shine; the first {} spots "
                     "and directional lights of them cast shadows, points none",
                     kMaxSetLights, kMaxShadows),
         change_light);
-    verb->add_option("NODE", options.node, "The light's name or index");
-    CLI::Option* add = verb->add_flag("--add", options.add, "A new light");
-    verb->add_flag("--remove", options.remove, "No light any more")->excludes(add);
-    verb->add_option("--name", options.name, "Of a new light's node")->needs(add);
-    add_placement_options(*verb, options.placement);
-    add_light_options(*verb, options.light);
-    verb->footer(
-        "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
-        "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --colour '#ffd0a0'\n"
-        "  neuvv stage light build/show.gltf key --intensity 80 --cone 15,25\n"
-        "  neuvv stage light build/show.gltf back --remove");
+    verb.add_option("NODE", options.node, "The light's name or index");
+    Option add = verb.add_flag("--add", options.add, "A new light");
+    verb.add_flag("--remove", options.remove, "No light any more").excludes(add);
+    verb.add_option("--name", options.name, "Of a new light's node").needs(add);
+    add_placement_options(verb, options.placement);
+    add_light_options(verb, options.light);
+    verb.footer(
+        {"\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
+         "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --colour '#ffd0a0'\n"
+         "  neuvv stage light build/show.gltf key --intensity 80 --cone 15,25\n"
+         "  neuvv stage light build/show.gltf back --remove"});
 }
 
 struct PaintListOptions : StageTarget {
@@ -274,46 +275,46 @@ std::string change_paint(stage::StageFile& file, const PaintListOptions& options
     return options.to ? edit::move_paint_layer(file, node, *options.layer, *options.to) : change;
 }
 
-void add_paint(CLI::App& stage) {
+void add_paint(Command stage) {
     auto [verb, options] = add_edit_verb(stage, "paint", "Change the list of a performer's paint layers", change_paint);
-    verb->add_option("NODE", options.node, "The performer's name or index")->required();
-    verb->add_option("--add", options.add, "A .nvpaint that becomes the uppermost layer");
-    CLI::Option* layer = verb->add_option("--layer", options.layer, "The layer to change; 0 is the lowest");
-    verb->add_flag("--remove", options.remove, "Not a layer any more; its file stays")->needs(layer);
-    verb->add_option("--to", options.to, "Where in the list it goes")->needs(layer);
-    verb->add_option("--name", options.edit.name, "Its name");
-    verb->add_option("--opacity", options.edit.opacity, "0 to 1")->check(number_between(0, 1));
-    add_switch(*verb, "--visible", options.edit.visible, "Whether it is seen");
-    add_choice(*verb, "--blend", options.edit.blend, stage::kPaintBlendNames,
+    verb.add_option("NODE", options.node, "The performer's name or index").required();
+    verb.add_option("--add", options.add, "A .nvpaint that becomes the uppermost layer");
+    Option layer = verb.add_option("--layer", options.layer, "The layer to change; 0 is the lowest");
+    verb.add_flag("--remove", options.remove, "Not a layer any more; its file stays").needs(layer);
+    verb.add_option("--to", options.to, "Where in the list it goes").needs(layer);
+    verb.add_option("--name", options.edit.name, "Its name");
+    verb.add_option("--opacity", options.edit.opacity, "0 to 1").number_between(0, 1);
+    add_switch(verb, "--visible", options.edit.visible, "Whether it is seen");
+    add_choice(verb, "--blend", options.edit.blend, stage::kPaintBlendNames,
                "How its colours go over what is below. normal: in their place; multiply: times them, as a filter; "
                "tint: times them, but as bright as before, as if lit by them; recolour: their hue and saturation, "
                "as bright as before");
-    verb->footer(
-        "\n\nExamples, where build/red.nvpaint is a layer of the performer `anna`:\n"
-        "  neuvv stage paint build/show.gltf anna --add build/red.nvpaint --name red --blend tint\n"
-        "  neuvv stage paint build/show.gltf anna --layer 0 --opacity 0.5");
+    verb.footer(
+        {"\n\nExamples, where build/red.nvpaint is a layer of the performer `anna`:\n"
+         "  neuvv stage paint build/show.gltf anna --add build/red.nvpaint --name red --blend tint\n"
+         "  neuvv stage paint build/show.gltf anna --layer 0 --opacity 0.5"});
 }
 
 }  // namespace
 
-void add_stage(CLI::App& app, CommonOptions& common) {
-    CLI::App* verb = app.add_subcommand("stage", "Make a stage for performers, and change what is on it");
-    verb->require_subcommand(1);
-    add_new(*verb);
-    add_add(*verb);
-    add_set(*verb);
-    add_duplicate(*verb);
-    add_remove(*verb);
-    add_light_verb(*verb);
-    add_camera_verb(*verb);
-    add_path_verb(*verb);
-    add_paint(*verb);
-    add_stage_info(*verb, common);
-    verb->footer(std::string(kExamplesHead) +
+void add_stage(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("stage", "Make a stage for performers, and change what is on it");
+    verb.require_verb();
+    add_new(verb);
+    add_add(verb);
+    add_set(verb);
+    add_duplicate(verb);
+    add_remove(verb);
+    add_light_verb(verb);
+    add_camera_verb(verb);
+    add_path_verb(verb);
+    add_paint(verb);
+    add_stage_info(verb, common);
+    verb.footer({kExamplesHead,
                  "  neuvv stage new build/show.gltf\n"
                  "  neuvv stage add build/show.gltf build/performer.nvv --name anna --time loop\n"
                  "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
-                 "  neuvv stage info build/show.gltf");
+                 "  neuvv stage info build/show.gltf"});
 }
 
 }  // namespace neuvv::tools

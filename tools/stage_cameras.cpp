@@ -85,47 +85,48 @@ std::string change_path(stage::StageFile& file, const PathOptions& options) {
 
 }  // namespace
 
-void add_path_verb(CLI::App& stage) {
+void add_path_verb(Command stage) {
     auto [verb, options] = add_edit_verb(
         stage, "path", "Give a stage a camera path, and change it; `neuvv render --camera path` follows it",
         change_path);
-    const auto seconds = number_between(0, stage::kMaxStageSeconds);
-    CLI::App* what = verb->add_option_group("One of these");
-    what->add_option("--from", options.from, "The path of a file: instant-ngp's, nerfstudio's, a transforms.json");
-    CLI::Option* key = what->add_option("--key", options.key_s, "A key at this second of the stage")->check(seconds);
-    what->add_option("--remove-key", options.remove_key, "Remove the key of this number, from 0");
-    CLI::Option* move = what->add_option("--move-key", options.move_key, "Move the key of this number in time");
-    what->add_flag("--remove", options.remove, "Remove the path");
-    what->require_option(0, 1);
-    verb->add_option("--camera", options.camera, "With --key: as this camera of the stage is then; default: the first")
-        ->needs(key);
-    CLI::Option* to =
-        verb->add_option("--to", options.to_s, "With --move-key: to this second")->check(seconds)->needs(move);
-    move->needs(to);
-    add_choice(*verb, "--interpolation", options.interpolation, stage::kInterpolationNames,
+    Command what = verb.add_group("One of these");
+    what.add_option("--from", options.from, "The path of a file: instant-ngp's, nerfstudio's, a transforms.json");
+    Option key = what.add_option("--key", options.key_s, "A key at this second of the stage")
+                     .number_between(0, stage::kMaxStageSeconds);
+    what.add_option("--remove-key", options.remove_key, "Remove the key of this number, from 0");
+    Option move = what.add_option("--move-key", options.move_key, "Move the key of this number in time");
+    what.add_flag("--remove", options.remove, "Remove the path");
+    what.require_options(0, 1);
+    verb.add_option("--camera", options.camera, "With --key: as this camera of the stage is then; default: the first")
+        .needs(key);
+    Option to = verb.add_option("--to", options.to_s, "With --move-key: to this second")
+                    .number_between(0, stage::kMaxStageSeconds)
+                    .needs(move);
+    move.needs(to);
+    add_choice(verb, "--interpolation", options.interpolation, stage::kInterpolationNames,
                "Between keys: smooth, linear or cut");
-    add_switch(*verb, "--cyclic", options.cyclic, "Whether it goes back to its first key, and on");
-    verb->add_option("--duration", options.duration_s, "Of a cycle, seconds")->check(seconds);
-    verb->footer(
-        "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
-        "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
-        "  neuvv stage path build/show.gltf --key 0 --camera camera\n"
-        "  neuvv stage path build/show.gltf --key 2 --camera left\n"
-        "  neuvv stage path build/show.gltf --cyclic on --duration 4");
+    add_switch(verb, "--cyclic", options.cyclic, "Whether it goes back to its first key, and on");
+    verb.add_option("--duration", options.duration_s, "Of a cycle, seconds").number_between(0, stage::kMaxStageSeconds);
+    verb.footer(
+        {"\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
+         "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
+         "  neuvv stage path build/show.gltf --key 0 --camera camera\n"
+         "  neuvv stage path build/show.gltf --key 2 --camera left\n"
+         "  neuvv stage path build/show.gltf --cyclic on --duration 4"});
 }
 
-void add_camera_verb(CLI::App& stage) {
+void add_camera_verb(Command stage) {
     auto [verb, options] = add_edit_verb(stage, "camera", "Add a camera, or change one", change_camera);
-    verb->add_option("NODE", options.node, "The camera's name or index");
-    CLI::Option* add = verb->add_flag("--add", options.add, "A new camera");
-    verb->add_option("--name", options.name, "Of a new camera's node")->needs(add);
-    verb->add_option("--angle", options.angle_deg, "Its whole vertical angle of view, degrees; of a new one 45")
-        ->check(number_between(kMinAngle_deg, kMaxAngle_deg));
-    add_placement_options(*verb, options.placement);
-    verb->footer(
-        "\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
-        "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
-        "  neuvv stage camera build/show.gltf left --angle 30");
+    verb.add_option("NODE", options.node, "The camera's name or index");
+    Option add = verb.add_flag("--add", options.add, "A new camera");
+    verb.add_option("--name", options.name, "Of a new camera's node").needs(add);
+    verb.add_option("--angle", options.angle_deg, "Its whole vertical angle of view, degrees; of a new one 45")
+        .number_between(kMinAngle_deg, kMaxAngle_deg);
+    add_placement_options(verb, options.placement);
+    verb.footer(
+        {"\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
+         "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
+         "  neuvv stage camera build/show.gltf left --angle 30"});
 }
 
 }  // namespace neuvv::tools

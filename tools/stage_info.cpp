@@ -7,12 +7,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "edit/operations.h"
 #include "gpu/device.h"
 #include "render/frame.h"
+#include "render/light_status.h"
 #include "stage/camera_path_json.h"
 #include "stage/evaluated_stage.h"
-#include "tools/light_status.h"
 #include "tools/report.h"
 #include "voctree/clip.h"
 
@@ -109,7 +110,8 @@ ordered_json performers_json(const stage::Stage& stage, const stage::EvaluatedSt
     return list;
 }
 
-ordered_json light_json(const stage::Stage& stage, const stage::EvaluatedLight& light, const LightStatus& status) {
+ordered_json light_json(const stage::Stage& stage, const stage::EvaluatedLight& light,
+                        const render::LightStatus& status) {
     const stage::GltfLight& source = light_of(stage, light);
     ordered_json json = {{"node", light.node},
                          {"name", stage::node_title(stage.scene, light.node)},
@@ -153,7 +155,7 @@ ordered_json json_of(const stage::Stage& stage, const stage::EvaluatedStage& eva
         total += memory[i].field_bytes + memory[i].slice_bytes;
     }
     if (!memory.empty()) json["device_bytes"] = total;
-    const std::vector<LightStatus> statuses = light_statuses(stage, evaluated);
+    const std::vector<render::LightStatus> statuses = render::light_statuses(stage, evaluated);
     for (size_t i = 0; i < statuses.size(); ++i)
         json["lights"].push_back(light_json(stage, evaluated.lights[i], statuses[i]));
     for (const stage::EvaluatedCamera& camera : evaluated.cameras)
@@ -235,7 +237,8 @@ std::string settings_text(const stage::StagePerformer& performer, const stage::E
     return text;
 }
 
-std::string light_text(const stage::Stage& stage, const stage::EvaluatedLight& light, const LightStatus& status) {
+std::string light_text(const stage::Stage& stage, const stage::EvaluatedLight& light,
+                       const render::LightStatus& status) {
     const stage::GltfLight& source = light_of(stage, light);
     std::string text =
         fmt::format("{:.6g} {}", source.intensity, light.kind == stage::GltfLightKind::kDirectional ? "lx" : "cd");
@@ -299,7 +302,7 @@ void print_clips(const stage::Stage& stage, const std::vector<ClipMemory>& memor
 void print_lights(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
     if (evaluated.lights.empty()) return;
     fmt::print("\nnode  light             kind         at                      light\n");
-    const std::vector<LightStatus> statuses = light_statuses(stage, evaluated);
+    const std::vector<render::LightStatus> statuses = render::light_statuses(stage, evaluated);
     for (size_t i = 0; i < statuses.size(); ++i) {
         const stage::EvaluatedLight& light = evaluated.lights[i];
         fmt::print("{:>4}  {:<16}  {:<11}  {:<22}  {}\n", light.node, stage::node_title(stage.scene, light.node),
@@ -341,22 +344,22 @@ void print_stage_info(const StageInfoOptions& options, const CommonOptions& comm
         print(stage, evaluated, memory);
 }
 
-void add_stage_info(CLI::App& stage, CommonOptions& common) {
-    CLI::App* verb = stage.add_subcommand("info", "Say who and what is on a stage");
+void add_stage_info(Command stage, CommonOptions& common) {
+    Command verb = stage.add_verb("info", "Say who and what is on a stage");
     const auto options = std::make_shared<StageInfoOptions>();
-    verb->add_option("STAGE", options->stage, "The stage, .gltf or .glb")->required();
-    verb->add_option("--at", options->at_s, "At which stage time, seconds")
-        ->check(number_between(-stage::kMaxStageSeconds, stage::kMaxStageSeconds))
-        ->capture_default_str();
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->add_flag("--memory", options->memory, "Measure what its clips take on a device, each once");
-    add_slice_budget_option(*verb, options->slice_budget_mb);
-    verb->footer("\n" + std::string(kDeviceHelp) +
+    verb.add_option("STAGE", options->stage, "The stage, .gltf or .glb").required();
+    verb.add_option("--at", options->at_s, "At which stage time, seconds")
+        .number_between(-stage::kMaxStageSeconds, stage::kMaxStageSeconds)
+        .show_default();
+    verb.add_flag("--json", options->json, "Print JSON");
+    verb.add_flag("--memory", options->memory, "Measure what its clips take on a device, each once");
+    add_slice_budget_option(verb, options->slice_budget_mb);
+    verb.footer({"\n", kDeviceHelp,
                  "\n\nExamples, after those of `neuvv stage add --help`:\n"
                  "  neuvv stage info build/show.gltf\n"
                  "  neuvv stage info build/show.gltf --at 1.5 --json\n"
-                 "  neuvv stage info build/show.gltf --memory");
-    verb->callback([options, &common] { print_stage_info(*options, common); });
+                 "  neuvv stage info build/show.gltf --memory"});
+    verb.callback([options, &common] { print_stage_info(*options, common); });
 }
 
 }  // namespace neuvv::tools

@@ -1,4 +1,5 @@
 #include "tools/stage_verbs.h"
+#include "base/output_path.h"
 
 #include <fmt/format.h>
 
@@ -17,10 +18,10 @@ constexpr double kMaxLength = 1e9, kMaxLux = 1e9;
 using Parse = glm::dvec3 (*)(const std::string& option, const std::string& text);
 
 // `names`: of the option, the first of which errors name.
-void add_vector_option(CLI::App& verb, const std::string& names, std::optional<glm::dvec3>& vector, Parse parse,
+void add_vector_option(Command verb, const std::string& names, std::optional<glm::dvec3>& vector, Parse parse,
                        const std::string& help) {
     const std::string name = names.substr(0, names.find(','));
-    verb.add_option_function<std::string>(
+    verb.add_parsed_option(
         names, [&vector, parse, name](const std::string& text) { vector = parse(name, text); }, help);
 }
 
@@ -39,8 +40,8 @@ glm::dmat4 parse_matrix(const std::string& option, const std::string& text) {
 
 }  // namespace
 
-void add_target(CLI::App& verb, StageTarget& target) {
-    verb.add_option("STAGE", target.stage, "The stage, .gltf or .glb")->required();
+void add_target(Command verb, StageTarget& target) {
+    verb.add_option("STAGE", target.stage, "The stage, .gltf or .glb").required();
     verb.add_option("-o,--output", target.output, "Save it here; default: where it was");
 }
 
@@ -77,7 +78,7 @@ glm::dvec3 parse_light_colour(const std::string& option, const std::string& text
     return glm::dvec3(glm::vec3(colour));
 }
 
-void add_placement_options(CLI::App& verb, edit::Placement& placement) {
+void add_placement_options(Command verb, edit::Placement& placement) {
     add_vector_option(verb, "--at", placement.at, parse_vector,
                       "Where it stands: X,Y,Z in metres, in the space of its parent");
     add_vector_option(verb, "--move", placement.move, parse_vector, "By how much it moves: X,Y,Z");
@@ -86,7 +87,7 @@ void add_placement_options(CLI::App& verb, edit::Placement& placement) {
     add_vector_option(verb, "--scale", placement.scale, parse_factors, "By which factor, or X,Y,Z along its own axes");
     add_vector_option(verb, "--aim", placement.aim, parse_vector,
                       "The point that its -Z looks at (cameras, lights): X,Y,Z");
-    verb.add_option_function<std::string>(
+    verb.add_parsed_option(
         "--matrix", [&placement](const std::string& text) { placement.matrix = parse_matrix("--matrix", text); },
         "16 numbers by columns, instead of what there was");
 }
@@ -95,22 +96,21 @@ bool is_given(const edit::Placement& placement) {
     return placement.at || placement.move || placement.turn_deg || placement.scale || placement.aim || placement.matrix;
 }
 
-void add_performer_options(CLI::App& verb, edit::PerformerEdit& edit) {
-    verb.add_option_function<std::string>(
+void add_performer_options(Command verb, edit::PerformerEdit& edit) {
+    verb.add_parsed_option(
         "--time", [&edit](const std::string& text) { edit.time = stage::parse_time_map(text, "--time", ""); },
         "From stage to clip: operators as in loop:0:2s,speed:0.5,offset:3f; empty: as the clip is");
     verb.add_option("--spin", edit.spin_deg_per_s, "Degrees a second about its own +Y")
-        ->check(number_between(-stage::kMaxSpin, stage::kMaxSpin));
-    verb.add_option("--opacity", edit.opacity, "0 to 1")->check(number_between(0, 1));
+        .number_between(-stage::kMaxSpin, stage::kMaxSpin);
+    verb.add_option("--opacity", edit.opacity, "0 to 1").number_between(0, 1);
     add_switch(verb, "--visible", edit.visible, "Whether it is seen");
     add_switch(verb, "--casts-shadow", edit.casts_shadow, "Whether it casts shadows");
     add_switch(verb, "--receives-shadow", edit.receives_shadow, "Whether shadows fall on it");
 }
 
-void add_stage_options(CLI::App& verb, edit::StageEdit& edit) {
-    verb.add_option("--duration", edit.duration_s, "Of the stage, seconds")
-        ->check(number_between(0, stage::kMaxStageSeconds));
-    verb.add_option("--fps", edit.fps, "Of the stage")->check(number_between(stage::kMinStageFps, stage::kMaxStageFps));
+void add_stage_options(Command verb, edit::StageEdit& edit) {
+    verb.add_option("--duration", edit.duration_s, "Of the stage, seconds").number_between(0, stage::kMaxStageSeconds);
+    verb.add_option("--fps", edit.fps, "Of the stage").number_between(stage::kMinStageFps, stage::kMaxStageFps);
     add_vector_option(verb, "--background", edit.background, parse_light_colour,
                       "A colour's name, #rrggbb, or linear R,G,B");
     add_vector_option(verb, "--ambient", edit.ambient, parse_light_colour, "Light on everything: a colour as above");
@@ -118,32 +118,28 @@ void add_stage_options(CLI::App& verb, edit::StageEdit& edit) {
         if (!file.empty()) media::read_png(file);
         edit.environment = file;
     };
-    verb.add_option_function<std::string>("--environment", set_environment,
-                                          "An equirectangular PNG around the stage; empty: none");
-    verb.add_option("--environment-intensity", edit.environment_intensity, "Its factor")->check(number_between(0, 1e6));
+    verb.add_parsed_option("--environment", set_environment, "An equirectangular PNG around the stage; empty: none");
+    verb.add_option("--environment-intensity", edit.environment_intensity, "Its factor").number_between(0, 1e6);
     verb.add_option("--environment-rotation", edit.environment_rotation_deg, "Its turn about +Y, degrees")
-        ->check(number_between(-1e6, 1e6));
+        .number_between(-1e6, 1e6);
     add_choice(verb, "--blend", edit.blend, stage::kStageBlendNames,
                "Of performers: exact, or layer over layer as the paper has it");
     add_switch(verb, "--shadows", edit.shadows, "Whether lights cast shadows");
     add_switch(verb, "--falloff", edit.falloff, "Whether lights shine on performers");
 }
 
-void add_light_options(CLI::App& verb, edit::LightEdit& edit) {
-    verb.add_option("--kind", edit.kind, "spot, point or directional")
-        ->check(CLI::IsMember({"spot", "point", "directional"}));
+void add_light_options(Command verb, edit::LightEdit& edit) {
+    verb.add_option("--kind", edit.kind, "spot, point or directional").one_of({"spot", "point", "directional"});
     add_vector_option(verb, "--colour,--color", edit.color, parse_light_colour,
                       "A colour's name, #rrggbb, or linear R,G,B");
-    verb.add_option("--intensity", edit.intensity, "Candela; lux of a directional light")
-        ->check(number_between(0, kMaxLux));
-    verb.add_option("--range", edit.range_m, "Where its light ends, metres")->check(number_between(1e-6, kMaxLength));
+    verb.add_option("--intensity", edit.intensity, "Candela; lux of a directional light").number_between(0, kMaxLux);
+    verb.add_option("--range", edit.range_m, "Where its light ends, metres").number_between(1e-6, kMaxLength);
     const auto set_cone = [&edit](const std::string& text) {
         const std::vector<double> angles = parse_numbers("--cone", text, 2, "write two half angles, as in 20,30");
         edit.inner_cone_deg = angles[0];
         edit.outer_cone_deg = angles[1];
     };
-    verb.add_option_function<std::string>("--cone", set_cone,
-                                          "Of a spot: half angles of full light and of none, degrees: 20,30");
+    verb.add_parsed_option("--cone", set_cone, "Of a spot: half angles of full light and of none, degrees: 20,30");
 }
 
 }  // namespace neuvv::tools

@@ -2,8 +2,6 @@
 // verbs that have files of their own.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,7 +18,7 @@ struct StageTarget {
     std::string stage;
     std::string output;  // empty: where the stage was
 };
-void add_target(CLI::App& verb, StageTarget& target);
+void add_target(Command verb, StageTarget& target);
 
 // Throws InputError where a file is not named .gltf or .glb.
 void expect_stage_name(const std::string& option, const std::string& file);
@@ -31,12 +29,12 @@ void edit_stage(const StageTarget& target, const std::function<std::string(stage
 
 // Adds a verb that edits a stage by `operation`. Its options, a StageTarget and more, live as long as the verb.
 template <typename Options>
-std::pair<CLI::App*, Options&> add_edit_verb(CLI::App& stage, const std::string& name, const std::string& help,
-                                             std::string (*operation)(stage::StageFile&, const Options&)) {
-    CLI::App* verb = stage.add_subcommand(name, help);
+std::pair<Command, Options&> add_edit_verb(Command stage, const std::string& name, const std::string& help,
+                                           std::string (*operation)(stage::StageFile&, const Options&)) {
+    Command verb = stage.add_verb(name, help);
     const auto options = std::make_shared<Options>();
-    add_target(*verb, *options);
-    verb->callback([options, operation] {
+    add_target(verb, *options);
+    verb.callback([options, operation] {
         edit_stage(*options, [&](stage::StageFile& file) { return operation(file, *options); });
     });
     return {verb, *options};
@@ -51,11 +49,11 @@ glm::dvec3 parse_vector(const std::string& option, const std::string& text);
 glm::dvec3 parse_light_colour(const std::string& option, const std::string& text);
 
 // Options that set the members of an operation; those that the user does not give leave them as they are.
-void add_placement_options(CLI::App& verb, edit::Placement& placement);
+void add_placement_options(Command verb, edit::Placement& placement);
 bool is_given(const edit::Placement& placement);
-void add_performer_options(CLI::App& verb, edit::PerformerEdit& edit);
-void add_stage_options(CLI::App& verb, edit::StageEdit& edit);
-void add_light_options(CLI::App& verb, edit::LightEdit& edit);
+void add_performer_options(Command verb, edit::PerformerEdit& edit);
+void add_stage_options(Command verb, edit::StageEdit& edit);
+void add_light_options(Command verb, edit::LightEdit& edit);
 
 struct StageInfoOptions {
     std::string stage;
@@ -65,8 +63,8 @@ struct StageInfoOptions {
 // Also for `neuvv info` of a stage.
 void print_stage_info(const StageInfoOptions& options, const CommonOptions& common);
 
-void add_stage_info(CLI::App& stage, CommonOptions& common);
-void add_camera_verb(CLI::App& stage);
-void add_path_verb(CLI::App& stage);
+void add_stage_info(Command stage, CommonOptions& common);
+void add_camera_verb(Command stage);
+void add_path_verb(Command stage);
 
 }  // namespace neuvv::tools

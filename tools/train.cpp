@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/options.h"
@@ -216,7 +217,7 @@ std::string weight_option(const training::NamedLossWeight& weight) {
 }
 
 // Names the given options that a resumed run ignores, because it keeps its own values.
-void warn_of_ignored_options(const CLI::App& verb) {
+void warn_of_ignored_options(const Command& verb) {
     std::string given;
     std::vector<std::string> names{"--resolution", "--bases",      "--hh-degree", "--init",
                                    "--max-leaves", "--max-memory", "--uniform",   "--seed"};
@@ -228,78 +229,73 @@ void warn_of_ignored_options(const CLI::App& verb) {
 
 }  // namespace
 
-void add_train(CLI::App& app, CommonOptions& common) {
+void add_train(Command app, CommonOptions& common) {
     auto options = std::make_shared<TrainOptions>();
-    CLI::App* verb = app.add_subcommand("train", "Train a volumetric video from a calibrated multi-view video");
-    verb->add_option("dataset", options->dataset, "The data set's folder (see training/README.md)")->required();
-    add_format_option(*verb, options->format);
-    verb->add_option("-o,--output", options->output, "The .nvv to write; it and its .state are replaced")->required();
-    CLI::Option* minutes = verb->add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")
-                               ->check(number_between(0.01, 1e5));
-    verb->add_option("--steps", options->settings.steps, "Budget in steps")
-        ->check(CLI::Range(1u, 1000000000u))
-        ->excludes(minutes);
-    verb->add_option("--resolution", options->settings.shape.resolution,
-                     "Finest leaves along the longest side (default: one a pixel at the scene's distance)")
-        ->check(CLI::Range(8u, training::kMaxResolution));
-    verb->add_option("--bases", options->settings.shape.bases, "C: temporal bases, at most one a frame is used")
-        ->check(CLI::Range(1u, kMaxBases))
-        ->capture_default_str();
-    verb->add_option("--hh-degree", options->settings.shape.hh_degree, "n_max of the hyperspherical harmonics")
-        ->check(CLI::Range(0u, kMaxHhDegree))
-        ->capture_default_str();
-    verb->add_option("--init", options->init, "What the octree begins as: the visual hull, or read off a network")
-        ->check(CLI::IsMember({"hull", "psi"}))
-        ->capture_default_str();
-    CLI::Option* psi_minutes = verb->add_option("--psi-minutes", options->psi_minutes,
-                                                "The network's own budget, before that of the octree, with --init psi")
-                                   ->check(number_between(0.01, 1e5))
-                                   ->capture_default_str();
-    verb->add_option("--psi-steps", options->psi_steps, "The same in steps")
-        ->check(CLI::Range(1u, 1000000000u))
-        ->excludes(psi_minutes);
-    CLI::Option* max_leaves = verb->add_option("--max-leaves", options->settings.max_leaves,
-                                               "The tree never has more (default: what the device trains)")
-                                  ->check(CLI::Range(64u, voctree::kMaxLeaves));
-    CLI::Option* max_memory = verb->add_option("--max-memory", options->max_megabytes,
-                                               "MB that the finished .nvv takes at most (default: any)")
-                                  ->check(number_between(0.1, 1e6));
-    verb->add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
-        ->excludes(max_leaves)
-        ->excludes(max_memory);
+    Command verb = app.add_verb("train", "Train a volumetric video from a calibrated multi-view video");
+    verb.add_option("dataset", options->dataset, "The data set's folder (see training/README.md)").required();
+    add_format_option(verb, options->format);
+    verb.add_option("-o,--output", options->output, "The .nvv to write; it and its .state are replaced").required();
+    Option minutes = verb.add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")
+                         .number_between(0.01, 1e5);
+    verb.add_option("--steps", options->settings.steps, "Budget in steps").in_range(1u, 1000000000u).excludes(minutes);
+    verb.add_option("--resolution", options->settings.shape.resolution,
+                    "Finest leaves along the longest side (default: one a pixel at the scene's distance)")
+        .in_range(8u, training::kMaxResolution);
+    verb.add_option("--bases", options->settings.shape.bases, "C: temporal bases, at most one a frame is used")
+        .in_range(1u, kMaxBases)
+        .show_default();
+    verb.add_option("--hh-degree", options->settings.shape.hh_degree, "n_max of the hyperspherical harmonics")
+        .in_range(0u, kMaxHhDegree)
+        .show_default();
+    verb.add_option("--init", options->init, "What the octree begins as: the visual hull, or read off a network")
+        .one_of({"hull", "psi"})
+        .show_default();
+    Option psi_minutes = verb.add_option("--psi-minutes", options->psi_minutes,
+                                         "The network's own budget, before that of the octree, with --init psi")
+                             .number_between(0.01, 1e5)
+                             .show_default();
+    verb.add_option("--psi-steps", options->psi_steps, "The same in steps")
+        .in_range(1u, 1000000000u)
+        .excludes(psi_minutes);
+    Option max_leaves = verb.add_option("--max-leaves", options->settings.max_leaves,
+                                        "The tree never has more (default: what the device trains)")
+                            .in_range(64u, voctree::kMaxLeaves);
+    Option max_memory = verb.add_option("--max-memory", options->max_megabytes,
+                                        "MB that the finished .nvv takes at most (default: any)")
+                            .number_between(0.1, 1e6);
+    verb.add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
+        .excludes(max_leaves)
+        .excludes(max_memory);
     for (const training::NamedLossWeight& named : training::kLossWeights)
-        verb->add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
-            ->check(number_between(0.0, 100.0))
-            ->capture_default_str();
-    verb->add_option("--picture-memory", options->image_gigabytes,
-                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
-        ->check(number_between(1e-6, 1e6));
-    verb->add_option("--seed", options->settings.seed, "Same seed, same batches")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
-    verb->add_flag(
+        verb.add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
+            .number_between(0.0, 100.0)
+            .show_default();
+    verb.add_option("--picture-memory", options->image_gigabytes,
+                    "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
+        .number_between(1e-6, 1e6);
+    verb.add_option("--seed", options->settings.seed, "Same seed, same batches").not_negative().show_default();
+    verb.add_flag(
         "--resume", options->settings.resume,
         "Go on from OUTPUT.state; shape, bounds, losses and seed are the run's, --minutes or --steps its whole budget");
-    verb->add_option("--preview", options->live.preview,
-                     "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
-    verb->add_option("--metrics", options->live.metrics,
-                     "Append a line of JSON about once a second to this .jsonl file: step, loss, PSNR, leaves, ... "
-                     "(see training/metrics_log.h); --resume continues it");
-    verb->footer(
-        std::string(
-            "Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n"
-            "After Ctrl-C it saves, says that it was interrupted, and ends with exit code 0.\n"
-            "NEUVV_TRACE=1 prints the time of each pass. ") +
-        kDeviceHelp +
-        "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
-        "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"
-        "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
-        "  neuvv train build/performer -o build/live.nvv --preview build/live.png --metrics build/live.jsonl\n"
-        "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
-        "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
-        "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8");
-    verb->callback([options, verb, &common] {
-        if (options->settings.resume) warn_of_ignored_options(*verb);
+    verb.add_option("--preview", options->live.preview,
+                    "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
+    verb.add_option("--metrics", options->live.metrics,
+                    "Append a line of JSON about once a second to this .jsonl file: step, loss, PSNR, leaves, ... "
+                    "(see training/metrics_log.h); --resume continues it");
+    verb.footer(
+        {"Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n"
+         "After Ctrl-C it saves, says that it was interrupted, and ends with exit code 0.\n"
+         "NEUVV_TRACE=1 prints the time of each pass. ",
+         kDeviceHelp,
+         "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
+         "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"
+         "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
+         "  neuvv train build/performer -o build/live.nvv --preview build/live.png --metrics build/live.jsonl\n"
+         "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
+         "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
+         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
+    verb.callback([options, verb, &common] {
+        if (options->settings.resume) warn_of_ignored_options(verb);
         run_train(*options, common);
     });
 }

@@ -15,32 +15,31 @@ struct ViewOptions {
 
 }  // namespace
 
-void add_view(CLI::App& app, CommonOptions& common) {
+void add_view(Command app, CommonOptions& common) {
     auto options = std::make_shared<ViewOptions>();
-    CLI::App* verb = app.add_subcommand("view", "Watch and edit clips and stages in a window");
-    verb->add_option("file", options->file,
-                     "A stage (.gltf, .glb), a clip (.nvv, or the .npz of a PlenOctree), or a folder whose newest clip "
-                     "is shown as training goes on");
-    verb->add_option("--size", options->size, "Of the window, as 1280x720; otherwise as it was last");
-    verb->add_option("--ui-scale", options->ui_scale, "Of letters and panels; otherwise the monitor's")
-        ->check(number_between(0.5, 4));
-    verb->add_option("--report", options->report,
-                     "Keep this JSON file up to date with what the window shows and where, for programs that drive it");
-    verb->add_option("--screenshots", options->screenshots,
-                     "The folder for F12; otherwise the one for images ($XDG_PICTURES_DIR, ~/Pictures)");
-    verb->add_option(
+    Command verb = app.add_verb("view", "Watch and edit clips and stages in a window");
+    verb.add_option("file", options->file,
+                    "A stage (.gltf, .glb), a clip (.nvv, or the .npz of a PlenOctree), or a folder whose newest clip "
+                    "is shown as training goes on");
+    verb.add_option("--size", options->size, "Of the window, as 1280x720; otherwise as it was last");
+    verb.add_option("--ui-scale", options->ui_scale, "Of letters and panels; otherwise the monitor's")
+        .number_between(0.5, 4);
+    verb.add_option("--report", options->report,
+                    "Keep this JSON file up to date with what the window shows and where, for programs that drive it");
+    verb.add_option("--screenshots", options->screenshots,
+                    "The folder for F12; otherwise the one for images ($XDG_PICTURES_DIR, ~/Pictures)");
+    verb.add_option(
             "--shaders", options->shaders,
             "For who writes shaders: this folder of their sources is watched, and what changes is seen at once; a "
             "debug build watches the one that it was built from")
-        ->check(CLI::ExistingDirectory);
-    verb->add_flag("--validate", options->validate,
-                   "With Vulkan's validation layers, whose messages are in the report");
-    verb->footer(
-        "Keys: ? in the window lists them.\n\n"
-        "Examples:\n"
-        "  neuvv view demo/performer.nvv\n"
-        "  neuvv view demo/stage.gltf --size 1600x900");
-    verb->callback([options, &common] {
+        .existing_folder();
+    verb.add_flag("--validate", options->validate, "With Vulkan's validation layers, whose messages are in the report");
+    verb.footer(
+        {"Keys: ? in the window lists them.\n\n"
+         "Examples:\n"
+         "  neuvv view demo/performer.nvv\n"
+         "  neuvv view demo/stage.gltf --size 1600x900"});
+    verb.callback([options, &common] {
         viewer::Viewer::Options viewer;
         viewer.file = options->file;
         viewer.report = options->report;

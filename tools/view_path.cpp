@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "training/evaluate.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::tools {
 
@@ -72,22 +73,6 @@ double fitting_distance(double radius, double half_height, double tan_x, double 
 
 }  // namespace
 
-std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree) {
-    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-    for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) {
-        const double edge = std::ldexp(1.0, -static_cast<int>(position.depth));
-        const glm::dvec3 corner = glm::dvec3(position.x, position.y, position.z) * edge;
-        low = glm::min(low, corner);
-        high = glm::max(high, corner + edge);
-    }
-    if (tree.leaf_count == 0) {
-        low = glm::dvec3(0);
-        high = glm::dvec3(1);
-    }
-    const glm::dvec3 origin(tree.box_min), size(tree.box_size);
-    return {origin + low * size, origin + high * size};
-}
-
 std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,
                                  media::ImageSize size) {
     const double seconds = clip_seconds(playback);
@@ -110,7 +95,7 @@ std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, c
 }
 
 std::vector<ViewStep> orbit_path(const voctree::VOctree& tree, media::ImageSize size) {
-    return orbit_path(occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
+    return orbit_path(voctree::occupied_box(tree), {{0, tree.frames - 1.0}, tree.fps, tree.fps}, size);
 }
 
 stage::Camera centred_camera(media::ImageSize size, double focal_length_px, const glm::dmat4& world_from_camera) {

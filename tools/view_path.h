@@ -23,10 +23,6 @@ struct Playback {
     double output_fps = 25;
 };
 
-// Minimum and maximum corner of the box around the tree's leaves, in metres; of the tree's own box where it has no
-// leaf.
-std::pair<glm::dvec3, glm::dvec3> occupied_box(const voctree::VOctree& tree);
-
 // One turn around a box at a slight elevation, from +Z over +X, while the clip plays; the clip repeats until the turn
 // has taken four seconds. The whole box is in every image. Throws InputError for more than a million images.
 std::vector<ViewStep> orbit_path(const std::pair<glm::dvec3, glm::dvec3>& box, const Playback& playback,

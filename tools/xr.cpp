@@ -68,41 +68,41 @@ void check_headset(const std::string& choice) {
 
 }  // namespace
 
-void add_xr(CLI::App& app, CommonOptions& common) {
+void add_xr(Command app, CommonOptions& common) {
     auto options = std::make_shared<XrOptions>();
     headset::HeadsetOptions& headset = options->headset;
-    CLI::App* verb = app.add_subcommand("xr", "Watch and edit clips and stages in a headset (OpenXR)");
-    verb->add_option("file", options->file,
-                     "A stage (.gltf, .glb), a clip (.nvv, or the .npz of a PlenOctree), or a folder of clips");
-    verb->add_flag("--check", options->check,
-                   "Say what the runtime and its headset offer, and what is missing; no file is looked at");
-    verb->add_flag("--mirror", headset.mirror, "A window that shows what the left eye sees");
-    verb->add_flag("--play", headset.play, "Play from the start");
-    verb->add_option("--scale", headset.quality.scale,
-                     "Rays a pixel along each side; otherwise as many as the refresh rate allows")
-        ->check(number_between(0.2, 1));
-    verb->add_option("--inset", options->inset,
-                     "The middle of each eye gets all rays, this share of its side; beside it half of them")
-        ->check(number_between(0.1, 0.95));
-    verb->add_option("--refresh", options->refresh_hz, "Hz of the display, or the nearest rate that it knows")
-        ->check(number_between(1, 1000));
-    verb->add_flag("--no-mask", options->no_mask, "Draw what no lens shows, too");
-    verb->add_flag("--no-depth", options->no_depth, "Keep depth from the compositor");
-    verb->add_flag("--recover", headset.recover, "Take unsaved edits that an earlier run left behind");
-    verb->add_option("--report", options->report,
-                     "At the end, write into this JSON file what was seen last and where the panel's buttons are, for "
-                     "programs that drive it");
-    verb->add_flag("--validate", headset.validate, "With Vulkan's validation layers");
-    verb->footer(
-        "Controls (xr/README.md has an image, and what they are on other controllers):\n"
-        "  trigger selects, presses the panel, paints; grip holds, both grips scale\n"
-        "  left stick up throws you there, sideways steps through time; right stick sideways turns you, up and down "
-        "is the speed\n"
-        "  A plays, B duplicates, X undoes, Y or the menu button shows the panel with all else\n\n"
-        "Examples:\n"
-        "  neuvv xr --check\n"
-        "  neuvv xr demo/stage.gltf --mirror");
-    verb->callback([options, &common] {
+    Command verb = app.add_verb("xr", "Watch and edit clips and stages in a headset (OpenXR)");
+    verb.add_option("file", options->file,
+                    "A stage (.gltf, .glb), a clip (.nvv, or the .npz of a PlenOctree), or a folder of clips");
+    verb.add_flag("--check", options->check,
+                  "Say what the runtime and its headset offer, and what is missing; no file is looked at");
+    verb.add_flag("--mirror", headset.mirror, "A window that shows what the left eye sees");
+    verb.add_flag("--play", headset.play, "Play from the start");
+    verb.add_option("--scale", headset.quality.scale,
+                    "Rays a pixel along each side; otherwise as many as the refresh rate allows")
+        .number_between(0.2, 1);
+    verb.add_option("--inset", options->inset,
+                    "The middle of each eye gets all rays, this share of its side; beside it half of them")
+        .number_between(0.1, 0.95);
+    verb.add_option("--refresh", options->refresh_hz, "Hz of the display, or the nearest rate that it knows")
+        .number_between(1, 1000);
+    verb.add_flag("--no-mask", options->no_mask, "Draw what no lens shows, too");
+    verb.add_flag("--no-depth", options->no_depth, "Keep depth from the compositor");
+    verb.add_flag("--recover", headset.recover, "Take unsaved edits that an earlier run left behind");
+    verb.add_option("--report", options->report,
+                    "At the end, write into this JSON file what was seen last and where the panel's buttons are, for "
+                    "programs that drive it");
+    verb.add_flag("--validate", headset.validate, "With Vulkan's validation layers");
+    verb.footer(
+        {"Controls (xr/README.md has an image, and what they are on other controllers):\n"
+         "  trigger selects, presses the panel, paints; grip holds, both grips scale\n"
+         "  left stick up throws you there, sideways steps through time; right stick sideways turns you, up and down "
+         "is the speed\n"
+         "  A plays, B duplicates, X undoes, Y or the menu button shows the panel with all else\n\n"
+         "Examples:\n"
+         "  neuvv xr --check\n"
+         "  neuvv xr demo/stage.gltf --mirror"});
+    verb.callback([options, &common] {
         if (options->check) return check_headset(common.device);
         if (options->file.empty()) throw InputError("xr", "", "there is nothing to show", "name a stage or a clip");
         headset::HeadsetOptions& settings = options->headset;

@@ -218,4 +218,8 @@ size_t JsonMembers::choice_of(const char* name, std::span<const char* const> nam
     (*this)[name].fail("is none of " + all);
 }
 
+std::string json_text(const nlohmann::ordered_json& json) {
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace neuvv

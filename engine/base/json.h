@@ -92,4 +92,7 @@ struct JsonMembers : OrderedJsonNode {
 
 constexpr size_t kMaxQuoted = 120;  // characters of a file's text in an error
 
+// Indented JSON with a line break at its end. Bytes that are not UTF-8, which file names may have, become U+FFFD.
+std::string json_text(const nlohmann::ordered_json& json);
+
 }  // namespace neuvv

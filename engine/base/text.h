@@ -1,4 +1,4 @@
-// Lists as users write them, and bytes as text.
+// Text as users write it, and bytes as text.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,9 @@ namespace neuvv {
 
 // The parts of the text between separators, without spaces around them. There is at least one part; parts may be empty.
 std::vector<std::string> split(const std::string& text, char separator);
+
+// The text with ASCII letters in lower case.
+std::string lower_case(std::string text);
 
 // The bytes in base64 as in data URIs, padded with '='.
 std::string base64(std::span<const uint8_t> bytes);

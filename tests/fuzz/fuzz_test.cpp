@@ -1,5 +1,6 @@
 // Tests that the fuzzer finds the defects that it looks for.
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <functional>

@@ -1,6 +1,7 @@
 #include "stage/json_splice.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <random>
 

@@ -1,6 +1,7 @@
 #include "stage/stage_file.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "stage/gltf_container.h"
 #include "stage/stage.h"

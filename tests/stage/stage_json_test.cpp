@@ -1,6 +1,7 @@
 #include "stage/stage_json.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "stage/json_splice.h"
 #include "stage/stage.h"

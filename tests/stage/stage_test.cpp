@@ -2,6 +2,7 @@
 #include "stage/camera_path_json.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>

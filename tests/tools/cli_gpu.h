@@ -12,6 +12,7 @@
 #include "tools/view_path.h"
 #include "training/evaluate.h"
 #include "voctree/nvv.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv {
 
@@ -38,7 +39,7 @@ inline void write_own_dataset(const gpu::Device& device, const voctree::VOctree&
     render::FrameRenderer renderer(device, field, {48, 40});
     std::filesystem::create_directories(folder / "test");
     nlohmann::json file;
-    const std::vector<tools::ViewStep> orbit = tools::orbit_path(tools::occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
+    const std::vector<tools::ViewStep> orbit = tools::orbit_path(voctree::occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
     for (size_t c = 0; c < 2; ++c)
         for (int t = 0; t < 3; ++t) {
             const double time = t / 2.0;

@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include "media/exr.h"
+#include "media/image_sink.h"
 #include "media/video.h"
 #include "support/child_process.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/camera_path_file.h"
 #include "voctree/nvpaint.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv {
 namespace {
@@ -18,7 +20,7 @@ struct CliRender : CliGpu {
         stage::CameraPath path;
         path.cyclic = cyclic;
         const std::vector<tools::ViewStep> orbit =
-            tools::orbit_path(tools::occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
+            tools::orbit_path(voctree::occupied_box(tree), {{0, 3}, 2, 2}, {48, 40});
         for (size_t i = 0; i < 3; ++i) {
             const stage::Camera& camera = orbit[2 * i].camera;
             stage::CameraPathKey key;
@@ -174,8 +176,8 @@ TEST_F(CliRender, AnInterruptedSequenceGoesOn) {
         EXPECT_LE(json.at("rendered"), 21);
         EXPECT_EQ(std::filesystem::last_write_time(file(third.c_str())), written);
         for (uint32_t i = 0; i < 24; ++i)
-            EXPECT_EQ(read_text(tools::parse_output(file(broken.c_str())).file(i)),
-                      read_text(tools::parse_output(file(whole.c_str())).file(i)))
+            EXPECT_EQ(read_text(media::parse_output(file(broken.c_str())).file(i)),
+                      read_text(media::parse_output(file(whole.c_str())).file(i)))
                 << ending << " " << i;
         EXPECT_EQ(nlohmann::json::parse(run_neuvv(words).out).at("rendered"), 0);
         auto other = words;

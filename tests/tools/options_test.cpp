@@ -1,8 +1,10 @@
 #include "tools/options.h"
+#include "base/output_path.h"
 
 #include <gtest/gtest.h>
 
 #include "media/image.h"
+#include "media/image_sink.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 #include "tools/report.h"
@@ -57,35 +59,35 @@ TEST(Options, FrameRange) {
 }
 
 TEST(Options, Output) {
-    EXPECT_EQ(tools::parse_output("a/b.mp4").kind, tools::ImageOutput::Kind::kVideo);
-    EXPECT_EQ(tools::parse_output("50%.mp4").file(3), "50%.mp4");
-    EXPECT_EQ(tools::parse_output("b.PNG").kind, tools::ImageOutput::Kind::kImage);
-    EXPECT_EQ(tools::parse_output("a/out_%04d.png").file(7), "a/out_0007.png");
-    EXPECT_EQ(tools::parse_output("a/out_%04d.png").file(123456), "a/out_123456.png");
-    EXPECT_EQ(tools::parse_output("%d.png").file(12), "12.png");
-    EXPECT_EQ(tools::parse_output("a/out_%04d.png").file("render"), "a/out_render.png");
-    EXPECT_FALSE(tools::parse_output("out_%04d.png").exr);
-    EXPECT_TRUE(tools::parse_output("out_%04d.EXR").exr);
-    EXPECT_EQ(tools::parse_output("out_%04d.exr").file(7), "out_0007.exr");
-    EXPECT_EQ(tools::parse_output("out.exr").kind, tools::ImageOutput::Kind::kImage);
+    EXPECT_EQ(media::parse_output("a/b.mp4").kind, media::ImageOutput::Kind::kVideo);
+    EXPECT_EQ(media::parse_output("50%.mp4").file(3), "50%.mp4");
+    EXPECT_EQ(media::parse_output("b.PNG").kind, media::ImageOutput::Kind::kImage);
+    EXPECT_EQ(media::parse_output("a/out_%04d.png").file(7), "a/out_0007.png");
+    EXPECT_EQ(media::parse_output("a/out_%04d.png").file(123456), "a/out_123456.png");
+    EXPECT_EQ(media::parse_output("%d.png").file(12), "12.png");
+    EXPECT_EQ(media::parse_output("a/out_%04d.png").file("render"), "a/out_render.png");
+    EXPECT_FALSE(media::parse_output("out_%04d.png").exr);
+    EXPECT_TRUE(media::parse_output("out_%04d.EXR").exr);
+    EXPECT_EQ(media::parse_output("out_%04d.exr").file(7), "out_0007.exr");
+    EXPECT_EQ(media::parse_output("out.exr").kind, media::ImageOutput::Kind::kImage);
     for (const char* text : {"", "out", "out.avi", "mp4", "out.mp4.tmp"})
-        expect_input_error([&] { tools::parse_output(text); }, {"--output", "out_%04d.png"});
+        expect_input_error([&] { media::parse_output(text); }, {"--output", "out_%04d.png"});
     for (const char* text : {"%s.png", "%04.png", "%n_%d.png", "%d_%d.png", "%%.png", "%.png", "%0d.png", "%00d.png",
                              "%4d.png", "%010d.png", "%04"})
-        expect_input_error([&] { tools::parse_output(text); }, {"--output", text});
+        expect_input_error([&] { media::parse_output(text); }, {"--output", text});
 }
 
 TEST(Options, OutputsAreCheckedBeforeWork) {
     const TemporaryFolder folder;
-    tools::prepare_output_file("--json", folder.path / "a/b/c.json");
+    prepare_output_file("--json", folder.path / "a/b/c.json");
     EXPECT_TRUE(std::filesystem::is_directory(folder.path / "a/b"));
     EXPECT_FALSE(std::filesystem::exists(folder.path / "a/b/c.json"));
-    tools::prepare_output_file("--json", "c.json");  // in the working directory
-    expect_input_error([&] { tools::prepare_output_file("--json", folder.path / "a/b"); }, {"--json", "a/b"});
-    expect_input_error([&] { tools::prepare_output_file("--json", folder.path / "a/"); }, {"--json", "a/"});
+    prepare_output_file("--json", "c.json");  // in the working directory
+    expect_input_error([&] { prepare_output_file("--json", folder.path / "a/b"); }, {"--json", "a/b"});
+    expect_input_error([&] { prepare_output_file("--json", folder.path / "a/"); }, {"--json", "a/"});
     write_text(folder.path / "wall", "a file where a folder should be");
-    expect_input_error([&] { tools::prepare_output_file("--html", folder.path / "wall/x.html"); }, {"--html", "wall"});
-    expect_input_error([&] { tools::prepare_output_folder("--images", folder.path / "wall"); }, {"--images", "wall"});
+    expect_input_error([&] { prepare_output_file("--html", folder.path / "wall/x.html"); }, {"--html", "wall"});
+    expect_input_error([&] { prepare_output_folder("--images", folder.path / "wall"); }, {"--images", "wall"});
 }
 
 TEST(Options, Texts) {

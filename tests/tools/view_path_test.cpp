@@ -8,6 +8,7 @@
 
 #include "support/input_error.h"
 #include "support/random_tree.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv {
 namespace {
@@ -41,7 +42,7 @@ TEST(ViewPath, OccupiedBoxIsThatOfTheLeaves) {
     voctree::build_topology(tree, {{1, 2, 3, 2}, {3, 0, 6, 3}});
     tree.box_min = {-1, 0, 10};
     tree.box_size = {8, 16, 4};
-    const auto [low, high] = tools::occupied_box(tree);
+    const auto [low, high] = voctree::occupied_box(tree);
     EXPECT_EQ(low, glm::dvec3(1, 0, 13));    // tree (1/4, 0, 3/4)
     EXPECT_EQ(high, glm::dvec3(3, 12, 14));  // tree (1/2, 3/4, 1)
 }
@@ -49,7 +50,7 @@ TEST(ViewPath, OccupiedBoxIsThatOfTheLeaves) {
 TEST(ViewPath, OccupiedBoxOfAnEmptyTreeIsItsOwn) {
     voctree::VOctree tree = test::random_tree({.leaves = 1});
     voctree::build_topology(tree, {});
-    const auto [low, high] = tools::occupied_box(tree);
+    const auto [low, high] = voctree::occupied_box(tree);
     EXPECT_EQ(low, glm::dvec3(tree.box_min));
     EXPECT_EQ(high, glm::dvec3(tree.box_min) + glm::dvec3(tree.box_size));
 }

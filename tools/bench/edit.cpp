@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/json.h"
 #include "base/text.h"
 #include "edit/operations.h"
 #include "editor/editor.h"
@@ -150,11 +151,11 @@ void run(const EditOptions& options) {
     const EditCost empty = measure(0, options.steps), large = measure(options.megabytes * 1e6, options.steps);
     const double ratio = median(large.total_ms()) / median(empty.total_ms());
     if (options.json) {
-        fmt::print("{}", tools::json_text({{"megabytes", options.megabytes},
-                                           {"steps", options.steps},
-                                           {"empty", json_of(empty)},
-                                           {"large", json_of(large)},
-                                           {"ratio", ratio}}));
+        fmt::print("{}", json_text({{"megabytes", options.megabytes},
+                                    {"steps", options.steps},
+                                    {"empty", json_of(empty)},
+                                    {"large", json_of(large)},
+                                    {"ratio", ratio}}));
         return;
     }
     fmt::print("{} steps of a drag, in milliseconds\n", options.steps);
@@ -167,23 +168,23 @@ void run(const EditOptions& options) {
 
 }  // namespace
 
-void add_edit(CLI::App& app, const tools::CommonOptions&) {
-    CLI::App* verb = app.add_subcommand("edit", "A step of a drag, on an empty stage and on a large one");
+void add_edit(tools::Command app, const tools::CommonOptions&) {
+    tools::Command verb = app.add_verb("edit", "A step of a drag, on an empty stage and on a large one");
     const auto options = std::make_shared<EditOptions>();
-    verb->add_option("--megabytes", options->megabytes, "Of the large stage's buffer, which its file embeds")
-        ->check(tools::number_between(0.001, 50))
-        ->capture_default_str();
-    verb->add_option("--steps", options->steps, "Moves of the mouse, and then as many edits")
-        ->check(CLI::Range(2, 100))
-        ->capture_default_str();
-    verb->add_flag("--json", options->json, "Print JSON");
-    verb->footer(
-        std::string("Drags the light of a new stage, as the viewer does: `edit` is the operation and a copy of the "
-                    "document, `stage`\nwhat the render thread makes of that copy before it draws. `history` is the "
-                    "memory that undoing all steps needs beyond\nthe document. The large stage has a mesh in a data "
-                    "URI. No device is used.") +
-        tools::kExamplesHead + "  neuvv-bench edit\n  neuvv-bench edit --megabytes 10 --json");
-    verb->callback([options] { run(*options); });
+    verb.add_option("--megabytes", options->megabytes, "Of the large stage's buffer, which its file embeds")
+        .number_between(0.001, 50)
+        .show_default();
+    verb.add_option("--steps", options->steps, "Moves of the mouse, and then as many edits")
+        .in_range(2, 100)
+        .show_default();
+    verb.add_flag("--json", options->json, "Print JSON");
+    verb.footer(
+        {"Drags the light of a new stage, as the viewer does: `edit` is the operation and a copy of the "
+         "document, `stage`\nwhat the render thread makes of that copy before it draws. `history` is the "
+         "memory that undoing all steps needs beyond\nthe document. The large stage has a mesh in a data "
+         "URI. No device is used.",
+         tools::kExamplesHead, "  neuvv-bench edit\n  neuvv-bench edit --megabytes 10 --json"});
+    verb.callback([options] { run(*options); });
 }
 
 }  // namespace neuvv::bench

@@ -6,11 +6,13 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "voctree/nvv.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::bench {
 
@@ -97,7 +99,7 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     Result result;
     result.field_bytes = device.buffer_bytes() - before;
-    const auto box = tools::occupied_box(tree);
+    const auto box = voctree::occupied_box(tree);
     const std::vector<render::Instance> copies = copies_of(tree, box, options.count);
     const stage::Camera camera = camera_of(box, options.count, tools::parse_size(options.size));
     tools::Progress progress("bench", 2);
@@ -144,7 +146,7 @@ nlohmann::ordered_json json_of(const Result& result, const InstancesOptions& opt
 
 void run(const InstancesOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.image.empty()) tools::prepare_output_file("--picture", options.image);
+    if (!options.image.empty()) prepare_output_file("--picture", options.image);
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
@@ -155,7 +157,7 @@ void run(const InstancesOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_instances(CLI::App& app, const tools::CommonOptions& common) {
+void add_instances(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] = add_verb(
         app, common,
         {"instances",
@@ -164,14 +166,14 @@ void add_instances(CLI::App& app, const tools::CommonOptions& common) {
          "covered rays and device memory of both.\n",
          {"build/performer.nvv", "build/performer.nvv --count 32 --slice-budget 0"}},
         run);
-    verb->add_option("--count", options.count, "Copies, each turned and at its own time")
-        ->check(CLI::Range(2u, render::kMaxInstances))
-        ->capture_default_str();
-    tools::add_slice_budget_option(*verb, options.slice_budget_mb);
-    add_size_option(*verb, options);
-    add_repeats_option(*verb, options, "Images of each that the means are over");
-    add_image_option(*verb, options);
-    add_json_flag(*verb, options);
+    verb.add_option("--count", options.count, "Copies, each turned and at its own time")
+        .in_range(2u, render::kMaxInstances)
+        .show_default();
+    tools::add_slice_budget_option(verb, options.slice_budget_mb);
+    add_size_option(verb, options);
+    add_repeats_option(verb, options, "Images of each that the means are over");
+    add_image_option(verb, options);
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench

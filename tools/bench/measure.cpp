@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/platform.h"
 #include "edit/operations.h"
 #include "tools/options.h"
@@ -16,35 +17,33 @@
 
 namespace neuvv::bench {
 
-CLI::App* add_scene_verb(CLI::App& app, const VerbHelp& help, BenchOptions& options) {
-    CLI::App* verb = app.add_subcommand(help.name, help.summary);
-    verb->add_option("scene", options.scene, help.scene)->required();
+tools::Command add_scene_verb(tools::Command app, const VerbHelp& help, BenchOptions& options) {
+    tools::Command verb = app.add_verb(help.name, help.summary);
+    verb.add_option("scene", options.scene, help.scene).required();
     std::string footer = help.explanation + tools::kDeviceHelp + tools::kExamplesHead;
     for (const std::string& example : help.examples)
         footer += fmt::format("{}  neuvv-bench {} {}", footer.ends_with('\n') ? "" : "\n", help.name, example);
-    verb->footer(footer);
+    verb.footer({footer});
     return verb;
 }
 
-void add_size_option(CLI::App& verb, BenchOptions& options, const char* help) {
-    verb.add_option("--size", options.size, help)->capture_default_str();
+void add_size_option(tools::Command verb, BenchOptions& options, const char* help) {
+    verb.add_option("--size", options.size, help).show_default();
 }
 
-void add_views_option(CLI::App& verb, BenchOptions& options) {
-    verb.add_option("--views", options.views, "Views of the orbit, as the clip plays")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
+void add_views_option(tools::Command verb, BenchOptions& options) {
+    verb.add_option("--views", options.views, "Views of the orbit, as the clip plays").in_range(1, 100).show_default();
 }
 
-void add_repeats_option(CLI::App& verb, BenchOptions& options, const char* help) {
-    verb.add_option("--repeats", options.repeats, help)->check(CLI::Range(1, 10000))->capture_default_str();
+void add_repeats_option(tools::Command verb, BenchOptions& options, const char* help) {
+    verb.add_option("--repeats", options.repeats, help).in_range(1, 10000).show_default();
 }
 
-void add_image_option(CLI::App& verb, BenchOptions& options) {
+void add_image_option(tools::Command verb, BenchOptions& options) {
     verb.add_option("--picture", options.image, "Write what was drawn to this PNG");
 }
 
-void add_json_flag(CLI::App& verb, BenchOptions& options) {
+void add_json_flag(tools::Command verb, BenchOptions& options) {
     verb.add_flag("--json", options.json, "Print JSON");
 }
 
@@ -58,7 +57,7 @@ void report(const BenchOptions& options, const gpu::Device& device, const nlohma
     nlohmann::ordered_json json = {{"device", device.summary().name}, {"scene", options.scene}};
     if (!options.size.empty()) json["size"] = options.size;
     json.update(facts);
-    fmt::print("{}", tools::json_text(json));
+    fmt::print("{}", json_text(json));
 }
 
 render::FrameCapacity capacity_of(const BenchOptions& options) {

@@ -32,21 +32,22 @@ struct VerbHelp {
 };
 
 // Adds a verb with its scene and its help.
-CLI::App* add_scene_verb(CLI::App& app, const VerbHelp& help, BenchOptions& options);
+tools::Command add_scene_verb(tools::Command app, const VerbHelp& help, BenchOptions& options);
 // The same with options of its own, which live as long as the verb; its callback is `run`.
 template <typename Options>
-std::pair<CLI::App*, Options&> add_verb(CLI::App& app, const tools::CommonOptions& common, const VerbHelp& help,
-                                        void (*run)(const Options&, const tools::CommonOptions&)) {
+std::pair<tools::Command, Options&> add_verb(tools::Command app, const tools::CommonOptions& common,
+                                             const VerbHelp& help,
+                                             void (*run)(const Options&, const tools::CommonOptions&)) {
     const auto options = std::make_shared<Options>();
-    CLI::App* verb = add_scene_verb(app, help, *options);
-    verb->callback([options, &common, run] { run(*options, common); });
+    tools::Command verb = add_scene_verb(app, help, *options);
+    verb.callback([options, &common, run] { run(*options, common); });
     return {verb, *options};
 }
-void add_size_option(CLI::App& verb, BenchOptions& options, const char* help = "WIDTHxHEIGHT");
-void add_views_option(CLI::App& verb, BenchOptions& options);
-void add_repeats_option(CLI::App& verb, BenchOptions& options, const char* help);
-void add_image_option(CLI::App& verb, BenchOptions& options);
-void add_json_flag(CLI::App& verb, BenchOptions& options);
+void add_size_option(tools::Command verb, BenchOptions& options, const char* help = "WIDTHxHEIGHT");
+void add_views_option(tools::Command verb, BenchOptions& options);
+void add_repeats_option(tools::Command verb, BenchOptions& options, const char* help);
+void add_image_option(tools::Command verb, BenchOptions& options);
+void add_json_flag(tools::Command verb, BenchOptions& options);
 
 // Throws RuntimeFailure where the user has asked to stop.
 void expect_not_stopped();
@@ -97,15 +98,15 @@ void add_image(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& pas
 std::string passes_text(const std::vector<PassSum>& sums);
 nlohmann::ordered_json passes_json(const std::vector<PassSum>& sums);
 
-void add_open(CLI::App& app, const tools::CommonOptions& common);
-void add_render(CLI::App& app, const tools::CommonOptions& common);
-void add_slice(CLI::App& app, const tools::CommonOptions& common);
-void add_walk(CLI::App& app, const tools::CommonOptions& common);
-void add_instances(CLI::App& app, const tools::CommonOptions& common);
-void add_stereo(CLI::App& app, const tools::CommonOptions& common);
-void add_stage(CLI::App& app, const tools::CommonOptions& common);
-void add_xr(CLI::App& app, const tools::CommonOptions& common);
-void add_train(CLI::App& app, const tools::CommonOptions& common);
-void add_edit(CLI::App& app, const tools::CommonOptions& common);
+void add_open(tools::Command app, const tools::CommonOptions& common);
+void add_render(tools::Command app, const tools::CommonOptions& common);
+void add_slice(tools::Command app, const tools::CommonOptions& common);
+void add_walk(tools::Command app, const tools::CommonOptions& common);
+void add_instances(tools::Command app, const tools::CommonOptions& common);
+void add_stereo(tools::Command app, const tools::CommonOptions& common);
+void add_stage(tools::Command app, const tools::CommonOptions& common);
+void add_xr(tools::Command app, const tools::CommonOptions& common);
+void add_train(tools::Command app, const tools::CommonOptions& common);
+void add_edit(tools::Command app, const tools::CommonOptions& common);
 
 }  // namespace neuvv::bench

@@ -3,19 +3,20 @@
 
 int main(int argc, char** argv) {
     using namespace neuvv::bench;
-    CLI::App app{"Measure how fast NeuVV runs on a device, beside the references that it is compared with.",
-                 "neuvv-bench"};
     neuvv::tools::CommonOptions common;
-    neuvv::tools::set_up_program(app, common);
+    neuvv::tools::Program program(
+        "neuvv-bench", "Measure how fast NeuVV runs on a device, beside the references that it is compared with.",
+        common);
+    neuvv::tools::Command app = program.command();
     for (const auto add :
          {add_open, add_render, add_slice, add_walk, add_instances, add_stereo, add_stage, add_xr, add_train, add_edit})
         add(app, common);
     app.footer(
-        "Exit code: 0, 1 (failure), 2 (bad input). `neuvv-bench VERB --help` tells more.\n\n"
-        "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer` and\n"
-        "`neuvv train build/performer -o build/performer.nvv`:\n"
-        "  neuvv-bench render build/performer.nvv --views 2\n"
-        "  neuvv-bench slice build/performer.nvv\n"
-        "  neuvv-bench train build/performer.nvv build/performer --repeats 50");
-    return neuvv::tools::run_program(app, argc, argv);
+        {"Exit code: 0, 1 (failure), 2 (bad input). `neuvv-bench VERB --help` tells more.\n\n"
+         "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer` and\n"
+         "`neuvv train build/performer -o build/performer.nvv`:\n"
+         "  neuvv-bench render build/performer.nvv --views 2\n"
+         "  neuvv-bench slice build/performer.nvv\n"
+         "  neuvv-bench train build/performer.nvv build/performer --repeats 50"});
+    return program.run(argc, argv);
 }

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "base/parallel.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"
@@ -183,14 +184,14 @@ voctree::VOctree synthetic_scene(double megabytes) {
 void write_synthetic(const OpenOptions& options) {
     if (std::filesystem::exists(options.scene))
         throw InputError(options.scene, "", "is there already", "name a new file, or leave --synthetic out");
-    tools::prepare_output_file("scene", options.scene);
+    prepare_output_file("scene", options.scene);
     const voctree::VOctree tree = synthetic_scene(options.synthetic_megabytes);
     voctree::write_nvv(options.scene, tree, {}, 1, voctree::coarse_tree(tree));
 }
 
 void run(const OpenOptions& options, const tools::CommonOptions& common) {
     const media::ImageSize size = tools::parse_size(options.size);
-    if (!options.images.empty()) tools::prepare_output_folder("--pictures", options.images);
+    if (!options.images.empty()) prepare_output_folder("--pictures", options.images);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
     const voctree::NvvSummary summary = voctree::summarise_nvv(options.scene);
     const bool has_coarse = summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
@@ -211,7 +212,7 @@ void run(const OpenOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_open(CLI::App& app, const tools::CommonOptions& common) {
+void add_open(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] =
         add_verb(app, common,
                  {"open",
@@ -223,14 +224,14 @@ void add_open(CLI::App& app, const tools::CommonOptions& common) {
                   "the coarse opening, which is first, also compiles the pipelines. ",
                   {"build/performer.nvv", "build/large.nvv --synthetic 1000"}},
                  run);
-    verb->add_option("--synthetic", options.synthetic_megabytes,
-                     "First write a made-up scene of about so many MB there; it stays. 1000 MB are about what devices "
-                     "hold in one "
-                     "buffer")
-        ->check(tools::number_between(1, 1000));
-    add_size_option(*verb, options);
-    verb->add_option("--pictures", options.images, "A folder for the two images: coarse.png and whole.png");
-    add_json_flag(*verb, options);
+    verb.add_option("--synthetic", options.synthetic_megabytes,
+                    "First write a made-up scene of about so many MB there; it stays. 1000 MB are about what devices "
+                    "hold in one "
+                    "buffer")
+        .number_between(1, 1000);
+    add_size_option(verb, options);
+    verb.add_option("--pictures", options.images, "A folder for the two images: coarse.png and whole.png");
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -232,7 +232,7 @@ void run(const RenderOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_render(CLI::App& app, const tools::CommonOptions& common) {
+void add_render(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] =
         add_verb(app, common,
                  {"render",
@@ -242,13 +242,13 @@ void add_render(CLI::App& app, const tools::CommonOptions& common) {
                   "images differ by. ",
                   {"build/performer.nvv --views 2", "build/performer.nvv --views 2 --rival raster"}},
                  run);
-    add_size_option(*verb, options);
-    add_views_option(*verb, options);
-    add_repeats_option(*verb, options, "Images of each view that the medians are over");
-    verb->add_option("--rival", options.rival,
-                     "Also by another renderer: `raster` projects leaves, sorts and composites them")
-        ->check(CLI::IsMember({"raster"}));
-    add_json_flag(*verb, options);
+    add_size_option(verb, options);
+    add_views_option(verb, options);
+    add_repeats_option(verb, options, "Images of each view that the medians are over");
+    verb.add_option("--rival", options.rival,
+                    "Also by another renderer: `raster` projects leaves, sorts and composites them")
+        .one_of({"raster"});
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench

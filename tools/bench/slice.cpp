@@ -108,7 +108,7 @@ void run(const SliceOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_slice(CLI::App& app, const tools::CommonOptions& common) {
+void add_slice(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] =
         add_verb(app, common,
                  {"slice",
@@ -116,11 +116,9 @@ void add_slice(CLI::App& app, const tools::CommonOptions& common) {
                   "Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights has. ",
                   {"build/performer.nvv"}},
                  run);
-    verb->add_option("--frames", options.frames, "Times, spread over the clip")
-        ->check(CLI::Range(1, 10000))
-        ->capture_default_str();
-    add_repeats_option(*verb, options, "Slices of each time");
-    add_json_flag(*verb, options);
+    verb.add_option("--frames", options.frames, "Times, spread over the clip").in_range(1, 10000).show_default();
+    add_repeats_option(verb, options, "Slices of each time");
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench

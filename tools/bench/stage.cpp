@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/output_path.h"
 #include "base/platform.h"
 #include "render/stage_renderer.h"
 #include "tools/bench/measure.h"
@@ -122,7 +123,7 @@ nlohmann::ordered_json json_of(const Result& result, const StageOptions& options
 
 void run(const StageOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.image.empty()) tools::prepare_output_file("--picture", options.image);
+    if (!options.image.empty()) prepare_output_file("--picture", options.image);
     const gpu::Device device(common.device);
     Result result;
     result.variants = measure_variants(device, options, result.image);
@@ -136,7 +137,7 @@ void run(const StageOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_stage(CLI::App& app, const tools::CommonOptions& common) {
+void add_stage(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] = add_verb(
         app, common,
         {"stage",
@@ -145,15 +146,15 @@ void add_stage(CLI::App& app, const tools::CommonOptions& common) {
          "there already, and prints the time of an image; then device memory of copies.\n",
          {"build/performer.nvv", "build/performer.nvv --together --repeats 5"}},
         run);
-    add_size_option(*verb, options);
-    verb->add_flag("--together", options.together, "The performers stand in each other");
-    verb->add_option("--copies", options.copies, "Performers of the stage whose memory is held against one's")
-        ->check(CLI::Range(1u, render::kMaxInstances))
-        ->capture_default_str();
-    tools::add_slice_budget_option(*verb, options.slice_budget_mb);
-    add_repeats_option(*verb, options, "Images of each variant that the medians are over");
-    add_image_option(*verb, options);
-    add_json_flag(*verb, options);
+    add_size_option(verb, options);
+    verb.add_flag("--together", options.together, "The performers stand in each other");
+    verb.add_option("--copies", options.copies, "Performers of the stage whose memory is held against one's")
+        .in_range(1u, render::kMaxInstances)
+        .show_default();
+    tools::add_slice_budget_option(verb, options.slice_budget_mb);
+    add_repeats_option(verb, options, "Images of each variant that the medians are over");
+    add_image_option(verb, options);
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -12,6 +12,7 @@
 #include "tools/view_path.h"
 #include "training/metrics.h"
 #include "voctree/nvv.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::bench {
 
@@ -129,7 +130,7 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const media::ImageSize size = tools::parse_size(options.size);
-    const std::vector<stage::Camera> eyes = eyes_before(tools::occupied_box(tree), size, 0.4);
+    const std::vector<stage::Camera> eyes = eyes_before(voctree::occupied_box(tree), size, 0.4);
     render::FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
     Result result;
     result.variants = all_variants();
@@ -195,7 +196,7 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_stereo(CLI::App& app, const tools::CommonOptions& common) {
+void add_stereo(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] =
         add_verb(app, common,
                  {"stereo",
@@ -207,9 +208,9 @@ void add_stereo(CLI::App& app, const tools::CommonOptions& common) {
                  run);
     options.size = "2064x2208";
     options.repeats = 20;
-    add_size_option(*verb, options, "WIDTHxHEIGHT of an eye");
-    add_repeats_option(*verb, options, "Frames that the medians are over");
-    add_json_flag(*verb, options);
+    add_size_option(verb, options, "WIDTHxHEIGHT of an eye");
+    add_repeats_option(verb, options, "Frames that the medians are over");
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -155,7 +155,7 @@ void run(const TrainOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_train(CLI::App& app, const tools::CommonOptions& common) {
+void add_train(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] =
         add_verb(app, common,
                  {"train",
@@ -167,10 +167,10 @@ void add_train(CLI::App& app, const tools::CommonOptions& common) {
                   "optimiser reaches. Weights stay as they are. ",
                   {"build/performer.nvv build/performer --repeats 50"}},
                  run);
-    verb->add_option("dataset", options.dataset, "The data set's folder")->required();
-    tools::add_format_option(*verb, options.format);
-    verb->add_option("--tiles", options.tiles, "Tiles of 8x8 rays a step")->check(CLI::Range(1, 65536));
-    add_repeats_option(*verb, options, "Steps that the medians are over");
+    verb.add_option("dataset", options.dataset, "The data set's folder").required();
+    tools::add_format_option(verb, options.format);
+    verb.add_option("--tiles", options.tiles, "Tiles of 8x8 rays a step").in_range(1, 65536);
+    add_repeats_option(verb, options, "Steps that the medians are over");
 }
 
 }  // namespace neuvv::bench

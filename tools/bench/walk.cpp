@@ -155,7 +155,7 @@ void run(const BenchOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_walk(CLI::App& app, const tools::CommonOptions& common) {
+void add_walk(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] = add_verb(
         app, common,
         {"walk",
@@ -163,10 +163,10 @@ void add_walk(CLI::App& app, const tools::CommonOptions& common) {
          "Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU time.\n",
          {"build/performer.nvv"}},
         run);
-    add_size_option(*verb, options);
-    add_views_option(*verb, options);
-    add_repeats_option(*verb, options, "Traces of each view that the medians are over");
-    add_json_flag(*verb, options);
+    add_size_option(verb, options);
+    add_views_option(verb, options);
+    add_repeats_option(verb, options, "Traces of each view that the medians are over");
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench

@@ -158,7 +158,7 @@ void run(const XrOptions& options, const tools::CommonOptions& common) {
 
 }  // namespace
 
-void add_xr(CLI::App& app, const tools::CommonOptions& common) {
+void add_xr(tools::Command app, const tools::CommonOptions& common) {
     auto [verb, options] = add_verb(app, common,
                                     {"xr",
                                      "A frame in a headset, of a stage",
@@ -167,17 +167,11 @@ void add_xr(CLI::App& app, const tools::CommonOptions& common) {
                                      {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
                                      "A stage, or a .nvv that is put on one"},
                                     run);
-    add_size_option(*verb, options, "WIDTHxHEIGHT of an eye");
-    verb->add_option("--frames", options.frames, "Frames that are drawn")
-        ->check(CLI::Range(1, 100000))
-        ->capture_default_str();
-    verb->add_option("--hz", options.hz, "Of the display")
-        ->check(tools::number_between(1, 1000))
-        ->capture_default_str();
-    verb->add_option("--scale", options.scale, "Rays a pixel along each side")
-        ->check(tools::number_between(0.2, 1))
-        ->capture_default_str();
-    add_json_flag(*verb, options);
+    add_size_option(verb, options, "WIDTHxHEIGHT of an eye");
+    verb.add_option("--frames", options.frames, "Frames that are drawn").in_range(1, 100000).show_default();
+    verb.add_option("--hz", options.hz, "Of the display").number_between(1, 1000).show_default();
+    verb.add_option("--scale", options.scale, "Rays a pixel along each side").number_between(0.2, 1).show_default();
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench

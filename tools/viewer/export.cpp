@@ -1,4 +1,5 @@
 #include "tools/viewer/export.h"
+#include "base/output_path.h"
 
 #include <fmt/format.h>
 
@@ -6,6 +7,7 @@
 
 #include "base/error.h"
 #include "editor/blocks.h"
+#include "media/image_sink.h"
 
 namespace neuvv::viewer {
 
@@ -18,11 +20,11 @@ constexpr uint32_t kMaxBlockRays = 512;
 
 Export::Export(ExportSettings settings)
     : settings_(std::move(settings)), image_(settings_.size.width, settings_.size.height) {
-    tools::prepare_output_file("export", settings_.output.path);
+    prepare_output_file("export", settings_.output.path);
     if (settings_.output.exr)
         throw InputError("export", settings_.output.path.string(), "the viewer writes no linear images",
                          "choose .png or .mp4, or `neuvv render`");
-    if (settings_.output.kind == tools::ImageOutput::Kind::kImage && settings_.images > 1)
+    if (settings_.output.kind == media::ImageOutput::Kind::kImage && settings_.images > 1)
         throw InputError("export", settings_.output.path.string(), "is one image",
                          "choose an .mp4, or a number as in out_%04d.png");
 }
@@ -43,8 +45,8 @@ bool Export::step(editor::OnDevice& on_device) {
     if (cancelled_) return stop(fmt::format("export cancelled after {} images", finished_images()), false);
     try {
         if (!sink_)
-            sink_ = std::make_unique<tools::ImageSink>(settings_.output, settings_.size, settings_.fps,
-                                                       tools::RenderFacts{}, false);
+            sink_ = std::make_unique<media::ImageSink>(settings_.output, settings_.size, settings_.fps,
+                                                       media::RenderFacts{}, false);
         draw_block(on_device);
         if (block_ < side_ * side_) return true;
         finish_image();

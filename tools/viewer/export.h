@@ -9,12 +9,12 @@
 #include <string>
 
 #include "editor/render_thread.h"
-#include "tools/image_sink.h"
+#include "media/image_sink.h"
 
 namespace neuvv::viewer {
 
 struct ExportSettings {
-    tools::ImageOutput output;  // not .exr
+    media::ImageOutput output;  // not .exr
     media::ImageSize size{1920, 1080};
     double fps = 25, first_s = 0;      // images per second of the stage; the stage time of the first image
     uint32_t images = 1, samples = 2;  // how many images; rays per pixel along each side
@@ -54,7 +54,7 @@ class Export {
     mutable std::mutex mutex_;
     std::optional<End> end_;
     // Used by the render thread alone.
-    std::unique_ptr<tools::ImageSink> sink_;
+    std::unique_ptr<media::ImageSink> sink_;
     uint32_t block_ = 0, side_ = 1;  // the next block; the blocks of an image are side_ × side_
     media::Image image_;
 };

@@ -9,7 +9,6 @@
 #include "edit/operations.h"
 #include "edit/paint_layers.h"
 #include "editor/open_file.h"
-#include "tools/options.h"
 #include "tools/viewer/context.h"
 #include "voctree/clip.h"
 

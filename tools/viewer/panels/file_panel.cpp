@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "editor/open_file.h"
-#include "tools/options.h"
+#include "media/image_sink.h"
 #include "tools/ui/icons.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/files.h"
@@ -31,7 +31,7 @@ bool button(Context& context, const char* name, bool enabled = true) {
 // The first file of numbered images; else the path itself.
 std::filesystem::path first_of(const std::filesystem::path& path) {
     try {
-        return tools::parse_output(path.string()).file(0);
+        return media::parse_output(path.string()).file(0);
     } catch (const InputError&) {
         return path;
     }

@@ -5,7 +5,7 @@
 
 #include "edit/light_values.h"
 #include "media/colour.h"
-#include "tools/light_status.h"
+#include "render/light_status.h"
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
 #include "tools/viewer/panels/panels.h"
@@ -111,11 +111,11 @@ void spot_fields(Context& context, FieldGroup& group, uint32_t node, const edit:
 void shadow_line(Context& context, FieldGroup& group, uint32_t node) {
     const stage::Stage* const stage = context.stage_of_document();
     if (!stage) return;
-    const std::vector<tools::LightStatus> statuses = tools::light_statuses(*stage, context.frame.evaluated);
+    const std::vector<render::LightStatus> statuses = render::light_statuses(*stage, context.frame.evaluated);
     for (size_t i = 0; i < statuses.size(); i++) {
         if (context.frame.evaluated.lights[i].node != node) continue;
         group.label("");
-        const tools::LightStatus& status = statuses[i];
+        const render::LightStatus& status = statuses[i];
         const std::string text = !status.text.empty()  ? status.text
                                  : status.casts_shadow ? "casts shadows"
                                                        : "casts no shadows";

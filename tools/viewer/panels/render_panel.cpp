@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "edit/operations.h"
 #include "media/colour.h"
+#include "media/image_sink.h"
 #include "tools/ui/icons.h"
 #include "tools/viewer/export.h"
 #include "tools/viewer/panels/fields.h"
@@ -111,7 +112,7 @@ ExportSettings settings_of(const Context& context, const ExportChoice& choice) {
 
 void begin_export(Context& context, Exporter& exporter, ExportSettings settings, const std::filesystem::path& file) {
     try {
-        settings.output = tools::parse_output(file.string());
+        settings.output = media::parse_output(file.string());
         exporter.begin(context, std::make_shared<Export>(std::move(settings)));
     } catch (const InputError& problem) {
         context.editor.notify(problem.what(), true);

@@ -6,10 +6,10 @@
 
 #include "editor/pointer.h"
 #include "tools/ui/theme.h"
-#include "tools/view_path.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/tools/overlay.h"
 #include "tools/viewer/tools/paint_tool.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::viewer {
 
@@ -49,7 +49,7 @@ void draw_edges(const Context& context, const Box& box, const glm::dmat4& world_
 void PaintTool::fit_box(const Context& context) {
     const auto performer = this->performer(context);
     if (!performer || !clip_ || clip_path_ != performer->clip) return;
-    std::tie(settings.box_low, settings.box_high) = tools::occupied_box(clip_->tree);
+    std::tie(settings.box_low, settings.box_high) = voctree::occupied_box(clip_->tree);
 }
 
 bool PaintTool::drag_box(Context& context, const PaintedPerformer& performer, bool pointer_used) {

@@ -1,16 +1,15 @@
-#include "tools/light_status.h"
+#include "render/light_status.h"
 
 #include <fmt/format.h>
 
 #include "render/stage_renderer.h"
 
-namespace neuvv::tools {
+namespace neuvv::render {
 
 std::vector<LightStatus> light_statuses(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
-    std::vector<render::SetLight> lights;
-    for (const stage::EvaluatedLight& light : evaluated.lights) lights.push_back(render::set_light(light));
-    const ShaderLights packed =
-        render::pack_lights(lights, {}, {}, {}, stage::performers_box(stage, evaluated), std::nullopt);
+    std::vector<SetLight> lights;
+    for (const stage::EvaluatedLight& light : evaluated.lights) lights.push_back(set_light(light));
+    const ShaderLights packed = pack_lights(lights, {}, {}, {}, stage::performers_box(stage, evaluated), std::nullopt);
     std::vector<LightStatus> statuses(lights.size());
     for (size_t i = 0; i < lights.size(); ++i) {
         LightStatus& status = statuses[i];
@@ -26,4 +25,4 @@ std::vector<LightStatus> light_statuses(const stage::Stage& stage, const stage::
     return statuses;
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::render

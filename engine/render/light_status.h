@@ -6,7 +6,7 @@
 
 #include "stage/evaluated_stage.h"
 
-namespace neuvv::tools {
+namespace neuvv::render {
 
 struct LightStatus {
     bool shines = true, casts_shadow = false;
@@ -17,4 +17,4 @@ struct LightStatus {
 // In the order of evaluated.lights.
 std::vector<LightStatus> light_statuses(const stage::Stage& stage, const stage::EvaluatedStage& evaluated);
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::render

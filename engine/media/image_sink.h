@@ -3,15 +3,31 @@
 // different renders are not mixed.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
+#include <string>
 
 #include "media/exr.h"
 #include "media/image.h"
 #include "media/video.h"
-#include "tools/options.h"
 
-namespace neuvv::tools {
+namespace neuvv::media {
+
+// A path for images, as a user writes it.
+struct ImageOutput {
+    enum class Kind { kVideo, kNumberedImages, kImage } kind = Kind::kVideo;
+    std::filesystem::path path;  // a pattern for kNumberedImages
+    bool exr = false;            // linear light and depth, not sRGB
+
+    // The file of image i.
+    std::filesystem::path file(uint32_t i) const;
+    // The pattern's file with this text in place of the number; the path itself where it is no pattern.
+    std::filesystem::path file(const std::string& in_place_of_number) const;
+};
+// "out.mp4", "out_%04d.png", "out.png", or the same as .exr.
+ImageOutput parse_output(const std::string& text);
 
 // What images depend on, by the name that a user knows it by: an option, or the scene.
 using RenderFacts = std::map<std::string, std::string>;
@@ -26,7 +42,7 @@ std::string content_fact(const std::filesystem::path& file);
 class ImageSink {
   public:
     // Throws InputError where `resume` would mix two renders.
-    ImageSink(ImageOutput output, media::ImageSize size, double fps, RenderFacts facts, bool resume);
+    ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume);
 
     // Whether an earlier run has finished image i.
     bool has(uint32_t i) const;
@@ -36,21 +52,21 @@ class ImageSink {
     bool exr() const { return output_.exr; }
 
     // Adds an image that the sink does not have yet; call it in order of i.
-    void add(uint32_t i, const media::Image& image);
-    void add(uint32_t i, const media::LinearImage& image);
+    void add(uint32_t i, const Image& image);
+    void add(uint32_t i, const LinearImage& image);
     // After the last of `images`.
     void finish(uint32_t images);
 
   private:
     void record_finished(uint32_t i);
     ImageOutput output_;  // of kept images where the video is made of them at the end
-    media::ImageSize size_;
+    ImageSize size_;
     double fps_;
     std::filesystem::path video_path_;  // of a video that is made at the end; else empty
-    std::optional<media::VideoWriter> video_;
+    std::optional<VideoWriter> video_;
     std::filesystem::path record_path_;  // empty: nothing is recorded
     RenderFacts facts_;
     uint32_t finished_ = 0;  // images, from the first
 };
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::media

@@ -1,4 +1,4 @@
-#include "tools/image_sink.h"
+#include "media/image_sink.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>
@@ -10,12 +10,34 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/output_path.h"
 #include "base/platform.h"
-#include "tools/report.h"
+#include "base/text.h"
 
-namespace neuvv::tools {
+namespace neuvv::media {
 
 namespace {
+
+constexpr int kMaxDigits = 9;  // of a numbered file name
+
+// The number in a printf pattern: its first character, the one after its last, and its minimum number of digits.
+struct NumberField {
+    size_t begin = 0, end = 0;
+    int digits = 1;
+};
+
+// %d or %0Nd at `begin`; nothing where anything else follows the %, for instance in "%%".
+std::optional<NumberField> number_field(const std::string& text, size_t begin) {
+    NumberField field{begin, begin + 1, 1};
+    if (field.end < text.size() && text[field.end] == '0') {
+        ++field.end;
+        if (field.end >= text.size() || !std::isdigit(static_cast<unsigned char>(text[field.end]))) return {};
+        field.digits = text[field.end++] - '0';
+    }
+    if (field.end >= text.size() || text[field.end] != 'd' || field.digits < 1 || field.digits > kMaxDigits) return {};
+    ++field.end;
+    return field;
+}
 
 constexpr char kRecordName[] = "render";  // the record of out_%04d.png is out_render.json
 
@@ -102,7 +124,7 @@ std::string content_fact(const std::filesystem::path& path) {
     return fmt::format("{}{:016x}", kContent, XXH3_64bits_digest(state.get()));
 }
 
-ImageSink::ImageSink(ImageOutput output, media::ImageSize size, double fps, RenderFacts facts, bool resume)
+ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume)
     : output_(std::move(output)), size_(size), fps_(fps), facts_(std::move(facts)) {
     using Kind = ImageOutput::Kind;
     if (output_.kind == Kind::kVideo && resume) {
@@ -128,25 +150,25 @@ void ImageSink::record_finished(uint32_t i) {
     write_record(record_path_, facts_, finished_);
 }
 
-void ImageSink::add(uint32_t i, const media::Image& image) {
+void ImageSink::add(uint32_t i, const Image& image) {
     assert(!output_.exr && "this output takes linear images");
     if (video_)
         video_->add(image);
     else
-        media::write_png(output_.file(i), image);
+        write_png(output_.file(i), image);
     record_finished(i);
 }
 
-void ImageSink::add(uint32_t i, const media::LinearImage& image) {
+void ImageSink::add(uint32_t i, const LinearImage& image) {
     assert(output_.exr && "this output takes sRGB images");
-    media::write_exr(output_.file(i), image);
+    write_exr(output_.file(i), image);
     record_finished(i);
 }
 
 void ImageSink::finish(uint32_t images) {
     if (!video_path_.empty()) {
         video_.emplace(video_path_, size_.width, size_.height, fps_);
-        for (uint32_t i = 0; i < images; ++i) video_->add(media::read_png(output_.file(i)));
+        for (uint32_t i = 0; i < images; ++i) video_->add(read_png(output_.file(i)));
     }
     if (video_) video_->finish();
     if (video_path_.empty()) return;
@@ -156,4 +178,32 @@ void ImageSink::finish(uint32_t images) {
     std::filesystem::remove(record_path_.parent_path(), ignored);
 }
 
-}  // namespace neuvv::tools
+ImageOutput parse_output(const std::string& text) {
+    const std::string ending = lower_case(std::filesystem::path(text).extension().string());
+    if (ending == ".mp4") return {ImageOutput::Kind::kVideo, text};
+    const bool exr = ending == ".exr";
+    if (ending != ".png" && !exr)
+        throw InputError("--output", text, "is neither an .mp4 nor a .png nor an .exr",
+                         "write out.mp4, out_%04d.png, out.png, out_%04d.exr or out.exr");
+    const size_t percent = text.find('%');
+    if (percent == std::string::npos) return {ImageOutput::Kind::kImage, text, exr};
+    const auto field = number_field(text, percent);
+    if (!field || text.find('%', field->end) != std::string::npos)
+        throw InputError("--output", text, "needs one place for the image's number", "write it as in out_%04d.png");
+    return {ImageOutput::Kind::kNumberedImages, text, exr};
+}
+
+std::filesystem::path ImageOutput::file(const std::string& in_place_of_number) const {
+    if (kind != Kind::kNumberedImages) return path;
+    const std::string text = path.string();
+    const NumberField field = number_field(text, text.rfind('%')).value();
+    return text.substr(0, field.begin) + in_place_of_number + text.substr(field.end);
+}
+
+std::filesystem::path ImageOutput::file(uint32_t i) const {
+    if (kind != Kind::kNumberedImages) return path;
+    const std::string text = path.string();
+    return file(fmt::format("{:0{}}", i, number_field(text, text.rfind('%')).value().digits));
+}
+
+}  // namespace neuvv::media

@@ -1,5 +1,5 @@
 // Where the images of a render are written, and how a render is resumed.
-#include "tools/image_sink.h"
+#include "media/image_sink.h"
 
 #include <gtest/gtest.h>
 
@@ -18,17 +18,17 @@ media::Image image_of(uint8_t grey) {
 
 struct Sink : testing::Test {
     TemporaryFolder folder;
-    tools::RenderFacts facts{{"scene", "xxh3:0123"}, {"--size", "16x8"}};
+    media::RenderFacts facts{{"scene", "xxh3:0123"}, {"--size", "16x8"}};
 
-    tools::ImageSink sink(const char* name, bool resume) {
-        return {tools::parse_output((folder.path / name).string()), {16, 8}, 25, facts, resume};
+    media::ImageSink sink(const char* name, bool resume) {
+        return {media::parse_output((folder.path / name).string()), {16, 8}, 25, facts, resume};
     }
     bool there(const char* name) const { return std::filesystem::exists(folder.path / name); }
 };
 
 TEST_F(Sink, NumberedPicturesGoOnWhereTheyStopped) {
     {
-        tools::ImageSink first = sink("o_%02d.png", false);
+        media::ImageSink first = sink("o_%02d.png", false);
         EXPECT_TRUE(first.resumable());
         EXPECT_FALSE(first.has(0));
         for (uint32_t i = 0; i < 3; ++i) first.add(i, image_of(static_cast<uint8_t>(10 * i)));
@@ -36,7 +36,7 @@ TEST_F(Sink, NumberedPicturesGoOnWhereTheyStopped) {
     EXPECT_TRUE(there("o_render.json"));
     media::write_png(folder.path / "o_03.png", image_of(99));  // an image of another render
     std::filesystem::remove(folder.path / "o_01.png");         // an image that was deleted
-    tools::ImageSink second = sink("o_%02d.png", true);
+    media::ImageSink second = sink("o_%02d.png", true);
     EXPECT_TRUE(second.has(0));
     EXPECT_FALSE(second.has(1));
     EXPECT_TRUE(second.has(2));
@@ -47,7 +47,7 @@ TEST_F(Sink, NumberedPicturesGoOnWhereTheyStopped) {
     for (uint8_t i = 0; i < 4; ++i)
         EXPECT_EQ(media::read_png(folder.path / ("o_0" + std::to_string(i) + ".png")).rgba,
                   image_of(static_cast<uint8_t>(10 * i)).rgba);
-    const tools::ImageSink third = sink("o_%02d.png", true);
+    const media::ImageSink third = sink("o_%02d.png", true);
     for (uint32_t i = 0; i < 4; ++i) EXPECT_TRUE(third.has(i));
 }
 
@@ -84,20 +84,20 @@ TEST_F(Sink, DamagedRecordsAreNamed) {
 }
 
 TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
-    const auto fill = [](tools::ImageSink& into, uint32_t from, uint32_t to) {
+    const auto fill = [](media::ImageSink& into, uint32_t from, uint32_t to) {
         for (uint32_t i = from; i < to; ++i) into.add(i, image_of(static_cast<uint8_t>(20 * i)));
     };
-    tools::ImageSink straight = sink("straight.mp4", false);
+    media::ImageSink straight = sink("straight.mp4", false);
     EXPECT_FALSE(straight.resumable());
     fill(straight, 0, 5);
     straight.finish(5);
     EXPECT_EQ(folder.entries(), 1u);
     {
-        tools::ImageSink first = sink("100%.mp4", true);  // a path may have a percent sign
+        media::ImageSink first = sink("100%.mp4", true);  // a path may have a percent sign
         fill(first, 0, 2);
     }
     EXPECT_TRUE(there("100%.mp4.frames"));
-    tools::ImageSink second = sink("100%.mp4", true);
+    media::ImageSink second = sink("100%.mp4", true);
     EXPECT_TRUE(second.has(1));
     EXPECT_FALSE(second.has(2));
     fill(second, 2, 5);
@@ -113,7 +113,7 @@ TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
 }
 
 TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {
-    tools::ImageSink video = sink("v.mp4", true);
+    media::ImageSink video = sink("v.mp4", true);
     write_text(folder.path / "v.mp4.frames/notes.txt", "mine");
     video.add(0, image_of(0));
     video.finish(1);
@@ -122,7 +122,7 @@ TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {
 }
 
 TEST_F(Sink, LinearImages) {
-    tools::ImageSink into = sink("o_%d.exr", false);
+    media::ImageSink into = sink("o_%d.exr", false);
     EXPECT_TRUE(into.exr());
     const media::LinearImage image{2, 1, {0.5f, 0.25f, 0, 1, 0, 0, 0, 0}, {1.5f, 2}};
     into.add(0, image);
@@ -134,9 +134,9 @@ TEST_F(Sink, ContentIsWhatCounts) {
     write_text(folder.path / "a", "content");
     write_text(folder.path / "b", "content");
     write_text(folder.path / "c", "Content");
-    EXPECT_EQ(tools::content_fact(folder.path / "a"), tools::content_fact(folder.path / "b"));
-    EXPECT_NE(tools::content_fact(folder.path / "a"), tools::content_fact(folder.path / "c"));
-    expect_input_error([&] { tools::content_fact(folder.path / "none"); }, {"none"});
+    EXPECT_EQ(media::content_fact(folder.path / "a"), media::content_fact(folder.path / "b"));
+    EXPECT_NE(media::content_fact(folder.path / "a"), media::content_fact(folder.path / "c"));
+    expect_input_error([&] { media::content_fact(folder.path / "none"); }, {"none"});
 }
 
 }  // namespace

@@ -1,0 +1,17 @@
+// Where results are written: checked before any work, so that no work is lost where they could not be.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace neuvv {
+
+// Both make the folder
+// (or the file's folder) where it is missing, and throw InputError where it cannot be written into; an empty folder is
+// the working directory. `option` is for the error.
+void prepare_output_folder(const std::string& option, const std::filesystem::path& folder);
+void prepare_output_file(const std::string& option, const std::filesystem::path& file);
+// Writes a whole file, atomically. Throws RuntimeFailure.
+void write_text_file(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace neuvv

@@ -1,0 +1,14 @@
+// The part of a tree's box that its leaves fill.
+#pragma once
+
+#include <utility>
+
+#include "voctree/voctree.h"
+
+namespace neuvv::voctree {
+
+// Minimum and maximum corner of the box around the tree's leaves, in metres; of the tree's own box where it has no
+// leaf.
+std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree);
+
+}  // namespace neuvv::voctree
