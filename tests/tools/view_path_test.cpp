@@ -58,7 +58,7 @@ TEST(ViewPath, OccupiedBoxOfAnEmptyTreeIsItsOwn) {
 TEST(ViewPath, OrbitShowsTheWholeBoxAndFillsThePicture) {
     const Box box{{-0.5, 0, -0.4}, {0.7, 1.8, 0.4}};
     for (const media::ImageSize size :
-         {media::ImageSize{720, 720}, tools::media::ImageSize{1280, 720}, tools::media::ImageSize{300, 500}}) {
+         {media::ImageSize{720, 720}, media::ImageSize{1280, 720}, media::ImageSize{300, 500}}) {
         double outermost = 0;
         for (const tools::ViewStep& step : tools::orbit_path(box, {{0, 23}, 25, 25}, size)) {
             EXPECT_NEAR(glm::determinant(glm::dmat3(step.camera.world_from_camera)), 1, 1e-12);
