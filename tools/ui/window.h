@@ -41,9 +41,9 @@ class Window {
     VkSurfaceKHR make_surface(const gpu::Device& device) const;
 
     GLFWwindow* handle() const { return window_; }
-    VkExtent2D framebuffer() const;  // pixels; 0 while minimised
-    float content_scale() const;     // of its monitor: 2 where text is to be twice as large
-    WindowGeometry geometry() const;    // as it is without full screen
+    VkExtent2D framebuffer() const;   // pixels; 0 while minimised
+    float content_scale() const;      // of its monitor: 2 where text is to be twice as large
+    WindowGeometry geometry() const;  // as it is without full screen
     void set_title(const std::string& title);
     void toggle_full_screen();
 
@@ -61,7 +61,8 @@ class Window {
     const std::vector<KeyPress>& presses() const { return presses_; }
     const std::vector<std::filesystem::path>& dropped() const { return dropped_; }
     const std::u32string& typed() const { return typed_; }
-    // Passes pointer, buttons, keys and characters of the portion to ImGui. Call it before ImGui::NewFrame().
+    // Passes pointer, buttons, keys and characters of the portion to ImGui. Call it after ImGui_ImplGlfw_NewFrame() and
+    // before ImGui::NewFrame().
     void feed_imgui() const;
     // Whether a key is down that was pressed without Ctrl.
     bool is_down(int place) const { return place >= 0 && place < kKeys && keys_[place] && !with_control_[place]; }
