@@ -44,8 +44,8 @@ struct Measure {
 
     template <typename Act>
     void operator()(const char* what, Act&& act) const {
-        const std::filesystem::path own_folder =
-            folder / what;  // so that no edits are left for the next one to recover
+        // A folder of its own, so that no edits are left for the next measurement to recover.
+        const std::filesystem::path own_folder = folder / what;
         std::filesystem::create_directory(own_folder);
         Hands hands(screen, own_folder, {stage, "--size", "960x540"}, false);
         hands.until_rest();
