@@ -74,7 +74,7 @@ bool Screen::end(const ScreenImage& image) {
     const VkExtent2D framebuffer = window_.framebuffer();
     if (framebuffer.width == 0 || framebuffer.height == 0) return true;  // minimised
     const VkExtent2D extent = swapchain_.extent();
-    if (swapchain_.is_old() || framebuffer.width != extent.width || framebuffer.height != extent.height) {
+    if (swapchain_.is_outdated() || framebuffer.width != extent.width || framebuffer.height != extent.height) {
         swapchain_.resize(framebuffer);
         make_framebuffers();
     }
