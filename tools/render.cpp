@@ -13,8 +13,8 @@
 #include "gpu/frame_capture.h"
 #include "media/image_sink.h"
 #include "render/frame_passes.h"
-#include "tools/render.h"
 #include "tools/options.h"
+#include "tools/render.h"
 #include "tools/report.h"
 
 namespace neuvv::tools {
