@@ -189,7 +189,7 @@ TEST_F(Watching, WhatCannotBeOpenedIsSaid) {
 TEST_F(Watching, ShadersThatChangeAreSeen) {
     const std::filesystem::path shaders = folder.path / "shaders", changed = shaders / "show.glsl";
     std::filesystem::copy(NEUVV_SHADERS, shaders, std::filesystem::copy_options::recursive);
-    const std::string text = read_text(changed), stored = "packUnorm4x8(shown)";
+    const std::string text = read_text(changed), stored = "packUnorm4x8(colour)";
     const size_t at = text.find(stored);
     ASSERT_NE(at, std::string::npos);
     auto write = [&, later = 0](const std::string& now) mutable {
@@ -200,7 +200,7 @@ TEST_F(Watching, ShadersThatChangeAreSeen) {
     Hands hands(*screen, folder.path, {stage, "--size", "640x400", "--shaders", shaders.string()});
     hands.until_rest();
     const media::Image before = hands.image();
-    write(std::string(text).replace(at, stored.size(), "packUnorm4x8(shown.bgra)"));
+    write(std::string(text).replace(at, stored.size(), "packUnorm4x8(colour.bgra)"));
     hands.until_notice("shaders made anew");
     hands.until_rest();
     const media::Image swapped = hands.image();
