@@ -107,9 +107,9 @@ glm::vec4 image_at(const media::Image& image, glm::vec2 at) {
 // Looks up the image for leaves. All lengths are in the performer's metres, in which leaves are cubes and picked
 // distances are measured.
 struct Projector {
-    Projector(const Canvas& on, const media::Image& image, const stage::Camera& from, const DepthMap& depths)
+    Projector(const Canvas& on, const media::Image& of, const stage::Camera& from, const DepthMap& depths)
         : canvas(on),
-          image(image),
+          image(of),
           camera(from),
           map(depths),
           camera_from_performer(glm::inverse(camera.world_from_camera)),
