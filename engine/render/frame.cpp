@@ -20,8 +20,9 @@ void FrameRenderer::record_readback() {
 }
 
 // Comments say what each pass reads → writes, by the names of buffers in their structs: Field, SliceTrees, TileRanges
-// (target_.ranges), RayBatch (target_.rays) and SetRaster. With a set, the shadow maps of performers and set come
-// first, and rays end at the set. Without a set, only the tiles of the image that an instance may cover are resolved.
+// (target_.ranges), RayBatch (target_.rays) and SetRaster. Passes of a slice are recorded in slice_tree.cpp, those of
+// one instance in performer.cpp (record_instance). With a set, the shadow maps of performers and set follow the slices,
+// and rays end at the set. Without a set, only the tiles of the image that an instance may cover are resolved.
 void FrameRenderer::record_playing(const FrameSettings& settings) {
     // nothing → blank_ (where the layout or the resolve settings are not those of blank_)
     if (!set_) record_blank(settings);

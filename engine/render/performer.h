@@ -1,5 +1,5 @@
-// A performer: one field on the device with its cached slices, drawn once for each of its instances. The device memory
-// that it takes does not grow with the number of instances.
+// A field on the device with its cached slices, drawn once for each of its instances: all performers of a stage that
+// play the same clip are one Performer here. The device memory that it takes does not grow with their number.
 #pragma once
 
 #include <array>

@@ -91,9 +91,7 @@ TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
     EXPECT_NE(level.rgba, cost.rgba);
     EXPECT_NE(cost.rgba, cheap.rgba);
     for (size_t i = 0; i < colour.rgba.size(); i += 4) {
-        const auto any = [&](const media::Image& image) {
-            return image.rgba[i] + image.rgba[i + 1] + image.rgba[i + 2] > 0;
-        };
+        const auto any = [&](const media::Image& of) { return of.rgba[i] + of.rgba[i + 1] + of.rgba[i + 2] > 0; };
         EXPECT_TRUE(colour.rgba[i + 3] == 0 || any(cost)) << "what is seen has cost something";
         EXPECT_TRUE(colour.rgba[i + 3] < 255 || any(level)) << "what is solid has a level";
         EXPECT_TRUE(colour.rgba[i + 3] > 0 || !any(level)) << "what is not seen has none";
