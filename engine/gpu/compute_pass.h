@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gpu/buffer.h"
+#include "gpu/compute_program.h"
 #include "gpu/pass_layout.h"
 
 namespace neuvv::gpu {
@@ -18,29 +19,25 @@ constexpr uint32_t groups_of(uint64_t items, uint32_t group_size) {
 
 class ComputePass {
   public:
-    // Compiles the shader through the device's pipeline cache, or the replacement of `spirv` in the device's
-    // ShaderTable. `constants` are the values of the specialisation constants with constant_id 0, 1, … Throws
-    // RuntimeFailure where the shader needs more than the device's limits allow.
+    // Takes the device's program of the shader, or of what replaces it in the device's ShaderTable (compute_program.h,
+    // which says what it throws). `constants` are the values of the specialisation constants with constant_id 0, 1, …
     ComputePass(const Device& device, std::string name, std::span<const uint32_t> spirv,
-                const std::vector<uint32_t>& constants = {});
-    ~ComputePass();
+                const std::vector<uint32_t>& constants = {})
+        : device_(device), name_(std::move(name)), program_(device.programs().get(device, name_, spirv, constants)) {}
     ComputePass(const ComputePass&) = delete;
     ComputePass& operator=(const ComputePass&) = delete;
 
     const std::string& name() const { return name_; }
-    const ShaderInterface& interface() const { return interface_; }
-    VkPipeline pipeline() const { return pipeline_; }
-    VkPipelineLayout layout() const { return layout_.pipeline(); }
-    VkDescriptorSetLayout set_layout() const { return layout_.set(); }
+    const ShaderInterface& interface() const { return program_.interface(); }
+    VkPipeline pipeline() const { return program_.pipeline(); }
+    VkPipelineLayout layout() const { return program_.layout(); }
+    VkDescriptorSetLayout set_layout() const { return program_.set_layout(); }
     const Device& device() const { return device_; }
 
   private:
-    ComputePass(const Device& device, std::string name) : device_(device), name_(std::move(name)) {}
     const Device& device_;
     std::string name_;
-    ShaderInterface interface_;
-    PassLayout layout_;
-    VkPipeline pipeline_ = VK_NULL_HANDLE;
+    const ComputeProgram& program_;
 };
 
 using Bindings = std::vector<std::pair<uint32_t, const Buffer*>>;

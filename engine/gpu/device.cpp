@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/platform.h"
+#include "gpu/compute_program.h"
 #include "gpu/debug_buffer.h"
 #include "gpu/features.h"
 #include "gpu/result_name.h"
@@ -175,7 +176,8 @@ std::vector<DeviceSummary> list_devices() {
     return summaries;
 }
 
-Device::Device(std::unique_ptr<Messages> messages) : messages_(std::move(messages)) {}
+Device::Device(std::unique_ptr<Messages> messages)
+    : programs_(std::make_unique<ComputePrograms>()), messages_(std::move(messages)) {}
 
 // Delegates, so that the destructor frees the instance when no device fits.
 Device::Device(const std::string& choice, Validation validation, const DeviceExtensions& extensions,
@@ -191,6 +193,7 @@ Device::~Device() {
     if (device_) {
         vkDeviceWaitIdle(device_);
         debug_buffer_.reset();
+        programs_.reset();
         if (pipeline_cache_) save_pipeline_cache();
         vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
         vkDestroyDevice(device_, nullptr);

@@ -17,6 +17,7 @@
 
 namespace neuvv::gpu {
 
+class ComputePrograms;
 class DebugBuffer;
 
 // A Vulkan call failed. After the loss of a device nothing of the device can be used any more; other failures, such as
@@ -82,6 +83,7 @@ class Device {
     uint32_t queue_family() const { return queue_family_; }
     VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
     ShaderTable& shaders() const { return shaders_; }
+    ComputePrograms& programs() const { return *programs_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     uint64_t max_allocation_bytes() const { return max_allocation_bytes_; }
     const DeviceSummary& summary() const { return summary_; }
@@ -130,6 +132,7 @@ class Device {
     uint32_t queue_family_ = 0;
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
     mutable ShaderTable shaders_;
+    std::unique_ptr<ComputePrograms> programs_;
     VkPhysicalDeviceLimits limits_{};
     uint64_t max_allocation_bytes_ = 0;
     DeviceSummary summary_;

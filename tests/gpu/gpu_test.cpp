@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include "base/error.h"
 #include "gpu/commands.h"
@@ -93,6 +94,16 @@ TEST_F(DeviceTest, PassesTakeTheNewestShaders) {
     EXPECT_EQ(bindings(), of_rows);
 }
 
+TEST_F(DeviceTest, PassesOfOneShaderAndTheSameConstantsShareTheirPipeline) {
+    const auto pipeline = [&](std::span<const uint32_t> spirv, const std::vector<uint32_t>& constants) {
+        return gpu::ComputePass(device(), "shared", spirv, constants).pipeline();
+    };
+    const VkPipeline first = pipeline(rows_comp, {1});
+    EXPECT_EQ(pipeline(rows_comp, {1}), first) << "also where the first pass is gone";
+    EXPECT_NE(pipeline(rows_comp, {2}), first);
+    EXPECT_NE(pipeline(resolve_comp, {1}), first);
+}
+
 using BufferTest = GpuTest;
 
 TEST_F(BufferTest, LimitsAreNamed) {
@@ -128,7 +139,7 @@ TEST_F(BufferTest, EmptyOnesHoldATexelAndMovesLeaveNothing) {
     ASSERT_NE(buffer.mapped, nullptr);
     const gpu::Buffer moved = std::move(buffer);
     EXPECT_NE(moved.buffer, VkBuffer{VK_NULL_HANDLE});
-    EXPECT_EQ(buffer.buffer, VkBuffer{VK_NULL_HANDLE});
+    EXPECT_EQ(buffer.buffer, VkBuffer{VK_NULL_HANDLE});  // NOLINT(bugprone-use-after-move): that is tested
 }
 
 TEST(Reflect, ShadersAndHeadersAgreeOnPushConstants) {
