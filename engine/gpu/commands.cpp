@@ -9,8 +9,12 @@
 
 namespace neuvv::gpu {
 
+Commands::Commands(const Device& device, uint32_t max_scopes, std::string name)
+    : device_(device), name_(std::move(name)), max_scopes_(max_scopes) {}
+
+// Delegates, so that the destructor frees what was created when a later step throws.
 Commands::Commands(const Device& device, std::string name, uint32_t max_scopes)
-    : device_(device), name_(std::move(name)), max_scopes_(max_scopes) {
+    : Commands(device, max_scopes, std::move(name)) {
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device.queue_family();
     check(vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), "vkCreateCommandPool", name_);

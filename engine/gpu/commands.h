@@ -53,6 +53,7 @@ class Commands {
     double milliseconds() const { return milliseconds_; }
 
   private:
+    Commands(const Device& device, uint32_t max_scopes, std::string name);  // without Vulkan objects
     const Device& device_;
     std::string name_;
     uint32_t max_scopes_;

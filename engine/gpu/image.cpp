@@ -40,8 +40,11 @@ void create_image(DeviceImage& to) {
 
 }  // namespace
 
-DeviceImage::DeviceImage(const Device& owner, std::string label, const ImageShape& wanted)
-    : device(&owner), name(std::move(label)), shape(wanted) {
+// Delegates, so that the destructor frees what was created when a later step throws.
+DeviceImage::DeviceImage(const Device& owner, std::string label, const ImageShape& wanted) : DeviceImage() {
+    device = &owner;
+    name = std::move(label);
+    shape = wanted;
     const uint32_t limit = owner.limits().maxImageDimension2D;
     if (shape.width > limit || shape.height > limit)
         throw RuntimeFailure(fmt::format("image \"{}\" is {}×{}, device \"{}\" takes {} a side", name, shape.width,
