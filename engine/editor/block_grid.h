@@ -25,7 +25,7 @@ class BlockGrid {
 
   private:
     double target_ms_;
-    uint32_t side_ = 4;
+    uint32_t side_ = 2;      // few at first: where blocks cost much beside their pixels, more would never become fewer
     double coarser_ms_ = 0;  // of the block of the coarser grid that this grid divides; 0: none
     double total_ms_ = 0;    // of the blocks drawn with this grid
     uint32_t blocks_ = 0;

@@ -48,9 +48,9 @@ TEST(BlockGrid, BlocksTakeAboutTheTarget) {
 TEST(BlockGrid, CutsNothingInVain) {
     editor::BlockGrid grid(kTarget_ms);
     const Drawn drawn = draw(grid, 100, 80);
-    EXPECT_EQ(drawn.side, 4u);
+    EXPECT_EQ(drawn.side, 2u);
     EXPECT_LE(drawn.begun, 3u);
-    EXPECT_LE(drawn.total_ms, 16 * 105 + 3 * 105);
+    EXPECT_LE(drawn.total_ms, 4 * 120 + 120 + 105);
 }
 
 TEST(BlockGrid, GoesBackToFewWhereTheyAreQuick) {
