@@ -25,11 +25,11 @@ struct RunState {
     double minutes = 0;  // the run's budget in minutes or in steps; one of the two is 0
     uint64_t steps = 0;
     uint32_t tiles_per_step = 512;
-    LossWeights weights{0.1f, 0.2f, 0};
+    LossWeights weights = kLossWeightsWithoutSmoothness;
     std::string program;  // name and version of the program that began the run
 };
 
-// What a state file holds: everything that a run needs to go on. The .nvv beside it may be older or newer.
+// What a checkpoint file holds: everything that a run needs to go on. The .nvv beside it may be older or newer.
 struct Checkpoint {
     RunState run;
     voctree::VOctree tree;                       // fp32 weights
@@ -43,14 +43,14 @@ std::filesystem::path state_path(const std::filesystem::path& nvv);
 // Downloads weights, bases, moments and use of the leaves. `tree` has the run's topology.
 Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run);
 
-// Replaces the state file, then the .nvv, each atomically: at any moment each file is the old or the new one, and
+// Replaces the checkpoint file, then the .nvv, each atomically: at any moment each file is the old or the new one, and
 // wherever there is a .nvv, its run can be resumed. Returns how many leaves the .nvv has. Throws RuntimeFailure.
 uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
 
 // Writes the .nvv alone, made compact (compact.h). Returns how many leaves it has. Throws RuntimeFailure.
 uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree);
 
-// Throws InputError where the state file is missing, damaged or not of a training run.
+// Throws InputError where the checkpoint file is missing, damaged or not of a training run.
 Checkpoint load_checkpoint(const std::filesystem::path& nvv);
 
 // Uploads the moments and the use of the leaves. The step must have been made from checkpoint.tree.

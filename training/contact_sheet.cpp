@@ -7,8 +7,6 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint8_t kWhite[3] = {255, 255, 255};
-
 media::Image shrunk(const media::Image& opaque, uint32_t factor) {
     media::Image small(opaque.width / factor, opaque.height / factor);
     const uint64_t area = uint64_t{factor} * factor;
@@ -35,7 +33,7 @@ media::Image enlarged(const media::Image& opaque, uint32_t factor) {
 media::Image scaled_to_fit(const media::Image& image, uint32_t longest) {
     assert(longest > 0 && "an image is fitted into pixels");
     const uint32_t side = std::max({image.width, image.height, 1u});
-    const media::Image opaque = media::composite_over(image, kWhite);
+    const media::Image opaque = media::composite_over(image, media::kWhite);
     return side > longest ? shrunk(opaque, (side + longest - 1) / longest) : enlarged(opaque, longest / side);
 }
 

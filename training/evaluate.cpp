@@ -11,8 +11,6 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint8_t kWhite[3] = {255, 255, 255};
-
 uint8_t byte_from_unit(double value) {
     return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
 }
@@ -56,7 +54,7 @@ std::string common_name(const std::vector<const std::string*>& names) {
 void whiten_ignored(const View& view, media::Image& image) {
     for (uint32_t y = 0; y < image.height && !view.ignored.empty(); ++y)
         for (uint32_t x = 0; x < image.width; ++x)
-            if (view.ignores(x, y)) std::copy(kWhite, kWhite + 3, image.at(x, y));
+            if (view.ignores(x, y)) std::copy(media::kWhite, media::kWhite + 3, image.at(x, y));
 }
 
 }  // namespace
@@ -102,7 +100,7 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
 }
 
 media::Image truth_over_white(const Dataset& dataset, const View& view) {
-    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image, kWhite);
+    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image, media::kWhite);
     media::Image clear(view.image.width, view.image.height);
     for (uint32_t y = 0; y < clear.height; ++y)
         for (uint32_t x = 0; x < clear.width; ++x) {
@@ -113,7 +111,7 @@ media::Image truth_over_white(const Dataset& dataset, const View& view) {
                 pixel[c] = byte_from_unit(media::srgb_from_linear(std::min(1.0, double{light[c]} / double{light.a})));
             pixel[3] = byte_from_unit(double{light.a});
         }
-    return media::composite_over(clear, kWhite);
+    return media::composite_over(clear, media::kWhite);
 }
 
 media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view,
@@ -125,7 +123,7 @@ media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& d
     settings.height = camera.height;
     settings.samples = samples;
     settings.mode = render::TraceMode::kTree;
-    media::Image render = media::composite_over(renderer.render(camera, settings), kWhite);
+    media::Image render = media::composite_over(renderer.render(camera, settings), media::kWhite);
     whiten_ignored(view, render);
     return render;
 }

@@ -13,8 +13,8 @@
 namespace neuvv::training {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-const glm::dvec3 kWhite{0.950428545, 1.0, 1.088900371};  // D65 in XYZ
+using std::numbers::pi;
+const glm::dvec3 kD65{0.950428545, 1.0, 1.088900371};  // D65 in XYZ
 constexpr size_t kRowsAtATime = 8;
 constexpr uint32_t kLanes = 16;  // pixels filtered together: the compiler makes vector instructions of a fixed count
 
@@ -25,8 +25,8 @@ glm::dvec3 xyz_from_rgb(glm::dvec3 c) {
 }
 
 // From linear RGB to XYZ relative to white, and back.
-const glm::mat3 kRelativeXyzFromRgb{xyz_from_rgb({1, 0, 0}) / kWhite, xyz_from_rgb({0, 1, 0}) / kWhite,
-                                    xyz_from_rgb({0, 0, 1}) / kWhite};
+const glm::mat3 kRelativeXyzFromRgb{xyz_from_rgb({1, 0, 0}) / kD65, xyz_from_rgb({0, 1, 0}) / kD65,
+                                    xyz_from_rgb({0, 0, 1}) / kD65};
 const glm::mat3 kRgbFromRelativeXyz = glm::inverse(glm::dmat3(kRelativeXyzFromRgb));
 
 // YCxCz: linear in light, one channel of luminance and two of opponent colours.
@@ -143,16 +143,16 @@ const std::array<std::vector<SensitivityTerm>, 3> kSensitivities{
 
 // A channel blurred by its contrast sensitivity function, the weights of which sum to 1.
 Plane blurred(const Plane& in, const std::vector<SensitivityTerm>& terms, double pixels_per_degree) {
-    const int radius = static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * kPi * kPi)) * pixels_per_degree));
+    const int radius = static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * pi * pi)) * pixels_per_degree));
     Plane out(in.width, in.height);
     double whole = 0;
     for (const auto& [a, b] : terms) {
         const Kernel kernel = kernel_of(radius, [&, b = b](double x) {
-            return std::exp(-kPi * kPi * x * x / (pixels_per_degree * pixels_per_degree * b));
+            return std::exp(-pi * pi * x * x / (pixels_per_degree * pixels_per_degree * b));
         });
         double sum = 0;
         for (const float value : kernel) sum += double{value};
-        const double height = a * std::sqrt(kPi / b);
+        const double height = a * std::sqrt(pi / b);
         whole += height * sum * sum;
         const Plane part = along_y(along_x(in, kernel), kernel);
         for (size_t i = 0; i < out.values.size(); i++) out.values[i] += static_cast<float>(height) * part.values[i];

@@ -1,7 +1,6 @@
 #include "training/hull.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/error.h"
@@ -39,8 +38,8 @@ struct PixelSums {
 };
 
 struct Silhouette {
-    glm::dmat4 camera_from_world;
-    const stage::Camera* camera;
+    glm::dmat4 camera_from_world{1};
+    const stage::Camera* camera = nullptr;
     PixelSums foreground, ignored;
 };
 

@@ -7,8 +7,8 @@
 
 namespace neuvv::training {
 
-// The weights of the losses by name. From this table follow options (--lambda-grad), keys of state files (lambda_grad)
-// and their help texts.
+// The weights of the losses by name. From this table follow options (--lambda-grad), keys of checkpoint files
+// (lambda_grad) and their help texts.
 struct NamedLossWeight {
     const char* name;
     float LossWeights::*weight;
@@ -19,6 +19,8 @@ constexpr NamedLossWeight kLossWeights[] = {
     {"point", &LossWeights::point, "Weight of the loss of each sample's own colour"},
     {"smooth", &LossWeights::smoothness, "Weight of the difference in opacity of neighbouring leaves"}};
 constexpr LossWeights kDefaultLossWeights{0.1f, 0.2f, 5e-4f};
+// The same but for the smoothness, which not every kind of step computes.
+constexpr LossWeights kLossWeightsWithoutSmoothness{kDefaultLossWeights.grad, kDefaultLossWeights.point, 0};
 
 // What the rays of a batch should see, and the loss with its derivatives; all in the order of the rays.
 struct LossBatch {

@@ -21,7 +21,7 @@ constexpr float kConstantH = 1 / (kPi * std::numbers::sqrt2_v<float>);  // H_000
 
 // Eight siblings, and the weights of the leaf that may replace them.
 struct Family {
-    Siblings leaves;
+    Siblings leaves{};
     std::vector<float> parent;
 };
 

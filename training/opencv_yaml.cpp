@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "base/error.h"
 #include "base/platform.h"
@@ -12,7 +12,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr uint64_t kMaxFileBytes = uint64_t{4} << 20;  // about 4,000 cameras; the parser takes 2 s for so many
+constexpr uint64_t kMaxYamlBytes = uint64_t{4} << 20;  // about 4,000 cameras; the parser takes 2 s for so many
 
 std::string place_of(const std::string& key, const YAML::Node& node) {
     return fmt::format("{:.80}, line {}", key, node.Mark().line + 1);
@@ -28,7 +28,7 @@ double finite_number(const std::string& file, const std::string& key, const YAML
 }  // namespace
 
 OpencvYaml::OpencvYaml(const std::filesystem::path& file) : file_(file.string()) {
-    const std::vector<uint8_t> bytes = read_file(file, kMaxFileBytes);
+    const std::vector<uint8_t> bytes = read_file(file, kMaxYamlBytes);
     try {
         const YAML::Node root = YAML::Load(std::string(bytes.begin(), bytes.end()));
         if (!root.IsMap()) throw InputError(file_, "", "is no OpenCV YAML file", "it begins with %YAML:1.0");

@@ -1,13 +1,12 @@
 #include "training/psi_tree.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstring>
 #include <random>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/seconds.h"
 #include "training/batch.h"
 #include "training/hull.h"
 
@@ -17,10 +16,6 @@ namespace {
 
 constexpr size_t kPointsAtOnce = size_t{1} << 20;
 constexpr double kFirstRate = 3e-3, kLastRate = 3e-4, kRowsShare = 0.2;
-
-double seconds_now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // The output layer: y = W h + b, where h is the last hidden layer.
 struct OutputLayer {

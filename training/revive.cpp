@@ -27,7 +27,7 @@ std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
 
 // The leaves beyond the middles of the six faces; UINT32_MAX where there is none.
 std::array<uint32_t, 6> neighbours(const voctree::VOctree& tree, const voctree::LeafPosition& position) {
-    std::array<uint32_t, 6> found;
+    std::array<uint32_t, 6> found{};
     const double edge = std::exp2(-static_cast<double>(position.depth));
     const glm::dvec3 middle = (glm::dvec3(position.x, position.y, position.z) + 0.5) * edge;
     for (int face = 0; face < 6; face++) {

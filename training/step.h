@@ -14,7 +14,7 @@ namespace neuvv::training {
 struct StepSettings {
     float frame = 0;
     uint32_t tiles = 0;
-    LossWeights weights{0.1f, 0.2f, 0};
+    LossWeights weights = kLossWeightsWithoutSmoothness;
     uint32_t samples = 1;  // rays a pixel, per side
     float stop = render::kStopTransmittance;
     LearningRates rates;

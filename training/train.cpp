@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
 #include "base/error.h"
+#include "base/seconds.h"
 #include "training/batch.h"
 #include "training/merge.h"
 #include "training/revive.h"
@@ -21,10 +21,6 @@ namespace {
 
 constexpr double kCheckpointShare = 0.05;                       // of the time, at most
 constexpr double kFirstCheckpoint = 10, kCheckpointEvery = 60;  // seconds
-
-double seconds_now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // XXH3-64 of cameras, sizes, times and every 101st byte of all images and plates: enough to tell data sets apart.
 uint64_t hash_of(const Dataset& dataset) {

@@ -50,7 +50,7 @@ using TrainCallback = std::function<bool(const TrainProgress&)>;
 
 // Trains until the budget is spent. The first checkpoint is written to `output` before the first step, later ones so
 // that they take at most a twentieth of the time, the last one at the end. Throws InputError (for instance for a data
-// set without matter, or a state file of another data set) and RuntimeFailure.
+// set without matter, or a checkpoint file of another data set) and RuntimeFailure.
 TrainProgress train(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback);
 

@@ -16,7 +16,7 @@ constexpr uint64_t kMaxBytes = uint64_t{1} << 28;  // of a file
 constexpr uint64_t kMaxCount = uint64_t{1} << 33;
 constexpr size_t kMaxHeader = 4096;  // usual ones take a hundred bytes
 constexpr uint8_t kMagic[6] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
-constexpr const char* kFix = "save it with numpy from an array of plain numbers";
+constexpr const char* kSaveAgain = "save it with numpy from an array of plain numbers";
 
 // The value of a key in the header, which is a Python dictionary; empty: the key is missing.
 std::string entry(const std::string& header, const char* key, const char* value_pattern) {
@@ -29,7 +29,7 @@ std::vector<uint64_t> parse_shape(const std::string& text, const std::string& fi
     std::vector<uint64_t> shape;
     const std::regex number("[0-9]+");
     for (auto at = std::sregex_iterator(text.begin(), text.end(), number); at != std::sregex_iterator(); ++at) {
-        if (at->length() > 9) throw InputError(file, place, "its shape is out of all proportion", kFix);
+        if (at->length() > 9) throw InputError(file, place, "its shape is out of all proportion", kSaveAgain);
         shape.push_back(std::stoull(at->str()));
     }
     return shape;
@@ -46,7 +46,7 @@ size_t width_of(const std::string& type) {
 }  // namespace
 
 NpyHeader parse_npy_header(const std::vector<uint8_t>& bytes, const std::string& file, const std::string& place) {
-    const auto fail = [&](const std::string& problem) { throw InputError(file, place, problem, kFix); };
+    const auto fail = [&](const std::string& problem) { throw InputError(file, place, problem, kSaveAgain); };
     if (bytes.size() < 12 || std::memcmp(bytes.data(), kMagic, sizeof(kMagic)) != 0) fail("is no .npy file");
     const uint8_t version = bytes[6];
     if (version < 1 || version > 3) fail(fmt::format("is of version {}, not 1 to 3", version));
@@ -81,7 +81,7 @@ NpyHeader parse_npy_header(const std::vector<uint8_t>& bytes, const std::string&
 NpyArray parse_npy(const std::vector<uint8_t>& bytes, const std::string& file, const std::string& place) {
     const NpyHeader header = parse_npy_header(bytes, file, place);
     if (header.type != "<f8" && header.type != "<f4")
-        throw InputError(file, place, fmt::format("holds numbers of type {}, not f4 or f8", header.type), kFix);
+        throw InputError(file, place, fmt::format("holds numbers of type {}, not f4 or f8", header.type), kSaveAgain);
     const size_t width = header.type == "<f8" ? 8 : 4;
     NpyArray array{header.shape, std::vector<double>(header.count)};
     const uint8_t* at = bytes.data() + header.begin;

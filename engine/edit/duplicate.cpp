@@ -69,7 +69,7 @@ stage::Timeline timeline_of(const stage::StageFile& file, uint32_t node) {
     const ordered_json& performer = performer_of(file, node);
     const std::string name = file.path.string(), place = title_of(file, node) + ": time";
     const stage::TimeMap map = stage::time_map_of(performer.value("time", ordered_json::array()), name, place);
-    voctree::ClipHead head;
+    voctree::ClipHead head{};
     try {
         head = voctree::read_clip_head(clip);
     } catch (const InputError& problem) {

@@ -29,7 +29,7 @@ void DocumentSaver::save(const std::filesystem::path& path, Done done) {
     auto document = std::make_shared<edit::Document>(editor_.document());
     jobs_.start(fmt::format("Saving {}", path.filename().string()),
                 [this, document, path, id = editor_.id(), open_count = editor_.open_count(),
-                 also = also_changed(*document, path), done]() -> JobQueue::Then {
+                 also = also_changed(*document, path), done = std::move(done)]() -> JobQueue::Then {
                     std::string problem;
                     std::optional<std::filesystem::path> theirs;
                     try {

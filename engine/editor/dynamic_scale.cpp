@@ -15,7 +15,7 @@ constexpr double kOutlier = 1.6;  // beyond what is possible by this factor: ano
 constexpr double kTrustedSpread = 0.2;
 // The smallest share of an image's time that may depend on its size. A smaller share would let noise move the scale
 // far.
-constexpr double kMinShare = 0.2;
+constexpr double kMinTracedShare = 0.2;
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void DynamicScale::fit() {
     const double x = x_ / count_, y = y_ / count_;
     const double spread = std::max(xx_ / count_ - x * x, 0.0), along = xy_ / count_ - x * y;
     const double assumed = y / x, prior = kTrustedSpread * kTrustedSpread * x * x;
-    full_ms_ = std::clamp((along + prior * assumed) / (spread + prior), kMinShare * assumed, assumed);
+    full_ms_ = std::clamp((along + prior * assumed) / (spread + prior), kMinTracedShare * assumed, assumed);
     fixed_ms_ = y - full_ms_ * x;
 }
 

@@ -30,10 +30,7 @@ std::vector<SelectedLeaf> united(const std::vector<SelectedLeaf>& a, const std::
 
 PaintSession::PaintSession(PaintSubject subject, std::shared_ptr<const voctree::EditLayer> before,
                            PaintOperation operation, PaintArea area)
-    : subject_(std::move(subject)),
-      before_(std::move(before)),
-      operation_(std::move(operation)),
-      area_(std::move(area)) {
+    : subject_(std::move(subject)), before_(std::move(before)), operation_(operation), area_(std::move(area)) {
     if (area_.every_frame) std::tie(next_frame_, last_frame_) = projected_frames();
 }
 

@@ -37,8 +37,9 @@ std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesyste
 
 // Each further step is posted by way of the editor's thread, so that other requests to the render thread come in
 // between.
-void post_paint_task(Parts parts, std::shared_ptr<PaintSurface> surface, const std::filesystem::path& path,
-                     std::shared_ptr<const PaintClip> clip, PaintTask task, JobQueue::Then failed) {
+void post_paint_task(Parts parts, const std::shared_ptr<PaintSurface>& surface, const std::filesystem::path& path,
+                     const std::shared_ptr<const PaintClip>& clip, const PaintTask& task,
+                     const JobQueue::Then& failed) {
     parts.render_thread.post([=](OnDevice& on) {
         if (run(parts, on, *surface, path, *clip, task, failed)) return;
         parts.jobs.post([=] { post_paint_task(parts, surface, path, clip, task, failed); });

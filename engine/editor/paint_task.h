@@ -18,7 +18,7 @@ std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesyste
 // instead.
 using PaintTask =
     std::function<JobQueue::Then(PaintSurface& surface, const std::shared_ptr<const render::Field>& field)>;
-void post_paint_task(Parts parts, std::shared_ptr<PaintSurface> surface, const std::filesystem::path& path,
-                     std::shared_ptr<const PaintClip> clip, PaintTask task, JobQueue::Then failed);
+void post_paint_task(Parts parts, const std::shared_ptr<PaintSurface>& surface, const std::filesystem::path& path,
+                     const std::shared_ptr<const PaintClip>& clip, const PaintTask& task, const JobQueue::Then& failed);
 
 }  // namespace neuvv::editor

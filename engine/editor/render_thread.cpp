@@ -185,7 +185,7 @@ void RenderThread::run() {
 
 void RenderThread::do_job(Job& job) {
     if (job.stage) {
-        load(std::move(job.stage), job.stage_id);
+        load(job.stage, job.stage_id);
         draw_newest();
     } else if (job.replacement) {
         replace_shaders_now(*job.replacement);
@@ -259,7 +259,7 @@ void RenderThread::replace_shaders_now(const Replacement& replacement) {
 }
 
 // Loads the stage of the document. Keeps the old stage where the new one cannot be drawn.
-void RenderThread::load(std::shared_ptr<const edit::Document> document, uint64_t id) {
+void RenderThread::load(const std::shared_ptr<const edit::Document>& document, uint64_t id) {
     const auto progress = [&, file = document->file.path.filename().string()](size_t done, size_t of) {
         report_progress(file, done, of);
     };

@@ -127,7 +127,7 @@ class RenderThread {
     void report_progress(const std::string& file, size_t done, size_t of);
     void report_problem(std::string problem, uint64_t unsound_id);
     bool wait_for_job(Job& job);
-    void load(std::shared_ptr<const edit::Document> document, uint64_t id);
+    void load(const std::shared_ptr<const edit::Document>& document, uint64_t id);
     bool is_sound(const edit::Document& document) const;
     void make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress);
     void fit(VkExtent2D size);

@@ -52,5 +52,6 @@ void write_png(const std::filesystem::path& path, const Image& image);
 // The image over an opaque background (sRGB-encoded, 0 to 255). Encoded values are blended, as image viewers and the
 // metrics of NeRF papers do. The result is opaque.
 Image composite_over(const Image& image, const uint8_t background_rgb[3]);
+inline constexpr uint8_t kWhite[3] = {255, 255, 255};
 
 }  // namespace neuvv::media

@@ -21,7 +21,7 @@ struct Field {
     uint32_t node_levels = 1, top_levels = 0;       // of the walk tree (walk_tree.h), whose box this is
     uint32_t levels_above = 0;                      // octree levels from its root to the VOctree's root
     uint32_t coarsest_level = 1, finest_level = 1;  // of leaves; the VOctree's root is level 0
-    TopBox top_box;
+    TopBox top_box{};
     glm::vec3 leaves_min{0}, leaves_max{1};  // metres: the bounds of all leaves
     float leaf_diagonal = 0;                 // metres, of the average leaf
     uint32_t leaf_count = 0, bases = 1, hh_degree = 0, frames = 1;

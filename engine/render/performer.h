@@ -70,8 +70,8 @@ struct TargetPasses {
     uint32_t views;
     std::unique_ptr<Shaded> per_leaf;
     std::unique_ptr<TileRanger> tree_ranger, direct_ranger;
-    std::array<std::unique_ptr<TreeTracer>, 15> tree_tracers;
-    std::array<std::unique_ptr<DirectTracer>, 5> direct_tracers;
+    std::array<std::unique_ptr<TreeTracer>, 15> tree_tracers;     // by tree_tracer_index: 3 shadings, 5 ray outputs
+    std::array<std::unique_ptr<DirectTracer>, 5> direct_tracers;  // by RayOutput
 };
 
 // The share of each field in a budget of bytes for slices.

@@ -8,7 +8,7 @@ namespace neuvv::render {
 namespace {
 
 struct AxisRays {
-    GridAxis axis;
+    GridAxis axis{};
     uint32_t rays = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "render/raster.h"
 #include "spirv/set.frag.h"
@@ -85,8 +86,9 @@ bool is_srgb(size_t map) {
 bool same_materials(const stage::GltfScene& a, const stage::GltfScene& b) {
     const auto same = [](const stage::GltfMaterial& one, const stage::GltfMaterial& other) {
         const SetMaterial packed = packed_material(one), other_packed = packed_material(other);
-        return std::memcmp(&packed, &other_packed, sizeof(packed)) == 0 && one.texture == other.texture &&
-               one.maps == other.maps && one.alpha == other.alpha && one.double_sided == other.double_sided;
+        return std::ranges::equal(std::as_bytes(std::span(&packed, 1)), std::as_bytes(std::span(&other_packed, 1))) &&
+               one.texture == other.texture && one.maps == other.maps && one.alpha == other.alpha &&
+               one.double_sided == other.double_sided;
     };
     return std::equal(a.materials.begin(), a.materials.end(), b.materials.begin(), b.materials.end(), same);
 }

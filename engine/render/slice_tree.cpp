@@ -70,6 +70,8 @@ TreeSlicer::TreeSlicer(const gpu::Device& device, const Field& given_field, cons
                             {kEntriesOut, &trees.entries},
                             {kEntriesLeaves, &trees.entry_leaf}}) {}
 
+namespace {
+
 void record_nodes(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice) {
     const gpu::PassScope scope(commands, "slice nodes");
     const SliceTrees& trees = slicer.trees;
@@ -97,6 +99,8 @@ void record_entries(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t 
         SliceEntriesPush{slicer.field.leaf_count, slicer.live.capacity, slicer.trees.node_base(slice), 0});
     gpu::compute_barrier(commands);
 }
+
+}  // namespace
 
 void record_slice_tree(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t slice, float frame,
                        const SlicePaint* paint) {

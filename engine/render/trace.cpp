@@ -24,7 +24,7 @@ RayBatch::RayBatch(const gpu::Device& device, uint32_t camera_count, uint32_t ti
 
 ShaderCamera shader_camera(const stage::Camera& camera, uint32_t samples) {
     const glm::dmat3 rotation(camera.world_from_camera);
-    ShaderCamera shader;
+    ShaderCamera shader{};
     shader.origin = glm::vec4(glm::vec3(camera.world_from_camera[3]), 0);
     shader.right = glm::vec4(glm::vec3(rotation * glm::dvec3(1 / camera.fx, 0, 0)), static_cast<float>(camera.width));
     shader.down = glm::vec4(glm::vec3(rotation * glm::dvec3(0, -1 / camera.fy, 0)), static_cast<float>(camera.height));

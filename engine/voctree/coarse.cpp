@@ -16,22 +16,22 @@ namespace {
 constexpr uint32_t kMinReduction = 32;      // the tree has at least this many times the leaves of its coarse copy
 constexpr float kRoundingError = 1 / 8.0f;  // of round_weights; merging leaves makes larger errors
 
-struct SortedLeaf {
+struct CodedLeaf {
     uint64_t code;
     uint32_t leaf;
 };
 
-std::vector<SortedLeaf> sorted_leaves(const VOctree& tree, const std::vector<LeafPosition>& positions) {
-    std::vector<SortedLeaf> sorted(positions.size());
+std::vector<CodedLeaf> sorted_leaves(const VOctree& tree, const std::vector<LeafPosition>& positions) {
+    std::vector<CodedLeaf> sorted(positions.size());
     for (uint32_t i = 0; i < positions.size(); i++) sorted[i] = {first_cell(positions[i], 2 * tree.node_levels), i};
-    const auto before = [](const SortedLeaf& a, const SortedLeaf& b) { return a.code < b.code; };
+    const auto before = [](const CodedLeaf& a, const CodedLeaf& b) { return a.code < b.code; };
     if (!std::is_sorted(sorted.begin(), sorted.end(), before)) std::sort(sorted.begin(), sorted.end(), before);
     return sorted;
 }
 
 // The number of leaves after a cut at each depth. Two neighbours in the sorted list stay separate leaves from the depth
 // on at which their codes differ.
-std::array<size_t, 2 * kMaxNodeLevels + 1> leaves_of_cuts(const std::vector<SortedLeaf>& sorted, uint32_t finest) {
+std::array<size_t, 2 * kMaxNodeLevels + 1> leaves_of_cuts(const std::vector<CodedLeaf>& sorted, uint32_t finest) {
     std::array<size_t, 2 * kMaxNodeLevels + 1> counts{};
     for (size_t i = 1; i < sorted.size(); i++) {
         const auto digits = static_cast<uint32_t>(std::bit_width(sorted[i].code ^ sorted[i - 1].code) + 2) / 3;
@@ -95,7 +95,7 @@ struct Merger {
 };
 
 VOctree cut_sorted(const VOctree& tree, const std::vector<LeafPosition>& positions,
-                   const std::vector<SortedLeaf>& sorted, uint32_t depth) {
+                   const std::vector<CodedLeaf>& sorted, uint32_t depth) {
     const uint32_t below = 3 * (2 * tree.node_levels - depth);
     std::vector<size_t> first;  // for each coarse leaf the index of its first leaf in `sorted`; then the end
     std::vector<LeafPosition> coarse_positions;
@@ -152,7 +152,7 @@ VOctree cut_tree(const VOctree& tree, uint32_t depth) {
 std::optional<VOctree> coarse_tree(const VOctree& tree) {
     if (tree.leaf_count < kMinLeavesForCoarse) return std::nullopt;
     const std::vector<LeafPosition> positions = leaf_positions(tree);
-    const std::vector<SortedLeaf> sorted = sorted_leaves(tree, positions);
+    const std::vector<CodedLeaf> sorted = sorted_leaves(tree, positions);
     const auto counts = leaves_of_cuts(sorted, 2 * tree.node_levels);
     uint32_t depth = 2 * tree.node_levels;
     while (depth > 1 && counts[depth] > tree.leaf_count / kMinReduction) depth--;

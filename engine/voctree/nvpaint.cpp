@@ -34,7 +34,7 @@ float& number_of(LeafEdit& edit, int column) {
 }
 
 PaintHead read_head(ChunkReader& file) {
-    PaintHead head;
+    PaintHead head{};
     std::memcpy(&head, file.take(sizeof head).data(), sizeof head);
     if (head.edit_count > kMaxEdits)
         file.fail(fmt::format("edit_count is {}, must be 0 to {}", head.edit_count, kMaxEdits), kWriteAgain);

@@ -40,7 +40,7 @@ std::vector<uint8_t> pack_nodes(const VOctree& tree) {
 
 // Checks that every count is within its bounds, so that sizes that are computed from them do not overflow.
 NvvHead read_head(ChunkReader& file) {
-    NvvHead head;
+    NvvHead head{};
     std::memcpy(&head, file.take(sizeof head).data(), sizeof head);
     const struct {
         const char* name;

@@ -95,11 +95,6 @@ inline json pbr_material(glm::vec4 base, double metallic, double roughness) {
               {"roughnessFactor", roughness}}}};
 }
 
-inline stage::GltfScene scene_of(const GlbBuilder& glb) {
-    const TemporaryFolder folder;
-    return stage::load_gltf(folder.write(glb.bytes()));
-}
-
 // The images that the raster passes wrote, by texel of all views.
 struct SetImages {
     std::vector<glm::dvec4> colour, front;

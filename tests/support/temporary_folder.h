@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace neuvv {
 
@@ -29,6 +31,13 @@ struct TemporaryFolder {
     size_t entries() const {
         return static_cast<size_t>(
             std::distance(std::filesystem::directory_iterator(path), std::filesystem::directory_iterator()));
+    }
+
+    // Returns the path of the file that it writes.
+    std::filesystem::path write(const std::vector<uint8_t>& bytes, const std::string& name = "model.glb") const {
+        std::ofstream file(path / name, std::ios::binary);
+        file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        return path / name;
     }
 };
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <string>
 #include <vector>
 
 #include "reference/camera.h"
@@ -94,6 +96,18 @@ constexpr double kHalfSteps = 0.5;
 
 inline glm::dvec3 world_of(const voctree::VOctree& tree, glm::dvec3 position) {
     return glm::dvec3(tree.box_min) + position * glm::dvec3(tree.box_size);
+}
+
+// How often the frame that was rendered last ran the pass with this name.
+inline size_t passes(const render::FrameRenderer& renderer, const std::string& name) {
+    const std::vector<gpu::PassTime> times = renderer.pass_times();
+    return static_cast<size_t>(
+        std::count_if(times.begin(), times.end(), [&](const gpu::PassTime& pass) { return pass.name == name; }));
+}
+
+// A transform that rotates by `turn` radians about an oblique axis.
+inline glm::mat4 placed(glm::vec3 at, float turn, glm::vec3 scale) {
+    return glm::scale(glm::rotate(glm::translate(glm::mat4(1), at), turn, glm::vec3(0.3f, 0.9f, 0.1f)), scale);
 }
 
 }  // namespace neuvv::test
