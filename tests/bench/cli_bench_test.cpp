@@ -90,7 +90,7 @@ TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
 TEST_F(CliGpu, BenchOpenShowsTheCoarseTreeFirst) {
     const std::string large = file("large.nvv");
     const ProgramResult result =
-        run_neuvv({"open", large, "--synthetic", "32", "--size", "64x48", "--json", "--pictures", file("pictures")});
+        run_neuvv({"open", large, "--synthetic", "32", "--size", "64x48", "--json", "--images", file("images")});
     ASSERT_EQ(result.code, 0) << result.err;
     const nlohmann::json json = nlohmann::json::parse(result.out);
     EXPECT_NEAR(json["bytes"], 32e6, 3e6);
@@ -100,8 +100,8 @@ TEST_F(CliGpu, BenchOpenShowsTheCoarseTreeFirst) {
     EXPECT_LT(json["first"]["read_s"], json["whole"]["read_s"]);
     EXPECT_GT(json["psnr_db"], 12.0);
     EXPECT_LT(json["psnr_db"], 99.0);
-    EXPECT_EQ(media::read_png(file("pictures/coarse.png")).width, 64u);
-    EXPECT_EQ(media::read_png(file("pictures/whole.png")).height, 48u);
+    EXPECT_EQ(media::read_png(file("images/coarse.png")).width, 64u);
+    EXPECT_EQ(media::read_png(file("images/whole.png")).height, 48u);
     EXPECT_EQ(voctree::summarise_nvv(large).chunks[1].name, "hEAD");
     const ProgramResult again = run_neuvv({"open", large, "--size", "64x48"});
     for (const char* word : {"coarse tree", "whole tree", "upload", "% of the time"})
@@ -159,7 +159,7 @@ TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
 TEST_F(CliGpu, BenchStageComparesLightsAndCopies) {
     const std::vector<std::string> command = {"stage", scene, "--size", "64x48", "--repeats", "1", "--copies", "5"};
     expect_words(command, {"plain", "shadows and falloff", "paper", "5 copies", "times those of one"});
-    const nlohmann::json json = json_of(command, {"--together", "--picture", file("stage.png")});
+    const nlohmann::json json = json_of(command, {"--together", "--image", file("stage.png")});
     ASSERT_EQ(json["ways"].size(), 5u);
     for (const nlohmann::json& way : json["ways"]) EXPECT_GT(way["ms"], 0.0) << way["name"];
     EXPECT_GT(json["one_bytes"], 10000);

@@ -8,12 +8,14 @@
 #include "stage/evaluated_stage.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
+#include "support/near.h"
 #include "tests/stage/stage_files.h"
 
 namespace neuvv {
 namespace {
 
 using nlohmann::ordered_json;
+using test::expect_near;
 
 struct Edits : testing::Test {
     TemporaryFolder folder;
@@ -35,10 +37,6 @@ struct Edits : testing::Test {
     }
 };
 
-void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
-    EXPECT_LT(glm::length(a - b), 1e-5) << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' '
-                                        << b.z;
-}
 glm::dvec3 position(const glm::dmat4& m) {
     return m[3];
 }
@@ -54,16 +52,16 @@ TEST_F(Edits, ANewStageIsLitAndSeen) {
         const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
         ASSERT_EQ(evaluated.lights.size(), 1u);
         const glm::dvec3 to_middle = glm::dvec3(0, 1, 0) - evaluated.lights[0].position;
-        expect_near(evaluated.lights[0].direction, glm::normalize(to_middle));
+        expect_near(evaluated.lights[0].direction, glm::normalize(to_middle), 1e-5);
         const stage::Camera camera = stage::camera_of(stage, "camera", evaluated, 64, 64);
         expect_near(front(camera.world_from_camera),
-                    glm::normalize(position(camera.world_from_camera) - glm::dvec3(0, 1, 0)));
+                    glm::normalize(position(camera.world_from_camera) - glm::dvec3(0, 1, 0)), 1e-5);
         ASSERT_EQ(stage.scene.meshes.size(), 1u);
         const stage::GltfPrimitive& floor = stage.scene.meshes[0].primitives[0];
         const glm::vec3 a = floor.positions[floor.indices[0]], b = floor.positions[floor.indices[1]],
                         c = floor.positions[floor.indices[2]];
-        expect_near(glm::normalize(glm::cross(b - a, c - a)), {0, 1, 0});
-        expect_near(stage.ambient, glm::dvec3(0.3));
+        expect_near(glm::normalize(glm::cross(b - a, c - a)), {0, 1, 0}, 1e-5);
+        expect_near(stage.ambient, glm::dvec3(0.3), 1e-5);
     }
 }
 
@@ -81,8 +79,8 @@ TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
     EXPECT_EQ(node("berta k")["extensions"]["NEUVV_performer"]["uri"], "clips/berta%20k.nvv");
     EXPECT_EQ(stage().performers.size(), 2u);
     const glm::dmat4 stands = performer("berta k").world_from_performer;
-    expect_near(position(stands), {1, 0, -1});
-    expect_near(glm::dvec3(stands * glm::dvec4(0, 0, 1, 1)), {3, 0, -1});
+    expect_near(position(stands), {1, 0, -1}, 1e-5);
+    expect_near(glm::dvec3(stands * glm::dvec4(0, 0, 1, 1)), {3, 0, -1}, 1e-5);
     EXPECT_EQ(performer("berta k", 0.04).frame, 2);
 
     edit::Placement more;
@@ -90,7 +88,7 @@ TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
     more.turn_deg = glm::dvec3(0, 90, 0);
     more.scale = glm::dvec3(1, 1, 0.5);
     edit::place_node(file, edit::find_node(file, "berta k"), more);
-    expect_near(glm::dvec3(performer("berta k").world_from_performer * glm::dvec4(0, 0, 1, 1)), {1, 1, -2});
+    expect_near(glm::dvec3(performer("berta k").world_from_performer * glm::dvec4(0, 0, 1, 1)), {1, 1, -2}, 1e-5);
     edit::PerformerEdit change;
     change.opacity = 0.25;
     change.visible = false;
@@ -124,15 +122,15 @@ TEST_F(Edits, MatricesAreMovedAsTheyAre) {
     more.scale = glm::dvec3(3, 1, 1);
     edit::place_node(file, anna, more);
     const stage::GltfNode made = stage().scene.nodes[anna];
-    expect_near(glm::dvec3(made.matrix[0]), {0, 3, 0});
-    expect_near(glm::dvec3(made.matrix[1]), {-1, 0.5, 0});
-    expect_near(position(made.matrix), {2, 2, 3});
+    expect_near(glm::dvec3(made.matrix[0]), {0, 3, 0}, 1e-5);
+    expect_near(glm::dvec3(made.matrix[1]), {-1, 0.5, 0}, 1e-5);
+    expect_near(position(made.matrix), {2, 2, 3}, 1e-5);
     edit::Placement aimed;
     aimed.aim = glm::dvec3(2, 2, -5);
     edit::place_node(file, anna, aimed);
     const stage::Stage looking_back = stage();
-    expect_near(glm::dvec3(looking_back.scene.nodes[anna].matrix[0]), {3, 0, 0});
-    expect_near(glm::dvec3(looking_back.scene.nodes[anna].matrix[1]), {0, std::sqrt(1.25), 0});
+    expect_near(glm::dvec3(looking_back.scene.nodes[anna].matrix[0]), {3, 0, 0}, 1e-5);
+    expect_near(glm::dvec3(looking_back.scene.nodes[anna].matrix[1]), {0, std::sqrt(1.25), 0}, 1e-5);
     expect_input_error([&] { edit::place_node(file, edit::find_node(file, "Camera"), placement); },
                        {"animated", "matrix"});
     EXPECT_NE(edit::place_node(file, edit::find_node(file, "Camera"), more).find("animation moves it"),
@@ -185,7 +183,7 @@ TEST_F(Edits, ARingLooksOutwardAndComesLater) {
         const stage::EvaluatedPerformer copy = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 0);
         const glm::dvec3 out = position(copy.world_from_performer) - middle;
         EXPECT_NEAR(glm::length(out), 2, 1e-6);
-        expect_near(front(copy.world_from_performer), glm::normalize(out));
+        expect_near(front(copy.world_from_performer), glm::normalize(out), 1e-5);
         EXPECT_NEAR(out.y, 0, 1e-9);
         positions.insert({std::lround(100 * out.x), std::lround(100 * out.z)});
         const stage::EvaluatedPerformer later = performer(i == 0 ? "eva" : "eva " + std::to_string(i + 1), 5 / 25.0);
@@ -229,11 +227,11 @@ TEST_F(Edits, RowsAndFansStandWhereTheySay) {
     edit.clip = at("anna.nvv");
     edit::add_performer(file, "eva", edit, {});
     edit::duplicate_node(file, edit::find_node(file, "eva"), {.count = 3, .distance_m = -0.5});
-    expect_near(position(performer("eva 4").world_from_performer), {-1.5, 0, 0});
+    expect_near(position(performer("eva 4").world_from_performer), {-1.5, 0, 0}, 1e-5);
     edit::duplicate_node(file, edit::find_node(file, "eva"),
                          {.count = 2, .pattern = edit::CopyPattern::kFan, .distance_m = 1, .arc_deg = 90});
-    expect_near(position(performer("eva 6").world_from_performer), {1, 0, -1});
-    expect_near(front(performer("eva 6").world_from_performer), {1, 0, 0});
+    expect_near(position(performer("eva 6").world_from_performer), {1, 0, -1}, 1e-5);
+    expect_near(front(performer("eva 6").world_from_performer), {1, 0, 0}, 1e-5);
 }
 
 // Nodes below a copied node are copied with their animations; children stay children.
@@ -247,7 +245,7 @@ TEST_F(Edits, FamiliesAreCopied) {
     const stage::Stage now = stage();
     EXPECT_EQ(now.performers.size(), 3u);
     EXPECT_EQ(stage::stage_at(now, 0).lights.size(), 4u);
-    expect_near(position(performer("Anna 3").world_from_performer), {7, 0, 0});
+    expect_near(position(performer("Anna 3").world_from_performer), {7, 0, 0}, 1e-5);
     expect_input_error([&] { edit::duplicate_node(file, edit::find_node(file, "Sun"), {}); }, {"Sun", "animated"});
     expect_input_error([&] { edit::duplicate_node(file, 0, {.count = 0}); }, {"0", "1 to 511"});
     expect_input_error([&] { edit::duplicate_node(file, 0, {.count = 4000000000u}); }, {"4000000000", "1 to 511"});
@@ -357,8 +355,8 @@ TEST_F(Edits, Lights) {
     edit::add_light(file, "rim", edit, placement);
     auto rim = [&] { return stage::stage_at(stage(), 0).lights.back(); };
     EXPECT_EQ(rim().kind, stage::GltfLightKind::kSpot);
-    expect_near(rim().direction, glm::normalize(glm::dvec3(1, -1, 0)));
-    expect_near(rim().intensity, {40, 20, 0});
+    expect_near(rim().direction, glm::normalize(glm::dvec3(1, -1, 0)), 1e-5);
+    expect_near(rim().intensity, {40, 20, 0}, 1e-5);
     EXPECT_NEAR(rim().cos_outer, std::cos(glm::radians(20.0)), 1e-9);
     edit::LightEdit point;
     point.kind = "point";
@@ -376,8 +374,8 @@ TEST_F(Edits, Lights) {
     dim.intensity = 1;
     edit::set_light(file, edit::find_node(file, "rim 2"), dim);
     EXPECT_EQ(stage().scene.lights.size(), 4u) << "a light of its own";
-    expect_near(stage::stage_at(stage(), 0).lights[2].intensity, {40, 20, 0});
-    expect_near(rim().intensity, {1, 0.5, 0});
+    expect_near(stage::stage_at(stage(), 0).lights[2].intensity, {40, 20, 0}, 1e-5);
+    expect_near(rim().intensity, {1, 0.5, 0}, 1e-5);
     edit::remove_light(file, edit::find_node(file, "rim"));
     edit::remove_light(file, edit::find_node(file, "rim 2"));
     EXPECT_EQ(stage().scene.lights.size(), 2u);

@@ -130,7 +130,7 @@ TEST(ColourShifts, TurnTheHueAndKeepTheLuminance) {
 }
 
 TEST(ThroughBetween, ReachesToWhereTheFieldHasFaded) {
-    const auto spans_of = [](std::vector<std::pair<float, float>> spans, float first, float last) {
+    const auto spans_of = [](const std::vector<std::pair<float, float>>& spans, float first, float last) {
         std::vector<voctree::LeafEdit> edits;
         for (const auto& [from, to] : spans) edits.push_back({3, from, to, glm::vec3(1), 1});
         edits.push_back({2, 4, 4, glm::vec3(1), 1});

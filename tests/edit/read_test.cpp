@@ -11,12 +11,14 @@
 #include "edit/paint_layers.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
+#include "support/near.h"
 #include "tests/edit/foreign_stage.h"
 
 namespace neuvv {
 namespace {
 
 using Indices = std::vector<uint32_t>;
+using test::expect_near;
 
 struct Read : test::ForeignStage {
     uint32_t node(const char* name) const { return edit::find_node(file, name); }
@@ -24,10 +26,6 @@ struct Read : test::ForeignStage {
 
 stage::StageFile document(const std::string& members) {
     return stage::make_stage_file("/nowhere/stage.gltf", R"({"asset": {"version": "2.0"})" + members + "}");
-}
-
-void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
-    EXPECT_LT(glm::length(a - b), 1e-9) << a.x << ' ' << a.y << ' ' << a.z;
 }
 
 glm::dmat4 matrix_of(const edit::NodeTransform& transform) {

@@ -35,16 +35,16 @@ std::vector<double> draw(editor::DynamicScale& control, Simulated& device, int i
     return scales;
 }
 
-constexpr double kTarget_ms = 30;
+constexpr double kFrameTarget_ms = 30;
 const Simulated kDevices[] = {{0, 5},   {0, 60},    {2, 100},  {10, 200}, {20, 50},
                               {1, 700}, {25, 3000}, {50, 300}, {3, 27.5}};
 
 TEST(DynamicScale, ConvergesWithinAFewPictures) {
     for (Simulated device : kDevices)
         for (const double first : {editor::kMinScale, 0.5, 1.0}) {
-            editor::DynamicScale control(kTarget_ms, first);
+            editor::DynamicScale control(kFrameTarget_ms, first);
             draw(control, device, 16);
-            const double ideal_ms = device.milliseconds(device.ideal(kTarget_ms));
+            const double ideal_ms = device.milliseconds(device.ideal(kFrameTarget_ms));
             EXPECT_NEAR(device.milliseconds(control.scale()), ideal_ms,
                         2.2 * editor::DynamicScale::kMinChange * ideal_ms)
                 << device.fixed_ms << " + " << device.full_ms << " from " << first;
@@ -55,16 +55,16 @@ TEST(DynamicScale, ConvergesWithinAFewPictures) {
 
 TEST(DynamicScale, GoesDownQuickly) {
     for (Simulated device : kDevices) {
-        editor::DynamicScale control(kTarget_ms, 1);
+        editor::DynamicScale control(kFrameTarget_ms, 1);
         draw(control, device, 3);
-        const double ideal = device.ideal(kTarget_ms);
-        EXPECT_LE(device.milliseconds(control.scale()), 1.25 * std::max(kTarget_ms, device.milliseconds(ideal)))
+        const double ideal = device.ideal(kFrameTarget_ms);
+        EXPECT_LE(device.milliseconds(control.scale()), 1.25 * std::max(kFrameTarget_ms, device.milliseconds(ideal)))
             << device.fixed_ms << " + " << device.full_ms;
     }
 }
 
 TEST(DynamicScale, GoesUpSlowly) {
-    editor::DynamicScale control(kTarget_ms, editor::kMinScale);
+    editor::DynamicScale control(kFrameTarget_ms, editor::kMinScale);
     Simulated device{0, 1};
     const std::vector<double> scales = draw(control, device, 30);
     for (size_t i = 1; i < scales.size(); ++i)
@@ -75,9 +75,9 @@ TEST(DynamicScale, GoesUpSlowly) {
 TEST(DynamicScale, DoesNotOscillateWithNoise) {
     for (Simulated device : kDevices) {
         device.noise = 0.2;
-        editor::DynamicScale control(kTarget_ms);
+        editor::DynamicScale control(kFrameTarget_ms);
         draw(control, device, 30);
-        const double ideal = device.ideal(kTarget_ms);
+        const double ideal = device.ideal(kFrameTarget_ms);
         const std::vector<double> scales = draw(control, device, 1000);
         int changes = 0;
         for (size_t i = 1; i < scales.size(); ++i) changes += scales[i] != scales[i - 1];
@@ -91,20 +91,20 @@ TEST(DynamicScale, DoesNotOscillateWithNoise) {
 TEST(DynamicScale, FollowsAnotherView) {
     for (const double noise : {0.0, 0.2}) {
         Simulated device{2, 60, noise};
-        editor::DynamicScale control(kTarget_ms);
+        editor::DynamicScale control(kFrameTarget_ms);
         draw(control, device, 30);
         device.full_ms = 600;
         draw(control, device, 4);
-        EXPECT_LE(2 + 600 * control.scale() * control.scale(), 1.3 * kTarget_ms);
+        EXPECT_LE(2 + 600 * control.scale() * control.scale(), 1.3 * kFrameTarget_ms);
         device.full_ms = 30;
         draw(control, device, 25);
-        EXPECT_NEAR(control.scale(), device.ideal(kTarget_ms), 0.15);
+        EXPECT_NEAR(control.scale(), device.ideal(kFrameTarget_ms), 0.15);
     }
 }
 
 TEST(DynamicScale, LearnsWhatDoesNotDependOnTheSize) {
     Simulated device{10, 200};
-    editor::DynamicScale control(kTarget_ms);
+    editor::DynamicScale control(kFrameTarget_ms);
     for (int i = 0; i < 20; ++i) control.drawn(i % 2 ? 0.2 : 0.8, device.milliseconds(i % 2 ? 0.2 : 0.8));
     EXPECT_NEAR(control.fixed_ms(), 10, 2);
     EXPECT_NEAR(control.full_ms(), 200, 10);
@@ -117,7 +117,7 @@ TEST(DynamicScale, HopelessTargetsTakeTheLeast) {
 }
 
 TEST(DynamicScale, StrangeTimesAreIgnored) {
-    editor::DynamicScale control(kTarget_ms);
+    editor::DynamicScale control(kFrameTarget_ms);
     for (const double strange :
          {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
         control.drawn(0.5, strange);

@@ -138,7 +138,7 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
     voctree::write_paint(at("disk.nvpaint"), *layer(0.125f));
     edit::add_paint_layer(document.file, anna, at("disk.nvpaint"), {});
     editor.open(document, false);
-    const auto paint = [&](const char* file, std::shared_ptr<const voctree::EditLayer> painted) {
+    const auto paint = [&](const char* file, const std::shared_ptr<const voctree::EditLayer>& painted) {
         return [path = at(file), anna, painted](edit::Document& edited) {
             return edit::set_paint(edited, anna, path, "new", painted, "painted");
         };

@@ -14,7 +14,7 @@
 namespace neuvv::test {
 namespace {
 
-constexpr uint32_t kSide = 128;
+constexpr uint32_t kPaintedSide = 128;
 
 media::Image smile(uint32_t side) {
     media::Image image(side, side);
@@ -38,7 +38,7 @@ struct PaintGolden : GpuTest {
     voctree::VOctree tree = figure_tree();
     edit::Canvas canvas{tree};
     render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
-    render::FrameRenderer renderer{device(), field, {2 * kSide, kSide, 2}};
+    render::FrameRenderer renderer{device(), field, {2 * kPaintedSide, kPaintedSide, 2}};
     voctree::EditLayer layer{voctree::painted_field(tree), {}};
 
     media::Image image(const std::vector<render::Instance>& instances, const stage::Camera& camera) {
@@ -56,7 +56,7 @@ struct PaintGolden : GpuTest {
     }
     // From a position a little beside the camera of the tools.
     void expect_golden(const std::string& name, float frame = 0) {
-        const stage::Camera camera = look_at({0.8, 0.75, 2.0}, {0.5, 0.45, 0.5}, kSide, kSide, 1.6);
+        const stage::Camera camera = look_at({0.8, 0.75, 2.0}, {0.5, 0.45, 0.5}, kPaintedSide, kPaintedSide, 1.6);
         const render::PaintUse use{&layer};
         const media::Image painted = image({{frame, glm::mat4(1), renderer.paints().add({&use, 1})}}, camera);
         EXPECT_EQ(check_golden(name, painted), "");
@@ -117,7 +117,7 @@ TEST_F(PaintGolden, BlendsBesideEachOther) {
     add(stripes);
     const stage::PaintBlend blends[] = {stage::PaintBlend::kNormal, stage::PaintBlend::kMultiply,
                                         stage::PaintBlend::kTint, stage::PaintBlend::kRecolour};
-    const stage::Camera camera = look_at({0.55, 0.8, 5}, {0.5, 0.42, 0.5}, 2 * kSide, kSide / 2, 1);
+    const stage::Camera camera = look_at({0.55, 0.8, 5}, {0.5, 0.42, 0.5}, 2 * kPaintedSide, kPaintedSide / 2, 1);
     const auto row = [&](bool painted) {
         std::vector<render::Instance> instances;
         for (int i = 0; i < 5; i++) {

@@ -10,7 +10,7 @@ namespace neuvv::test {
 
 namespace {
 
-constexpr uint32_t kSize = 160, kTexels = 2;  // pixels, and texels per pixel along each axis
+constexpr uint32_t kSetSize = 160, kTexels = 2;  // pixels, and texels per pixel along each axis
 
 // Tiles of 8 pixels in two colours.
 media::Image checks(glm::u8vec3 a, glm::u8vec3 b) {
@@ -99,7 +99,7 @@ GoldenSet spot_set() {
     set.name = "set_spot";
     set.scene = scene_of(glb);
     set.environment = sky();
-    set.camera = look_at({0.5, 1.1, 3}, {0, 0.6, 0}, kSize * kTexels, kSize * kTexels, 1.15);
+    set.camera = look_at({0.5, 1.1, 3}, {0, 0.6, 0}, kSetSize * kTexels, kSetSize * kTexels, 1.15);
     set.lights = {key_light(), fill_light()};
     set.ambient.environment_intensity = 0.6;
     set.ambient.show_environment = true;
@@ -123,7 +123,7 @@ GoldenSet pane_set() {
     GoldenSet set;
     set.name = "set_panes";
     set.scene = scene_of(glb);
-    set.camera = look_at({0.4, 1.1, 2.6}, {0, 0.35, 0}, kSize * kTexels, kSize * kTexels, 1.1);
+    set.camera = look_at({0.4, 1.1, 2.6}, {0, 0.35, 0}, kSetSize * kTexels, kSetSize * kTexels, 1.1);
     set.lights = {key_light()};
     set.ambient.light = {0.12, 0.12, 0.15};
     set.volume_depth_m = 2.9f;
@@ -140,7 +140,7 @@ std::vector<GoldenSet> golden_sets() {
 }
 
 media::Image render_set(const gpu::Device& device, const GoldenSet& set) {
-    const uint32_t side = kSize * kTexels;
+    const uint32_t side = kSetSize * kTexels;
     render::SetRaster raster(device, set.scene, side, side, 1,
                              set.environment.rgba.empty() ? nullptr : &set.environment);
     raster.pose(stage::pose_scene(set.scene, stage::kNoAnimation, 0));
@@ -152,15 +152,15 @@ media::Image render_set(const gpu::Device& device, const GoldenSet& set) {
         gpu::upload(device, raster.volume_depth, volume.data(), volume.size() * sizeof(float));
     }
     const SetImages drawn = draw_set(device, raster, {set.camera});
-    std::vector<glm::vec4> pixels(kSize * kSize, glm::vec4(0));
+    std::vector<glm::vec4> pixels(kSetSize * kSetSize, glm::vec4(0));
     for (size_t i = 0; i < drawn.colour.size(); i++) {
         // The assumed volume is half transparent grey: what lies behind it is darker.
         const bool split = set.volume_depth_m > 0 && i % side >= side / 2;
         const glm::dvec4 light = drawn.front[i] + (1 - drawn.front[i].a) * (split ? 0.5 : 1.0) * drawn.colour[i];
-        pixels[i / side / kTexels * kSize + i % side / kTexels] += glm::vec4(light) / float{kTexels * kTexels};
+        pixels[i / side / kTexels * kSetSize + i % side / kTexels] += glm::vec4(light) / float{kTexels * kTexels};
     }
     for (glm::vec4& pixel : pixels) pixel.a = 1;
-    return render::encode_straight(pixels, kSize, kSize);
+    return render::encode_straight(pixels, kSetSize, kSetSize);
 }
 
 }  // namespace neuvv::test

@@ -81,14 +81,14 @@ double total_loss(const reference::Patch& patch, uint32_t samples) {
 }
 
 double by_central_difference(reference::Patch& patch, double& number, uint32_t samples) {
-    constexpr double kNudge = 1e-7;  // much smaller than the distance to any kink
+    constexpr double kSmallNudge = 1e-7;  // much smaller than the distance to any kink
     const double before = number;
-    number = before + kNudge;
+    number = before + kSmallNudge;
     const double above = total_loss(patch, samples);
-    number = before - kNudge;
+    number = before - kSmallNudge;
     const double below = total_loss(patch, samples);
     number = before;
-    return (above - below) / (2 * kNudge);
+    return (above - below) / (2 * kSmallNudge);
 }
 
 using LossTest = GpuTest;

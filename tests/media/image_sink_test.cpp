@@ -64,10 +64,10 @@ TEST_F(Sink, TwoRendersAreNotMixed) {
                        {"o_render.json", "--size", "16x8", "32x16", "without --resume"});
     facts["--size"] = "16x8";
     facts["scene"] = "xxh3:4567";
-    facts["pictures"] = "12";  // which follows from the change
+    facts["images"] = "12";  // which follows from the change
     expect_input_error([&] { sink("o_%d.png", true); }, {"o_render.json", "scene: was changed since"});
     facts["scene"] = "xxh3:0123";
-    facts.erase("pictures");
+    facts.erase("images");
     facts["--alpha"] = "true";
     expect_input_error([&] { sink("o_%d.png", true); }, {"o_render.json", "--alpha", "none", "true"});
     facts.erase("--alpha");

@@ -5,13 +5,6 @@
 #include "reference/hh.h"
 
 namespace neuvv::reference {
-namespace {
-
-double sigmoid(double x) {
-    return 1 / (1 + std::exp(-x));
-}
-
-}  // namespace
 
 glm::dvec3 sample_colour(const LeafSlice& slice, uint32_t degree, glm::dvec3 direction) {
     const std::vector<double> basis = sh_basis(degree, direction);

@@ -20,10 +20,6 @@ std::vector<double> scaled(const std::vector<double>& v, double factor) {
     return result;
 }
 
-double sigmoid(double x) {
-    return 1 / (1 + std::exp(-x));
-}
-
 }  // namespace
 
 FrameRows frame_rows(double frame, uint32_t frames) {

@@ -4,11 +4,16 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "voctree/voctree.h"
 
 namespace neuvv::reference {
+
+inline double sigmoid(double x) {
+    return 1 / (1 + std::exp(-x));
+}
 
 // One row of SH coefficients for each of R, G, B; entries beyond sh_count(degree) are 0.
 using ShCoefficients = std::array<std::array<double, kMaxShCount>, 3>;

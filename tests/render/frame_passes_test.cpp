@@ -11,7 +11,7 @@
 #include "support/random_tree.h"
 #include "support/set_scene.h"
 
-namespace neuvv::test {
+namespace neuvv::test::frame_passes_test {
 namespace {
 
 using FramePassesTest = GpuTest;
@@ -198,4 +198,4 @@ TEST(FramePasses, ColoursGoFromDarkToBrightAndNothingIsClear) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::frame_passes_test

@@ -15,7 +15,7 @@
 #include "support/traced.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::test {
+namespace neuvv::test::frame_test {
 namespace {
 
 constexpr uint32_t kWidth = 45, kHeight = 35;  // no multiples of a tile
@@ -429,4 +429,4 @@ TEST(FrameComparison, NoticesOneWrongPixel) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::frame_test

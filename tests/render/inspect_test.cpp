@@ -13,7 +13,7 @@
 #include "support/look_at.h"
 #include "support/random_tree.h"
 
-namespace neuvv::test {
+namespace neuvv::test::inspect_test {
 namespace {
 
 constexpr uint32_t kWidth = 61, kHeight = 43;
@@ -304,4 +304,4 @@ TEST_F(InspectTest, LightComesBackAsItWas) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::inspect_test

@@ -10,7 +10,7 @@
 #include "support/random_tree.h"
 #include "support/traced.h"
 
-namespace neuvv::test {
+namespace neuvv::test::instances_test {
 namespace {
 
 constexpr uint32_t kWidth = 61, kHeight = 43;
@@ -70,10 +70,6 @@ Traced compose_by_reference(const voctree::VOctree& tree, std::vector<render::In
     return traced;
 }
 
-glm::mat4 placed(glm::vec3 at, float turn, glm::vec3 scale) {
-    return glm::scale(glm::rotate(glm::translate(glm::mat4(1), at), turn, glm::vec3(0.3f, 0.9f, 0.1f)), scale);
-}
-
 // A row of performers: rotated, stretched, mirrored, sheared, one of them far away, two at the same time of the clip.
 std::vector<render::Instance> a_stage() {
     glm::mat4 shear(1);
@@ -99,12 +95,6 @@ render::FrameSettings settings_of(std::vector<render::Instance> instances, rende
 
 stage::Camera stage_camera(double shift_m = 0) {
     return look_at({1.2 + shift_m, 1.5, 9}, {shift_m, 0.4, 0}, kWidth, kHeight, 1.2);
-}
-
-size_t passes(const render::FrameRenderer& renderer, const std::string& name) {
-    const std::vector<gpu::PassTime> times = renderer.pass_times();
-    return static_cast<size_t>(
-        std::count_if(times.begin(), times.end(), [&](const gpu::PassTime& pass) { return pass.name == name; }));
 }
 
 TEST_F(InstancesTest, StandAndMoveAsTheirTransformsAndTimesSayWhateverTheBudget) {
@@ -264,4 +254,4 @@ TEST_F(InstancesTest, WhatCannotBeDrawnIsRefused) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::instances_test

@@ -13,7 +13,7 @@
 #include "support/random_tree.h"
 #include "support/traced.h"
 
-namespace neuvv::test {
+namespace neuvv::test::merge_test {
 namespace {
 
 constexpr uint32_t kWidth = 61, kHeight = 43;
@@ -54,10 +54,6 @@ Traced together_by_reference(const std::vector<const voctree::VOctree*>& trees,
     return traced;
 }
 
-glm::mat4 placed(glm::vec3 at, float turn, glm::vec3 scale) {
-    return glm::scale(glm::rotate(glm::translate(glm::mat4(1), at), turn, glm::vec3(0.3f, 0.9f, 0.1f)), scale);
-}
-
 // Three overlapping instances of two fields, one of them translucent; one instance before them and one behind.
 std::vector<render::Instance> a_crowd() {
     return {{1.3f, glm::mat4(1), 0, 0, 1},
@@ -90,12 +86,6 @@ struct Crowd {
         : fields{render::upload_field(device, first, render::WeightPrecision::kHalf),
                  render::upload_field(device, second, render::WeightPrecision::kHalf)} {}
 };
-
-size_t passes(const render::FrameRenderer& renderer, const std::string& name) {
-    const std::vector<gpu::PassTime> times = renderer.pass_times();
-    return static_cast<size_t>(
-        std::count_if(times.begin(), times.end(), [&](const gpu::PassTime& pass) { return pass.name == name; }));
-}
 
 TEST_F(MergeTest, InstancesThatStandInEachOtherAreOneMedium) {
     const Crowd crowd(device());
@@ -332,4 +322,4 @@ TEST(DrawOrder, HoldsAlongEveryLine) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::merge_test

@@ -13,7 +13,7 @@
 #include "support/random_tree.h"
 #include "support/traced.h"
 
-namespace neuvv::test {
+namespace neuvv::test::paint_test {
 namespace {
 
 constexpr uint32_t kBlends = 4;
@@ -174,12 +174,6 @@ struct Copies {
     }
 };
 
-size_t passes(const render::FrameRenderer& renderer, const std::string& name) {
-    const std::vector<gpu::PassTime> times = renderer.pass_times();
-    return static_cast<size_t>(
-        std::count_if(times.begin(), times.end(), [&](const gpu::PassTime& pass) { return pass.name == name; }));
-}
-
 TEST_F(PaintTest, CopiesArePaintedEachForItselfAndTheOthersNotAtAll) {
     const Copies copies;
     const render::Field field = render::upload_field(device(), copies.tree, render::WeightPrecision::kHalf);
@@ -338,4 +332,4 @@ TEST_F(PaintTest, OfAnotherFieldIsRefused) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::paint_test

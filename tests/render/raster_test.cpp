@@ -59,7 +59,7 @@ GlbBuilder scene_of(const std::vector<Quad>& quads) {
 }
 
 std::vector<glm::vec4> render(const GlbBuilder& glb, const stage::Camera& camera = front_camera()) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const stage::GltfScene scene = stage::load_gltf(folder.write(glb.bytes()));
     render::Rasterizer rasterizer(device(), scene, camera.width, camera.height);
     rasterizer.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
@@ -158,7 +158,7 @@ TEST(Raster, TexturesAreSrgbFromTheTopLeft) {
     media::Image texels(2, 2);
     const uint8_t rgba[] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 128, 128, 128, 255};
     texels.rgba.assign(std::begin(rgba), std::end(rgba));
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     media::write_png(folder.path / "texels.png", texels);
     const std::vector<uint8_t> png = read_file(folder.path / "texels.png");
     Quad quad;

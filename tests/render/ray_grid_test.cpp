@@ -9,7 +9,7 @@
 #include "support/random_tree.h"
 #include "support/traced.h"
 
-namespace neuvv::test {
+namespace neuvv::test::ray_grid_test {
 namespace {
 
 constexpr uint32_t kWidth = 91, kHeight = 57;
@@ -189,4 +189,4 @@ TEST_F(RayGridTest, ViewsHaveGridsOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::ray_grid_test

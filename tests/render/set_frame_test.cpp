@@ -14,7 +14,7 @@
 #include "support/set_scene.h"
 #include "support/traced.h"
 
-namespace neuvv::test {
+namespace neuvv::test::set_frame_test {
 namespace {
 
 using SetFrameTest = GpuTest;
@@ -36,7 +36,7 @@ stage::Camera camera_before() {
     return look_at({0.3, 0.9, 4}, {0, 0.4, 0}, kWidth, kHeight, 1.1);
 }
 
-std::vector<reference::Sample> cut_at(std::vector<reference::Sample> samples, double end_m) {
+std::vector<reference::Sample> cut_at(const std::vector<reference::Sample>& samples, double end_m) {
     std::vector<reference::Sample> before;
     for (reference::Sample sample : samples) {
         const double first = sample.z_m - 0.5 * sample.delta_m, last = std::min(first + sample.delta_m, end_m);
@@ -415,4 +415,4 @@ TEST_F(SetFrameTest, PicturesLargerThanTheSetAreRefusedAndSmallerOnesAreDrawn) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::set_frame_test

@@ -3,7 +3,7 @@
 #include "render/set_truth.h"
 #include "support/gpu_test.h"
 
-namespace neuvv::test {
+namespace neuvv::test::set_material_test {
 namespace {
 
 using SetMaterialTest = GpuTest;
@@ -145,4 +145,4 @@ TEST_F(SetMaterialTest, EachTextureHasItsUvSet) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::set_material_test

@@ -6,7 +6,7 @@
 #include "spirv/light_probe.comp.h"
 #include "support/gpu_test.h"
 
-namespace neuvv::test {
+namespace neuvv::test::set_shadow_test {
 namespace {
 
 using SetShadowTest = GpuTest;
@@ -263,4 +263,4 @@ TEST_F(SetShadowTest, ComputeShadersLightAlike) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::set_shadow_test

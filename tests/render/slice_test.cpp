@@ -40,7 +40,7 @@ float sigma_of(const DeviceSlice& slice, uint32_t leaf) {
 }
 
 // The tolerance of sums of a few dozen products in single precision, of numbers around 1 to 10.
-constexpr double kTolerance = 2e-5;
+constexpr double kSliceTolerance = 2e-5;
 
 // Every live leaf has a slot of its own that points back to it.
 void expect_sound_slots(const DeviceSlice& slice) {
@@ -96,7 +96,7 @@ TEST_F(SliceTest, MatchesTheReferenceForEveryDegreeAtAnyFrame) {
         const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
         for (const float frame : {0.0f, 3.0f, 4.0f, 1.25f, 3.9f, -1.0f, 7.0f}) {
             const DeviceSlice slice = slice_on(device(), field, frame, field.leaf_count);
-            EXPECT_LE(slice_error(slice, tree, frame), kTolerance) << "degree " << degree << ", frame " << frame;
+            EXPECT_LE(slice_error(slice, tree, frame), kSliceTolerance) << "degree " << degree << ", frame " << frame;
             EXPECT_EQ(slice.live.overflow, 0u);
             EXPECT_GT(slice.live.slots, field.leaf_count / 10);
             expect_sound_slots(slice);
@@ -108,9 +108,10 @@ TEST_F(SliceTest, HalfWeightsAreTheRoundedWeights) {
     voctree::VOctree tree = unrounded_tree({.seed = 9, .bases = 7, .hh_degree = 2});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const DeviceSlice slice = slice_on(device(), field, 2.5f, field.leaf_count);
-    EXPECT_GT(slice_error(slice, tree, 2.5), 10 * kTolerance) << "the rounding of fp16 does not show: is it tested?";
+    EXPECT_GT(slice_error(slice, tree, 2.5), 10 * kSliceTolerance)
+        << "the rounding of fp16 does not show: is it tested?";
     for (float& weight : tree.weights) weight = voctree::float_from_half(voctree::half_from_float(weight));
-    EXPECT_LE(slice_error(slice, tree, 2.5), kTolerance);
+    EXPECT_LE(slice_error(slice, tree, 2.5), kSliceTolerance);
     expect_sound_slots(slice);
 }
 
@@ -130,7 +131,7 @@ TEST_F(SliceTest, LeavesWithoutASlotAreDeadAndCounted) {
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
         if (sigma_of(slice, leaf) == 0) continue;
         kept++;
-        EXPECT_NEAR(sigma_of(slice, leaf), truth[leaf].sigma, kTolerance * std::max(1.0, truth[leaf].sigma));
+        EXPECT_NEAR(sigma_of(slice, leaf), truth[leaf].sigma, kSliceTolerance * std::max(1.0, truth[leaf].sigma));
     }
     EXPECT_EQ(kept, kSlots);
 }

@@ -13,7 +13,7 @@
 #include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
-namespace neuvv::test {
+namespace neuvv::test::stage_renderer_test {
 namespace {
 
 using StageRendererTest = GpuTest;
@@ -439,4 +439,4 @@ TEST_F(StageRendererTest, BlocksOfMoreSamplesMakeTheWholePicture) {
 }
 
 }  // namespace
-}  // namespace neuvv::test
+}  // namespace neuvv::test::stage_renderer_test

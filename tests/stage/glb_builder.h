@@ -1,15 +1,14 @@
 // Builds small .glb files for tests: a JSON object, and one binary buffer to which accessors are appended.
 #pragma once
 
-#include <unistd.h>
-
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "stage/gltf_scene.h"
+#include "support/temporary_folder.h"
 
 namespace neuvv::test {
 
@@ -65,27 +64,10 @@ struct GlbBuilder {
     }
 };
 
-// A folder that goes away with the object.
-struct TemporaryFolder {
-    std::filesystem::path path;
-    TemporaryFolder() {
-        static int count = 0;
-        path = std::filesystem::temp_directory_path() /
-               ("neuvv_stage_" + std::to_string(getpid()) + "_" + std::to_string(count++));
-        std::filesystem::create_directories(path);
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-    std::filesystem::path write(const std::vector<uint8_t>& bytes, const std::string& name = "model.glb") const {
-        std::ofstream file(path / name, std::ios::binary);
-        file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-        return path / name;
-    }
-};
+// What the engine reads from the file.
+inline stage::GltfScene scene_of(const GlbBuilder& glb) {
+    const TemporaryFolder folder;
+    return stage::load_gltf(folder.write(glb.bytes()));
+}
 
 }  // namespace neuvv::test

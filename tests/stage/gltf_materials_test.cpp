@@ -9,12 +9,8 @@
 #include "stage/glb_builder.h"
 #include "stage/pose.h"
 
-namespace neuvv {
+namespace neuvv::test {
 namespace {
-
-using test::GlbBuilder;
-using test::json;
-using test::TemporaryFolder;
 
 // A rectangle in the XY plane that faces +Z, U along +X and V along −Y, with a material of all textures: image 0 for
 // the base colour, 1 for everything else.
@@ -49,17 +45,12 @@ GlbBuilder rectangle() {
     return glb;
 }
 
-stage::GltfScene load(const GlbBuilder& glb) {
-    const TemporaryFolder folder;
-    return stage::load_gltf(folder.write(glb.bytes()));
-}
-
 const stage::GltfPrimitive& primitive_of(const stage::GltfScene& scene) {
     return scene.meshes.at(0).primitives.at(0);
 }
 
 std::vector<glm::vec4> tangents_of(const GlbBuilder& glb) {
-    return primitive_of(load(glb)).tangents;
+    return primitive_of(scene_of(glb)).tangents;
 }
 
 void expect_vec4(const glm::vec4& a, const glm::vec4& b) {
@@ -70,7 +61,7 @@ void expect_vec4(const glm::vec4& a, const glm::vec4& b) {
 TEST(GltfMaterials, EverythingOfAMaterialIsRead) {
     GlbBuilder glb = rectangle();
     glb.root["extensionsUsed"] = glb.root["extensionsRequired"] = {"KHR_materials_emissive_strength"};
-    const stage::GltfScene scene = load(glb);
+    const stage::GltfScene scene = scene_of(glb);
     const stage::GltfMaterial& material = scene.materials.at(0);
     EXPECT_EQ(material.texture, 0);
     for (const int32_t map : material.maps) EXPECT_EQ(map, 1);
@@ -87,7 +78,7 @@ TEST(GltfMaterials, EverythingOfAMaterialIsRead) {
 
 TEST(GltfMaterials, ImagesThatStayAreNotDecodedAgain) {
     GlbBuilder glb = rectangle();
-    const stage::GltfScene before = load(glb);
+    const stage::GltfScene before = scene_of(glb);
     media::Image other(3, 2);
     other.rgba.assign(24, 7);
     const std::vector<uint8_t> png = media::encode_png(other);
@@ -102,7 +93,7 @@ TEST(GltfMaterials, ImagesThatStayAreNotDecodedAgain) {
 TEST(GltfMaterials, MapsThatAreNotThereCostNothing) {
     GlbBuilder glb = rectangle();
     glb.root["materials"][0] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}};
-    const stage::GltfScene scene = load(glb);
+    const stage::GltfScene scene = scene_of(glb);
     for (const auto& uvs : primitive_of(scene).map_uvs) EXPECT_TRUE(uvs.empty());
     EXPECT_TRUE(primitive_of(scene).tangents.empty());
     EXPECT_FALSE(scene.images.at(1)) << "no material uses it";
@@ -132,7 +123,7 @@ TEST(GltfMaterials, TheFilesTangentsAreMadeUnitAndOrthogonal) {
     GlbBuilder glb = rectangle();
     json& attributes = glb.root["meshes"][0]["primitives"][0]["attributes"];
     attributes["TANGENT"] = glb.vec4({0, 3, 5, -1, 0, 3, 0, -1, 0, 1, 0, -1, 0, 0, 0, 1});
-    const stage::GltfScene scene = load(glb);
+    const stage::GltfScene scene = scene_of(glb);
     const std::vector<glm::vec4>& tangents = primitive_of(scene).tangents;
     for (size_t v = 0; v < 3; ++v) expect_vec4(tangents.at(v), {0, 1, 0, -1});
     EXPECT_NEAR(glm::length(glm::vec3(tangents.at(3))), 1, 1e-6) << "a tangent of length 0";
@@ -164,7 +155,7 @@ TEST(GltfMaterials, TangentsAreWeightedByAngles) {
 
 TEST(GltfMaterials, TangentsArePosedWithTheirVertices) {
     const auto posed = [](const GlbBuilder& glb) {
-        const stage::GltfScene scene = load(glb);
+        const stage::GltfScene scene = scene_of(glb);
         stage::PosedVertices vertices;
         stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, primitive_of(scene), vertices);
         return vertices.tangents.at(0);
@@ -220,4 +211,4 @@ TEST(GltfMaterials, BadMembersAreNamed) {
 }
 
 }  // namespace
-}  // namespace neuvv
+}  // namespace neuvv::test

@@ -8,18 +8,10 @@
 #include "base/error.h"
 #include "stage/glb_builder.h"
 #include "stage/pose.h"
+#include "support/near.h"
 
-namespace neuvv {
+namespace neuvv::test {
 namespace {
-
-using test::GlbBuilder;
-using test::json;
-using test::TemporaryFolder;
-
-stage::GltfScene load(const GlbBuilder& glb) {
-    const TemporaryFolder folder;
-    return stage::load_gltf(folder.write(glb.bytes()));
-}
 
 // The error's text, or "" where loading succeeds.
 std::string error_of(const std::vector<uint8_t>& bytes, const std::string& name = "model.glb") {
@@ -40,11 +32,6 @@ void expect_error(const GlbBuilder& glb, const std::string& place, const std::st
     EXPECT_NE(error.find(place), std::string::npos) << error;
     EXPECT_NE(error.find(problem), std::string::npos) << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
-}
-
-void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-5) {
-    EXPECT_LT(glm::length(a - b), tolerance)
-        << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' ' << b.z;
 }
 
 const std::vector<float> kTriangle = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -75,10 +62,10 @@ glm::dvec3 origin_at(const stage::GltfScene& scene, double t) {
 }
 
 TEST(GltfScene, FlatNormalsWhereTheFileHasNone) {
-    const stage::GltfScene scene = load(triangle());
+    const stage::GltfScene scene = scene_of(triangle());
     const stage::GltfPrimitive& mesh = scene.meshes.at(0).primitives.at(0);
     ASSERT_EQ(mesh.normals.size(), 3u);
-    expect_near(mesh.normals[1], {0, 0, 1});
+    expect_near(mesh.normals[1], {0, 0, 1}, 1e-5);
     EXPECT_EQ(mesh.indices, (std::vector<uint32_t>{0, 1, 2}));
     EXPECT_TRUE(scene.nodes[0].in_scene);
 }
@@ -90,9 +77,9 @@ TEST(GltfScene, StripsAndFansKeepTheirWinding) {
         const std::vector<float> fan = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
         primitive(glb)["attributes"]["POSITION"] = glb.vec3(mode == 5 ? strip : fan);
         primitive(glb)["mode"] = mode;
-        const stage::GltfPrimitive mesh = load(glb).meshes[0].primitives[0];
+        const stage::GltfPrimitive mesh = scene_of(glb).meshes[0].primitives[0];
         ASSERT_EQ(mesh.indices.size(), 6u);
-        for (const glm::vec3& normal : mesh.normals) expect_near(normal, {0, 0, 1});
+        for (const glm::vec3& normal : mesh.normals) expect_near(normal, {0, 0, 1}, 1e-5);
     }
 }
 
@@ -103,26 +90,26 @@ TEST(GltfScene, LinearAnimationOfTranslationRotationScale) {
     const float h = std::sqrt(0.5f);
     animate(glb, "rotation", "LINEAR", times, glb.vec4({0, 0, 0, 1, 0, 0, h, h, 0, 0, -h, -h}));
     animate(glb, "scale", "LINEAR", times, glb.vec3({1, 1, 1, 3, 1, 1, 3, 1, 1}));
-    const stage::GltfScene scene = load(glb);
+    const stage::GltfScene scene = scene_of(glb);
     EXPECT_NEAR(scene.animations[0].duration_s, 3, 1e-9);
-    expect_near(origin_at(scene, -1), {0, 0, 0});
-    expect_near(origin_at(scene, 0.25), {0.5, 0, 0});
-    expect_near(origin_at(scene, 2), {2, 2, 0});
-    expect_near(origin_at(scene, 9), {2, 4, 0});
+    expect_near(origin_at(scene, -1), {0, 0, 0}, 1e-5);
+    expect_near(origin_at(scene, 0.25), {0.5, 0, 0}, 1e-5);
+    expect_near(origin_at(scene, 2), {2, 2, 0}, 1e-5);
+    expect_near(origin_at(scene, 9), {2, 4, 0}, 1e-5);
     // Half of the quarter turn; x scaled by 2. Later the quaternion only changes its sign, which is no motion.
     const double d = std::sqrt(0.5) * 2;
-    expect_near(glm::dvec3(stage::pose_scene(scene, 0, 0.5).world_from_node[0][0]), {d, d, 0});
-    expect_near(glm::dvec3(stage::pose_scene(scene, 0, 2).world_from_node[0][0]), {0, 3, 0});
-    expect_near(glm::dvec3(stage::pose_scene(scene, stage::kNoAnimation, 2).world_from_node[0][0]), {1, 0, 0});
+    expect_near(glm::dvec3(stage::pose_scene(scene, 0, 0.5).world_from_node[0][0]), {d, d, 0}, 1e-5);
+    expect_near(glm::dvec3(stage::pose_scene(scene, 0, 2).world_from_node[0][0]), {0, 3, 0}, 1e-5);
+    expect_near(glm::dvec3(stage::pose_scene(scene, stage::kNoAnimation, 2).world_from_node[0][0]), {1, 0, 0}, 1e-5);
 }
 
 TEST(GltfScene, StepAnimationHoldsTheKeyBefore) {
     GlbBuilder glb = triangle();
     animate(glb, "translation", "STEP", glb.scalar({0, 1, 2}), glb.vec3({0, 0, 0, 5, 0, 0, 7, 0, 0}));
-    const stage::GltfScene scene = load(glb);
-    expect_near(origin_at(scene, 0.999), {0, 0, 0});
-    expect_near(origin_at(scene, 1), {5, 0, 0});
-    expect_near(origin_at(scene, 2.5), {7, 0, 0});
+    const stage::GltfScene scene = scene_of(glb);
+    expect_near(origin_at(scene, 0.999), {0, 0, 0}, 1e-5);
+    expect_near(origin_at(scene, 1), {5, 0, 0}, 1e-5);
+    expect_near(origin_at(scene, 2.5), {7, 0, 0}, 1e-5);
 }
 
 TEST(GltfScene, CubicSplineFollowsHermite) {
@@ -130,15 +117,16 @@ TEST(GltfScene, CubicSplineFollowsHermite) {
     // Keys at 0 and 2 s: in-tangent, value, out-tangent.
     animate(glb, "translation", "CUBICSPLINE", glb.scalar({0, 2}),
             glb.vec3({9, 9, 9, 1, 0, 0, 3, 0, 0, -1, 0, 0, 2, 0, 0, 9, 9, 9}));
-    const stage::GltfScene scene = load(glb);
-    expect_near(origin_at(scene, 0), {1, 0, 0});
-    expect_near(origin_at(scene, 2), {2, 0, 0});
+    const stage::GltfScene scene = scene_of(glb);
+    expect_near(origin_at(scene, 0), {1, 0, 0}, 1e-5);
+    expect_near(origin_at(scene, 2), {2, 0, 0}, 1e-5);
     // s = 1/2: (p0 + p1)/2 + dt (m0 - m1)/8.
-    expect_near(origin_at(scene, 1), {1.5 + 2 * (3 + 1) / 8.0, 0, 0});
+    expect_near(origin_at(scene, 1), {1.5 + 2 * (3 + 1) / 8.0, 0, 0}, 1e-5);
     const double s = 0.25, s2 = s * s, s3 = s2 * s;
     expect_near(
         origin_at(scene, 0.5),
-        {(2 * s3 - 3 * s2 + 1) * 1 + 2 * (s3 - 2 * s2 + s) * 3 + (3 * s2 - 2 * s3) * 2 + 2 * (s3 - s2) * -1, 0, 0});
+        {(2 * s3 - 3 * s2 + 1) * 1 + 2 * (s3 - 2 * s2 + s) * 3 + (3 * s2 - 2 * s3) * 2 + 2 * (s3 - s2) * -1, 0, 0},
+        1e-5);
 }
 
 TEST(GltfScene, ChildrenFollowTheirParents) {
@@ -148,13 +136,13 @@ TEST(GltfScene, ChildrenFollowTheirParents) {
                          {{"children", {1}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1}}},
                          {{"mesh", 0}}};
     glb.root["scenes"] = {{{"nodes", {2}}}};
-    const stage::GltfScene scene = load(glb);
-    expect_near(stage::pose_scene(scene, stage::kNoAnimation, 0).world_from_node[0][3], {5, 0, 2});
+    const stage::GltfScene scene = scene_of(glb);
+    expect_near(stage::pose_scene(scene, stage::kNoAnimation, 0).world_from_node[0][3], {5, 0, 2}, 1e-5);
     EXPECT_TRUE(scene.nodes[0].in_scene);
     EXPECT_FALSE(scene.nodes[3].in_scene);
     const auto [low, high] = stage::bounds_over(scene, stage::kNoAnimation, {0});
-    expect_near(low, {5, 0, 2});
-    expect_near(high, {7, 2, 2});
+    expect_near(low, {5, 0, 2}, 1e-5);
+    expect_near(high, {7, 2, 2}, 1e-5);
 }
 
 // Two joints: the first is at the origin, the second 1 m above it and turned by 90° about z.
@@ -178,17 +166,17 @@ GlbBuilder arm() {
 }
 
 TEST(GltfScene, SkinningMatchesHandCalculation) {
-    const stage::GltfScene scene = load(arm());
+    const stage::GltfScene scene = scene_of(arm());
     stage::PosedVertices out;
     stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
                          out);
-    expect_near(out.positions[0], {1, 0, 0});  // joint 0 alone; the node's own translation is ignored
+    expect_near(out.positions[0], {1, 0, 0}, 1e-5);  // joint 0 alone; the node's own translation is ignored
     // (0,1.5) is the mean of both: joint 0 does not move it, joint 1 turns it about (0,1) to (-0.5,1).
-    expect_near(out.positions[1], {-0.25, 1.25, 0});
-    expect_near(out.positions[2], {-1, 1, 0});  // a single weight of 0.5 is normalised to 1
-    expect_near(out.normals[0], {1, 0, 0});
-    expect_near(out.normals[1], glm::normalize(glm::dvec3(1, 1, 0)));
-    expect_near(out.normals[2], {-1, 0, 0});
+    expect_near(out.positions[1], {-0.25, 1.25, 0}, 1e-5);
+    expect_near(out.positions[2], {-1, 1, 0}, 1e-5);  // a single weight of 0.5 is normalised to 1
+    expect_near(out.normals[0], {1, 0, 0}, 1e-5);
+    expect_near(out.normals[1], glm::normalize(glm::dvec3(1, 1, 0)), 1e-5);
+    expect_near(out.normals[2], {-1, 0, 0}, 1e-5);
 }
 
 TEST(GltfScene, MorphTargetsAddUp) {
@@ -199,26 +187,26 @@ TEST(GltfScene, MorphTargetsAddUp) {
         {{"POSITION", glb.vec3({0, 2, 0, 0, 0, 0, 0, 0, 0})}, {"NORMAL", glb.vec3({2, 0, 0, 0, 0, 0, 0, 0, 0})}}};
     glb.root["meshes"][0]["weights"] = {0.25, 0};
     animate(glb, "weights", "LINEAR", glb.scalar({0, 1}), glb.scalar({0.25f, 0, 0.75f, 1}));
-    const stage::GltfScene scene = load(glb);
+    const stage::GltfScene scene = scene_of(glb);
     stage::PosedVertices out;
     stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
                          out);
-    expect_near(out.positions[0], {0, 0, 1});
+    expect_near(out.positions[0], {0, 0, 1}, 1e-5);
     stage::pose_vertices(scene, stage::pose_scene(scene, 0, 0.5), 0, scene.meshes[0].primitives[0], out);
-    expect_near(out.positions[0], {0, 1, 2});
-    expect_near(out.normals[0], glm::normalize(glm::dvec3(1, 0, 1)));
-    expect_near(out.positions[1], {1, 0, 0});
+    expect_near(out.positions[0], {0, 1, 2}, 1e-5);
+    expect_near(out.normals[0], glm::normalize(glm::dvec3(1, 0, 1)), 1e-5);
+    expect_near(out.positions[1], {1, 0, 0}, 1e-5);
 }
 
 TEST(GltfScene, MirroringNodesSayThatTheirTrianglesTurn) {
     GlbBuilder glb = triangle();
     glb.root["nodes"][0]["scale"] = {-1, 1, 1};
-    const stage::GltfScene scene = load(glb);
+    const stage::GltfScene scene = scene_of(glb);
     stage::PosedVertices out;
     stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
                          out);
     EXPECT_TRUE(out.mirrored);
-    expect_near(out.normals[0], {0, 0, 1});
+    expect_near(out.normals[0], {0, 0, 1}, 1e-5);
 }
 
 TEST(GltfScene, VertexColoursOfEveryKind) {
@@ -227,11 +215,11 @@ TEST(GltfScene, VertexColoursOfEveryKind) {
     const int normalised = glb.add(bytes, test::kU8, "VEC4", 4);
     glb.root["accessors"][static_cast<size_t>(normalised)]["normalized"] = true;
     primitive(glb)["attributes"]["COLOR_0"] = normalised;
-    glm::vec4 color = load(glb).meshes[0].primitives[0].colors.at(0);
+    glm::vec4 color = scene_of(glb).meshes[0].primitives[0].colors.at(0);
     EXPECT_NEAR(color.b, 0.2, 1e-6);
     EXPECT_NEAR(color.r, 1, 1e-6);
     primitive(glb)["attributes"]["COLOR_0"] = glb.vec3({0.5f, 0.25f, 0, 0, 0, 0, 0, 0, 0});
-    color = load(glb).meshes[0].primitives[0].colors.at(0);
+    color = scene_of(glb).meshes[0].primitives[0].colors.at(0);
     EXPECT_NEAR(color.g, 0.25, 1e-6);
     EXPECT_NEAR(color.a, 1, 1e-6);
     glb.root["accessors"][static_cast<size_t>(normalised)].erase("normalized");
@@ -250,7 +238,7 @@ TEST(GltfScene, MaterialsAndTextureTransform) {
          {"doubleSided", true},
          {"pbrMetallicRoughness", {{"baseColorFactor", {1, 0.5, 0.25, 1}}, {"roughnessFactor", 0.5}}}}};
     primitive(glb)["material"] = 0;
-    const stage::GltfMaterial material = load(glb).materials.at(0);
+    const stage::GltfMaterial material = scene_of(glb).materials.at(0);
     EXPECT_TRUE(material.unlit && material.double_sided);
     EXPECT_EQ(material.alpha, stage::GltfAlpha::kMask);
     EXPECT_NEAR(material.alpha_cutoff, 0.25, 1e-6);
@@ -271,7 +259,7 @@ TEST(GltfScene, SparseAccessorsReplaceElements) {
     accessor["sparse"] = {{"count", 1},
                           {"indices", {{"bufferView", glb.add_view(indices.data(), 2)}, {"componentType", test::kU16}}},
                           {"values", {{"bufferView", glb.add_view(values.data(), 12)}}}};
-    expect_near(load(glb).meshes[0].primitives[0].positions[1], {7, 8, 0});
+    expect_near(scene_of(glb).meshes[0].primitives[0].positions[1], {7, 8, 0}, 1e-5);
     accessor["sparse"]["indices"]["componentType"] = test::kU32;
     expect_error(glb, "/accessors/0/sparse/indices", "bufferView");
 }
@@ -279,7 +267,7 @@ TEST(GltfScene, SparseAccessorsReplaceElements) {
 TEST(GltfScene, AnimationsAreFoundByNameOrIndex) {
     GlbBuilder glb = triangle();
     animate(glb, "translation", "LINEAR", glb.scalar({0}), glb.vec3({0, 0, 0}));
-    const stage::GltfScene scene = load(glb);
+    const stage::GltfScene scene = scene_of(glb);
     EXPECT_EQ(stage::find_animation(scene, "Move"), 0u);
     EXPECT_EQ(stage::find_animation(scene, "0"), 0u);
     for (const char* wrong : {"Walk", "1", "", "0x"}) {
@@ -495,4 +483,4 @@ TEST(GltfHostile, FlippedBytes) {
 }
 
 }  // namespace
-}  // namespace neuvv
+}  // namespace neuvv::test

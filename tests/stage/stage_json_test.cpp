@@ -65,7 +65,7 @@ TEST(StageJson, SaysWhatItHolds) {
     EXPECT_EQ(StageJson(json.whole()), json);
     EXPECT_EQ(json.members().back().first, "scene");
     EXPECT_EQ(StageJson().text(), "{}");
-    EXPECT_THROW(StageJson(ordered_json::array()), std::invalid_argument);
+    EXPECT_THROW(const StageJson made(ordered_json::array()), std::invalid_argument);
 }
 
 TEST(StageJson, CountsItsMemory) {

@@ -10,12 +10,14 @@
 
 #include "stage/evaluated_stage.h"
 #include "support/input_error.h"
+#include "support/near.h"
 #include "tests/stage/stage_files.h"
 
 namespace neuvv {
 namespace {
 
 using nlohmann::ordered_json;
+using test::expect_near;
 
 struct Stages : testing::Test {
     TemporaryFolder folder;
@@ -36,22 +38,17 @@ struct Stages : testing::Test {
     }
 };
 
-void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
-    EXPECT_LT(glm::length(a - b), 1e-6) << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' '
-                                        << b.z;
-}
-
 TEST_F(Stages, AnotherProgramsStageIsRead) {
     const stage::Stage stage = stage::load_stage(test::put_foreign_stage(folder.path));
     EXPECT_EQ(stage.duration_s, 4);
     EXPECT_EQ(stage.fps, 30);
-    expect_near(stage.ambient, {0.1, 0.1, 0.2});
+    expect_near(stage.ambient, {0.1, 0.1, 0.2}, 1e-6);
     ASSERT_EQ(stage.performers.size(), 1u);
     EXPECT_EQ(stage.performers[0].name, "Anna");
     EXPECT_EQ(stage::text_of(stage.performers[0].settings.time), "loop,offset:2f");
     ASSERT_EQ(stage.clips.size(), 1u);
     EXPECT_EQ(stage.clips[0].frames, 7u);
-    expect_near(stage.clips[0].box_min, {-1, -0.25, -0.75});
+    expect_near(stage.clips[0].box_min, {-1, -0.25, -0.75}, 1e-6);
     ASSERT_EQ(stage.scene.lights.size(), 2u);
     EXPECT_EQ(stage.scene.lights[0].kind, stage::GltfLightKind::kSpot);
     EXPECT_EQ(stage.scene.lights[0].range_m, 10);
@@ -76,23 +73,23 @@ TEST_F(Stages, AtAnInstantEverythingIsInWorldSpace) {
         return glm::dvec3(2 * p.x + 1, p.y, p.z);
     };
     for (const glm::dvec3 p : {glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(1, 2, 3)})
-        expect_near(glm::dvec3(anna.world_from_performer * glm::dvec4(p, 1)), stood(p));
+        expect_near(glm::dvec3(anna.world_from_performer * glm::dvec4(p, 1)), stood(p), 1e-6);
     ASSERT_EQ(evaluated.lights.size(), 2u);
-    expect_near(evaluated.lights[0].position, {0, 4, 0});
-    expect_near(evaluated.lights[0].direction, {0, -1, 0});
-    expect_near(evaluated.lights[0].intensity, 54.35141306588226 * glm::dvec3(1, 0.5, 0.25));
+    expect_near(evaluated.lights[0].position, {0, 4, 0}, 1e-6);
+    expect_near(evaluated.lights[0].direction, {0, -1, 0}, 1e-6);
+    expect_near(evaluated.lights[0].intensity, 54.35141306588226 * glm::dvec3(1, 0.5, 0.25), 1e-6);
     EXPECT_NEAR(evaluated.lights[0].cos_inner, std::cos(0.3), 1e-12);
     EXPECT_NEAR(evaluated.lights[0].cos_outer, std::cos(0.6), 1e-12);
-    expect_near(evaluated.lights[1].direction, {0, 0, -1});
+    expect_near(evaluated.lights[1].direction, {0, 0, -1}, 1e-6);
     const stage::Camera camera = stage::camera_of(stage, "Camera", evaluated, 160, 80);
-    expect_near(glm::dvec3(camera.world_from_camera[3]), {1, 1.5, 4});  // the middle of its movement
+    expect_near(glm::dvec3(camera.world_from_camera[3]), {1, 1.5, 4}, 1e-6);  // the middle of its movement
     EXPECT_NEAR(camera.fy, 40 / std::tan(0.4), 1e-9);
     EXPECT_EQ(camera.fx, camera.fy);
     EXPECT_EQ(camera.cx, 80);
     expect_near(glm::dvec3(stage::camera_of(stage, "0", stage::stage_at(stage, 9), 8, 8).world_from_camera[3]),
-                {2, 1.5, 4});
+                {2, 1.5, 4}, 1e-6);
     expect_near(glm::dvec3(stage::camera_of(stage, "", stage::stage_at(stage, 0), 8, 8).world_from_camera[3]),
-                {0, 1.5, 4});
+                {0, 1.5, 4}, 1e-6);
     expect_input_error([&] { stage::camera_of(stage, "Lens2", evaluated, 8, 8); }, {"Lens2", "0 \"Camera\""});
 }
 
@@ -101,7 +98,7 @@ TEST_F(Stages, APlainSceneIsAStage) {
     const stage::Stage stage = stage::load_stage(at("plain.gltf"));
     EXPECT_EQ(stage.duration_s, 0);
     EXPECT_EQ(stage.fps, 25);
-    expect_near(stage.ambient, {1, 1, 1});
+    expect_near(stage.ambient, {1, 1, 1}, 1e-6);
     EXPECT_TRUE(stage.settings.shadows && stage.settings.falloff);
     EXPECT_EQ(stage.settings.blend, stage::StageBlend::kExact);
     EXPECT_TRUE(stage::stage_at(stage, 3).performers.empty());
@@ -161,7 +158,7 @@ TEST_F(Stages, CamerasOfScaledNodesAreRigid) {
     const stage::Camera camera = stage::camera_of(flat, "Camera", stage::stage_at(flat, 0), 8, 8);
     const glm::dmat3 turn(camera.world_from_camera);
     EXPECT_NEAR(glm::determinant(turn), 1, 1e-9);
-    expect_near(turn * glm::transpose(turn) * glm::dvec3(1, 2, 3), {1, 2, 3});
+    expect_near(turn * glm::transpose(turn) * glm::dvec3(1, 2, 3), {1, 2, 3}, 1e-6);
 }
 
 // KHR_node_visibility: a node hides everything below it except cameras.

@@ -202,6 +202,8 @@ void cut(Cutting& clip, stage::TimeOperator& op, std::mt19937& random) {
             clip.endless = true;
             break;
         }
+        case stage::TimeVerb::kHold:  // is not among the operators that are drawn
+            break;
     }
 }
 

@@ -37,7 +37,7 @@ TEST_F(CliGpu, RenderWritesNumberedPictures) {
     const ProgramResult result =
         run_neuvv({"render", scene, "-o", file("new/out_%03d.png"), "--size", "40x24", "--json"});
     ASSERT_EQ(result.code, 0) << result.err;
-    EXPECT_EQ(nlohmann::json::parse(result.out).at("pictures"), 8);
+    EXPECT_EQ(nlohmann::json::parse(result.out).at("images"), 8);
     bool clear = false, seen = false;
     for (int i = 0; i < 8; ++i) {
         const media::Image image = media::read_png(folder.path / "new" / ("out_00" + std::to_string(i) + ".png"));
@@ -147,7 +147,7 @@ TEST_F(CliGpu, AnInstantIntoOnePictureIsAStill) {
 TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     write_own_data();
     const ProgramResult result = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"),
-                                            "--images", file("pictures"), "--html", file("new/page.html")});
+                                            "--images", file("images"), "--html", file("new/page.html")});
     ASSERT_EQ(result.code, 0) << result.err;
     const std::string page = read_text(file("new/page.html"));
     EXPECT_EQ(count_of(page, "<figure"), 6u);
@@ -172,12 +172,12 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     ASSERT_EQ(json.at("images").size(), 6u);
     EXPECT_EQ(json.at("images")[4].at("name"), "c01_f1");
     for (const char* name : {"c00_f0_truth.png", "c00_f0_render.png", "c01_f2_error.png"}) {
-        const media::Image image = media::read_png(folder.path / "pictures" / name);
+        const media::Image image = media::read_png(folder.path / "images" / name);
         EXPECT_EQ(image.width, 48u) << name;
         EXPECT_EQ(image.height, 40u) << name;
     }
-    EXPECT_EQ(media::read_png(folder.path / "pictures" / "contact_sheet.png").width, 3 * 320u);
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "pictures"), {}), 3 * 6 + 1);
+    EXPECT_EQ(media::read_png(folder.path / "images" / "contact_sheet.png").width, 3 * 320u);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "images"), {}), 3 * 6 + 1);
 
     const ProgramResult piped = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", "-"});
     EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));

@@ -54,7 +54,7 @@ TEST_F(CliRender, PathsAreFollowed) {
     const std::string path = write_path(false);
     const ProgramResult result = run_neuvv(command("o_%02d.png", {"--camera", path, "--fps", "2", "--json"}));
     ASSERT_EQ(result.code, 0) << result.err;
-    EXPECT_EQ(nlohmann::json::parse(result.out).at("pictures"), 5);
+    EXPECT_EQ(nlohmann::json::parse(result.out).at("images"), 5);
     // The keys of the path are the views of the orbit.
     ASSERT_EQ(run_neuvv(command("orbit_%02d.png", {})).code, 0);
     for (int i = 0; i < 3; ++i) {
@@ -91,7 +91,7 @@ TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
         words.insert(words.end(), more.begin(), more.end());
         const ProgramResult result = run_neuvv(words);
         EXPECT_EQ(result.code, 0) << result.err;
-        return nlohmann::json::parse(result.out).at("pictures").get<int>();
+        return nlohmann::json::parse(result.out).at("images").get<int>();
     };
     for (const std::string& what : {scene, show}) {
         EXPECT_EQ(images(what, {"--fps", "2"}), 3) << what;
@@ -172,7 +172,7 @@ TEST_F(CliRender, AnInterruptedSequenceGoesOn) {
         const ProgramResult result = run_neuvv(words);
         ASSERT_EQ(result.code, 0) << result.err;
         const auto json = nlohmann::json::parse(result.out);
-        EXPECT_EQ(json.at("pictures"), 24);
+        EXPECT_EQ(json.at("images"), 24);
         EXPECT_LE(json.at("rendered"), 21);
         EXPECT_EQ(std::filesystem::last_write_time(file(third.c_str())), written);
         for (uint32_t i = 0; i < 24; ++i)

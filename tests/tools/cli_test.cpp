@@ -56,7 +56,7 @@ TEST_F(Cli, WrongUseIsBadInput) {
 }
 
 TEST_F(Cli, NaNIsNoNumberOfAnything) {
-    for (const char* option : {"--minutes", "--max-memory", "--picture-memory", "--psi-minutes", "--lambda-grad",
+    for (const char* option : {"--minutes", "--max-memory", "--image-memory", "--psi-minutes", "--lambda-grad",
                                "--lambda-point", "--lambda-smooth", "--seed"})
         expect_refused({"train", file("data"), "-o", file("x.nvv"), option, "nan"}, 2, {option});
     expect_refused({"matte", file("data"), "--threshold", "nan"}, 2, {"--threshold"});

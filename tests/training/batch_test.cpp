@@ -16,7 +16,7 @@ namespace {
 constexpr uint32_t kSize = 44;                                     // pixels: six tiles, the last of which is cut
 using TileKey = std::tuple<double, uint32_t, uint32_t, uint32_t>;  // time, camera, x, y
 
-const training::Dataset& capture() {
+const training::Dataset& batch_capture() {
     static const training::Dataset dataset =
         sphere_dataset({.cameras = 10, .frames = 2, .size = kSize, .travel_m = 0.2});
     return dataset;
@@ -42,7 +42,7 @@ bool holds_foreground(const training::View& view, uint32_t x0, uint32_t y0) {
 // How often each tile is drawn until each time has ended one epoch.
 std::map<TileKey, uint32_t> draws_of_an_epoch(training::BatchSampler& sampler) {
     std::map<TileKey, uint32_t> draws;
-    for (size_t i = 0; i < capture().times.size(); i++) {
+    for (size_t i = 0; i < batch_capture().times.size(); i++) {
         const training::Batch batch = sampler.next();
         for (const Tile& tile : batch.tiles) draws[key_of(batch, tile)]++;
     }
@@ -50,11 +50,11 @@ std::map<TileKey, uint32_t> draws_of_an_epoch(training::BatchSampler& sampler) {
 }
 
 TEST(Batch, EveryForegroundTileOnceAnEpochAndAFifthOfTheOthers) {
-    training::BatchSampler sampler(capture(), 100000, 3);
+    training::BatchSampler sampler(batch_capture(), 100000, 3);
     size_t background = 0, background_drawn = 0, rays = 0;
     for (int epoch = 0; epoch < 5; epoch++) {
         const std::map<TileKey, uint32_t> draws = draws_of_an_epoch(sampler);
-        for (const training::View& view : capture().views)
+        for (const training::View& view : batch_capture().views)
             for (uint32_t y = 0; y < kSize; y += kTile)
                 for (uint32_t x = 0; x < kSize; x += kTile) {
                     const auto found = draws.find({view.time, view.camera, x, y});
@@ -77,7 +77,7 @@ TEST(Batch, EveryForegroundTileOnceAnEpochAndAFifthOfTheOthers) {
 
 TEST(Batch, InstantsComeInRunsAndEvenly) {
     constexpr uint32_t kInARow = 3;
-    training::BatchSampler sampler(capture(), 2, 8, kInARow);
+    training::BatchSampler sampler(batch_capture(), 2, 8, kInARow);
     std::map<double, int> batches;
     std::vector<double> times;
     for (uint32_t i = 0; i < 8 * kInARow; i++) {
@@ -90,10 +90,10 @@ TEST(Batch, InstantsComeInRunsAndEvenly) {
 }
 
 TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {
-    training::BatchSampler sampler(capture(), 7, 4);
+    training::BatchSampler sampler(batch_capture(), 7, 4);
     std::map<TileKey, uint32_t> draws;
     std::map<double, bool> ended;
-    while (ended.size() < capture().times.size()) {
+    while (ended.size() < batch_capture().times.size()) {
         const training::Batch batch = sampler.next();
         ASSERT_GT(batch.tiles.size(), 0u);
         ASSERT_LE(batch.tiles.size(), 7u);
@@ -102,7 +102,7 @@ TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {
             if (++draws[key_of(batch, tile)] == 2) ended[batch.time] = true;
         }
     }
-    for (const training::View& view : capture().views)
+    for (const training::View& view : batch_capture().views)
         for (uint32_t y = 0; y < kSize; y += kTile)
             for (uint32_t x = 0; x < kSize; x += kTile)
                 if (holds_foreground(view, x, y)) {
@@ -111,7 +111,7 @@ TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {
 }
 
 TEST(Batch, TheSameSeedGivesTheSameBatches) {
-    training::BatchSampler a(capture(), 50, 5), b(capture(), 50, 5), other(capture(), 50, 6);
+    training::BatchSampler a(batch_capture(), 50, 5), b(batch_capture(), 50, 5), other(batch_capture(), 50, 6);
     bool differs = false;
     for (int i = 0; i < 20; i++) {
         const training::Batch from_a = a.next(), from_b = b.next(), from_other = other.next();
@@ -126,7 +126,7 @@ TEST(Batch, TheSameSeedGivesTheSameBatches) {
 }
 
 TEST(Batch, ASkippedBatchChangesNothingThatFollows) {
-    training::BatchSampler whole(capture(), 9, 5), resumed(capture(), 9, 5);
+    training::BatchSampler whole(batch_capture(), 9, 5), resumed(batch_capture(), 9, 5);
     for (int i = 0; i < 12; i++) {
         const uint32_t samples = i < 7 ? 1 : 2;
         whole.next(samples);
@@ -143,7 +143,7 @@ TEST(Batch, ASkippedBatchChangesNothingThatFollows) {
 }
 
 TEST(Batch, SeveralRaysSeeOnePixel) {
-    training::BatchSampler sampler(capture(), 400, 6);
+    training::BatchSampler sampler(batch_capture(), 400, 6);
     const training::Batch batch = sampler.next(2);
     ASSERT_EQ(batch.tiles.size() % 4, 0u);
     EXPECT_LE(batch.tiles.size(), 400u);
@@ -154,19 +154,19 @@ TEST(Batch, SeveralRaysSeeOnePixel) {
                    y = static_cast<uint32_t>(tile.y + i % kTilePixels / kTile) / 2;
         const auto [found, fresh] = pixels.try_emplace({tile.camera, x, y}, batch.target[i]);
         EXPECT_EQ(found->second, batch.target[i]);
-        const auto view = std::find_if(capture().views.begin(), capture().views.end(), [&](const training::View& v) {
-            return v.camera == tile.camera && v.time == batch.time;
-        });
-        ASSERT_NE(view, capture().views.end());
+        const auto view =
+            std::find_if(batch_capture().views.begin(), batch_capture().views.end(),
+                         [&](const training::View& v) { return v.camera == tile.camera && v.time == batch.time; });
+        ASSERT_NE(view, batch_capture().views.end());
         if (x < kSize && y < kSize) {
-            EXPECT_EQ(batch.target[i], training::foreground(capture(), *view, x, y));
+            EXPECT_EQ(batch.target[i], training::foreground(batch_capture(), *view, x, y));
         }
     }
     EXPECT_EQ(pixels.size() * 4, batch.target.size());
 }
 
 TEST(Batch, RaysLeaveFromAnywhereInTheirPixels) {
-    training::BatchSampler sampler(capture(), 100, 8);
+    training::BatchSampler sampler(batch_capture(), 100, 8);
     glm::dvec2 sum(0), squares(0);
     double count = 0;
     while (count < 4000)
@@ -184,7 +184,7 @@ TEST(Batch, RaysLeaveFromAnywhereInTheirPixels) {
 }
 
 TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {
-    training::BatchSampler sampler(capture(), 100000, 7);
+    training::BatchSampler sampler(batch_capture(), 100000, 7);
     const training::Batch batch = sampler.next();
     ASSERT_EQ(batch.target.size(), batch.tiles.size() * kTilePixels);
     ASSERT_EQ(batch.background.size(), batch.target.size());
@@ -197,7 +197,7 @@ TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {
             EXPECT_EQ(batch.target[i].a, -1);
             continue;
         }
-        const uint8_t* pixel = view_of(capture(), batch.time, tile.camera).image.at(x, y);
+        const uint8_t* pixel = view_of(batch_capture(), batch.time, tile.camera).image.at(x, y);
         const double alpha = pixel[3] / 255.0;
         partial += alpha > 0 && alpha < 1 ? 1 : 0;
         ASSERT_NEAR(batch.target[i].a, alpha, 1e-6);
@@ -211,7 +211,7 @@ TEST(Batch, TargetsAreThePicturesPremultipliedLinearLight) {
 }
 
 TEST(Batch, ACapturedPlateStandsBehindTheRays) {
-    training::Dataset dataset = capture();
+    training::Dataset dataset = batch_capture();
     for (media::Image& plate : dataset.plates) {
         plate = media::Image(kSize, kSize);
         for (uint32_t i = 0; i < kSize * kSize * 4; i++)
@@ -231,7 +231,7 @@ TEST(Batch, ACapturedPlateStandsBehindTheRays) {
 }
 
 TEST(Batch, IgnoredPixelsTeachNothing) {
-    training::Dataset dataset = capture();
+    training::Dataset dataset = batch_capture();
     for (training::View& view : dataset.views) {
         view.ignored.resize(kSize * kSize);
         for (uint32_t i = 0; i < kSize * kSize; i++) view.ignored[i] = i % kSize < kSize / 2;
@@ -250,7 +250,7 @@ TEST(Batch, IgnoredPixelsTeachNothing) {
 }
 
 TEST(Batch, AnInstantWithoutMatterStillGivesABatch) {
-    training::Dataset dataset = capture();
+    training::Dataset dataset = batch_capture();
     for (training::View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
     training::BatchSampler sampler(dataset, 3, 9);
     for (int i = 0; i < 50; i++) {

@@ -163,7 +163,7 @@ TEST(Capture, AModelWithoutAnimationShowsItsRestPose) {
     glb.root["nodes"] = {{{"mesh", 0}}};
     glb.root["materials"] = {{{"doubleSided", true}}};
     glb.root["meshes"][0]["primitives"][0]["material"] = 0;
-    const test::TemporaryFolder model;
+    const TemporaryFolder model;
     const TemporaryFolder folder;
     training::CaptureSettings settings = small_settings();
     settings.frames = 2;

@@ -142,7 +142,7 @@ TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
     EXPECT_EQ(after.use.frames, before.use.frames);
 }
 
-// A state file on disk. Tests with it need no device.
+// A checkpoint file on disk. Tests with it need no device.
 struct StateFile {
     TemporaryFolder folder;
     std::filesystem::path nvv = folder.path / "scene.nvv", state = training::state_path(nvv);

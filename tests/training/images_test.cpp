@@ -33,7 +33,7 @@ media::Image half_mask(bool in_alpha, uint8_t white = 255) {
 }
 
 // A rig of two cameras with one image each.
-struct PicturesTest : testing::Test {
+struct ImagesTest : testing::Test {
     TemporaryFolder folder;
     training::Rig rig;
 
@@ -67,7 +67,7 @@ struct PicturesTest : testing::Test {
     }
 };
 
-TEST_F(PicturesTest, WithoutMattesTheMendIsNamed) {
+TEST_F(ImagesTest, WithoutMattesTheMendIsNamed) {
     expect_input_error([&] { load(); }, {folder.path.string(), "no image has a matte", "neuvv matte"});
     const training::Dataset data = load(false);
     EXPECT_EQ(data.views.at(1).image.rgba, plain(150).rgba);
@@ -75,7 +75,7 @@ TEST_F(PicturesTest, WithoutMattesTheMendIsNamed) {
     EXPECT_TRUE(data.views[0].ignored.empty());
 }
 
-TEST_F(PicturesTest, BeyondTheBudgetPixelsWaitOnDisk) {
+TEST_F(ImagesTest, BeyondTheBudgetPixelsWaitOnDisk) {
     const training::Dataset inside = training::read_images(rig, {.mattes_needed = false, .memory_bytes = 1 << 20});
     const training::Dataset outside = training::read_images(rig, {.mattes_needed = false, .memory_bytes = 1});
     EXPECT_EQ(inside.spool, nullptr);
@@ -87,7 +87,7 @@ TEST_F(PicturesTest, BeyondTheBudgetPixelsWaitOnDisk) {
     }
 }
 
-TEST_F(PicturesTest, ASpoolThatTheDiskCannotHoldIsRefused) {
+TEST_F(ImagesTest, ASpoolThatTheDiskCannotHoldIsRefused) {
     EXPECT_THROW(spooled_memory(folder.path, uint64_t{1} << 60), RuntimeFailure);
     EXPECT_THROW(spooled_memory(folder.path / "nowhere", 64), RuntimeFailure);
     const auto memory = spooled_memory(folder.path, 128);
@@ -95,7 +95,7 @@ TEST_F(PicturesTest, ASpoolThatTheDiskCannotHoldIsRefused) {
     EXPECT_THROW((void)memory->allocate(1), std::bad_alloc);
 }
 
-TEST_F(PicturesTest, AMatteMaskBecomesAlpha) {
+TEST_F(ImagesTest, AMatteMaskBecomesAlpha) {
     for (const bool in_alpha : {false, true}) {
         mask_all(half_mask(in_alpha, 200), training::MaskMeaning::kMatte);
         const training::Dataset data = load();
@@ -106,7 +106,7 @@ TEST_F(PicturesTest, AMatteMaskBecomesAlpha) {
     }
 }
 
-TEST_F(PicturesTest, UsableAndIgnoredAreOpposites) {
+TEST_F(ImagesTest, UsableAndIgnoredAreOpposites) {
     for (const training::MaskMeaning meaning : {training::MaskMeaning::kUsable, training::MaskMeaning::kIgnore}) {
         mask_all(half_mask(false, 1), meaning);  // some programs write 1 for white
         const training::Dataset data = load(false);
@@ -122,7 +122,7 @@ TEST_F(PicturesTest, UsableAndIgnoredAreOpposites) {
     }
 }
 
-TEST_F(PicturesTest, MattesBesideTheDataSetWin) {
+TEST_F(ImagesTest, MattesBesideTheDataSetWin) {
     mask_all(half_mask(false), training::MaskMeaning::kMatte);
     write("mattes/cam0_0.png", plain(77));
     EXPECT_EQ(load().views[0].image.at(12, 3)[3], 77);
@@ -133,14 +133,14 @@ TEST_F(PicturesTest, MattesBesideTheDataSetWin) {
     expect_input_error([&] { load(); }, {"cam1_0.png", "16×11", "cam1", "16×12"});
 }
 
-TEST_F(PicturesTest, SizesFollowTheCalibration) {
+TEST_F(ImagesTest, SizesFollowTheCalibration) {
     write("cam1_0.png", media::Image(kWidth + 1, kHeight));
     expect_input_error([&] { load(); }, {"cam1_0.png", "17×12", "camera cam1", "rig.json", "16×12"});
     rig.cameras[1].lens.width = rig.cameras[1].lens.height = 0;
     EXPECT_EQ(load().cameras[1].width, kWidth + 1);
 }
 
-TEST_F(PicturesTest, ALensIsUndoneInImagePlateAndMasks) {
+TEST_F(ImagesTest, ALensIsUndoneInImagePlateAndMasks) {
     rig.masks = training::MaskMeaning::kIgnore;
     rig.shots[1].mask.path = write("ignore.png", half_mask(false));
     rig.cameras[1].lens.model = training::LensModel::kBrown;
@@ -163,7 +163,7 @@ TEST_F(PicturesTest, ALensIsUndoneInImagePlateAndMasks) {
     expect_input_error([&] { load(false); }, {"rig.json", "camera cam1", "leaves only"});
 }
 
-TEST_F(PicturesTest, FramesOfVideosComeInAnyOrder) {
+TEST_F(ImagesTest, FramesOfVideosComeInAnyOrder) {
     for (uint32_t c = 0; c < 2; ++c) {
         media::VideoWriter video(folder.path / ("v" + std::to_string(c) + ".mp4"), kWidth, kHeight, 25);
         for (uint32_t i = 0; i < 9; ++i) video.add(plain(static_cast<uint8_t>(20 + 20 * i + 30 * c)));

@@ -17,13 +17,13 @@ namespace {
 constexpr uint32_t kLevels = 2;
 const training::TreeShape kShape{.resolution = 32, .bases = 3, .hh_degree = 1};
 
-const training::Dataset& capture() {
+const training::Dataset& psi_capture() {
     static const training::Dataset dataset = sphere_dataset({.cameras = 8, .frames = 3, .size = 40});
     return dataset;
 }
 
 const voctree::VOctree& hull() {
-    static const voctree::VOctree tree = training::initial_tree(capture(), kShape, kLevels);
+    static const voctree::VOctree tree = training::initial_tree(psi_capture(), kShape, kLevels);
     return tree;
 }
 
@@ -99,7 +99,7 @@ TEST_F(PsiTreeTest, ANetworkWithoutMatterSaysSo) {
     EXPECT_THROW(training::tree_from_psi(psi, hull(), kLevels, training::PsiSettings{}), RuntimeFailure);
 }
 
-training::PsiSettings small_run(uint64_t steps) {
+training::PsiSettings small_psi_run(uint64_t steps) {
     training::PsiSettings settings;
     settings.steps = steps;
     settings.width = 32;
@@ -116,7 +116,7 @@ training::PsiSettings small_run(uint64_t steps) {
 TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
     const training::Dataset still = sphere_dataset({.cameras = 8, .frames = 1, .size = 40});
     const auto tree_after = [&](uint64_t steps, double& loss) {
-        return training::psi_tree(device(), still, kShape, kLevels, small_run(steps),
+        return training::psi_tree(device(), still, kShape, kLevels, small_psi_run(steps),
                                   [&](const training::PsiProgress& now) {
                                       loss = now.loss;
                                       return true;
@@ -144,10 +144,11 @@ TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
 
 TEST_F(PsiTreeTest, EndsWhereToldTo) {
     uint64_t last = 0;
-    training::psi_tree(device(), capture(), kShape, kLevels, small_run(1000000), [&](const training::PsiProgress& now) {
-        last = now.step;
-        return false;
-    });
+    training::psi_tree(device(), psi_capture(), kShape, kLevels, small_psi_run(1000000),
+                       [&](const training::PsiProgress& now) {
+                           last = now.step;
+                           return false;
+                       });
     EXPECT_GT(last, 0u);
     EXPECT_LT(last, 100000u);
 }

@@ -10,18 +10,18 @@
 namespace neuvv::test {
 namespace {
 
-constexpr uint32_t kFrames = 40;  // more than a word of bits
+constexpr uint32_t kRevivedFrames = 40;  // more than a word of bits
 constexpr float kLive = 2, kDead = -3;
 
 // A tree that is a sheet of side × side leaves of depth 3, all of which have density in every frame.
-voctree::VOctree sheet(uint32_t side, uint32_t bases = kFrames) {
+voctree::VOctree sheet(uint32_t side, uint32_t bases = kRevivedFrames) {
     voctree::VOctree tree;
     tree.node_levels = 2;
     tree.bases = bases;
-    tree.frames = kFrames;
+    tree.frames = kRevivedFrames;
     tree.hh_degree = 0;
     tree.box_size = glm::vec3(2);
-    tree.sigma_basis = tree.gamma_basis = training::hat_basis(kFrames, bases);
+    tree.sigma_basis = tree.gamma_basis = training::hat_basis(kRevivedFrames, bases);
     std::vector<voctree::LeafPosition> positions;
     for (uint32_t i = 0; i < side * side; i++) positions.push_back({1 + i % side, 1 + i / side, 5, 3});
     voctree::build_topology(tree, positions);

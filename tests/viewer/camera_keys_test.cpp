@@ -4,8 +4,12 @@
 
 #include <cmath>
 
+#include "support/near.h"
+
 namespace neuvv {
 namespace {
+
+using test::expect_near;
 
 stage::CameraPath path_at(std::initializer_list<double> times_s) {
     stage::CameraPath path;
@@ -16,11 +20,6 @@ stage::CameraPath path_at(std::initializer_list<double> times_s) {
         path.keys.push_back(key);
     }
     return path;
-}
-
-void expect_same(const glm::dmat4& a, const glm::dmat4& b) {
-    for (int c = 0; c < 4; c++)
-        for (int r = 0; r < 4; r++) EXPECT_NEAR(a[c][r], b[c][r], 1e-9) << c << " " << r;
 }
 
 // The view with which a key was set is that of the path at the time of the key.
@@ -37,7 +36,7 @@ TEST(CameraKeys, AViewComesBackFromItsKey) {
         path.keys = {viewer::key_of(eye, 1)};
         path.duration_s = 1;
         const viewer::Eye back = viewer::eye_on(path, 1, eye.distance);
-        expect_same(viewer::world_from_eye(back), viewer::world_from_eye(eye));
+        expect_near(viewer::world_from_eye(back), viewer::world_from_eye(eye));
         EXPECT_NEAR(back.angle_y, eye.angle_y, 1e-12);
         EXPECT_NEAR(glm::distance(back.pivot, eye.pivot), 0, 1e-9);
     }

@@ -9,12 +9,15 @@
 #include <numbers>
 #include <set>
 
+#include "support/near.h"
 #include "tests/viewer/some_eye.h"
 
 namespace neuvv {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
+using test::expect_near;
+
 const viewer::GizmoHandle kAxes[] = {viewer::GizmoHandle::kX, viewer::GizmoHandle::kY, viewer::GizmoHandle::kZ};
 const viewer::GizmoHandle kPlanes[] = {viewer::GizmoHandle::kYZ, viewer::GizmoHandle::kZX, viewer::GizmoHandle::kXY};
 
@@ -41,13 +44,6 @@ glm::dvec2 pixel_of(const viewer::Gizmo& gizmo, glm::dvec3 world) {
 }
 double size_m(const viewer::Gizmo& gizmo) {
     return editor::metres_of_pixels(gizmo.camera, position_of(gizmo.world_from_node), gizmo.size_px);
-}
-void expect_near(const glm::dvec3& a, const glm::dvec3& b, double within = 1e-9) {
-    EXPECT_LT(glm::length(a - b), within)
-        << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' ' << b.z;
-}
-void expect_same(const glm::dmat4& a, const glm::dmat4& b, double within = 1e-9) {
-    for (int i = 0; i < 4; ++i) EXPECT_LT(glm::length(a[i] - b[i]), within) << "column " << i;
 }
 bool is_finite(const glm::dmat4& matrix) {
     bool finite = true;
@@ -199,15 +195,15 @@ TEST(Gizmo, RotatesByTheAngleInTheRing) {
             const auto on_ring = [&](double angle) {
                 return pixel_of(gizmo, middle + size_m(gizmo) * (u * std::cos(angle) + v * std::sin(angle)));
             };
-            for (const double angle : {0.3, -1.0, 2.9, kPi / 2}) {
+            for (const double angle : {0.3, -1.0, 2.9, pi / 2}) {
                 const glm::dmat4 after = viewer::dragged(gizmo, kAxes[axis], on_ring(1), on_ring(1 + angle), false);
                 glm::dmat4 turned = glm::rotate(glm::dmat4(1), angle, along) * gizmo.world_from_node;
                 turned[3] = gizmo.world_from_node[3];
-                expect_same(after, turned);
+                expect_near(after, turned);
                 turned =
-                    glm::rotate(glm::dmat4(1), std::round(angle * 12 / kPi) * kPi / 12, along) * gizmo.world_from_node;
+                    glm::rotate(glm::dmat4(1), std::round(angle * 12 / pi) * pi / 12, along) * gizmo.world_from_node;
                 turned[3] = gizmo.world_from_node[3];
-                expect_same(viewer::dragged(gizmo, kAxes[axis], on_ring(1), on_ring(1 + angle), true), turned);
+                expect_near(viewer::dragged(gizmo, kAxes[axis], on_ring(1), on_ring(1 + angle), true), turned);
             }
             EXPECT_EQ(viewer::dragged(gizmo, kAxes[axis], on_ring(1), on_ring(1), false), gizmo.world_from_node);
         }
@@ -233,7 +229,7 @@ TEST(Gizmo, RingsSeenEdgeOnTurnAlongTheirFront) {
     const glm::dmat4 after = viewer::dragged(gizmo, viewer::GizmoHandle::kY, from, to, false);
     // The front goes to the right: about +Y, by its motion divided by the radius at the front's depth.
     const double radius = size_m(gizmo), move = 20 * (5 - radius) / gizmo.camera.fx;
-    expect_same(after, glm::rotate(glm::dmat4(1), move / radius, glm::dvec3(0, 1, 0)));
+    expect_near(after, glm::rotate(glm::dmat4(1), move / radius, glm::dvec3(0, 1, 0)));
 }
 
 TEST(Gizmo, ScalesByTheRatio) {
@@ -245,7 +241,7 @@ TEST(Gizmo, ScalesByTheRatio) {
             const glm::dvec2 from = pixel_of(gizmo, middle + along), to = pixel_of(gizmo, middle + along * factor);
             glm::dmat4 expected = gizmo.world_from_node;
             expected[axis] *= factor;
-            expect_same(viewer::dragged(gizmo, kAxes[axis], from, to, false), expected);
+            expect_near(viewer::dragged(gizmo, kAxes[axis], from, to, false), expected);
         }
         const glm::dmat4 snap = viewer::dragged(gizmo, kAxes[axis], pixel_of(gizmo, middle + along),
                                                 pixel_of(gizmo, middle + along * 1.83), true);
@@ -254,7 +250,7 @@ TEST(Gizmo, ScalesByTheRatio) {
     const glm::dvec2 foot = pixel_of(gizmo, middle);
     glm::dmat4 half = gizmo.world_from_node;
     for (int i = 0; i < 3; ++i) half[i] *= 0.5;
-    expect_same(viewer::dragged(gizmo, viewer::GizmoHandle::kCentre, foot + glm::dvec2(0, 100),
+    expect_near(viewer::dragged(gizmo, viewer::GizmoHandle::kCentre, foot + glm::dvec2(0, 100),
                                 foot + glm::dvec2(50, 0), false),
                 half);
 }
@@ -290,8 +286,8 @@ TEST(Gizmo, HandlesSeenEndOnAreNotThere) {
 TEST(Gizmo, DragsHaveNoJumps) {
     for (const viewer::GizmoMode mode :
          {viewer::GizmoMode::kMove, viewer::GizmoMode::kScale, viewer::GizmoMode::kRotate})
-        for (const double yaw : {0.0, 0.05, 0.4, kPi / 2})
-            for (const double pitch : {-kPi / 2, -1.4, -0.1, 0.0}) {
+        for (const double yaw : {0.0, 0.05, 0.4, pi / 2})
+            for (const double pitch : {-pi / 2, -1.4, -0.1, 0.0}) {
                 viewer::Gizmo gizmo{
                     viewer::camera_of(viewer::Eye{.yaw = yaw, .pitch = pitch, .distance = 5}, 640, 480)};
                 gizmo.mode = mode;
@@ -350,7 +346,7 @@ TEST(Gizmo, PutsNodesIntoTheSpaceOfTheirParents) {
     const glm::dmat4 world = glm::rotate(glm::dmat4(1), 1.0, glm::dvec3(0, 1, 0));
     const std::optional<glm::dmat4> local = viewer::parent_from_node(parent, world);
     ASSERT_TRUE(local);
-    expect_same(parent * *local, world, 1e-12);
+    expect_near(parent * *local, world, 1e-12);
     for (int i = 0; i < 4; ++i) EXPECT_EQ((*local)[i][3], i == 3 ? 1 : 0);
     EXPECT_FALSE(viewer::parent_from_node(glm::scale(glm::dmat4(1), glm::dvec3(1, 0, 1)), world));
 }

@@ -12,7 +12,9 @@
 namespace neuvv {
 namespace {
 
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+using std::numbers::pi;
+
+constexpr double kDegree = pi / 180;
 
 // Seen from the side: the eye stands on +Z, the light shines to the right.
 viewer::LightGizmo from_the_side() {
@@ -109,7 +111,7 @@ TEST(LightGizmo, TheRimOpensTheConeToThePointer) {
             viewer::dragged(gizmo, viewer::LightHandle::kRim, at(0.4 * side), at(0.5 * side), true).outer_cone_rad,
             30 * kDegree, 1e-9);
         EXPECT_EQ(viewer::dragged(gizmo, viewer::LightHandle::kRim, at(0.4 * side), at(2 * side), false).outer_cone_rad,
-                  kPi / 2);
+                  pi / 2);
         EXPECT_NEAR(viewer::dragged(gizmo, viewer::LightHandle::kRim, at(0.4 * side), at(0), false).outer_cone_rad,
                     viewer::kMinCone_deg * kDegree, 1e-9);
     }

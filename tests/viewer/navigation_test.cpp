@@ -8,13 +8,15 @@
 #include <numbers>
 
 #include "editor/pointer.h"
+#include "support/near.h"
 #include "tests/viewer/some_eye.h"
 
 namespace neuvv {
 namespace {
 
+using std::numbers::pi;
+using test::expect_near;
 using test::some_eye;
-constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kWidth = 640, kHeight = 480;
 
 glm::dvec3 position_of(const viewer::Eye& eye) {
@@ -25,13 +27,6 @@ glm::dvec3 forward(const viewer::Eye& eye) {
 }
 glm::dvec2 pixel_of(const viewer::Eye& eye, glm::dvec3 world) {
     return editor::pixel_of(viewer::camera_of(eye, kWidth, kHeight), world).value();
-}
-void expect_near(glm::dvec3 a, glm::dvec3 b, double within = 1e-9) {
-    EXPECT_LT(glm::length(a - b), within)
-        << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' ' << b.z;
-}
-void expect_same(const glm::dmat4& a, const glm::dmat4& b, double within = 1e-9) {
-    for (int i = 0; i < 4; ++i) EXPECT_LT(glm::length(a[i] - b[i]), within) << "column " << i;
 }
 
 TEST(Navigation, TheEyeLooksAtItsPivotLevel) {
@@ -44,7 +39,7 @@ TEST(Navigation, TheEyeLooksAtItsPivotLevel) {
     EXPECT_NEAR(glm::determinant(axes), 1, 1e-12);
     EXPECT_LT(forward(eye).y, 0) << "a negative pitch looks down";
     viewer::Eye left;
-    left.yaw = kPi / 2;
+    left.yaw = pi / 2;
     expect_near(forward(left), {-1, 0, 0});
 }
 
@@ -67,8 +62,8 @@ TEST(Navigation, OrbitingTurnsTheSceneWithThePointer) {
         const glm::dvec2 went = pixel_of(after, nearer) - pixel_of(eye, nearer);
         EXPECT_GT(glm::dot(went, moved), 0);
     }
-    EXPECT_NEAR(viewer::orbited(eye, {kHeight / 4.0, 0}, kHeight).yaw, eye.yaw - kPi / 4, 1e-12);
-    expect_same(viewer::world_from_eye(viewer::orbited(eye, {2.0 * kHeight, 0}, kHeight)), viewer::world_from_eye(eye));
+    EXPECT_NEAR(viewer::orbited(eye, {kHeight / 4.0, 0}, kHeight).yaw, eye.yaw - pi / 4, 1e-12);
+    expect_near(viewer::world_from_eye(viewer::orbited(eye, {2.0 * kHeight, 0}, kHeight)), viewer::world_from_eye(eye));
 }
 
 TEST(Navigation, OrbitingStopsAtThePoles) {
@@ -106,7 +101,7 @@ TEST(Navigation, TheWheelKeepsThePointUnderThePointer) {
         const viewer::Eye after = viewer::dollied(eye, notches, point);
         EXPECT_LT(glm::length(pixel_of(after, point) - pixel_of(eye, point)), 1e-8);
         EXPECT_NEAR(after.distance, eye.distance * std::pow(0.9, notches), 1e-12);
-        expect_same(viewer::world_from_eye(viewer::dollied(after, -notches, point)), viewer::world_from_eye(eye), 1e-8);
+        expect_near(viewer::world_from_eye(viewer::dollied(after, -notches, point)), viewer::world_from_eye(eye), 1e-8);
     }
 }
 
@@ -129,15 +124,15 @@ TEST(Navigation, WholeNumbersAreAWheel) {
     EXPECT_FALSE(viewer::is_wheel({{0, 0.1}}));
     EXPECT_FALSE(viewer::is_wheel({{1, 0}}));
     const viewer::Eye eye = some_eye();
-    expect_same(viewer::world_from_eye(viewer::scrolled(eye, {{0, 1}, true}, kHeight)),
+    expect_near(viewer::world_from_eye(viewer::scrolled(eye, {{0, 1}, true}, kHeight)),
                 viewer::world_from_eye(viewer::dollied(eye, 1)));
     const glm::dvec2 moved = glm::dvec2(0.5, -0.25) * (0.05 * kHeight);
     const glm::dvec2 pad(0.5, -0.25);
-    expect_same(viewer::world_from_eye(viewer::scrolled(eye, {pad}, kHeight)),
+    expect_near(viewer::world_from_eye(viewer::scrolled(eye, {pad}, kHeight)),
                 viewer::world_from_eye(viewer::orbited(eye, moved, kHeight)));
-    expect_same(viewer::world_from_eye(viewer::scrolled(eye, {pad, true}, kHeight)),
+    expect_near(viewer::world_from_eye(viewer::scrolled(eye, {pad, true}, kHeight)),
                 viewer::world_from_eye(viewer::panned(eye, moved, kHeight)));
-    expect_same(viewer::world_from_eye(viewer::scrolled(eye, {pad, false, true}, kHeight)),
+    expect_near(viewer::world_from_eye(viewer::scrolled(eye, {pad, false, true}, kHeight)),
                 viewer::world_from_eye(viewer::dollied(eye, -0.25)));
 }
 
@@ -162,7 +157,7 @@ TEST(Navigation, FlightGoesWhereTheKeysSay) {
 TEST(Navigation, AFramedBoxFillsTheImage) {
     const glm::dvec3 low(-1, 0.2, -0.5), high(0.7, 2, 3);
     for (const double yaw : {0.0, 0.7, 2.5, -1.0})
-        for (const double pitch : {-kPi / 2, -0.4, 0.0, 1.2})
+        for (const double pitch : {-pi / 2, -0.4, 0.0, 1.2})
             for (const uint32_t width : {200u, 480u, 1600u}) {
                 viewer::Eye eye = some_eye();
                 eye.yaw = yaw, eye.pitch = pitch;
@@ -189,7 +184,7 @@ TEST(Navigation, StrangeBoxesAreHarmless) {
         for (int i = 0; i < 3; ++i) {
             glm::dvec3 high(1);
             high[i] = wrong;
-            expect_same(viewer::world_from_eye(viewer::framed(eye, glm::dvec3(0), high, 1.5)),
+            expect_near(viewer::world_from_eye(viewer::framed(eye, glm::dvec3(0), high, 1.5)),
                         viewer::world_from_eye(eye));
         }
     const viewer::Eye point = viewer::framed(eye, glm::dvec3(3), glm::dvec3(3), 1.5);
@@ -214,14 +209,14 @@ TEST(Navigation, SidesAreSeenLevel) {
 
 TEST(Navigation, LooksThroughAnyCamera) {
     for (const double yaw : {-3.0, 0.0, 1.0})
-        for (const double pitch : {-kPi / 2, -1.5, 0.0, 0.8, kPi / 2})
+        for (const double pitch : {-pi / 2, -1.5, 0.0, 0.8, pi / 2})
             for (const double roll : {-2.5, 0.0, 0.6}) {
                 glm::dmat4 world = glm::translate(glm::dmat4(1), glm::dvec3(1, 2, -3));
                 world = glm::rotate(world, yaw, glm::dvec3(0, 1, 0));
                 world = glm::rotate(world, pitch, glm::dvec3(1, 0, 0));
                 world = glm::rotate(world, roll, glm::dvec3(0, 0, 1));
                 const viewer::Eye eye = viewer::looking_through(world, 0.5, 2.5);
-                expect_same(viewer::world_from_eye(eye), world, 1e-9);
+                expect_near(viewer::world_from_eye(eye), world, 1e-9);
                 EXPECT_EQ(eye.angle_y, 0.5);
                 EXPECT_EQ(eye.distance, 2.5);
             }
@@ -244,8 +239,8 @@ TEST(Navigation, AMoveEndsExactly) {
         EXPECT_EQ(viewer::world_from_eye(end), viewer::world_from_eye(to));
         EXPECT_EQ(end.angle_y, to.angle_y);
     }
-    expect_same(viewer::world_from_eye(viewer::between(from, to, 0)), viewer::world_from_eye(from));
-    expect_same(viewer::world_from_eye(viewer::between(from, to, -1)), viewer::world_from_eye(from));
+    expect_near(viewer::world_from_eye(viewer::between(from, to, 0)), viewer::world_from_eye(from));
+    expect_near(viewer::world_from_eye(viewer::between(from, to, -1)), viewer::world_from_eye(from));
     EXPECT_NEAR(viewer::between(from, to, viewer::kEyeMove_s / 2).distance, std::sqrt(from.distance * to.distance),
                 1e-12);
 }
@@ -258,10 +253,10 @@ TEST(Navigation, AMoveIsSmoothAndGoesTheShorterWay) {
     for (int i = 1; i <= kSteps; ++i) {
         const double yaw = viewer::between(from, to, viewer::kEyeMove_s * i / kSteps * (1 - 1e-12)).yaw;
         EXPECT_GE(yaw, before) << "through π";
-        EXPECT_LT(yaw - before, 1.6 * (2 * kPi - 6) / kSteps);
+        EXPECT_LT(yaw - before, 1.6 * (2 * pi - 6) / kSteps);
         before = yaw;
     }
-    EXPECT_NEAR(before, 2 * kPi - 3, 1e-6);
+    EXPECT_NEAR(before, 2 * pi - 3, 1e-6);
 }
 
 }  // namespace

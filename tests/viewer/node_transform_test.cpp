@@ -4,18 +4,16 @@
 
 #include <cmath>
 
+#include "support/near.h"
 #include "tests/stage/stage_files.h"
 
 namespace neuvv {
 namespace {
 
+using test::expect_near;
+
 double distance(const glm::dquat& a, const glm::dquat& b) {
     return 1 - std::abs(glm::dot(a, b));
-}
-
-void expect_near(const glm::dvec3& a, const glm::dvec3& b, double within = 1e-9) {
-    EXPECT_LT(glm::length(a - b), within)
-        << a.x << ' ' << a.y << ' ' << a.z << " instead of " << b.x << ' ' << b.y << ' ' << b.z;
 }
 
 struct NodePlaces : testing::Test {

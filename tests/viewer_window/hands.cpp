@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -25,7 +26,7 @@ constexpr int kDragSteps = 12;
 bool is_installed(const std::string& program) {
     std::istringstream folders(std::getenv("PATH") ? std::getenv("PATH") : "");
     for (std::string folder; std::getline(folders, folder, ':');)
-        if (access((folder + "/" + program).c_str(), X_OK) == 0) return true;
+        if (access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
     return false;
 }
 
@@ -179,7 +180,7 @@ Spot Hands::middle_of(const std::string& item) const {
 }
 
 Spot Hands::in_image(double x, double y) const {
-    const std::vector<double> area = seen()["items"]["picture"];
+    const std::vector<double> area = seen()["items"]["image"];
     return {std::round(area[0] + x * area[2]), std::round(area[1] + y * area[3])};
 }
 

@@ -5,6 +5,7 @@
 // throws std::runtime_error with the report and with what the program printed.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -103,7 +103,7 @@ void measure(const Measure& measure) {
     });
     measure("looking around while it exports", [](Hands& hands) {
         hands.click("tab/render");
-        hands.wheel(hands.middle_of("render/Picture"), -20);
+        hands.wheel(hands.middle_of("render/Image"), -20);
         hands.click("export/720p");
         hands.click("export/start");
         hands.click("question/Save");

@@ -33,7 +33,7 @@ TEST_F(Watching, TheWindowShowsWhatRenderDraws) {
     const media::Image window = hands->window();
     EXPECT_EQ(window.width, 640u);
     EXPECT_EQ(window.height, 400u);
-    const std::vector<double> at = hands->seen()["items"]["picture"];
+    const std::vector<double> at = hands->seen()["items"]["image"];
     const uint32_t tools = 110;                                // the width of the toolbar, in two columns
     media::Image part(shown.width - tools, shown.height / 2);  // above the notices
     media::Image above(part.width, part.height);
@@ -114,7 +114,7 @@ TEST_F(Watching, ShortPressesAreNotLost) {
 TEST_F(Watching, TheWindowTakesAnySize) {
     const auto hands = open(stage);
     hands->until_rest();
-    const auto image_width = [&](const json& now) { return now["items"]["picture"][2].get<double>(); };
+    const auto image_width = [&](const json& now) { return now["items"]["image"][2].get<double>(); };
     const double width = image_width(hands->seen());
     hands->resize(840, 460);
     hands->until("a wider image", [&](const json& now) { return image_width(now) == width + 200; });
@@ -147,13 +147,13 @@ TEST_F(Watching, AWindowThatIsAwayComesBack) {
 
     hands->key("F11");
     const json full = hands->until("the whole screen", [](const json& now) {
-        const std::vector<double> at = now["items"]["picture"];
+        const std::vector<double> at = now["items"]["image"];
         return at[2] > 900 && at[3] > 500;
     });
     hands->until_rest();
     hands->key("F11");
     hands->until("the window again", [&](const json& now) {
-        const std::vector<double> at = now["items"]["picture"];
+        const std::vector<double> at = now["items"]["image"];
         return at[2] == before.width && at[3] == before.height;
     });
     hands->until_rest();
@@ -163,13 +163,13 @@ TEST_F(Watching, AWindowThatIsAwayComesBack) {
 TEST_F(Watching, PanelsGoAwayAndHelpComes) {
     const auto hands = open(stage);
     hands->until_rest();
-    const double width = hands->seen()["items"]["picture"][2];
+    const double width = hands->seen()["items"]["image"][2];
     hands->key("Tab");
-    hands->until("no panels", [&](const json& now) { return now["items"]["picture"][2] == 640.0; });
+    hands->until("no panels", [&](const json& now) { return now["items"]["image"][2] == 640.0; });
     const media::Image wide = hands->image();
     EXPECT_TRUE(same(wide, rendered(wide)));
     hands->key("Tab");
-    hands->until("panels", [&](const json& now) { return now["items"]["picture"][2] == width; });
+    hands->until("panels", [&](const json& now) { return now["items"]["image"][2] == width; });
     hands->until_rest();
     const media::Image without = hands->window();
     hands->key("shift+slash");

@@ -35,7 +35,7 @@ void give_own_bases(voctree::VOctree& tree) {
     tree.gamma_basis = tree.sigma_basis;
 }
 
-voctree::VOctree own_frames_tree() {
+voctree::VOctree five_frames_tree() {
     voctree::VOctree tree =
         random_tree({.seed = 3, .node_levels = 3, .leaves = 4000, .bases = 5, .hh_degree = 1, .frames = 5});
     give_own_bases(tree);
@@ -43,7 +43,7 @@ voctree::VOctree own_frames_tree() {
 }
 
 TEST(Coarse, OpticalDepthIsKept) {
-    const voctree::VOctree tree = own_frames_tree();
+    const voctree::VOctree tree = five_frames_tree();
     for (uint32_t depth = 1; depth <= 5; depth++) {
         const voctree::VOctree cut = voctree::cut_tree(tree, depth);
         EXPECT_EQ(voctree::defect_of(cut), "");
@@ -57,7 +57,7 @@ TEST(Coarse, OpticalDepthIsKept) {
 
 // Every point inside a leaf of the tree is inside a leaf of the coarse tree, and the coarse tree adds only whole cells.
 TEST(Coarse, LeavesStayWhereTheyWere) {
-    const voctree::VOctree tree = own_frames_tree(), cut = voctree::cut_tree(tree, 3);
+    const voctree::VOctree tree = five_frames_tree(), cut = voctree::cut_tree(tree, 3);
     Random random(1);
     for (int i = 0; i < 2000; i++) {
         const glm::dvec3 at(random.uniform(), random.uniform(), random.uniform());

@@ -2,14 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <string>
 #include <vector>
+
+#include "tests/xr/random_poses.h"
 
 namespace neuvv {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 
 // A character for each update: d: pressed, u: released, h: still down, . : still up.
 std::string events(xr::AnalogueButton& press, const std::vector<double>& values) {

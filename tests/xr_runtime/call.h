@@ -218,11 +218,13 @@ struct EntryPoint {
 };
 
 // One row of a table of entry points; the cast to the API's own type checks the signature.
-#define NEUVV_XR_ENTRY_OF(extension, other, name, function)                                                   \
-    {                                                                                                         \
-#name, extension, other,                                                                              \
-            reinterpret_cast < PFN_xrVoidFunction>(static_cast <PFN_##name>(&Entry <&function, #name>::call)) \
-    }
+// NOLINTBEGIN(bugprone-macro-parentheses): a template argument has none
+// clang-format off
+#define NEUVV_XR_ENTRY_OF(extension, other, name, function) \
+    {#name, extension, other, \
+     reinterpret_cast<PFN_xrVoidFunction>(static_cast<PFN_##name>(&Entry<&function, #name>::call))}
+// clang-format on
+// NOLINTEND(bugprone-macro-parentheses)
 #define NEUVV_XR_ENTRY(name, function) NEUVV_XR_ENTRY_OF(nullptr, nullptr, name, function)
 
 // The tables, one per file of functions.

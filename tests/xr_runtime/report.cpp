@@ -10,7 +10,7 @@ namespace neuvv::xr_runtime {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 bool add(std::vector<Finding>& findings, Finding&& finding) {
     for (Finding& known : findings)
@@ -22,8 +22,8 @@ bool add(std::vector<Finding>& findings, Finding&& finding) {
     return true;
 }
 
-Json json_of(const std::vector<Finding>& findings) {
-    Json list = Json::array();
+OrderedJson json_of(const std::vector<Finding>& findings) {
+    OrderedJson list = OrderedJson::array();
     for (const Finding& finding : findings)
         list.push_back({{"frame", finding.frame},
                         {"function", finding.function},
@@ -33,29 +33,29 @@ Json json_of(const std::vector<Finding>& findings) {
     return list;
 }
 
-Json json_of(const Report& report) {
-    Json json;
+OrderedJson json_of(const Report& report) {
+    OrderedJson json;
     json["violations"] = json_of(report.violations);
     json["warnings"] = json_of(report.warnings);
     json["frames"] = report.frames;
     json["frames_with_layers"] = report.frames_with_layers;
     json["states"] = report.states;
-    json["haptics"] = Json::array();
+    json["haptics"] = OrderedJson::array();
     for (const HapticPulse& pulse : report.haptics)
         json["haptics"].push_back({{"frame", pulse.frame},
                                    {"path", pulse.path},
                                    {"amplitude", pulse.amplitude},
                                    {"duration_ns", pulse.duration_ns}});
-    json["layers"] = Json::array();
+    json["layers"] = OrderedJson::array();
     for (const SavedLayers& layers : report.layers)
         json["layers"].push_back({{"frame", layers.frame},
                                   {"types", layers.types},
                                   {"depth", layers.has_depth},
                                   {"display_time", layers.display_time}});
     json["actions"] = report.actions;
-    json["bindings"] = Json::object();
+    json["bindings"] = OrderedJson::object();
     for (const auto& [profile, bindings] : report.bindings) {
-        Json& list = json["bindings"][profile] = Json::array();
+        OrderedJson& list = json["bindings"][profile] = OrderedJson::array();
         for (const Report::Binding& binding : bindings)
             list.push_back({{"action", binding.action}, {"path", binding.path}});
     }

@@ -122,7 +122,7 @@ void read_hand(Fields fields, int64_t frame, HandTracks& hand) {
 void read_inputs(const Json& inputs, const std::string& place, int64_t frame, Script& script) {
     if (!inputs.is_object()) fail(place, "an object is wanted");
     for (const auto& [path, value] : inputs.items()) {
-        const std::string at = place + "/" + path;
+        const std::string at = std::string(place).append("/").append(path);
         if (!path.starts_with("/user/")) fail(at, "a path like /user/hand/right/input/trigger/value is wanted");
         XrVector2f number = {0, 0};
         if (value.is_boolean()) {

@@ -95,7 +95,7 @@ XrResult space_of_head(Application& app) {
     return make_space(app, app.grip, app.path("/user/head"));
 }
 
-XrResult crooked_space(Application& app) {
+XrResult crooked_action_space(Application& app) {
     app.attach_actions();
     return make_space(app, app.grip, XR_NULL_PATH, {0, 0, 0, 0});
 }
@@ -190,7 +190,7 @@ std::vector<Violation> input_violations() {
         {"DestroyedActionRead", "handle", read, XR_ERROR_HANDLE_INVALID, read_destroyed},
         {"SpaceOfButton", "action-type", "xrCreateActionSpace", mismatch, space_of_button},
         {"SpaceOfHead", "subaction-path", "xrCreateActionSpace", unsupported, space_of_head},
-        {"CrookedSpace", "pose", "xrCreateActionSpace", XR_ERROR_POSE_INVALID, crooked_space},
+        {"CrookedSpace", "pose", "xrCreateActionSpace", XR_ERROR_POSE_INVALID, crooked_action_space},
         {"ProfileBeforeAttaching", "action-order", "xrGetCurrentInteractionProfile", unattached,
          profile_before_attaching},
         {"ProfileOfFoot", "path", "xrGetCurrentInteractionProfile", unsupported, profile_of_foot},

@@ -11,7 +11,7 @@ XrResult get_system(Application& app, XrFormFactor form) {
     return xrGetSystem(app.instance, &info, &app.system);
 }
 
-XrResult ask_another_system(Application& app) {
+XrResult properties_of_another_system(Application& app) {
     app.make_instance();
     XrSystemProperties properties = {XR_TYPE_SYSTEM_PROPERTIES};
     return xrGetSystemProperties(app.instance, app.system + 1, &properties);
@@ -140,7 +140,7 @@ std::vector<Violation> setup_violations() {
     return {
         {"UnknownFormFactor", "enum", "xrGetSystem", invalid,
          [](App& app) { return get_system(app, XrFormFactor(77)); }},
-        {"AnotherSystem", "system", "xrGetSystemProperties", XR_ERROR_SYSTEM_INVALID, ask_another_system},
+        {"AnotherSystem", "system", "xrGetSystemProperties", XR_ERROR_SYSTEM_INVALID, properties_of_another_system},
         {"MonoViews", "view-configuration", "xrEnumerateViewConfigurationViews",
          XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
          [](App& app) { return enumerate_views(app, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO); }},

@@ -125,7 +125,7 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
     const std::filesystem::path path = run.out / "script.json", log = run.out / "log.txt";
     std::ofstream(path) << script.text();
     std::vector<std::string> arguments{"/usr/bin/env",
-                                       "XR_RUNTIME_JSON=" NEUVV_XR_RUNTIME,
+                                       std::string("XR_RUNTIME_JSON=") + NEUVV_XR_RUNTIME,
                                        "XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation",
                                        "XR_CORE_VALIDATION_EXPORT_TYPE=text",
                                        "XR_CORE_VALIDATION_FILE_NAME=" + (run.out / "validation.txt").string(),
