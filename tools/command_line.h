@@ -30,8 +30,8 @@ class Option {
     Option needs(Option other) const;
     Option delimiter(char between) const;  // between the values of a list
     Option expected(int values) const;     // how many values the option takes
-    Option environment(
-        const std::string& name) const;  // the variable that is read where the user does not give the option
+    // The environment variable that is read where the user does not give the option.
+    Option environment(const std::string& name) const;
 
     // The user's value must be such, else the program ends with an error; the help says so.
     template <typename Whole>
@@ -54,8 +54,7 @@ class Command {
     Command add_group(const std::string& title) const;
 
     // `name` is "--name", "-n,--name", or "name" for a positional argument. The user's value is parsed into `value`,
-    // which must live until the verb has run. `Value` is one of the types
-    // for which command_line.cpp instantiates it.
+    // which must live until the verb has run. command_line.cpp lists the types that a value may have.
     template <typename Value>
     Option add_option(const std::string& name, Value& value, const std::string& description) const;
     Option add_flag(const std::string& name, bool& value, const std::string& description) const;

@@ -29,7 +29,7 @@ namespace {
 // More rays per pixel than a video needs, so that the numbers measure the scene and not the aliasing of its edges.
 constexpr uint32_t kMeasureSamples = 4;
 constexpr size_t kSheetRows = 8, kPageImages = 12;
-constexpr uint32_t kSheetCell = 320;
+constexpr uint32_t kComparisonCell = 320;
 
 const std::map<std::string, training::Split> kSplits = {
     {"test", training::Split::kTest}, {"train", training::Split::kTrain}, {"val", training::Split::kVal}};
@@ -98,7 +98,7 @@ struct ImageFolder {
             sheet.insert(sheet.end(), {truth, render, error});
     }
     void finish() const {
-        media::write_png(folder / "contact_sheet.png", training::contact_sheet(sheet, 3, kSheetCell));
+        media::write_png(folder / "contact_sheet.png", training::contact_sheet(sheet, 3, kComparisonCell));
     }
 };
 
@@ -224,7 +224,7 @@ void add_eval(Command app, CommonOptions& common) {
          "white.\n",
          kDeviceHelp, kExamplesHead,
          "  neuvv eval build/performer.nvv build/performer\n"
-         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json --images build/pictures\n"
+         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json --images build/images\n"
          "  neuvv eval build/performer.nvv build/performer --html build/performer.html --per frame\n"
          "  neuvv eval build/performer.nvv build/performer --split train --json - | jq .psnr"});
     verb.callback([options, &common] { run(*options, common); });

@@ -29,7 +29,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
     const double mrays_per_s = totals.seconds > 0 ? totals.rays / totals.seconds / 1e6 : 0;
     if (options.json)
         fmt::print("{}", json_text({{"output", options.output},
-                                    {"pictures", totals.images},
+                                    {"images", totals.images},
                                     {"rendered", totals.rendered},
                                     {"width", totals.size.width},
                                     {"height", totals.size.height},
@@ -62,6 +62,23 @@ Option add_pass_option(Command verb, RenderOptions& options) {
         },
         "Show an intermediate buffer of each frame, a PNG in the colours of viridis, and print the range of its "
         "values. `--pass list` prints the names, and what each shows in which unit");
+}
+
+// How a stage is drawn, and how the run goes.
+void add_run_options(Command verb, RenderOptions& options) {
+    add_choice(verb, "--blend", options.blend, stage::kStageBlendNames,
+               "Of a stage: performers that stand in each other exactly, or as layers as in the paper");
+    add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
+    add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
+    verb.add_flag("--resume", options.resume,
+                  "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
+                  "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
+                  "until it is whole");
+    verb.add_flag("--capture", options.capture,
+                  "Capture the first image with RenderDoc, and say where; needs `renderdoccmd capture neuvv render …`");
+    verb.add_flag("--json", options.json,
+                  "Print JSON: output, images, rendered, width, height, fps, seconds (from submission until the "
+                  "images were there), ...");
 }
 
 void add_options(Command verb, RenderOptions& options) {
@@ -134,19 +151,7 @@ void add_options(Command verb, RenderOptions& options) {
         .excludes(pass)
         .excludes(level)
         .excludes(cost);
-    add_choice(verb, "--blend", options.blend, stage::kStageBlendNames,
-               "Of a stage: performers that stand in each other exactly, or as layers as in the paper");
-    add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
-    add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
-    verb.add_flag("--resume", options.resume,
-                  "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
-                  "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
-                  "until it is whole");
-    verb.add_flag("--capture", options.capture,
-                  "Capture the first image with RenderDoc, and say where; needs `renderdoccmd capture neuvv render …`");
-    verb.add_flag("--json", options.json,
-                  "Print JSON: output, images, rendered, width, height, fps, seconds (from submission until the "
-                  "images were there), ...");
+    add_run_options(verb, options);
 }
 
 }  // namespace
@@ -203,7 +208,7 @@ media::RenderFacts render_facts(const RenderOptions& options, double fps, media:
             {"--level", fmt::format("{}", options.level)},
             {"--pass", options.pass},
             {"--cost", options.cost ? fmt::format("{}", options.cost_max) : "false"},
-            {"pictures", fmt::format("{}", images)},
+            {"images", fmt::format("{}", images)},
             {"program", NEUVV_VERSION}};
 }
 

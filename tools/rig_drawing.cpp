@@ -11,8 +11,8 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr uint32_t kPanel = 640;  // pixels a side
-constexpr double kMargin = 60;    // pixels around the rig, for names
+constexpr uint32_t kPanel = 640;   // pixels a side
+constexpr double kRigMargin = 60;  // pixels around the rig, for names
 constexpr size_t kLongestName = 14;
 constexpr Colour kWhite = {255, 255, 255}, kBlack = {0, 0, 0}, kGrey = {150, 150, 150}, kTrain = {30, 90, 200},
                  kTest = {230, 110, 0};
@@ -81,7 +81,7 @@ glm::dvec3 position_of(const training::RigCamera& camera) {
 std::array<glm::dvec3, 4> corners(const training::RigCamera& camera, double depth) {
     const training::Lens& lens = camera.lens;
     const double width = lens.width ? lens.width : 2 * lens.cx, height = lens.height ? lens.height : 2 * lens.cy;
-    std::array<glm::dvec3, 4> result;
+    std::array<glm::dvec3, 4> result{};
     for (int i = 0; i < 4; ++i) {
         const double u = i == 1 || i == 2 ? width : 0, v = i >= 2 ? height : 0;
         const glm::dvec3 at((u - lens.cx) / lens.fx, -(v - lens.cy) / lens.fy, -1);
@@ -168,7 +168,7 @@ media::Image draw_rig(const std::vector<training::RigCamera>& train, const std::
     const double depth = 0.08 * longest;
     Panel above;
     above.centre = 0.5 * (low + high);
-    above.pixels_per_unit = (kPanel - 2 * kMargin) / (longest + depth);
+    above.pixels_per_unit = (kPanel - 2 * kRigMargin) / (longest + depth);
     Panel side = above;
     side.left = kPanel;
     side.down = {0, -1, 0};

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <optional>
 
 #include "base/error.h"
 #include "base/output_path.h"
 #include "base/platform.h"
+#include "base/seconds.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
@@ -81,7 +81,7 @@ class LiveReport {
     void write_preview_if_due(const training::TrainProgress& now) {
         const double wait_s = std::max(kPreviewPeriod_s, preview_took_s_ / kPreviewShare);
         if (options_.preview.empty() || now.elapsed_s - previewed_at_s_ < wait_s) return;
-        const auto begin = std::chrono::steady_clock::now();
+        const double begin = seconds_now();
         try {
             const training::Quality quality =
                 training::write_preview(device_, *now.field, preview_data_, options_.preview);
@@ -90,7 +90,7 @@ class LiveReport {
             fmt::print(stderr, "\nno more previews: {}\n", failure.what());
             options_.preview.clear();
         }
-        preview_took_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        preview_took_s_ = seconds_now() - begin;
         previewed_at_s_ = now.elapsed_s + preview_took_s_;
     }
 
@@ -270,7 +270,7 @@ void add_train(Command app, CommonOptions& common) {
         verb.add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
             .number_between(0.0, 100.0)
             .show_default();
-    verb.add_option("--picture-memory", options->image_gigabytes,
+    verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);
     verb.add_option("--seed", options->settings.seed, "Same seed, same batches").not_negative().show_default();

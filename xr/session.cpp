@@ -157,7 +157,7 @@ std::optional<EyeViews> Session::locate_eyes(XrTime time) {
     const XrViewLocateInfo info{XR_TYPE_VIEW_LOCATE_INFO, nullptr, runtime_.view_configuration(), time,
                                 tracking_space()};
     XrViewState state{XR_TYPE_VIEW_STATE};
-    std::array<XrView, kEyes> views;
+    std::array<XrView, kEyes> views{};
     views.fill({XR_TYPE_VIEW});
     uint32_t count = 0;
     check(xrLocateViews(handle(), &info, &state, kEyes, &count, views.data()), "xrLocateViews", runtime_.headset());

@@ -102,7 +102,7 @@ void record_leaf_raster(gpu::Commands& commands, const LeafRasterizer& r, uint32
 }
 
 uint32_t pair_count(const gpu::Device& device, const LeafRasterizer& rasterizer) {
-    LiveCount count;
+    LiveCount count{};
     gpu::download(device, rasterizer.pairs.count, &count, sizeof(count));
     return count.slots;
 }

@@ -40,7 +40,7 @@ void add_repeats_option(tools::Command verb, BenchOptions& options, const char* 
 }
 
 void add_image_option(tools::Command verb, BenchOptions& options) {
-    verb.add_option("--picture", options.image, "Write what was drawn to this PNG");
+    verb.add_option("--image", options.image, "Write what was drawn to this PNG");
 }
 
 void add_json_flag(tools::Command verb, BenchOptions& options) {

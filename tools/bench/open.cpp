@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
@@ -191,7 +192,7 @@ void write_synthetic(const OpenOptions& options) {
 
 void run(const OpenOptions& options, const tools::CommonOptions& common) {
     const media::ImageSize size = tools::parse_size(options.size);
-    if (!options.images.empty()) prepare_output_folder("--pictures", options.images);
+    if (!options.images.empty()) prepare_output_folder("--images", options.images);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
     const voctree::NvvSummary summary = voctree::summarise_nvv(options.scene);
     const bool has_coarse = summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
@@ -230,7 +231,7 @@ void add_open(tools::Command app, const tools::CommonOptions& common) {
                     "buffer")
         .number_between(1, 1000);
     add_size_option(verb, options);
-    verb.add_option("--pictures", options.images, "A folder for the two images: coarse.png and whole.png");
+    verb.add_option("--images", options.images, "A folder for the two images: coarse.png and whole.png");
     add_json_flag(verb, options);
 }
 

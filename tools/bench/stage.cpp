@@ -123,7 +123,7 @@ nlohmann::ordered_json json_of(const Result& result, const StageOptions& options
 
 void run(const StageOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    if (!options.image.empty()) prepare_output_file("--picture", options.image);
+    if (!options.image.empty()) prepare_output_file("--image", options.image);
     const gpu::Device device(common.device);
     Result result;
     result.variants = measure_variants(device, options, result.image);

@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "base/seconds.h"
 #include "tools/bench/measure.h"
 #include "tools/commands.h"
 #include "tools/options.h"
@@ -44,10 +44,6 @@ struct Result {
     uint64_t weight_bytes = 0;
     std::vector<double> slots, touched, rays, step_seconds, copy_ms;
 };
-
-double seconds_now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // Runs the same batches through both kinds of step, with the same weights.
 Result measure(const gpu::Device& device, const voctree::VOctree& tree, const training::Dataset& dataset,

@@ -1,5 +1,7 @@
 #include "tools/headset/hand_painter.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "edit/paint_layers.h"
@@ -22,6 +24,8 @@ editor::PaintOperation operation_of(const HandBrush& brush, float frame, uint32_
     return operation;
 }
 
+}  // namespace
+
 // The tip of the brush as it moved between two points, with the performer's transform at that time. The tip has its
 // shape in the world: a box is aligned with the world's axes, however the performer is turned.
 struct TipSweep {
@@ -39,8 +43,6 @@ struct TipSweep {
                                               : std::max({off.x, off.y, off.z}) < radius_m;
     }
 };
-
-}  // namespace
 
 // A performer's clip on the host, and the layer of it that strokes paint.
 struct HandPainter::PaintTarget {

@@ -130,7 +130,7 @@ void Files::save_as() {
              [this](const std::filesystem::path& path) { save_to(path, {}); });
 }
 
-void Files::save_to(const std::filesystem::path& path, std::function<void()> then) {
+void Files::save_to(const std::filesystem::path& path, const std::function<void()>& then) {
     const stage::StageFile& file = context_.editor.file();
     const bool moves = file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(file.path);
     saver_.save(path, [this, path, moves, then](const edit::Document& saved, uint64_t open_count) {

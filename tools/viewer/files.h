@@ -87,7 +87,7 @@ class Files {
     // Calls `then` with `path` once the user has declined.
     void ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::filesystem::path& path,
                         std::function<void(const std::filesystem::path&)> then);
-    void save_to(const std::filesystem::path& path, std::function<void()> then);
+    void save_to(const std::filesystem::path& path, const std::function<void()>& then);
     bool refused_by_export();
     void watch_clips();
     void path_panel();

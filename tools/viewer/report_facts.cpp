@@ -19,14 +19,14 @@ void report_facts(const Context& context, const ReportedState& state) {
     const editor::Editor& editor = context.editor;
     const editor::DisplayedImage& displayed = frame.rendered.displayed;
     const Area& area = frame.image_area;
-    report.area("picture", area.left, area.top, area.width, area.height);
+    report.area("image", area.left, area.top, area.width, area.height);
     report.fact("open", editor.is_open() ? editor.file().path.string() : "");
     report.fact("modified", editor.modified());
     report.fact("ready", frame.stage && frame.rendered.stage_id == editor.id() && displayed.view > 0);
     report.fact("view", displayed.view);
     report.fact("finished", state.image_is_sharp);
     report.fact("scale", displayed.scale);
-    report.fact("picture_ms", displayed.milliseconds);
+    report.fact("image_ms", displayed.milliseconds);
     report.fact("time_s", context.view.clock.time_s());
     report.fact("playing", context.view.clock.playing);
     report.fact("along_path", context.view.along_path);

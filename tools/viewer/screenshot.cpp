@@ -22,7 +22,7 @@ std::filesystem::path free_name(const std::filesystem::path& folder) {
 }
 
 // May be called from any thread.
-void write(Context& context, const std::filesystem::path& folder, std::shared_ptr<const media::Image> image) {
+void write(Context& context, const std::filesystem::path& folder, const std::shared_ptr<const media::Image>& image) {
     context.jobs.start("Saving a screenshot", [&context, folder, image] {
         std::filesystem::create_directories(folder);
         const std::filesystem::path path = free_name(folder);

@@ -35,7 +35,7 @@ constexpr ToolIcon kTools[] = {
     {"paint/erase", ICON_ERASER, "Erase: take away what is there", "Erase"},
     {"paint/shift", ICON_TINT, "Hue and saturation: shift the colours that are there", "Hue and saturation"},
     {"paint/restore", ICON_UNDO, "Restore: take this layer's paint off again", "Restore"},
-    {"paint/stamp", ICON_STAMP, "Image: project a PNG from where you look", "Picture"}};
+    {"paint/stamp", ICON_STAMP, "Image: project a PNG from where you look", "Image"}};
 
 void tool_row(Context& context, PaintSettings& settings) {
     for (size_t i = 0; i < std::size(kTools); i++) {
@@ -82,7 +82,7 @@ void stamp_fields(Context& context, PaintTool& paint, Files& files, FieldGroup& 
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("A PNG. Enter reads it; then it hangs on the pointer");
     fields.label("");
     if (ImGui::Button(ICON_FOLDER "  Choose…", {-FLT_MIN, 0}))
-        files.ask_path("Picture", {".png"}, false, "", [&context, &paint](const std::filesystem::path& path) {
+        files.ask_path("Image", {".png"}, false, "", [&context, &paint](const std::filesystem::path& path) {
             paint.settings.image = path.string();
             paint.load_image(context);
         });

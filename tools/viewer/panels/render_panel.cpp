@@ -20,7 +20,7 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr const char* kSamples[] = {"1 ray a pixel", "4 rays", "9 rays", "16 rays"};
-constexpr const char* kKinds[] = {"video", "pictures", "one image"};
+constexpr const char* kKinds[] = {"video", "images", "one image"};
 constexpr const char* kRanges[] = {"whole stage", "loop range"};
 constexpr const char* kEndings[] = {".mp4", "_%04d.png", ".png"};
 
@@ -170,8 +170,8 @@ void export_progress(Context& context, const Exporter& exporter) {
 }  // namespace
 
 void render_tab(Context& context, ExportChoice& choice, Files& files, Exporter& exporter) {
-    if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) image_fields(context);
-    context.report.item("render/Picture");
+    if (ImGui::CollapsingHeader("Image", ImGuiTreeNodeFlags_DefaultOpen)) image_fields(context);
+    context.report.item("render/Image");
     const bool open = ImGui::CollapsingHeader("Export", ImGuiTreeNodeFlags_DefaultOpen);
     context.report.item("render/Export");
     if (!open) return;

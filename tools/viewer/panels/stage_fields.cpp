@@ -21,7 +21,7 @@ void time_fields(Context& context, FieldGroup& group, const stage::StageSettings
         drag(context, {.duration_s = duration_s});
     if (!settings.duration_s) explain("Until all performers are at their end, as long as you give no other");
     double fps = settings.fps.value_or(context.view.clock.fps());
-    if (group.number("pictures", fps, {1, 240, 0.1, "%.3g a second"})) drag(context, {.fps = fps});
+    if (group.number("images", fps, {1, 240, 0.1, "%.3g a second"})) drag(context, {.fps = fps});
 }
 
 void environment_fields(Context& context, FieldGroup& group, const stage::StageEnvironment& environment) {

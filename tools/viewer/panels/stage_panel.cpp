@@ -2,6 +2,8 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
@@ -127,7 +129,7 @@ void name_field(Context& context, StageTree& tree, const StageRow& row, float wi
 // The layout of a row, in pixels of the framebuffer.
 struct RowArea {
     ImVec2 at;
-    float right, side, icon_x, name_x, text_y;
+    float right = 0, side = 0, icon_x = 0, name_x = 0, text_y = 0;
     float name_width() const { return std::max(1.0f, right - 2 * side - name_x); }
 };
 

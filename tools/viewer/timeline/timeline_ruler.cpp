@@ -10,7 +10,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr float kHeight = 27, kRangeHeight = 9, kGrip = 9;  // at scale 1
+constexpr float kHeight = 27, kRangeHeight = 9, kRangeGrip = 9;  // at scale 1
 constexpr float kLabelPixels = 54, kMarkPixels = 5;
 constexpr unsigned kMarkColour = 0xff6a6661, kTextColour = 0xffb5b0aa, kOutside = 0x66000000, kTimeColour = 0xff4f6bff;
 
@@ -36,7 +36,7 @@ void draw_marks(const Context& context, const TimelineView& view, float top, flo
 void range_bar(Context& context, const TimelineView& view, float top) {
     editor::StageClock& clock = context.view.clock;
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    const float height = context.ui(kRangeHeight), grip = context.ui(kGrip);
+    const float height = context.ui(kRangeHeight), grip = context.ui(kRangeGrip);
     const float low = std::clamp(view.x_at(clock.in_s()), view.left(), view.right());
     const float high = std::clamp(view.x_at(clock.out_s()), view.left(), view.right());
     const bool whole = clock.in_s() <= 0 && clock.out_s() >= clock.duration_s();

@@ -11,7 +11,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 // The longest axis, in depths of the node: no handle may lie behind the camera.
 constexpr double kMaxDepthShare = 0.5;
 constexpr double kFlat = 1e-3;        // the least volume that three unit axes must span
@@ -26,13 +26,13 @@ glm::vec4 colour_of(size_t axis, double opacity) {
 }
 const glm::vec4 kWhite(1, 1, 1, 0.9f);
 
-struct Shapes {
+struct GizmoShapes {
     const Gizmo& gizmo;
     const GizmoFrame& frame;
     ShapeView view;
     std::vector<HandleShape> all;
 
-    Shapes(const Gizmo& of, const GizmoFrame& in) : gizmo(of), frame(in), view(of.camera, in.middle, in.size_m) {
+    GizmoShapes(const Gizmo& of, const GizmoFrame& in) : gizmo(of), frame(in), view(of.camera, in.middle, in.size_m) {
         all.reserve(12);
     }
     void add(const std::optional<HandleShape>& shape) {
@@ -68,14 +68,14 @@ struct Shapes {
     }
     void add_ring(size_t axis) {
         const RingFront ring = ring_front(frame, frame.axes[axis]);
-        const double half_angle = ring.facing > kFaceOnRing ? kPi : kPi / 2;
+        const double half_angle = ring.facing > kFaceOnRing ? pi : pi / 2;
         add(line_shape(view, first(axis), colour_of(axis, 1),
                        arc(frame.middle, ring.front, ring.tangent, frame.size_m, half_angle)));
     }
     void add_outer_ring() {
         const glm::dvec3 u = editor::perpendicular_to(frame.to_eye);
         add(line_shape(view, static_cast<int>(GizmoHandle::kCentre), kWhite,
-                       arc(frame.middle, u, glm::cross(frame.to_eye, u), kOuterRing * frame.size_m, kPi)));
+                       arc(frame.middle, u, glm::cross(frame.to_eye, u), kOuterRing * frame.size_m, pi)));
     }
 };
 
@@ -116,7 +116,7 @@ RingFront ring_front(const GizmoFrame& frame, glm::dvec3 axis) {
 std::vector<HandleShape> gizmo_shapes(const Gizmo& gizmo) {
     const std::optional<GizmoFrame> frame = gizmo_frame(gizmo);
     if (!frame) return {};
-    Shapes shapes(gizmo, *frame);
+    GizmoShapes shapes(gizmo, *frame);
     for (size_t axis = 0; axis < 3; ++axis) {
         if (gizmo.mode == GizmoMode::kRotate) {
             shapes.add_ring(axis);

@@ -120,7 +120,7 @@ std::optional<HandleShape> square_shape(const ShapeView& view, int handle, glm::
 
 std::array<glm::dvec3, kMaxShapePoints> arc(glm::dvec3 middle, glm::dvec3 u, glm::dvec3 v, double radius,
                                             double half_angle) {
-    std::array<glm::dvec3, kMaxShapePoints> points;
+    std::array<glm::dvec3, kMaxShapePoints> points{};
     for (size_t i = 0; i < points.size(); ++i) {
         const double angle = half_angle * (2 * static_cast<double>(i) / (kMaxShapePoints - 1) - 1);
         points[i] = middle + radius * (u * std::cos(angle) + v * std::sin(angle));

@@ -8,7 +8,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kAlong = 0.7;  // cosine of the angle between light and view above which the eye looks along the light
 constexpr double kMinAimDistance_m = 1e-3;
 constexpr double kMinHeight = 0.3;  // distance of the plane across a wide cone from the light, in distances of the aim
@@ -17,9 +17,9 @@ constexpr double kSquare_px = 5;
 
 // The geometry of the cone that shapes and drags have in common. World space.
 struct Cone {
-    glm::dvec3 direction, to_eye, side;  // unit; `side` is across the other two and points at the outline
-    double aim_distance_m;
-    bool along;  // the eye looks along the light
+    glm::dvec3 direction{0}, to_eye{0}, side{0};  // unit; `side` is across the other two and points at the outline
+    double aim_distance_m = 0;
+    bool along = false;  // the eye looks along the light
 
     explicit Cone(const LightGizmo& gizmo) {
         const AimedLight& light = gizmo.light;
@@ -42,14 +42,14 @@ bool is_valid(const AimedLight& light) {
            std::isfinite(glm::length(light.position));
 }
 
-struct Shapes {
+struct LightShapes {
     const LightGizmo& gizmo;
     const AimedLight& light;
     Cone cone;
     ShapeView view;
     std::vector<HandleShape> all;
 
-    explicit Shapes(const LightGizmo& of)
+    explicit LightShapes(const LightGizmo& of)
         : gizmo(of), light(of.light), cone(of), view(of.camera, of.light.aim, cone.aim_distance_m) {
         all.reserve(16);
     }
@@ -61,7 +61,7 @@ struct Shapes {
     }
     void add_edge(glm::dvec3 to) { add(edge_shape(gizmo.camera, gizmo.colour, light.position, to)); }
     void add_circle(LightHandle handle, glm::dvec3 middle, glm::dvec3 normal, glm::dvec3 u, double radius_m) {
-        const auto points = arc(middle, u, glm::cross(normal, u), radius_m, kPi);
+        const auto points = arc(middle, u, glm::cross(normal, u), radius_m, pi);
         add(line_shape(view, static_cast<int>(handle), gizmo.colour, points));
     }
 };
@@ -81,9 +81,9 @@ double outer_cone(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool 
     };
     const std::optional<double> before = angle(from), after = angle(to);
     if (!before || !after) return light.outer_cone_rad;
-    const double degree = kPi / 180, turned = light.outer_cone_rad + *after - *before;
+    const double degree = pi / 180, turned = light.outer_cone_rad + *after - *before;
     return std::clamp(editor::snapped(turned, kConeSnap_deg * degree, snap),
-                      (snap ? kConeSnap_deg : kMinCone_deg) * degree, kPi / 2);
+                      (snap ? kConeSnap_deg : kMinCone_deg) * degree, pi / 2);
 }
 
 double range(const LightGizmo& gizmo, glm::dvec2 from, glm::dvec2 to, bool snap) {
@@ -132,7 +132,7 @@ AimedLight aimed_light(const stage::EvaluatedLight& light, double aim_distance_m
 std::vector<HandleShape> light_shapes(const LightGizmo& gizmo) {
     const AimedLight& light = gizmo.light;
     if (!is_valid(light)) return {};
-    Shapes shapes(gizmo);
+    LightShapes shapes(gizmo);
     const Cone& cone = shapes.cone;
     if (light.kind == stage::GltfLightKind::kPoint) {
         const glm::dvec3 to_eye = glm::normalize(glm::dvec3(gizmo.camera.world_from_camera[3]) - light.position);

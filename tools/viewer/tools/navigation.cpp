@@ -10,7 +10,7 @@ namespace neuvv::viewer {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kNotchFactor = 0.9;     // the share of the distance that a notch leaves
 constexpr double kFramedShare = 0.9;     // the share of the image that a framed box fills
 constexpr double kScrollHeights = 0.05;  // image heights per unit of a touchpad's scrolling
@@ -20,7 +20,7 @@ constexpr double kPole = 1e-6;  // sine of the angle to the vertical within whic
 
 // The same angle between −π and π.
 double wrapped(double angle) {
-    return std::remainder(angle, 2 * kPi);
+    return std::remainder(angle, 2 * pi);
 }
 
 double clamped_distance(double distance) {
@@ -60,8 +60,8 @@ stage::Camera camera_of(const Eye& eye, uint32_t width, uint32_t height) {
 
 Eye orbited(const Eye& eye, glm::dvec2 moved_px, double height) {
     Eye moved = eye;
-    moved.yaw = wrapped(eye.yaw - kPi * moved_px.x / height);
-    moved.pitch = std::clamp(eye.pitch - kPi * moved_px.y / height, -kPi / 2, kPi / 2);
+    moved.yaw = wrapped(eye.yaw - pi * moved_px.x / height);
+    moved.pitch = std::clamp(eye.pitch - pi * moved_px.y / height, -pi / 2, pi / 2);
     return moved;
 }
 
@@ -129,19 +129,19 @@ Eye seen_from(const Eye& eye, EyeSide side) {
         case EyeSide::kFront:
             break;
         case EyeSide::kBack:
-            moved.yaw = kPi;
+            moved.yaw = pi;
             break;
         case EyeSide::kRight:
-            moved.yaw = kPi / 2;
+            moved.yaw = pi / 2;
             break;
         case EyeSide::kLeft:
-            moved.yaw = -kPi / 2;
+            moved.yaw = -pi / 2;
             break;
         case EyeSide::kTop:
-            moved.pitch = -kPi / 2;
+            moved.pitch = -pi / 2;
             break;
         case EyeSide::kBottom:
-            moved.pitch = kPi / 2;
+            moved.pitch = pi / 2;
             break;
     }
     return moved;
