@@ -7,7 +7,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr int kSamples = 3;  // along each side of a pixel
+constexpr int kSamplesOfBackdrop = 3;  // along each side of a pixel
 
 // Linear RGB. Each pair of opposite walls has its own two colours, so that a wrong background is easy to see.
 constexpr glm::vec3 kColours[3][2] = {{{0.10f, 0.16f, 0.22f}, {0.42f, 0.50f, 0.55f}},
@@ -39,13 +39,14 @@ media::Image clean_plate(const Backdrop& backdrop, const stage::Camera& camera) 
     for (uint32_t y = 0; y < camera.height; ++y)
         for (uint32_t x = 0; x < camera.width; ++x) {
             glm::vec3 sum(0);
-            for (int s = 0; s < kSamples * kSamples; ++s) {
-                const double px = x + (s % kSamples + 0.5) / kSamples, py = y + (s / kSamples + 0.5) / kSamples;
+            for (int s = 0; s < kSamplesOfBackdrop * kSamplesOfBackdrop; ++s) {
+                const double px = x + (s % kSamplesOfBackdrop + 0.5) / kSamplesOfBackdrop,
+                             py = y + (s / kSamplesOfBackdrop + 0.5) / kSamplesOfBackdrop;
                 sum += colour_along(backdrop, eye,
                                     axes * glm::dvec3((px - camera.cx) / camera.fx, -(py - camera.cy) / camera.fy, -1));
             }
             for (int c = 0; c < 3; ++c) {
-                const auto linear = static_cast<double>(sum[c]) / (kSamples * kSamples);
+                const auto linear = static_cast<double>(sum[c]) / (kSamplesOfBackdrop * kSamplesOfBackdrop);
                 plate.at(x, y)[c] =
                     static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(std::clamp(linear, 0.0, 1.0))));
             }

@@ -17,7 +17,7 @@ namespace neuvv::training {
 namespace {
 
 constexpr size_t kRow = 17;  // 3×5 and two depths
-constexpr double kRigidTolerance = 1e-3;
+constexpr double kOrthonormalTolerance = 1e-3;
 constexpr double kStretchTolerance = 0.02;  // as scaled sizes are rounded to whole pixels
 
 std::filesystem::path poses_file(const std::filesystem::path& folder) {
@@ -44,7 +44,7 @@ RigCamera make_camera(const double* row, const std::filesystem::path& video, con
     const glm::dmat3 axes(column(1), -column(0), column(2));
     const glm::dvec3 size = column(4);
     const glm::dmat3 off = glm::transpose(axes) * axes - glm::dmat3(1);  // 0 where the axes are orthonormal
-    if (!(glm::length(off[0]) + glm::length(off[1]) + glm::length(off[2]) < kRigidTolerance &&
+    if (!(glm::length(off[0]) + glm::length(off[1]) + glm::length(off[2]) < kOrthonormalTolerance &&
           glm::determinant(axes) > 0))
         throw InputError(file, place, "is not a rigid pose", "give [down, right, backwards, position, (H, W, focal)]");
     if (!(size.x >= 1 && size.y >= 1 && size.x <= media::kMaxImageSide && size.y <= media::kMaxImageSide))

@@ -42,7 +42,7 @@ std::string hex(uint64_t number) {
 }
 
 // The JSON as text. Never fails: a name that is no UTF-8 must not lose the rest.
-std::string text_of(const ordered_json& json, int indent) {
+std::string indented_text(const ordered_json& json, int indent) {
     return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
 
@@ -195,7 +195,7 @@ void RecoveryWriter::store(const Document& document) {
                                  {"leaves", stored.layer->field.leaf_count},
                                  {"frames", stored.layer->field.frames}});
     json["document"] = document.file.json.text();
-    const std::string text = text_of(json, 1);
+    const std::string text = indented_text(json, 1);
     write_file_atomically(entry_ / kEntryName, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
     remove_layers_but(layers);
     layers_ = std::move(layers);
@@ -253,7 +253,7 @@ Document restore(const RecoveryEntry& entry) {
         document.file = stage::read_stage_file(stage);
         document.disk_is_foreign = has_foreign_file(entry);
     } else {
-        document.file = stage::make_stage_file(stage, text_of(stored, 2) + "\n");
+        document.file = stage::make_stage_file(stage, indented_text(stored, 2) + "\n");
     }
     document.file.json = stage::StageJson(std::move(stored));
     document.file.json.share(document.file.saved->json);

@@ -138,4 +138,12 @@ void run_once(const Device& device, const std::string& name, const std::function
 void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
 void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
 
+// A new buffer on the device that holds the values, read through texels of the format.
+template <typename T>
+Buffer uploaded(const Device& device, const char* name, const std::vector<T>& values, VkFormat format) {
+    Buffer buffer(device, name, values.size() * sizeof(T), MemoryKind::kDevice, format);
+    if (!values.empty()) upload(device, buffer, values.data(), values.size() * sizeof(T));
+    return buffer;
+}
+
 }  // namespace neuvv::gpu

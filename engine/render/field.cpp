@@ -55,13 +55,6 @@ float mean_edge(const std::vector<glm::uvec2>& leaf_positions) {
     return leaf_positions.empty() ? 0 : static_cast<float>(sum / static_cast<double>(leaf_positions.size()));
 }
 
-template <typename T>
-gpu::Buffer uploaded(const gpu::Device& device, const char* name, const std::vector<T>& data, VkFormat format) {
-    gpu::Buffer buffer(device, name, data.size() * sizeof(T), gpu::MemoryKind::kDevice, format);
-    gpu::upload(device, buffer, data.data(), data.size() * sizeof(T));
-    return buffer;
-}
-
 // Sets the coarsest and the finest level of leaves from the leaf positions of the walk tree.
 void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_positions) {
     if (leaf_positions.empty()) return;
@@ -115,26 +108,26 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.leaves_min = field.box_min + glm::vec3(walk.top_low) * top_cell;
     field.leaves_max = field.box_min + glm::vec3(walk.top_last + 1u) * top_cell;
     field.leaf_diagonal = glm::length(field.box_size) * mean_edge(walk.leaf_positions);
-    field.nodes = uploaded(device, "tree nodes", walk.nodes, VK_FORMAT_R32G32B32A32_UINT);
-    field.children = uploaded(device, "tree children", walk.children, VK_FORMAT_R32_UINT);
-    field.top = uploaded(device, "tree top", walk.top, VK_FORMAT_R32_UINT);
-    field.leaf_cells = uploaded(device, "leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
-    field.node_cells = uploaded(device, "node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
-    field.leaf_positions = uploaded(device, "leaf positions", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
-    field.node_positions = uploaded(device, "node positions", walk.node_positions, VK_FORMAT_R32G32_UINT);
-    field.inner_cells = uploaded(device, "inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
+    field.nodes = gpu::uploaded(device, "tree nodes", walk.nodes, VK_FORMAT_R32G32B32A32_UINT);
+    field.children = gpu::uploaded(device, "tree children", walk.children, VK_FORMAT_R32_UINT);
+    field.top = gpu::uploaded(device, "tree top", walk.top, VK_FORMAT_R32_UINT);
+    field.leaf_cells = gpu::uploaded(device, "leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
+    field.node_cells = gpu::uploaded(device, "node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
+    field.leaf_positions = gpu::uploaded(device, "leaf positions", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
+    field.node_positions = gpu::uploaded(device, "node positions", walk.node_positions, VK_FORMAT_R32G32_UINT);
+    field.inner_cells = gpu::uploaded(device, "inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
     field.level_begin = walk.level_begin;
-    field.sigma_basis = uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
-    field.gamma_basis = uploaded(device, "basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
+    field.sigma_basis = gpu::uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
+    field.gamma_basis = gpu::uploaded(device, "basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
     const std::vector<float> planes = weights_to_planes(tree);
     if (precision == WeightPrecision::kFloat) {
-        field.weights = uploaded(device, "leaf weights", planes, VK_FORMAT_R32G32B32A32_SFLOAT);
+        field.weights = gpu::uploaded(device, "leaf weights", planes, VK_FORMAT_R32G32B32A32_SFLOAT);
     } else {
         std::vector<uint16_t> halves(planes.size());
         parallel_for(planes.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; i++) halves[i] = voctree::half_from_float(planes[i]);
         });
-        field.weights = uploaded(device, "leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT);
+        field.weights = gpu::uploaded(device, "leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT);
     }
     return field;
 }

@@ -55,13 +55,6 @@ PackedPaint pack(std::span<const PaintUse> uses) {
     return packed;
 }
 
-template <typename T>
-gpu::Buffer uploaded(const gpu::Device& device, const char* name, const std::vector<T>& values, VkFormat format) {
-    gpu::Buffer buffer(device, name, values.size() * sizeof(T), gpu::MemoryKind::kDevice, format);
-    if (!values.empty()) gpu::upload(device, buffer, values.data(), values.size() * sizeof(T));
-    return buffer;
-}
-
 PaintPush paint_push(const Paint& paint, float frame) {
     PaintPush push{};
     push.frame = frame;
@@ -80,10 +73,10 @@ Paint::Paint(const gpu::Device& device, uint32_t field_leaves, std::span<const P
                                              use.layer->field.leaf_count, field_leaves));
     const PackedPaint packed = pack(uses);
     leaf_count = static_cast<uint32_t>(packed.leaves.size() - 1);
-    leaves = uploaded(device, "painted leaves", packed.leaves, VK_FORMAT_R32G32_UINT);
-    edits = uploaded(device, "paint edits", packed.edits, VK_FORMAT_R32G32B32A32_UINT);
-    sigmas = uploaded(device, "paint densities", packed.sigmas, VK_FORMAT_R32_UINT);
-    layers = uploaded(device, "paint layers", packed.layers, VK_FORMAT_R32G32_UINT);
+    leaves = gpu::uploaded(device, "painted leaves", packed.leaves, VK_FORMAT_R32G32_UINT);
+    edits = gpu::uploaded(device, "paint edits", packed.edits, VK_FORMAT_R32G32B32A32_UINT);
+    sigmas = gpu::uploaded(device, "paint densities", packed.sigmas, VK_FORMAT_R32_UINT);
+    layers = gpu::uploaded(device, "paint layers", packed.layers, VK_FORMAT_R32G32_UINT);
 }
 
 uint32_t Paints::add(Paint paint) {

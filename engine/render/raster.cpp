@@ -12,7 +12,7 @@ namespace neuvv::render {
 namespace {
 
 constexpr VkSampleCountFlagBits kSamples = VK_SAMPLE_COUNT_4_BIT;
-constexpr VkFormat kColour = VK_FORMAT_R16G16B16A16_SFLOAT, kDepth = VK_FORMAT_D32_SFLOAT;
+constexpr VkFormat kImageFormat = VK_FORMAT_R16G16B16A16_SFLOAT, kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr float kSkyShare = 0.4f;  // soft enough that all sides of a lit object stay visible
 
 gpu::GraphicsShape pass_shape() {
@@ -20,8 +20,8 @@ gpu::GraphicsShape pass_shape() {
     shape.vertex_spirv = raster_vert;
     shape.fragment_spirv = raster_frag;
     describe_streams(SceneDetail::kBase, shape);
-    shape.colours = {kColour};
-    shape.depth = kDepth;
+    shape.colours = {kImageFormat};
+    shape.depth = kDepthFormat;
     shape.samples = kSamples;
     return shape;
 }
@@ -37,14 +37,15 @@ Rasterizer::Rasterizer(const gpu::Device& device, const stage::GltfScene& scene,
       geometry_(device, scene, SceneDetail::kBase),
       commands_(device, "raster") {
     constexpr VkImageUsageFlags kTransient = VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
-    samples_ = gpu::DeviceImage(device, "raster samples",
-                                {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | kTransient, kSamples});
-    depth_ =
-        gpu::DeviceImage(device, "raster depth",
-                         {width_, height_, kDepth, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | kTransient, kSamples});
+    samples_ =
+        gpu::DeviceImage(device, "raster samples",
+                         {width_, height_, kImageFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | kTransient, kSamples});
+    depth_ = gpu::DeviceImage(
+        device, "raster depth",
+        {width_, height_, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | kTransient, kSamples});
     target_ = gpu::DeviceImage(
         device, "raster target",
-        {width_, height_, kColour, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+        {width_, height_, kImageFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
     readback_ = gpu::Buffer(device, "raster readback", uint64_t{8} * width_ * height_, gpu::MemoryKind::kReadback);
     upload_textures();
 }

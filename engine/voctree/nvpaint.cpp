@@ -33,7 +33,7 @@ float& number_of(LeafEdit& edit, int column) {
     return *numbers[column];
 }
 
-PaintHead read_head(ChunkReader& file) {
+PaintHead read_paint_head(ChunkReader& file) {
     PaintHead head{};
     std::memcpy(&head, file.take(sizeof head).data(), sizeof head);
     if (head.edit_count > kMaxEdits)
@@ -92,7 +92,7 @@ EditLayer read_paint(const std::filesystem::path& path, const PaintedField& fiel
     ChunkHeader chunk;
     if (!file.next(chunk) || chunk.name != kHeadName)
         throw InputError(path.string(), "", "is not a layer of paint", "name a file that `neuvv paint` wrote");
-    const PaintHead head = read_head(file);
+    const PaintHead head = read_paint_head(file);
     expect_field(file, head, field);
     EditLayer layer{field, {}};
     expect_next(file, chunk, kLeafName);

@@ -39,7 +39,7 @@ std::vector<uint8_t> pack_nodes(const VOctree& tree) {
 }
 
 // Checks that every count is within its bounds, so that sizes that are computed from them do not overflow.
-NvvHead read_head(ChunkReader& file) {
+NvvHead read_nvv_head(ChunkReader& file) {
     NvvHead head{};
     std::memcpy(&head, file.take(sizeof head).data(), sizeof head);
     const struct {
@@ -113,7 +113,7 @@ void read_chunk(ChunkReader& file, PartialTree& part) {
     const uint64_t row_numbers = uint64_t{tree.frames} * tree.bases;
     switch (chunk) {
         case kHead:
-            head = read_head(file);
+            head = read_nvv_head(file);
             apply_head(tree, head);
             break;
         case kNode: {
@@ -265,7 +265,7 @@ std::optional<VOctree> read_nvv_coarse(const std::filesystem::path& path) {
     ChunkReader file(path);
     ChunkHeader chunk;
     if (!file.next(chunk) || chunk.name != kChunkNames[kHead]) file.fail_damaged("is where chunk HEAD must be");
-    const NvvHead whole = read_head(file);
+    const NvvHead whole = read_nvv_head(file);
     PartialTree part;
     for (const char* name : kCoarseNames) {
         const bool there = file.next(chunk) && chunk.name == name;
@@ -294,7 +294,7 @@ NvvSummary summarise_nvv(const std::filesystem::path& path) {
         if (summary.chunks.empty() != is_head) file.fail_damaged("HEAD must stand first, and once");
         summary.chunks.push_back({chunk.name, chunk.raw_bytes, chunk.stored_bytes});
         if (is_head)
-            summary.head = read_head(file);
+            summary.head = read_nvv_head(file);
         else
             file.skip(false);
     }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr edit::ClipRate kClip{40, 25};
 
-stage::TimeMap map_of(const std::string& text) {
+stage::TimeMap time_map(const std::string& text) {
     return stage::parse_time_map(text, "test", "");
 }
 stage::Timeline ready(const stage::TimeMap& map) {
@@ -72,7 +72,7 @@ double last_frame(const stage::TimeMap& map) {
 
 TEST(TimeEdit, BarsBeginAndEndWhereMapsDo) {
     const auto bar = [](const char* text) {
-        const edit::TimeBar found = edit::bar_of(map_of(text), kClip);
+        const edit::TimeBar found = edit::bar_of(time_map(text), kClip);
         return std::pair(found.start_s * kClip.fps, found.end_s * kClip.fps);
     };
     EXPECT_EQ(bar(""), std::pair(0.0, 40.0));
@@ -80,8 +80,8 @@ TEST(TimeEdit, BarsBeginAndEndWhereMapsDo) {
     EXPECT_EQ(bar("clip:5f:25f,speed:2,offset:-5f"), std::pair(-5.0, 5.0));
     EXPECT_EQ(bar("loop,offset:5f"), std::pair(5.0, double{INFINITY}));
     for (const std::string& text : all()) {
-        const edit::TimeBar found = edit::bar_of(map_of(text), kClip);
-        const double length = stage::length_s(ready(map_of(text)));
+        const edit::TimeBar found = edit::bar_of(time_map(text), kClip);
+        const double length = stage::length_s(ready(time_map(text)));
         EXPECT_EQ(std::isfinite(found.end_s), std::isfinite(length)) << text;
         if (std::isfinite(length)) {
             EXPECT_NEAR(found.end_s, length, 1e-9) << text;
@@ -92,7 +92,7 @@ TEST(TimeEdit, BarsBeginAndEndWhereMapsDo) {
 TEST(TimeEdit, MovedIsTheSameAtAnotherTime) {
     for (const std::string& text : all())
         for (const double by : {3.0, -5.0, 12.5, 0.7, -30.0}) {
-            const stage::TimeMap map = map_of(text), after = edit::moved(map, kClip, s(by));
+            const stage::TimeMap map = time_map(text), after = edit::moved(map, kClip, s(by));
             for (const double t : times_between(std::max(0.0, by), 90))
                 ASSERT_NEAR(displayed(after, t), displayed(map, t - by), 1e-4) << text << " by " << by << " at " << t;
             const stage::TimeMap back = edit::moved(after, kClip, s(-by));
@@ -100,15 +100,15 @@ TEST(TimeEdit, MovedIsTheSameAtAnotherTime) {
                 ASSERT_NEAR(displayed(back, t), displayed(map, t), 1e-4)
                     << text << " by " << by << " and back at " << t;
         }
-    EXPECT_EQ(stage::text_of(edit::moved(map_of("offset:1s"), kClip, 0.5)), "offset:1.5s");
-    EXPECT_EQ(stage::text_of(edit::moved(map_of("offset:1s"), kClip, 1)), "offset:50f") << "whole frames as such";
-    EXPECT_EQ(stage::text_of(edit::moved(map_of("loop,offset:1s"), kClip, -1)), "loop");
-    EXPECT_EQ(stage::text_of(edit::moved(map_of("offset:1s,offset:2s"), kClip, 0)), "offset:75f");
+    EXPECT_EQ(stage::text_of(edit::moved(time_map("offset:1s"), kClip, 0.5)), "offset:1.5s");
+    EXPECT_EQ(stage::text_of(edit::moved(time_map("offset:1s"), kClip, 1)), "offset:50f") << "whole frames as such";
+    EXPECT_EQ(stage::text_of(edit::moved(time_map("loop,offset:1s"), kClip, -1)), "loop");
+    EXPECT_EQ(stage::text_of(edit::moved(time_map("offset:1s,offset:2s"), kClip, 0)), "offset:75f");
 }
 
 TEST(TimeEdit, ATrimmedStartLeavesTheRest) {
     for (const std::string& text : all()) {
-        const stage::TimeMap map = map_of(text);
+        const stage::TimeMap map = time_map(text);
         const edit::TimeBar bar = edit::bar_of(map, kClip);
         const double start = bar.start_s * kClip.fps, end = std::min(60.0, bar.end_s * kClip.fps);
         for (const double part : {0.2, 0.55, 0.8}) {
@@ -127,7 +127,7 @@ TEST(TimeEdit, ATrimmedStartLeavesTheRest) {
 
 TEST(TimeEdit, ATrimmedEndLeavesTheRest) {
     for (const std::string& text : all()) {
-        const stage::TimeMap map = map_of(text);
+        const stage::TimeMap map = time_map(text);
         const edit::TimeBar bar = edit::bar_of(map, kClip);
         const double start = bar.start_s * kClip.fps, end = std::min(60.0, bar.end_s * kClip.fps);
         for (const double part : {0.3, 0.55, 0.9}) {
@@ -145,7 +145,7 @@ TEST(TimeEdit, ATrimmedEndLeavesTheRest) {
 
 TEST(TimeEdit, WhatWasTrimmedCanBePulledOut) {
     for (const std::string& text : all()) {
-        const stage::TimeMap map = map_of(text);
+        const stage::TimeMap map = time_map(text);
         const edit::TimeBar bar = edit::bar_of(map, kClip);
         const double end = std::min(bar.end_s, bar.start_s + 2);
         stage::TimeMap cut = edit::trimmed_start(map, kClip, bar.start_s + 0.4 * (end - bar.start_s));
@@ -155,16 +155,16 @@ TEST(TimeEdit, WhatWasTrimmedCanBePulledOut) {
         for (const double t : times_between(0, 90))
             ASSERT_NEAR(displayed(cut, t), displayed(map, t), 1e-4) << text << " at " << t;
     }
-    EXPECT_EQ(edit::trimmed_end(map_of("offset:3f"), kClip, 100), map_of("offset:3f")) << "there is no more";
-    EXPECT_EQ(edit::trimmed_start(map_of("offset:3f"), kClip, -100), map_of("offset:3f"));
-    EXPECT_EQ(edit::trimmed_start(map_of("offset:3f"), kClip, 100), map_of("clip:39f:40f,offset:42f"))
+    EXPECT_EQ(edit::trimmed_end(time_map("offset:3f"), kClip, 100), time_map("offset:3f")) << "there is no more";
+    EXPECT_EQ(edit::trimmed_start(time_map("offset:3f"), kClip, -100), time_map("offset:3f"));
+    EXPECT_EQ(edit::trimmed_start(time_map("offset:3f"), kClip, 100), time_map("clip:39f:40f,offset:42f"))
         << "a frame is left";
-    EXPECT_EQ(edit::trimmed_end(map_of("offset:3f"), kClip, -100), map_of("clip:0f:1f,offset:3f"));
+    EXPECT_EQ(edit::trimmed_end(time_map("offset:3f"), kClip, -100), time_map("clip:0f:1f,offset:3f"));
 }
 
 TEST(TimeEdit, ReversedPlaysBackwardsWhereItStands) {
     for (const std::string text : kFinite) {
-        const stage::TimeMap map = map_of(text), after = edit::reversed(map, kClip);
+        const stage::TimeMap map = time_map(text), after = edit::reversed(map, kClip);
         const edit::TimeBar bar = edit::bar_of(map, kClip), turned = edit::bar_of(after, kClip);
         EXPECT_NEAR(bar.start_s, turned.start_s, 1e-9) << text;
         EXPECT_NEAR(bar.end_s, turned.end_s, 1e-9) << text;
@@ -179,9 +179,9 @@ TEST(TimeEdit, ReversedPlaysBackwardsWhereItStands) {
         for (const double t : times_between(0, 90))
             ASSERT_NEAR(displayed(back, t), displayed(map, t), 1e-4) << text << " at " << t;
     }
-    EXPECT_EQ(stage::text_of(edit::reversed(map_of("reverse"), kClip)), "");
+    EXPECT_EQ(stage::text_of(edit::reversed(time_map("reverse"), kClip)), "");
     for (const char* text : kEndless)
-        EXPECT_NO_THROW(edit::reversed(edit::trimmed_end(map_of(text), kClip, 3), kClip)) << text;
+        EXPECT_NO_THROW(edit::reversed(edit::trimmed_end(time_map(text), kClip, 3), kClip)) << text;
 }
 
 TEST(TimeEdit, WhatIsEndlessPlaysItsRoundsBackwards) {
@@ -195,25 +195,25 @@ TEST(TimeEdit, WhatIsEndlessPlaysItsRoundsBackwards) {
                        {"reverse,loop", 0, 1, 39},
                        {"ping-pong:3f:9f", 8, -1, 5}};
     for (const auto& one : cases) {
-        const stage::TimeMap after = edit::reversed(map_of(one.text), kClip);
+        const stage::TimeMap after = edit::reversed(time_map(one.text), kClip);
         for (double t = 0; t < one.round; t += 0.25)
             ASSERT_NEAR(displayed(after, t), one.first + one.step * t, 1e-6) << one.text << " at " << t;
     }
     for (const std::string text : kEndless) {
-        const stage::TimeMap map = map_of(text), back = edit::reversed(edit::reversed(map, kClip), kClip);
+        const stage::TimeMap map = time_map(text), back = edit::reversed(edit::reversed(map, kClip), kClip);
         for (const double t : times_between(0, 120))
             ASSERT_NEAR(displayed(back, t), displayed(map, t), 1e-6) << text << " at " << t;
         EXPECT_LE(back.size(), map.size() + 1) << "it does not grow from time to time";
     }
-    stage::TimeMap full(stage::kMaxTimeOperators, map_of("jump:1f:2f")[0]);
-    full.back() = map_of("loop")[0];
+    stage::TimeMap full(stage::kMaxTimeOperators, time_map("jump:1f:2f")[0]);
+    full.back() = time_map("loop")[0];
     expect_input_error([&] { edit::reversed(full, kClip); }, {"operators"});
 }
 
 TEST(TimeEdit, SpedPlaysFasterFromWhereItBegins) {
     for (const std::string& text : all())
         for (const double factor : {2.0, 0.5, 1.3}) {
-            const stage::TimeMap map = map_of(text), after = edit::sped(map, kClip, factor);
+            const stage::TimeMap map = time_map(text), after = edit::sped(map, kClip, factor);
             const double start = edit::bar_of(map, kClip).start_s * kClip.fps;
             for (const double t : times_between(std::max(0.0, start), 90)) {
                 const double source = start + factor * (t - start);
@@ -225,21 +225,21 @@ TEST(TimeEdit, SpedPlaysFasterFromWhereItBegins) {
             for (const double t : times_between(0, start))
                 ASSERT_NEAR(displayed(after, t), displayed(map, 0), 1e-4) << text << " x" << factor << " at " << t;
         }
-    EXPECT_EQ(stage::text_of(edit::sped(map_of("speed:0.5,offset:3f"), kClip, 2)), "offset:3f");
-    EXPECT_EQ(stage::text_of(edit::sped(map_of("hold,speed:0.5"), kClip, 3)), "speed:1.5,hold");
+    EXPECT_EQ(stage::text_of(edit::sped(time_map("speed:0.5,offset:3f"), kClip, 2)), "offset:3f");
+    EXPECT_EQ(stage::text_of(edit::sped(time_map("hold,speed:0.5"), kClip, 3)), "speed:1.5,hold");
     for (const double factor : {0.0, -1.0, 1e9, double{NAN}})
-        expect_input_error([&] { edit::sped(map_of(""), kClip, factor); }, {"speed"});
+        expect_input_error([&] { edit::sped(time_map(""), kClip, factor); }, {"speed"});
 }
 
 TEST(TimeEdit, StaggeredAsCopiesAre) {
-    EXPECT_EQ(stage::text_of(edit::staggered(map_of(""), kClip, {3, true})), "offset:3f");
-    EXPECT_EQ(stage::text_of(edit::staggered(map_of("offset:2f"), kClip, {3, true})), "offset:5f");
-    EXPECT_EQ(stage::text_of(edit::staggered(map_of("loop:0:10f"), kClip, {3, true})), "loop:0s:10f,offset:-7f");
-    EXPECT_EQ(stage::text_of(edit::staggered(map_of("loop:0:10f,offset:3f"), kClip, {3, true})),
+    EXPECT_EQ(stage::text_of(edit::staggered(time_map(""), kClip, {3, true})), "offset:3f");
+    EXPECT_EQ(stage::text_of(edit::staggered(time_map("offset:2f"), kClip, {3, true})), "offset:5f");
+    EXPECT_EQ(stage::text_of(edit::staggered(time_map("loop:0:10f"), kClip, {3, true})), "loop:0s:10f,offset:-7f");
+    EXPECT_EQ(stage::text_of(edit::staggered(time_map("loop:0:10f,offset:3f"), kClip, {3, true})),
               "loop:0s:10f,offset:6f")
         << "it waits before it begins";
     for (const char* text : {"loop", "ping-pong,speed:0.5", "loop:3f:20f,offset:-4f"}) {
-        const stage::TimeMap map = map_of(text), later = edit::staggered(map, kClip, {0.2, false});
+        const stage::TimeMap map = time_map(text), later = edit::staggered(map, kClip, {0.2, false});
         for (const double t : times_between(40, 120))
             ASSERT_NEAR(displayed(later, t), displayed(map, t - 5), 1e-4) << text;
     }
@@ -250,7 +250,7 @@ TEST(TimeEdit, DragsDoNotPileUp) {
     std::mt19937 random(5);
     const auto below = [&](double limit) { return limit * std::generate_canonical<double, 32>(random); };
     for (const std::string& text : all()) {
-        stage::TimeMap map = map_of(text);
+        stage::TimeMap map = time_map(text);
         const size_t max_size = map.size() + 5;
         for (int i = 0; i < 300; ++i) {
             const edit::TimeBar bar = edit::bar_of(map, kClip);
@@ -279,12 +279,12 @@ TEST(TimeEdit, DragsDoNotPileUp) {
 TEST(TimeEdit, NumbersWithoutMeaningAreRefused) {
     for (const double bad : {double{NAN}, double{INFINITY}, -double{INFINITY}, 1e300})
         for (const char* text : {"", "loop", "clip:3f:9f,reverse,offset:2f"}) {
-            expect_input_error([&] { edit::moved(map_of(text), kClip, bad); }, {"time map"});
-            expect_input_error([&] { edit::trimmed_start(map_of(text), kClip, bad); }, {"time map"});
-            expect_input_error([&] { edit::trimmed_end(map_of(text), kClip, bad); }, {"time map"});
+            expect_input_error([&] { edit::moved(time_map(text), kClip, bad); }, {"time map"});
+            expect_input_error([&] { edit::trimmed_start(time_map(text), kClip, bad); }, {"time map"});
+            expect_input_error([&] { edit::trimmed_end(time_map(text), kClip, bad); }, {"time map"});
         }
-    expect_input_error([&] { edit::moved(map_of("loop,reverse"), kClip, 1); }, {"endless"});
-    stage::TimeMap full(stage::kMaxTimeOperators, map_of("jump:1f:2f")[0]);
+    expect_input_error([&] { edit::moved(time_map("loop,reverse"), kClip, 1); }, {"endless"});
+    stage::TimeMap full(stage::kMaxTimeOperators, time_map("jump:1f:2f")[0]);
     expect_input_error([&] { edit::moved(full, kClip, 1); }, {"operators"});
 }
 

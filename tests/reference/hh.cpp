@@ -7,8 +7,6 @@
 namespace neuvv::reference {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double factorial(int n) {
     return n <= 1 ? 1.0 : n * factorial(n - 1);
 }
@@ -24,7 +22,8 @@ double power(double x, int n) {
 
 // A_nl of errata 1, with (2l)!! = 2^l l!.
 double normalisation(int n, int l) {
-    return power(2, l) * factorial(l) * std::sqrt(2.0 * (n + 1) * factorial(n - l) / (kPi * factorial(n + l + 1)));
+    return power(2, l) * factorial(l) *
+           std::sqrt(2.0 * (n + 1) * factorial(n - l) / (std::numbers::pi * factorial(n + l + 1)));
 }
 
 // P_l^m without the Condon-Shortley phase, m ≥ 0.
@@ -77,8 +76,9 @@ double solid_harmonic(int l, int m, const glm::dvec4& x) {
     const double r_squared = x.y * x.y + x.z * x.z + x.w * x.w;
     const int order = std::abs(m);
     const double legendre = solid_legendre(l, order, x.y, r_squared);
-    if (m == 0) return std::sqrt((2 * l + 1) / (4 * kPi)) * legendre;
-    return std::sqrt((2 * l + 1) / (2 * kPi)) * legendre * azimuth_polynomial(order, x.z, x.w, m > 0 ? 0 : 1);
+    if (m == 0) return std::sqrt((2 * l + 1) / (4 * std::numbers::pi)) * legendre;
+    return std::sqrt((2 * l + 1) / (2 * std::numbers::pi)) * legendre *
+           azimuth_polynomial(order, x.z, x.w, m > 0 ? 0 : 1);
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ double radial_slope(int n, int l, double gamma) {
 
 double real_sh(int l, int m, double theta, double phi) {
     const int order = std::abs(m);
-    const double k = std::sqrt((2 * l + 1) / (4 * kPi) * factorial(l - order) / factorial(l + order));
+    const double k = std::sqrt((2 * l + 1) / (4 * std::numbers::pi) * factorial(l - order) / factorial(l + order));
     const double legendre = k * associated_legendre(l, order, std::cos(theta), std::sin(theta));
     if (m == 0) return legendre;
     return std::numbers::sqrt2 * legendre * (m > 0 ? std::cos(order * phi) : std::sin(order * phi));

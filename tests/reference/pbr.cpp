@@ -10,12 +10,10 @@ namespace neuvv::reference {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // GGX: D(h) of microfacets, by the tangent of their slope.
 double ggx(double alpha, double nh) {
     const double tan2 = (1 - nh * nh) / (nh * nh);
-    return 1 / (kPi * alpha * alpha * std::pow(nh, 4) * std::pow(1 + tan2 / (alpha * alpha), 2));
+    return 1 / (std::numbers::pi * alpha * alpha * std::pow(nh, 4) * std::pow(1 + tan2 / (alpha * alpha), 2));
 }
 
 // D V: GGX, and Smith's height-correlated masking and shadowing over 4 N·L N·V by way of Λ.
@@ -42,7 +40,7 @@ glm::dvec3 brdf(const PbrMaterial& material, glm::dvec3 normal, glm::dvec3 to_ey
     // fresnel_mix of a dielectric, and conductor_fresnel, mixed by metallic: with both in F it is one expression.
     const glm::dvec3 f0 = glm::mix(glm::dvec3(0.04), material.base_colour, material.metallic);
     const glm::dvec3 fresnel = f0 + (glm::dvec3(1) - f0) * grazing;
-    const glm::dvec3 diffuse = (1 - material.metallic) * material.base_colour / kPi;
+    const glm::dvec3 diffuse = (1 - material.metallic) * material.base_colour / std::numbers::pi;
     return (glm::dvec3(1) - fresnel) * diffuse + fresnel * lobe;
 }
 
@@ -69,7 +67,7 @@ glm::dvec2 specular_albedo(double roughness, double nv, int steps) {
     for (int i = 0; i < steps; i++)
         for (int k = 0; k < steps; k++) {
             // Half vectors as dense as D N·H; dω_l = 4 V·H dω_h.
-            const double u = (i + 0.5) / steps, phi = kPi * (k + 0.5) / steps;
+            const double u = (i + 0.5) / steps, phi = std::numbers::pi * (k + 0.5) / steps;
             const double nh = std::sqrt((1 - u) / (1 + (alpha * alpha - 1) * u)), sine = std::sqrt(1 - nh * nh);
             const glm::dvec3 half(sine * std::cos(phi), sine * std::sin(phi), nh);
             const double vh = glm::dot(eye, half), nl = 2 * vh * nh - nv;

@@ -35,94 +35,91 @@ glm::dvec3 bent(double u, double v) {
     return {u * theta / r, v * theta / r, theta * theta};
 }
 
-const std::vector<ModelCase>& model_cases() {
-    using P = std::vector<double>;
-    static const std::vector<ModelCase> cases = {
-        {0,
-         "SIMPLE_PINHOLE",
-         {90, 31, 22},
-         [](const P& p, double u, double v) { return glm::dvec2(p[0] * u + p[1], p[0] * v + p[2]); }},
-        {1,
-         "PINHOLE",
-         {90, 95, 31, 22},
-         [](const P& p, double u, double v) { return glm::dvec2(p[0] * u + p[2], p[1] * v + p[3]); }},
-        {2,
-         "SIMPLE_RADIAL",
-         {90, 31, 22, 0.1},
-         [](const P& p, double u, double v) {
-             const double d = 1 + p[3] * (u * u + v * v);
-             return glm::dvec2(p[0] * d * u + p[1], p[0] * d * v + p[2]);
-         }},
-        {3,
-         "RADIAL",
-         {90, 31, 22, 0.1, -0.05},
-         [](const P& p, double u, double v) {
-             const double r2 = u * u + v * v, d = 1 + p[3] * r2 + p[4] * r2 * r2;
-             return glm::dvec2(p[0] * d * u + p[1], p[0] * d * v + p[2]);
-         }},
-        {4,
-         "OPENCV",
-         {90, 95, 31, 22, 0.1, -0.05, 0.01, 0.02},
-         [](const P& p, double u, double v) {
-             const double r2 = u * u + v * v, d = 1 + p[4] * r2 + p[5] * r2 * r2;
-             const double x = d * u + 2 * p[6] * u * v + p[7] * (r2 + 2 * u * u);
-             const double y = d * v + 2 * p[7] * u * v + p[6] * (r2 + 2 * v * v);
-             return glm::dvec2(p[0] * x + p[2], p[1] * y + p[3]);
-         }},
-        {5,
-         "OPENCV_FISHEYE",
-         {90, 95, 31, 22, 0.1, -0.05, 0.02, -0.01},
-         [](const P& p, double u, double v) {
-             const glm::dvec3 b = bent(u, v);
-             const double t = b.z, d = 1 + p[4] * t + p[5] * t * t + p[6] * t * t * t + p[7] * t * t * t * t;
-             return glm::dvec2(p[0] * d * b.x + p[2], p[1] * d * b.y + p[3]);
-         }},
-        {6,
-         "FULL_OPENCV",
-         {90, 95, 31, 22, 0.1, -0.05, 0.01, 0.02, 0.03, 0.04, -0.02, 0.01},
-         [](const P& p, double u, double v) {
-             const double r2 = u * u + v * v, r4 = r2 * r2, r6 = r4 * r2;
-             const double d = (1 + p[4] * r2 + p[5] * r4 + p[8] * r6) / (1 + p[9] * r2 + p[10] * r4 + p[11] * r6);
-             const double x = d * u + 2 * p[6] * u * v + p[7] * (r2 + 2 * u * u);
-             const double y = d * v + 2 * p[7] * u * v + p[6] * (r2 + 2 * v * v);
-             return glm::dvec2(p[0] * x + p[2], p[1] * y + p[3]);
-         }},
-        {7,
-         "FOV",
-         {90, 95, 31, 22, 0.9},
-         [](const P& p, double u, double v) {
-             const double r = std::hypot(u, v), d = std::atan(2 * r * std::tan(p[4] / 2)) / (p[4] * r);
-             return glm::dvec2(p[0] * d * u + p[2], p[1] * d * v + p[3]);
-         }},
-        {8,
-         "SIMPLE_RADIAL_FISHEYE",
-         {90, 31, 22, 0.1},
-         [](const P& p, double u, double v) {
-             const glm::dvec3 b = bent(u, v);
-             const double d = 1 + p[3] * b.z;
-             return glm::dvec2(p[0] * d * b.x + p[1], p[0] * d * b.y + p[2]);
-         }},
-        {9,
-         "RADIAL_FISHEYE",
-         {90, 31, 22, 0.1, -0.05},
-         [](const P& p, double u, double v) {
-             const glm::dvec3 b = bent(u, v);
-             const double d = 1 + p[3] * b.z + p[4] * b.z * b.z;
-             return glm::dvec2(p[0] * d * b.x + p[1], p[0] * d * b.y + p[2]);
-         }},
-        {10,
-         "THIN_PRISM_FISHEYE",
-         {90, 95, 31, 22, 0.1, -0.05, 0.01, 0.02, 0.03, -0.01, 0.015, -0.02},
-         [](const P& p, double u, double v) {
-             const glm::dvec3 b = bent(u, v);
-             const double t = b.z, d = 1 + p[4] * t + p[5] * t * t + p[8] * t * t * t + p[9] * t * t * t * t;
-             const double x = d * b.x + 2 * p[6] * b.x * b.y + p[7] * (t + 2 * b.x * b.x) + p[10] * t;
-             const double y = d * b.y + 2 * p[7] * b.x * b.y + p[6] * (t + 2 * b.y * b.y) + p[11] * t;
-             return glm::dvec2(p[0] * x + p[2], p[1] * y + p[3]);
-         }},
-    };
-    return cases;
-}
+using P = std::vector<double>;
+const std::vector<ModelCase> kModelCases = {
+    {0,
+     "SIMPLE_PINHOLE",
+     {90, 31, 22},
+     [](const P& p, double u, double v) { return glm::dvec2(p[0] * u + p[1], p[0] * v + p[2]); }},
+    {1,
+     "PINHOLE",
+     {90, 95, 31, 22},
+     [](const P& p, double u, double v) { return glm::dvec2(p[0] * u + p[2], p[1] * v + p[3]); }},
+    {2,
+     "SIMPLE_RADIAL",
+     {90, 31, 22, 0.1},
+     [](const P& p, double u, double v) {
+         const double d = 1 + p[3] * (u * u + v * v);
+         return glm::dvec2(p[0] * d * u + p[1], p[0] * d * v + p[2]);
+     }},
+    {3,
+     "RADIAL",
+     {90, 31, 22, 0.1, -0.05},
+     [](const P& p, double u, double v) {
+         const double r2 = u * u + v * v, d = 1 + p[3] * r2 + p[4] * r2 * r2;
+         return glm::dvec2(p[0] * d * u + p[1], p[0] * d * v + p[2]);
+     }},
+    {4,
+     "OPENCV",
+     {90, 95, 31, 22, 0.1, -0.05, 0.01, 0.02},
+     [](const P& p, double u, double v) {
+         const double r2 = u * u + v * v, d = 1 + p[4] * r2 + p[5] * r2 * r2;
+         const double x = d * u + 2 * p[6] * u * v + p[7] * (r2 + 2 * u * u);
+         const double y = d * v + 2 * p[7] * u * v + p[6] * (r2 + 2 * v * v);
+         return glm::dvec2(p[0] * x + p[2], p[1] * y + p[3]);
+     }},
+    {5,
+     "OPENCV_FISHEYE",
+     {90, 95, 31, 22, 0.1, -0.05, 0.02, -0.01},
+     [](const P& p, double u, double v) {
+         const glm::dvec3 b = bent(u, v);
+         const double t = b.z, d = 1 + p[4] * t + p[5] * t * t + p[6] * t * t * t + p[7] * t * t * t * t;
+         return glm::dvec2(p[0] * d * b.x + p[2], p[1] * d * b.y + p[3]);
+     }},
+    {6,
+     "FULL_OPENCV",
+     {90, 95, 31, 22, 0.1, -0.05, 0.01, 0.02, 0.03, 0.04, -0.02, 0.01},
+     [](const P& p, double u, double v) {
+         const double r2 = u * u + v * v, r4 = r2 * r2, r6 = r4 * r2;
+         const double d = (1 + p[4] * r2 + p[5] * r4 + p[8] * r6) / (1 + p[9] * r2 + p[10] * r4 + p[11] * r6);
+         const double x = d * u + 2 * p[6] * u * v + p[7] * (r2 + 2 * u * u);
+         const double y = d * v + 2 * p[7] * u * v + p[6] * (r2 + 2 * v * v);
+         return glm::dvec2(p[0] * x + p[2], p[1] * y + p[3]);
+     }},
+    {7,
+     "FOV",
+     {90, 95, 31, 22, 0.9},
+     [](const P& p, double u, double v) {
+         const double r = std::hypot(u, v), d = std::atan(2 * r * std::tan(p[4] / 2)) / (p[4] * r);
+         return glm::dvec2(p[0] * d * u + p[2], p[1] * d * v + p[3]);
+     }},
+    {8,
+     "SIMPLE_RADIAL_FISHEYE",
+     {90, 31, 22, 0.1},
+     [](const P& p, double u, double v) {
+         const glm::dvec3 b = bent(u, v);
+         const double d = 1 + p[3] * b.z;
+         return glm::dvec2(p[0] * d * b.x + p[1], p[0] * d * b.y + p[2]);
+     }},
+    {9,
+     "RADIAL_FISHEYE",
+     {90, 31, 22, 0.1, -0.05},
+     [](const P& p, double u, double v) {
+         const glm::dvec3 b = bent(u, v);
+         const double d = 1 + p[3] * b.z + p[4] * b.z * b.z;
+         return glm::dvec2(p[0] * d * b.x + p[1], p[0] * d * b.y + p[2]);
+     }},
+    {10,
+     "THIN_PRISM_FISHEYE",
+     {90, 95, 31, 22, 0.1, -0.05, 0.01, 0.02, 0.03, -0.01, 0.015, -0.02},
+     [](const P& p, double u, double v) {
+         const glm::dvec3 b = bent(u, v);
+         const double t = b.z, d = 1 + p[4] * t + p[5] * t * t + p[8] * t * t * t + p[9] * t * t * t * t;
+         const double x = d * b.x + 2 * p[6] * b.x * b.y + p[7] * (t + 2 * b.x * b.x) + p[10] * t;
+         const double y = d * b.y + 2 * p[7] * b.x * b.y + p[6] * (t + 2 * b.y * b.y) + p[11] * t;
+         return glm::dvec2(p[0] * x + p[2], p[1] * y + p[3]);
+     }},
+};
 
 // The pose of camera i, which stands on a circle and is turned in some direction.
 std::array<double, 7> pose_of(int i) {
@@ -134,7 +131,7 @@ std::array<double, 7> pose_of(int i) {
 ColmapSample nine_cameras() {
     ColmapSample sample;
     for (int i = 0; i < 9; ++i) {
-        const ModelCase& model = model_cases()[static_cast<size_t>(i)];
+        const ModelCase& model = kModelCases[static_cast<size_t>(i)];
         sample.cameras.push_back({i + 1, model.id, model.name, 64, 48, model.parameters});
         sample.images.push_back({i + 1, pose_of(i), i + 1, fmt::format("cam{}.png", i)});
     }
@@ -164,7 +161,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, ColmapTest, testing::Bool(),
                          [](const auto& which) { return which.param ? "Binary" : "Text"; });
 
 TEST_P(ColmapTest, EveryModelPutsAPointWhereColmapDoes) {
-    for (const ModelCase& model : model_cases()) {
+    for (const ModelCase& model : kModelCases) {
         SCOPED_TRACE(model.name);
         sample.cameras = {{7, model.id, model.name, 64, 48, model.parameters}};
         sample.images = {{1, pose_of(1), 7, "a.png"}, {2, pose_of(2), 7, "b.png"}};

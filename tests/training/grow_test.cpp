@@ -34,7 +34,7 @@ float sigma_at(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
 }
 
 // A use in which every frame used every leaf. Opacity sensitivities equal the given maximum weights.
-training::LeafUse use_of(const voctree::VOctree& tree, std::vector<float> max_weight) {
+training::LeafUse use_of(const voctree::VOctree& tree, const std::vector<float>& max_weight) {
     return {max_weight, max_weight, std::vector<uint32_t>(size_t{(tree.frames + 31) / 32} * tree.leaf_count, ~0u)};
 }
 

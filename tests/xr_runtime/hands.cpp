@@ -10,10 +10,6 @@ namespace neuvv::xr_runtime {
 
 namespace {
 
-constexpr XrSpaceLocationFlags kAllFlags =
-    XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT |
-    XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
-
 struct Joint {
     XrVector3f at;  // of a right hand, relative to the grip pose: fingers along -Z, thumb towards -X
     float radius_m;

@@ -10,6 +10,9 @@
 namespace neuvv::xr_runtime {
 
 inline constexpr XrPosef kIdentityPose = {{0, 0, 0, 1}, {0, 0, 0}};
+inline constexpr XrSpaceLocationFlags kAllFlags =
+    XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT |
+    XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
 
 inline XrVector3f operator+(XrVector3f a, XrVector3f b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z};

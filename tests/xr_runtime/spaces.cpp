@@ -8,10 +8,6 @@ namespace neuvv::xr_runtime {
 
 namespace {
 
-constexpr XrSpaceLocationFlags kAllFlags =
-    XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT |
-    XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
-
 // The origin of a reference space at a time, after all recentrings before it.
 XrPosef origin_in_world(XrReferenceSpaceType type, XrTime time) {
     XrPosef origin = kIdentityPose;

@@ -17,7 +17,7 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr double kInitialRange_m = 10;
-constexpr const char* kKinds[] = {"sun", "lamp", "spotlight"};  // by GltfLightKind
+constexpr const char* kLightKinds[] = {"sun", "lamp", "spotlight"};  // by GltfLightKind
 
 void drag(Context& context, uint32_t node, const edit::LightEdit& edit) {
     context.editor.drag([=](edit::Document& document) { return edit::set_light(document.file, node, edit); });
@@ -83,7 +83,7 @@ void list_of_lights(Context& context, const StageTree& tree) {
 
 void kind_field(Context& context, FieldGroup& group, uint32_t node, const edit::LightValues& light) {
     auto kind = static_cast<size_t>(light.kind);
-    if (!group.choice("kind", kind, kKinds)) return;
+    if (!group.choice("kind", kind, kLightKinds)) return;
     const auto new_kind = static_cast<stage::GltfLightKind>(kind);
     edit::LightEdit edit;
     edit.kind = edit::kLightKindNames[kind];

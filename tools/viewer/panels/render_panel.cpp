@@ -20,7 +20,7 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr const char* kSamples[] = {"1 ray a pixel", "4 rays", "9 rays", "16 rays"};
-constexpr const char* kKinds[] = {"video", "images", "one image"};
+constexpr const char* kRenderKinds[] = {"video", "images", "one image"};
 constexpr const char* kRanges[] = {"whole stage", "loop range"};
 constexpr const char* kEndings[] = {".mp4", "_%04d.png", ".png"};
 
@@ -135,7 +135,7 @@ void camera_field(Context& context, FieldGroup& fields, ExportChoice& choice) {
 
 void export_fields(Context& context, ExportChoice& choice, Files& files, Exporter& exporter) {
     FieldGroup fields(context, "export");
-    fields.choice("Kind", choice.kind, kKinds);
+    fields.choice("Kind", choice.kind, kRenderKinds);
     size_fields(context, fields, choice);
     camera_field(context, fields, choice);
     if (choice.kind != 2) {

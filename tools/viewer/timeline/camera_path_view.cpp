@@ -15,7 +15,7 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr float kFrustum_px = 26;  // height of a frustum, at scale 1
-constexpr unsigned kPathColour = 0xc0e8a33d, kKeyColour = 0xffd8d2cb;
+constexpr unsigned kFlightColour = 0xc0e8a33d, kFrustumColour = 0xffd8d2cb;
 
 // The frustum of a camera (whose image has height 2), of the same size in the image wherever the camera is.
 void draw_frustum(const Context& context, const stage::Camera& camera, unsigned colour, float width) {
@@ -66,9 +66,9 @@ void draw_camera_path(const Context& context, const stage::CameraPath& path, con
     const Area& area = context.frame.image_area;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({area.left, area.top}, {area.left + area.width, area.top + area.height});
-    for (size_t i = 0; i + 1 < line.size(); i++) draw_line(context, line[i], line[i + 1], kPathColour, 2);
+    for (size_t i = 0; i + 1 < line.size(); i++) draw_line(context, line[i], line[i + 1], kFlightColour, 2);
     for (const stage::CameraPathKey& key : path.keys)
-        draw_frustum(context, stage::camera_at(path, key.time_s, 2, 2), kKeyColour, 1);
+        draw_frustum(context, stage::camera_at(path, key.time_s, 2, 2), kFrustumColour, 1);
     draw_frustum(context, stage::camera_at(path, context.view.clock.displayed_s(), 2, 2), ui::kAccent, 2);
     list.PopClipRect();
 }

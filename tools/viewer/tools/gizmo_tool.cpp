@@ -20,7 +20,7 @@ constexpr float kGizmo_px = 90;  // at scale 1
 
 // The gizmo of the selected node; nullopt: the current mode belongs to another tool, or no node that can be moved is
 // selected.
-std::optional<Gizmo> gizmo_in(const Context& context) {
+std::optional<Gizmo> node_gizmo_in(const Context& context) {
     const auto mode = std::find_if(std::begin(kModes), std::end(kModes),
                                    [&](const ToolMode& each) { return context.view.mode == &each; });
     const stage::Stage* stage = context.stage_of_document();
@@ -56,7 +56,7 @@ class GizmoTool : public HandleTool<Gizmo, GizmoHandle> {
     std::span<const ToolMode> modes() const override { return kModes; }
 
   protected:
-    std::optional<Gizmo> gizmo_of_selected(const Context& context) const override { return gizmo_in(context); }
+    std::optional<Gizmo> gizmo_of_selected(const Context& context) const override { return node_gizmo_in(context); }
     std::vector<HandleShape> shapes_of(const Gizmo& gizmo) const override { return gizmo_shapes(gizmo); }
     GizmoHandle handle_at(const Gizmo& gizmo, glm::dvec2 pointer) const override {
         return gizmo_handle_at(gizmo, pointer);

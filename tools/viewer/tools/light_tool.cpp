@@ -14,7 +14,7 @@ constexpr double kAimDistance_m = 3;  // distance of the aim of a light that shi
 
 // The gizmo of the selected light; nullopt: none is selected, or painting is the current mode. The aim is as far away
 // as the middle of the performers.
-std::optional<LightGizmo> gizmo_in(const Context& context) {
+std::optional<LightGizmo> light_gizmo_in(const Context& context) {
     const std::optional<uint32_t> node = context.editor.selected();
     const stage::Stage* stage = context.stage_of_document();
     if (!node || !stage || PaintTool::is_current(context) || edit::is_locked(context.editor.file(), *node))
@@ -30,7 +30,9 @@ std::optional<LightGizmo> gizmo_in(const Context& context) {
 
 class LightTool : public HandleTool<LightGizmo, LightHandle> {
   protected:
-    std::optional<LightGizmo> gizmo_of_selected(const Context& context) const override { return gizmo_in(context); }
+    std::optional<LightGizmo> gizmo_of_selected(const Context& context) const override {
+        return light_gizmo_in(context);
+    }
     std::vector<HandleShape> shapes_of(const LightGizmo& gizmo) const override { return light_shapes(gizmo); }
     LightHandle handle_at(const LightGizmo& gizmo, glm::dvec2 pointer) const override {
         return light_handle_at(gizmo, pointer);
