@@ -1,0 +1,54 @@
+#include "motion/model_motion.h"
+
+#include <algorithm>
+
+#include "motion/humanoid.h"
+#include "stage/pose.h"
+
+namespace neuvv::motion {
+
+namespace {
+
+// Which joint of a skin moves a vertex most.
+uint32_t main_joint(const stage::GltfPrimitive& primitive, size_t vertex) {
+    const glm::vec4& weights = primitive.weights[vertex];
+    int most = 0;
+    for (int i = 1; i < 4; ++i)
+        if (weights[i] > weights[most]) most = i;
+    return primitive.joints[vertex][most];
+}
+
+// Puts the bones of a skin into their bind pose, each with the vertices that follow it.
+void bind_skin(const stage::GltfSkin& skin, const stage::GltfMesh& mesh, std::vector<RestBone>& bones) {
+    for (size_t j = 0; j < skin.joints.size(); ++j)
+        if (std::abs(glm::determinant(skin.inverse_binds[j])) > 1e-12)
+            bones[skin.joints[j]].world_from_bone = glm::inverse(skin.inverse_binds[j]);
+    for (const stage::GltfPrimitive& primitive : mesh.primitives)
+        for (size_t v = 0; v < primitive.joints.size(); ++v)
+            bones[skin.joints[main_joint(primitive, v)]].skin.emplace_back(primitive.positions[v]);
+}
+
+// The nodes as bones: in the bind pose where a skin has them, else where the file puts them.
+std::vector<RestBone> rest_bones(const stage::GltfScene& scene) {
+    const stage::PosedScene rest = stage::pose_scene(scene, stage::kNoAnimation, 0);
+    std::vector<RestBone> bones(scene.nodes.size());
+    for (size_t n = 0; n < bones.size(); ++n) bones[n] = {scene.nodes[n].name, rest.world_from_node[n], {}};
+    for (const stage::GltfNode& node : scene.nodes)
+        if (node.draws_mesh() && node.skin >= 0)
+            bind_skin(scene.skins[static_cast<size_t>(node.skin)], scene.meshes[static_cast<size_t>(node.mesh)], bones);
+    return bones;
+}
+
+}  // namespace
+
+SkeletonClip model_motion(const stage::GltfScene& scene, int32_t animation, const std::vector<double>& times_s,
+                          double fps) {
+    const JointSources sources = joint_sources(rest_bones(scene), scene.file);
+    SkeletonClip clip;
+    clip.fps = fps;
+    for (const double time : times_s)
+        clip.frames.push_back(pose_of(sources, stage::pose_scene(scene, animation, time).world_from_node));
+    return clip;
+}
+
+}  // namespace neuvv::motion

@@ -1,0 +1,37 @@
+#include "motion/skeleton.h"
+
+#include <algorithm>
+
+namespace neuvv::motion {
+
+std::array<double, kJoints> bone_lengths(const SkeletonClip& clip) {
+    std::array<double, kJoints> lengths{};
+    std::vector<double> seen;
+    for (size_t j = 1; j < kJoints; ++j) {
+        const Joint parent = info_of(joint_at(j)).parent;
+        seen.clear();
+        for (const Pose& pose : clip.frames)
+            if (pose[j].confidence > 0 && at(pose, parent).confidence > 0)
+                seen.push_back(glm::distance(pose[j].position, at(pose, parent).position));
+        if (seen.empty()) continue;
+        const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
+        std::nth_element(seen.begin(), middle, seen.end());
+        lengths[j] = *middle;
+    }
+    return lengths;
+}
+
+double body_height(const std::array<double, kJoints>& bones) {
+    const auto leg = [&](Joint knee, Joint ankle, Joint heel) {
+        return bones[index_of(knee)] * bones[index_of(ankle)] > 0
+                   ? bones[index_of(knee)] + bones[index_of(ankle)] + bones[index_of(heel)]
+                   : 0;
+    };
+    const double legs = std::max(leg(Joint::kLeftKnee, Joint::kLeftAnkle, Joint::kLeftHeel),
+                                 leg(Joint::kRightKnee, Joint::kRightAnkle, Joint::kRightHeel));
+    const double trunk = bones[index_of(Joint::kNeck)];
+    // The neck to the top of the head is about 0.6 of the trunk.
+    return legs > 0 && trunk > 0 ? legs + 1.6 * trunk : 0;
+}
+
+}  // namespace neuvv::motion

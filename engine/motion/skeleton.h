@@ -1,0 +1,40 @@
+// The motion of a body: where its joints are in each frame of a clip.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "motion/joints.h"
+
+namespace neuvv::motion {
+
+struct JointSample {
+    glm::dvec3 position{0};  // metres, in the space of the volumetric video or of the file that was read; +Y is up
+    double confidence = 0;   // 0..1; 0: nothing is known of this joint, and the position means nothing
+    bool measured = false;   // false: derived from other joints or guessed, so it is not scored
+};
+
+using Pose = std::array<JointSample, kJoints>;
+
+inline JointSample& at(Pose& pose, Joint joint) {
+    return pose[index_of(joint)];
+}
+inline const JointSample& at(const Pose& pose, Joint joint) {
+    return pose[index_of(joint)];
+}
+
+struct SkeletonClip {
+    double fps = 25;
+    std::vector<Pose> frames;  // never empty in a clip that a function of this module returned
+};
+
+// The median over the frames of the distance from each joint to its parent, metres; 0 for the pelvis and for bones that
+// no frame has.
+std::array<double, kJoints> bone_lengths(const SkeletonClip& clip);
+
+// How tall the body stands, metres: leg, trunk, and what lies above the neck as a share of the trunk. It is what
+// errors are given relative to. 0 where no leg or no trunk is known.
+double body_height(const std::array<double, kJoints>& bones);
+
+}  // namespace neuvv::motion

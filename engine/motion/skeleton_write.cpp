@@ -1,0 +1,307 @@
+// Writing a skeleton as a .glb.
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/quaternion.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/platform.h"
+#include "motion/skeleton_file.h"
+
+namespace neuvv::motion {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+constexpr int kFloat = 5126, kUnsignedShort = 5123;
+
+// Positions of all joints in all frames. A joint that a frame does not know stays where it was, and until it is known
+// for the first time it is where it will be then; one that is never known is at its parent.
+std::vector<std::array<glm::dvec3, kJoints>> filled_positions(const SkeletonClip& clip) {
+    std::vector<std::array<glm::dvec3, kJoints>> filled(clip.frames.size());
+    for (size_t j = 0; j < kJoints; ++j) {
+        const size_t parent = index_of(info_of(joint_at(j)).parent);
+        size_t first = 0;
+        while (first < clip.frames.size() && clip.frames[first][j].confidence <= 0) ++first;
+        for (size_t f = 0; f < clip.frames.size(); ++f) {
+            const JointSample& sample = clip.frames[std::max(f, std::min(first, clip.frames.size() - 1))][j];
+            if (first == clip.frames.size())
+                filled[f][j] = parent == j ? glm::dvec3(0) : filled[f][parent];
+            else
+                filled[f][j] = sample.confidence > 0 ? sample.position : filled[f - 1][j];
+        }
+    }
+    return filled;
+}
+
+// The joint to which a joint's bone leads, or the joint itself at the end of a limb.
+Joint next_of(Joint joint) {
+    using enum Joint;
+    switch (joint) {
+        case kRightShoulder:
+            return kRightElbow;
+        case kRightElbow:
+            return kRightWrist;
+        case kLeftShoulder:
+            return kLeftElbow;
+        case kLeftElbow:
+            return kLeftWrist;
+        case kRightHip:
+            return kRightKnee;
+        case kRightKnee:
+            return kRightAnkle;
+        case kRightAnkle:
+            return kRightBigToe;
+        case kLeftHip:
+            return kLeftKnee;
+        case kLeftKnee:
+            return kLeftAnkle;
+        case kLeftAnkle:
+            return kLeftBigToe;
+        default:
+            return joint;
+    }
+}
+
+// The axes of a body's part from a direction across it and one along it; identity where they are parallel.
+glm::dquat axes_of(glm::dvec3 across, glm::dvec3 along) {
+    const glm::dvec3 forward = glm::cross(across, along);
+    if (!(glm::length(forward) > 1e-9)) return {1, 0, 0, 0};
+    const glm::dvec3 z = glm::normalize(forward), y = glm::normalize(along);
+    return glm::quat_cast(glm::dmat3(glm::cross(y, z), y, z));
+}
+
+// The least rotation from one direction to another.
+glm::dquat swing(glm::dvec3 from, glm::dvec3 to) {
+    if (!(glm::length(from) > 1e-9 && glm::length(to) > 1e-9)) return {1, 0, 0, 0};
+    from = glm::normalize(from);
+    to = glm::normalize(to);
+    const double cosine = glm::dot(from, to);
+    if (cosine > 1 - 1e-12) return {1, 0, 0, 0};
+    if (cosine < -1 + 1e-9) {
+        const glm::dvec3 side = std::abs(from.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+        return glm::angleAxis(3.14159265358979323846, glm::normalize(glm::cross(from, side)));
+    }
+    return glm::normalize(glm::dquat(1 + cosine, glm::cross(from, to)));
+}
+
+using Positions = std::array<glm::dvec3, kJoints>;
+
+// World rotations of the joints relative to the rest pose. Joints give no twist of a limb about itself, so a limb
+// follows its parent but for the least swing that its direction asks for.
+std::array<glm::dquat, kJoints> rotations_of(const Positions& rest, const Positions& now) {
+    const auto bone = [](const Positions& p, Joint from, Joint to) { return p[index_of(to)] - p[index_of(from)]; };
+    const auto trunk = [&](const Positions& p, Joint right, Joint left) {
+        return axes_of(bone(p, right, left), bone(p, Joint::kPelvis, Joint::kNeck));
+    };
+    std::array<glm::dquat, kJoints> world;
+    for (size_t j = 0; j < kJoints; ++j) {
+        const Joint joint = joint_at(j), next = next_of(joint);
+        const glm::dquat parent = j == 0 ? glm::dquat(1, 0, 0, 0) : world[index_of(info_of(joint).parent)];
+        if (joint == Joint::kPelvis)
+            world[j] = trunk(now, Joint::kRightHip, Joint::kLeftHip) *
+                       glm::conjugate(trunk(rest, Joint::kRightHip, Joint::kLeftHip));
+        else if (joint == Joint::kNeck)
+            world[j] = trunk(now, Joint::kRightShoulder, Joint::kLeftShoulder) *
+                       glm::conjugate(trunk(rest, Joint::kRightShoulder, Joint::kLeftShoulder));
+        else
+            world[j] =
+                next == joint ? parent : swing(parent * bone(rest, joint, next), bone(now, joint, next)) * parent;
+    }
+    return world;
+}
+
+// Collects the binary chunk, with an accessor for each array.
+struct GlbWriter {
+    std::vector<uint8_t> bytes;
+    ordered_json views = ordered_json::array(), accessors = ordered_json::array();
+
+    template <typename T>
+    size_t add(const std::vector<T>& values, const char* type, int components, int component_type) {
+        const size_t begin = bytes.size(), size = values.size() * sizeof(T);
+        bytes.resize(begin + size);
+        std::memcpy(bytes.data() + begin, values.data(), size);
+        bytes.resize((bytes.size() + 3) / 4 * 4);
+        views.push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", size}});
+        accessors.push_back({{"bufferView", views.size() - 1},
+                             {"componentType", component_type},
+                             {"count", values.size() / static_cast<size_t>(components)},
+                             {"type", type}});
+        return accessors.size() - 1;
+    }
+    size_t add_vectors(const std::vector<glm::vec3>& values) {
+        std::vector<float> numbers;
+        for (const glm::vec3& v : values) numbers.insert(numbers.end(), {v.x, v.y, v.z});
+        const size_t index = add(numbers, "VEC3", 3, kFloat);
+        return index;
+    }
+    // glTF asks for the bounds of positions and of key times.
+    void set_bounds(size_t accessor, const std::vector<float>& low, const std::vector<float>& high) {
+        accessors[accessor]["min"] = low;
+        accessors[accessor]["max"] = high;
+    }
+};
+
+std::vector<float> list_of(const glm::vec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+// An octahedron for each bone, thick near its parent. All of it follows the parent's joint but for the tip.
+ordered_json bone_mesh(GlbWriter& glb, const Positions& rest) {
+    std::vector<glm::vec3> positions;
+    std::vector<uint16_t> joints, indices;
+    std::vector<float> weights;
+    for (size_t j = 1; j < kJoints; ++j) {
+        const auto parent = static_cast<uint16_t>(index_of(info_of(joint_at(j)).parent));
+        const glm::dvec3 from = rest[parent], to = rest[j], along = to - from;
+        const glm::dvec3 other =
+            std::abs(along.x) > 0.9 * glm::length(along) ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+        const glm::dvec3 side = glm::length(along) > 1e-9 ? glm::normalize(glm::cross(along, other)) : glm::dvec3(0);
+        const glm::dvec3 third = glm::length(along) > 1e-9 ? glm::cross(glm::normalize(along), side) : glm::dvec3(0);
+        const double thick = 0.1 * glm::length(along);
+        const auto base = static_cast<uint16_t>(positions.size());
+        positions.emplace_back(from);
+        for (const glm::dvec3& around : {side, third, -side, -third})
+            positions.emplace_back(from + 0.2 * along + thick * around);
+        positions.emplace_back(to);
+        for (uint16_t v = 0; v < 6; ++v) {
+            joints.insert(joints.end(), {v == 5 ? static_cast<uint16_t>(j) : parent, 0, 0, 0});
+            weights.insert(weights.end(), {1, 0, 0, 0});
+        }
+        for (uint16_t k = 0; k < 4; ++k) {
+            const auto a = static_cast<uint16_t>(base + 1 + k), b = static_cast<uint16_t>(base + 1 + (k + 1) % 4);
+            indices.insert(indices.end(), {base, b, a, static_cast<uint16_t>(base + 5), a, b});
+        }
+    }
+    glm::vec3 low = positions[0], high = positions[0];
+    for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+    const size_t position = glb.add_vectors(positions);
+    glb.set_bounds(position, list_of(low), list_of(high));
+    const size_t joint = glb.add(joints, "VEC4", 4, kUnsignedShort), weight = glb.add(weights, "VEC4", 4, kFloat);
+    return {{"name", "bones"},
+            {"primitives",
+             {{{"attributes", {{"POSITION", position}, {"JOINTS_0", joint}, {"WEIGHTS_0", weight}}},
+               {"indices", glb.add(indices, "SCALAR", 1, kUnsignedShort)},
+               {"material", 0}}}}};
+}
+
+// A node for each joint, and one for the mesh.
+ordered_json nodes_of(const Positions& rest) {
+    ordered_json nodes = ordered_json::array();
+    for (size_t j = 0; j < kJoints; ++j) {
+        const size_t parent = index_of(info_of(joint_at(j)).parent);
+        const glm::vec3 place = j == 0 ? rest[0] : rest[j] - rest[parent];
+        nodes.push_back({{"name", info_of(joint_at(j)).name}, {"translation", list_of(place)}});
+        if (j > 0) nodes[parent]["children"].push_back(j);
+    }
+    nodes.push_back({{"name", "bones"}, {"mesh", 0}, {"skin", 0}});
+    return nodes;
+}
+
+ordered_json skin_of(GlbWriter& glb, const Positions& rest) {
+    std::vector<float> inverse_binds;
+    ordered_json joints = ordered_json::array();
+    for (size_t j = 0; j < kJoints; ++j) {
+        const glm::vec3 p = -rest[j];
+        inverse_binds.insert(inverse_binds.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, p.x, p.y, p.z, 1});
+        joints.push_back(j);
+    }
+    return {{"joints", joints}, {"skeleton", 0}, {"inverseBindMatrices", glb.add(inverse_binds, "MAT4", 16, kFloat)}};
+}
+
+ordered_json animation_of(GlbWriter& glb, const std::vector<Positions>& frames, double fps) {
+    std::vector<float> times;
+    std::array<std::vector<glm::vec3>, kJoints> places;
+    std::array<std::vector<float>, kJoints> turns;
+    for (size_t f = 0; f < frames.size(); ++f) {
+        times.push_back(static_cast<float>(static_cast<double>(f) / fps));
+        const auto world = rotations_of(frames[0], frames[f]);
+        for (size_t j = 0; j < kJoints; ++j) {
+            const size_t parent = index_of(info_of(joint_at(j)).parent);
+            const glm::dquat back = j == 0 ? glm::dquat(1, 0, 0, 0) : glm::conjugate(world[parent]);
+            places[j].emplace_back(j == 0 ? frames[f][0] : back * (frames[f][j] - frames[f][parent]));
+            const glm::quat turn(glm::normalize(back * world[j]));
+            turns[j].insert(turns[j].end(), {turn.x, turn.y, turn.z, turn.w});
+        }
+    }
+    const size_t time = glb.add(times, "SCALAR", 1, kFloat);
+    glb.set_bounds(time, {times.front()}, {times.back()});
+    ordered_json samplers = ordered_json::array(), channels = ordered_json::array();
+    const auto channel = [&](size_t node, const char* path, size_t values) {
+        samplers.push_back({{"input", time}, {"output", values}});
+        channels.push_back({{"sampler", samplers.size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+    };
+    for (size_t j = 0; j < kJoints; ++j) {
+        channel(j, "translation", glb.add_vectors(places[j]));
+        channel(j, "rotation", glb.add(turns[j], "VEC4", 4, kFloat));
+    }
+    return {{"name", "motion"}, {"samplers", samplers}, {"channels", channels}};
+}
+
+ordered_json extension_of(const SkeletonClip& clip) {
+    ordered_json confidence = ordered_json::array(), measured = ordered_json::array();
+    for (const Pose& pose : clip.frames) {
+        ordered_json percents = ordered_json::array();
+        uint32_t mask = 0;
+        for (size_t j = 0; j < kJoints; ++j) {
+            // What is known at all stays known.
+            const double percent = 100 * std::min(pose[j].confidence, 1.0);
+            percents.push_back(percent > 0 ? std::max(1L, std::lround(percent)) : 0L);
+            mask |= static_cast<uint32_t>(pose[j].measured) << j;
+        }
+        confidence.push_back(std::move(percents));
+        measured.push_back(mask);
+    }
+    return {{"version", 1}, {"fps", clip.fps}, {"measured", measured}, {"confidence", confidence}};
+}
+
+void append_word(std::vector<uint8_t>& bytes, size_t word) {
+    for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<uint8_t>(word >> shift));
+}
+
+}  // namespace
+
+void write_skeleton(const std::filesystem::path& file, const SkeletonClip& clip) {
+    assert(!clip.frames.empty());
+    const std::vector<Positions> frames = filled_positions(clip);
+    GlbWriter glb;
+    ordered_json root = {{"asset", {{"version", "2.0"}, {"generator", "NeuVV"}}},
+                         {"scene", 0},
+                         {"scenes", {{{"nodes", {0, kJoints}}}}},
+                         {"nodes", nodes_of(frames[0])}};
+    root["meshes"] = {bone_mesh(glb, frames[0])};
+    root["materials"] = {
+        {{"name", "bone"},
+         {"pbrMetallicRoughness", {{"baseColorFactor", {0.85, 0.85, 0.8, 1}}, {"metallicFactor", 0}}}}};
+    root["skins"] = {skin_of(glb, frames[0])};
+    root["animations"] = {animation_of(glb, frames, clip.fps)};
+    root["bufferViews"] = std::move(glb.views);
+    root["accessors"] = std::move(glb.accessors);
+    root["buffers"] = {{{"byteLength", glb.bytes.size()}}};
+    root["extensionsUsed"] = {kSkeletonExtension};
+    root["extensions"] = {{kSkeletonExtension, extension_of(clip)}};
+
+    std::string json = root.dump();
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    std::vector<uint8_t> head;
+    append_word(head, kGlbMagic);
+    append_word(head, 2);
+    append_word(head, 12 + 8 + json.size() + 8 + glb.bytes.size());
+    append_word(head, json.size());
+    append_word(head, kJsonChunk);
+    std::vector<uint8_t> middle;
+    append_word(middle, glb.bytes.size());
+    append_word(middle, kBinaryChunk);
+    write_file_atomically(file, [&](const ByteSink& sink) {
+        sink(head.data(), head.size());
+        sink(json.data(), json.size());
+        sink(middle.data(), middle.size());
+        sink(glb.bytes.data(), glb.bytes.size());
+    });
+}
+
+}  // namespace neuvv::motion
