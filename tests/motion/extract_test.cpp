@@ -1,0 +1,105 @@
+// Skeletons from key points: the truth is a model's own motion, the key points are its joints as detectors see them.
+#include "motion/extract.h"
+
+#include <gtest/gtest.h>
+
+#include "motion/detector.h"
+#include "motion/triangulate.h"
+#include "support/input_error.h"
+#include "support/near.h"
+
+namespace neuvv {
+namespace {
+
+constexpr size_t kViews = 14;
+
+// The bar is 2 % of the height; what the fit reaches is asked for, so that it does not get worse unseen.
+constexpr double kMeanError = 0.006;
+
+const motion::SkeletonClip& truth() {
+    static const motion::SkeletonClip clip = test::performer_motion(75);
+    return clip;
+}
+
+motion::Extraction extract(const motion::Detections& seen, bool bundle = true) {
+    return motion::extract_skeleton(seen, {bundle});
+}
+
+TEST(Triangulate, FindsThePointThatViewsAgreeOn) {
+    const auto cameras = test::cameras_around(truth(), 6);
+    const glm::dvec3 point(0.2, 1.1, -0.1);
+    std::vector<motion::KeyPoint> seen;
+    for (const stage::Camera& camera : cameras) seen.push_back({*motion::project(camera, point), 1});
+    seen[1].pixel += glm::dvec2(60, -20);
+    seen[4].confidence = 0;
+    const auto found = motion::triangulate(cameras, seen, 0.03);
+    ASSERT_TRUE(found);
+    test::expect_near(found->position, point, 1e-9);
+    EXPECT_EQ(found->views, 4u);
+    EXPECT_EQ(found->agrees, (std::vector<bool>{true, false, true, true, false, true}));
+}
+
+TEST(Triangulate, NeedsTwoViewsThatAgree) {
+    const auto cameras = test::cameras_around(truth(), 3);
+    std::vector<motion::KeyPoint> seen(3);
+    EXPECT_FALSE(motion::triangulate(cameras, seen, 0.03));
+    seen[0] = {*motion::project(cameras[0], glm::dvec3(0, 1, 0)), 1};
+    EXPECT_FALSE(motion::triangulate(cameras, seen, 0.03));
+    seen[1] = {*motion::project(cameras[1], glm::dvec3(0, 1.3, 0)), 1};
+    EXPECT_FALSE(motion::triangulate(cameras, seen, 0.03));
+    seen[1] = {*motion::project(cameras[1], glm::dvec3(0, 1, 0)), 1};
+    EXPECT_TRUE(motion::triangulate(cameras, seen, 0.03));
+}
+
+TEST(Extract, CleanKeyPointsGiveTheMotionBack) {
+    const auto seen = test::detect(truth(), test::cameras_around(truth(), kViews), {0, 0, 0, 0}, 1);
+    const motion::Extraction found = extract(seen, false);
+    EXPECT_LT(test::error_of(found.clip, truth()).worst_joint, 1e-6);
+    EXPECT_EQ(found.quality.swapped, 0u);
+    EXPECT_EQ(found.quality.outliers, 0u);
+    // The fit bends the motion by what it assumes of bones and accelerations.
+    EXPECT_LT(test::error_of(extract(seen).clip, truth()).worst_joint, 0.002);
+}
+
+TEST(Extract, SurvivesADetectorsErrors) {
+    for (const uint32_t seed : {1u, 2u, 3u}) {
+        const auto seen = test::detect(truth(), test::cameras_around(truth(), kViews), {}, seed);
+        const motion::Extraction fitted = extract(seen), each = extract(seen, false);
+        const test::ClipError with = test::error_of(fitted.clip, truth()), without = test::error_of(each.clip, truth());
+        std::printf(
+            "seed %u: mean error %.2f %% of the height (worst joint %.2f %%), without the fit %.2f %% (%.2f %%)\n",
+            seed, 100 * with.mean, 100 * with.worst_joint, 100 * without.mean, 100 * without.worst_joint);
+        EXPECT_LT(with.mean, kMeanError);
+        EXPECT_LT(with.mean, without.mean);
+        EXPECT_EQ(with.swapped_frames, 0u);
+        EXPECT_NEAR(fitted.quality.height_m, test::height_of(truth()), 0.03 * test::height_of(truth()));
+        // 5 % of the arms and legs of 75 frames in 14 views are about 105.
+        EXPECT_GT(fitted.quality.swapped, 60u);
+        EXPECT_LT(fitted.quality.swapped, 150u);
+    }
+}
+
+TEST(Extract, WhatNoViewShowsIsGuessedAndSaidToBe) {
+    auto seen = test::detect(truth(), test::cameras_around(truth(), kViews), {0.002, 0, 0, 0}, 1);
+    const size_t wrist = motion::index_of(motion::Joint::kLeftWrist);
+    for (size_t f = 30; f < 34; ++f)
+        for (size_t c = 0; c < kViews; ++c) seen.in(f, c)[wrist].confidence = 0;
+    const motion::Extraction found = extract(seen);
+    EXPECT_NEAR(found.quality.known[wrist], 71.0 / 75, 1e-9);
+    for (size_t f = 0; f < 75; ++f) {
+        const bool hidden = f >= 30 && f < 34;
+        EXPECT_EQ(found.clip.frames[f][wrist].measured, !hidden) << f;
+        const double off = glm::distance(found.clip.frames[f][wrist].position, truth().frames[f][wrist].position);
+        EXPECT_LT(off, hidden ? 0.15 : 0.02) << f;
+    }
+}
+
+TEST(Extract, RefusesKeyPointsWithoutABody) {
+    auto seen = test::detect(truth(), test::cameras_around(truth(), kViews), {}, 1);
+    for (motion::KeyPoints& points : seen.points)
+        for (motion::KeyPoint& point : points) point.confidence = 0;
+    expect_input_error([&] { extract(seen); }, {"no frame shows a leg and a trunk"});
+}
+
+}  // namespace
+}  // namespace neuvv

@@ -1,0 +1,224 @@
+// Skeletons and key points that other programs wrote.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "motion/detector.h"
+#include "motion/skeleton_file.h"
+#include "support/input_error.h"
+#include "support/near.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv {
+namespace {
+
+using motion::Joint;
+
+// A body of CMU's names in centimetres; frame 0 at rest, frame 1 moved, turned by 90° about +Y, the left forearm up.
+constexpr const char* kBvh = R"(HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 100 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT LeftUpLeg
+  { OFFSET 10 0 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT LeftLeg { OFFSET 0 -45 0 CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT LeftFoot { OFFSET 0 -45 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 -5 12 } } } }
+  JOINT RightUpLeg
+  { OFFSET -10 0 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT RightLeg { OFFSET 0 -45 0 CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT RightFoot { OFFSET 0 -45 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 -5 12 } } } }
+  JOINT Spine
+  { OFFSET 0 45 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT Head { OFFSET 0 15 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 15 0 } }
+    JOINT LeftArm { OFFSET 20 0 0 CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT LeftForeArm { OFFSET 28 0 0 CHANNELS 3 Zrotation Xrotation Yrotation
+        JOINT LeftHand { OFFSET 25 0 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 8 0 0 } } } }
+    JOINT RightArm { OFFSET -20 0 0 CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT RightForeArm { OFFSET -28 0 0 CHANNELS 3 Zrotation Xrotation Yrotation
+        JOINT RightHand { OFFSET -25 0 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET -8 0 0 } } } } }
+}
+MOTION
+Frames: 2
+Frame Time: 0.0333333
+)";
+constexpr size_t kBvhChannels = 6 + 3 * 14;
+constexpr size_t kLeftForearmChannel = 6 + 3 * 9;
+
+std::string bvh_frame(double x, double turn_y, double forearm_z) {
+    std::string line;
+    for (size_t i = 0; i < kBvhChannels; ++i)
+        line += fmt::format("{} ", i == 0                     ? x
+                                   : i == 1                   ? 100
+                                   : i == 5                   ? turn_y
+                                   : i == kLeftForearmChannel ? forearm_z
+                                                              : 0.0);
+    return line + "\r\n";
+}
+
+TEST(Bvh, GivesMetresAndFollowsItsChannels) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "take.BVH";
+    write_text(path, kBvh + bvh_frame(0, 0, 0) + bvh_frame(50, 90, 90));
+    const motion::SkeletonClip clip = motion::read_skeleton(path);
+    ASSERT_EQ(clip.frames.size(), 2u);
+    EXPECT_DOUBLE_EQ(clip.fps, 30);
+    test::expect_near(motion::at(clip.frames[0], Joint::kPelvis).position, {0, 1, 0});
+    test::expect_near(motion::at(clip.frames[0], Joint::kLeftWrist).position, {0.73, 1.45, 0});
+    EXPECT_GT(motion::at(clip.frames[0], Joint::kRightBigToe).position.z, 0.1);
+    // Turned by 90° about +Y, left (+X) is −Z; the forearm, turned about its own Z, points up.
+    test::expect_near(motion::at(clip.frames[1], Joint::kLeftElbow).position, {0.5, 1.45, -0.48});
+    test::expect_near(motion::at(clip.frames[1], Joint::kLeftWrist).position, {0.5, 1.70, -0.48});
+    test::expect_near(motion::at(clip.frames[1], Joint::kRightKnee).position, {0.5, 0.55, 0.1});
+}
+
+TEST(Bvh, RefusesWhatIsNotWhole) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "take.bvh";
+    const auto refuses = [&](const std::string& text, std::initializer_list<std::string> parts) {
+        write_text(path, text);
+        expect_input_error([&] { motion::read_skeleton(path); }, parts);
+    };
+    const std::string head = kBvh;
+    refuses(head + bvh_frame(0, 0, 0), {"take.bvh", "line", "ends too early"});
+    refuses(head + bvh_frame(0, 0, 0) + "0 nan 0", {"take.bvh", "line 31", "nan"});
+    refuses("HIERARCHY\nROOT a { OFFSET 0 0 0 CHANNELS 0 } MOTION Frames: 1 Frame Time: 1\n", {"take.bvh", "no bones"});
+    refuses("HIERARCHY\nROOT a { OFFSET 0 0 0 CHANNELS 7", {"take.bvh", "line 2", "\"7\""});
+    refuses("HIERARCHY\nROOT a { OFFSET 0 0 0 CHANNELS 1 Wposition", {"Wposition", "no channel"});
+    refuses("hello", {"take.bvh", "line 1", "HIERARCHY"});
+}
+
+std::string trc_row(int frame, const std::vector<glm::dvec3>& places) {
+    std::string row = fmt::format("{}\t{}", frame, (frame - 1) / 60.0);
+    for (const glm::dvec3& p : places) row += fmt::format("\t{}\t{}\t{}", p.x, p.y, p.z);
+    return row + "\n";
+}
+
+TEST(Trc, ReadsMarkersByName) {
+    const TemporaryFolder folder;
+    const auto path = folder.path / "take.trc";
+    const std::string head =
+        "PathFileType\t4\t(X/Y/Z)\ttake.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\n60\t60\t2\t5\tmm\n"
+        "Frame#\tTime\tHip\t\t\tNeck\t\t\tRHip\t\t\tRKnee\t\t\tRAnkle\t\t\tRBigToe\n\t\tX1\tY1\tZ1\n";
+    const std::vector<glm::dvec3> places = {
+        {0, 1000, 0}, {0, 1500, 0}, {-100, 1000, 0}, {-100, 550, 0}, {-100, 100, 0}};
+    std::string rows = trc_row(1, places) + trc_row(2, places);
+    rows.insert(rows.find('\n'), "\t-100\t0\t150");
+    rows.insert(rows.size() - 1, "\tnan\t\t");
+    write_text(path, head + rows);
+    const motion::SkeletonClip clip = motion::read_skeleton(path);
+    ASSERT_EQ(clip.frames.size(), 2u);
+    EXPECT_DOUBLE_EQ(clip.fps, 60);
+    test::expect_near(motion::at(clip.frames[0], Joint::kRightKnee).position, {-0.1, 0.55, 0});
+    test::expect_near(motion::at(clip.frames[0], Joint::kRightBigToe).position, {-0.1, 0, 0.15});
+    EXPECT_EQ(motion::at(clip.frames[1], Joint::kRightBigToe).confidence, 0);
+    EXPECT_EQ(motion::at(clip.frames[0], Joint::kLeftKnee).confidence, 0);
+    EXPECT_TRUE(motion::at(clip.frames[0], Joint::kNeck).measured);
+
+    const auto refuses = [&](const std::string& text, std::initializer_list<std::string> parts) {
+        write_text(path, text);
+        expect_input_error([&] { motion::read_skeleton(path); }, parts);
+    };
+    refuses(head, {"take.trc", "no frames"});
+    refuses(head + "1\t0\t0\tx\t0\n", {"take.trc", "line 6"});
+    std::string inches = head;
+    refuses(inches.replace(inches.find("mm"), 2, "in") + rows, {"take.trc", "\"in\"", "unit"});
+    refuses("PathFileType", {"take.trc", "head"});
+}
+
+motion::KeyPoints some_points(double shift) {
+    motion::KeyPoints points;
+    for (size_t j = 0; j < motion::kJoints; ++j) points[j] = {{10.5 * double(j) + shift, 7}, 0.5};
+    return points;
+}
+
+struct DetectionFolder {
+    TemporaryFolder folder;
+    motion::Detections detections;
+    std::vector<motion::WantedImage> images;
+
+    DetectionFolder() {
+        detections.cameras.resize(2);
+        detections.frames = 3;
+        for (size_t c = 0; c < 2; ++c)
+            for (size_t f = 0; f < 3; ++f)
+                images.push_back({fmt::format("c0{}", c), fmt::format("c0{}_f00{}", c, f), c, f});
+    }
+    void read() { motion::read_detections(folder.path, images, detections); }
+};
+
+TEST(KeyPoints, AreReadByTheNamesOfImages) {
+    DetectionFolder test;
+    motion::write_key_points(test.folder.path / "c00_f001_keypoints.json", some_points(0));
+    motion::write_key_points(test.folder.path / "c01_f002.json", some_points(3));
+    test.read();
+    for (size_t j = 0; j < motion::kJoints; ++j) {
+        EXPECT_EQ(test.detections.in(1, 0)[j].pixel, some_points(0)[j].pixel) << j;
+        EXPECT_EQ(test.detections.in(2, 1)[j].pixel, some_points(3)[j].pixel) << j;
+        EXPECT_EQ(test.detections.in(0, 0)[j].confidence, 0);
+        EXPECT_FALSE(test.detections.estimated[j]);
+    }
+    motion::write_key_points(test.folder.path / "c09_f001.json", some_points(0));
+    expect_input_error([&] { test.read(); }, {"c09_f001.json", "no image"});
+}
+
+TEST(KeyPoints, AreReadFromAFolderForEachCamera) {
+    DetectionFolder test;
+    std::filesystem::create_directory(test.folder.path / "c01_json");
+    for (const char* name : {"000000", "000001", "000002"})
+        motion::write_key_points(test.folder.path / "c01_json" / (std::string(name) + ".json"), some_points(name[5]));
+    test.read();
+    EXPECT_EQ(test.detections.in(2, 1)[0].pixel.x, '2');
+    motion::write_key_points(test.folder.path / "c01_json" / "000003.json", some_points(0));
+    expect_input_error([&] { test.read(); }, {"c01", "has 4 frames, but the camera has 3"});
+    std::filesystem::remove(test.folder.path / "c01_json" / "000003.json");
+    std::filesystem::create_directory(test.folder.path / "c07_json");
+    expect_input_error([&] { test.read(); }, {"c07_json", "no camera"});
+}
+
+std::string person(size_t points, double confidence) {
+    std::string list;
+    for (size_t i = 0; i < points; ++i) list += fmt::format("{}{}, {}, {}", i ? ", " : "", i, 2 * i, confidence);
+    return "{\"pose_keypoints_2d\": [" + list + "]}";
+}
+
+TEST(KeyPoints, OfTheMostConfidentPersonCount) {
+    DetectionFolder test;
+    const auto path = test.folder.path / "c00_f000.json";
+    write_text(path, "{\"people\": [" + person(17, 0.25) + "," + person(17, 0.75) + "," + person(17, 0.5) + "]}");
+    test.read();
+    EXPECT_EQ(test.detections.images_with_others, 1u);
+    const motion::KeyPoints& found = test.detections.in(0, 0);
+    EXPECT_EQ(found[motion::index_of(Joint::kLeftWrist)].pixel, glm::dvec2(9, 18));
+    EXPECT_EQ(found[motion::index_of(Joint::kLeftWrist)].confidence, 0.75);
+    EXPECT_EQ(found[motion::index_of(Joint::kPelvis)].pixel, glm::dvec2(11.5, 23)) << "between the hips";
+    EXPECT_TRUE(test.detections.estimated[motion::index_of(Joint::kPelvis)]);
+    EXPECT_TRUE(test.detections.lacking[motion::index_of(Joint::kLeftHeel)]);
+}
+
+TEST(KeyPoints, RefuseWhatIsNoDetectors) {
+    DetectionFolder test;
+    expect_input_error([&] { test.read(); }, {"no key points"});
+    const auto path = test.folder.path / "c00_f000.json";
+    const auto refuses = [&](const std::string& text, std::initializer_list<std::string> parts) {
+        write_text(path, text);
+        expect_input_error([&] { test.read(); }, parts);
+    };
+    refuses("{}", {"c00_f000.json", "people"});
+    refuses("{\"people\": 3}", {"c00_f000.json", "people"});
+    refuses("{\"people\": [" + person(19, 1) + "]}", {"c00_f000.json", "people[0]", "19 key points", "COCO-17"});
+    refuses("{\"people\": [{\"pose_keypoints_2d\": [1, 2]}]}", {"people[0].pose_keypoints_2d"});
+    refuses("{\"people\": [{\"pose_keypoints_2d\": [1, 2, \"a\"]}]}", {"people[0].pose_keypoints_2d[2]"});
+    refuses("{\"people\": [{\"pose_keypoints_2d\": [1e300, 2, 1]}]}", {"people[0].pose_keypoints_2d[0]", "pixel"});
+    refuses("{\"people\": []}", {"no key points"});
+    write_text(path, "{\"people\": [" + person(17, 1) + "]}");
+    write_text(test.folder.path / "c00_f001.json", "{\"people\": [" + person(25, 1) + "]}");
+    expect_input_error([&] { test.read(); }, {"c00_f001.json", "BODY_25", "COCO-17", "one detector"});
+}
+
+}  // namespace
+}  // namespace neuvv
