@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/output_path.h"
 #include "tools/commands.h"
+#include "tools/image_drawing.h"
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/rig_drawing.h"
