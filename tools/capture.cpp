@@ -18,6 +18,7 @@ namespace {
 
 constexpr const char* kFooter = R"(
 Images go to DIR/images/cNN_fNNN.png, cameras to DIR/transforms_train.json and transforms_test.json, written last.
+Where the model is a person, its joints go to DIR/skeleton.glb (`neuvv skeleton --help`).
 Frame i shows the animation at i / fps seconds; an animation that ends earlier keeps its last pose, a model without
 animation shows its rest pose. There are no lights: unlit materials show their base colour, others get a soft sky.
 
@@ -57,6 +58,7 @@ void run_capture(Options& options, const CommonOptions& common) {
     if (!result.complete)
         throw RuntimeFailure(
             fmt::format("stopped; {} has images but no transforms: run capture again", options.folder));
+    if (!result.no_skeleton.empty()) fmt::print(stderr, "no {}: {}\n", training::kTrueSkeleton, result.no_skeleton);
     fmt::print("{}: {} images, {} train and {} test cameras\n", options.folder, result.images, result.train_cameras,
                result.test_cameras);
 }

@@ -5,27 +5,25 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <thread>
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "motion/model_motion.h"
+#include "motion/skeleton_file.h"
 #include "render/raster.h"
 #include "stage/pose.h"
 #include "training/backdrop.h"
+#include "training/capture_files.h"
 #include "training/workers.h"
 
 namespace neuvv::training {
 
 namespace {
 
-using json = nlohmann::json;
-
-constexpr double kViewAngle_deg = 30;  // of the image's shorter side
-constexpr double kMargin = 0.04;       // between the motion and the borders of images, as a share of half an image
-constexpr double kBoxMargin = 0.02;    // around the motion's box, as a share of its diagonal
-constexpr double kMaxExtent_m = 1e5;   // transforms may have distances of up to 1e6 m
+constexpr double kBoxMargin = 0.02;   // around the motion's box, as a share of its diagonal
+constexpr double kMaxExtent_m = 1e5;  // transforms may have distances of up to 1e6 m
 constexpr double kMinExtent_m = 1e-3;
 constexpr uint64_t kMaxWaiting_bytes = uint64_t{1} << 29;  // of images that are rendered but not yet written
 constexpr uint32_t kMaxCameras = 10000, kMaxFrames = 100000;
@@ -93,54 +91,11 @@ void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::
     }
 }
 
-std::string camera_name(size_t camera) {
-    return fmt::format("c{:02}", camera);
-}
-std::string image_name(size_t camera, size_t frame) {
-    return fmt::format("c{:02}_f{:03}", camera, frame);
-}
-
-json matrix_rows(const glm::dmat4& matrix) {
-    json rows = json::array();
-    for (int r = 0; r < 4; ++r) rows.push_back({matrix[0][r], matrix[1][r], matrix[2][r], matrix[3][r]});
-    return rows;
-}
-
-void write_transforms(const std::filesystem::path& file, const CaptureStage& stage, const CaptureSettings& settings,
-                      const std::vector<bool>& is_test, bool test) {
-    const stage::Camera& first = stage.cameras.front();
-    const glm::dvec3 low = stage.box.first, high = stage.box.second;
-    json root = {{"w", first.width},
-                 {"h", first.height},
-                 {"fl_x", first.fx},
-                 {"fl_y", first.fy},
-                 {"cx", first.cx},
-                 {"cy", first.cy},
-                 {"camera_angle_x", 2 * std::atan(0.5 * first.width / first.fx)},
-                 {"fps", settings.fps},
-                 {"aabb", {{low.x, low.y, low.z}, {high.x, high.y, high.z}}},
-                 {"frames", json::array()}};
-    for (size_t c = 0; c < stage.cameras.size(); ++c) {
-        if (is_test[c] != test) continue;
-        const json pose = matrix_rows(stage.cameras[c].world_from_camera);
-        for (uint32_t f = 0; f < settings.frames; ++f) {
-            json frame = {{"file_path", fmt::format("images/{}.png", image_name(c, f))},
-                          {"time", settings.frames > 1 ? f / (settings.frames - 1.0) : 0.0},
-                          {"transform_matrix", pose}};
-            if (settings.background == CaptureBackground::kChecker)
-                frame["background_path"] = fmt::format("plates/{}.png", camera_name(c));
-            root["frames"].push_back(std::move(frame));
-        }
-    }
-    const std::string text = root.dump();
-    write_file_atomically(file, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
-}
-
 // Creates the folders and removes older transforms: where a new capture into the folder is interrupted, they would name
 // images of two captures.
 void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& settings) {
     std::error_code error;
-    for (const char* name : {"transforms_train.json", "transforms_test.json"}) {
+    for (const char* name : {"transforms_train.json", "transforms_test.json", kTrueSkeleton}) {
         std::filesystem::remove(folder / name, error);
         if (error)
             throw RuntimeFailure(fmt::format("{}: cannot remove: {}", (folder / name).string(), error.message()));
@@ -207,6 +162,19 @@ void write_image(const Session& session, size_t camera, size_t frame, const rend
                                                   : compose(light, session.plates[camera]));
 }
 
+// Writes the model's own joints. Returns why there is none, empty where there is: not every model is a person.
+std::string write_true_skeleton(const std::filesystem::path& folder, const stage::GltfScene& scene, int32_t animation,
+                                const CaptureSettings& settings) {
+    motion::SkeletonClip clip;
+    try {
+        clip = motion::model_motion(scene, animation, frame_times(scene, animation, settings), settings.fps);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    motion::write_skeleton(folder / kTrueSkeleton, clip);
+    return "";
+}
+
 // Returns false where the caller stopped it.
 bool render_images(Session& session, const gpu::Device& device, const stage::GltfScene& scene, int32_t animation,
                    const CaptureProgress& progress) {
@@ -243,12 +211,7 @@ CaptureStage make_stage(const stage::GltfScene& scene, int32_t animation, const 
     if (!(extent >= kMinExtent_m) || !(std::max({farthest.x, farthest.y, farthest.z}) <= kMaxExtent_m))
         throw InputError(scene.file, "", fmt::format("the motion's box has a diagonal of {:.3g} m", extent),
                          "scale the model to metres and put it near the origin");
-    DomeFit fit;
-    fit.centre = 0.5 * (stage.box.first + stage.box.second);
-    const double focal = 1 / std::tan(glm::radians(0.5 * kViewAngle_deg));
-    const double shorter = std::min(settings.width, settings.height);
-    fit.focal = {focal * shorter / settings.width, focal * shorter / settings.height};
-    fit.margin = kMargin;
+    DomeFit fit = dome_fit(0.5 * (stage.box.first + stage.box.second), settings.width, settings.height);
     for_each_pose(scene, animation, times,
                   [&](const std::vector<glm::vec3>& points) { include_points(fit, stage.dome, points); });
     stage.radius = fit.radius;
@@ -280,8 +243,11 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     Session session{settings, folder, stage, {}, Workers(threads, waiting)};
     write_plates(session);
     if (!render_images(session, device, scene, animation, progress)) return result;
-    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", stage, settings, is_test, true);
-    write_transforms(folder / "transforms_train.json", stage, settings, is_test, false);
+    result.no_skeleton = write_true_skeleton(folder, scene, animation, settings);
+    CapturedClip clip{stage.cameras, is_test, settings.frames, settings.fps, stage.box, !session.plates.empty()};
+    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", clip);
+    clip.written.flip();
+    write_transforms(folder / "transforms_train.json", clip);
     result.complete = true;
     return result;
 }

@@ -34,6 +34,16 @@ std::array<uint32_t, kRings> cameras_of_rings(uint32_t count) {
 
 }  // namespace
 
+DomeCamera dome_camera(uint32_t ring, double azimuth, double elevation) {
+    DomeCamera camera;
+    camera.ring = ring;
+    camera.outward = {std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                      std::cos(elevation) * std::cos(azimuth)};
+    const glm::dvec3 right(std::cos(azimuth), 0, -std::sin(azimuth));
+    camera.world_from_camera = {right, glm::cross(camera.outward, right), camera.outward};
+    return camera;
+}
+
 std::vector<DomeCamera> dome_cameras(uint32_t count) {
     std::vector<DomeCamera> dome;
     const std::array<uint32_t, kRings> cameras = cameras_of_rings(count);
@@ -41,13 +51,7 @@ std::vector<DomeCamera> dome_cameras(uint32_t count) {
         const double elevation = glm::radians(kRingElevation_deg[ring]);
         for (uint32_t i = 0; i < cameras[ring]; ++i) {
             const double azimuth = 2 * std::numbers::pi * (i + kStagger * ring) / cameras[ring];
-            DomeCamera camera;
-            camera.ring = ring;
-            camera.outward = {std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
-                              std::cos(elevation) * std::cos(azimuth)};
-            const glm::dvec3 right(std::cos(azimuth), 0, -std::sin(azimuth));
-            camera.world_from_camera = {right, glm::cross(camera.outward, right), camera.outward};
-            dome.push_back(camera);
+            dome.push_back(dome_camera(ring, azimuth, elevation));
         }
     }
     return dome;
@@ -76,6 +80,16 @@ std::vector<bool> held_out(uint32_t count, double share) {
     }
     for (const size_t c : selected) is_test[c] = true;
     return is_test;
+}
+
+DomeFit dome_fit(const glm::dvec3& centre, uint32_t width, uint32_t height) {
+    constexpr double kViewAngle_deg = 30, kMargin = 0.04;
+    DomeFit fit;
+    fit.centre = centre;
+    const double focal = 1 / std::tan(glm::radians(0.5 * kViewAngle_deg)), shorter = std::min(width, height);
+    fit.focal = {focal * shorter / width, focal * shorter / height};
+    fit.margin = kMargin;
+    return fit;
 }
 
 void include_points(DomeFit& fit, const std::vector<DomeCamera>& dome, const std::vector<glm::vec3>& points) {

@@ -20,6 +20,8 @@ struct DomeCamera {
     glm::dmat3 world_from_camera{1};  // OpenGL axes
 };
 
+// A camera of a ring; angles in radians, the azimuth from +Z over +X.
+DomeCamera dome_camera(uint32_t ring, double azimuth, double elevation);
 // `count` cameras, ring by ring from the equator; neighbouring rings are staggered.
 std::vector<DomeCamera> dome_cameras(uint32_t count);
 
@@ -35,6 +37,8 @@ struct DomeFit {
     double margin = 0;     // between the points and the image's border, as a share of half the image
     double radius = 0;     // of the dome, metres
 };
+// A dome of radius 0 whose cameras have an angle of view of 30° along the image's shorter side and a margin of 4 %.
+DomeFit dome_fit(const glm::dvec3& centre, uint32_t width, uint32_t height);
 // Enlarges the radius, where necessary, until every camera sees these points (world, metres).
 void include_points(DomeFit& fit, const std::vector<DomeCamera>& dome, const std::vector<glm::vec3>& points);
 

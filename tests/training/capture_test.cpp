@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
 #include "base/platform.h"
+#include "motion/skeleton_file.h"
 #include "stage/pose.h"
 #include "tests/stage/glb_builder.h"
 #include "tests/support/input_error.h"
+#include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 #include "training/dataset.h"
 #include "training/make_mattes.h"
@@ -155,6 +158,24 @@ TEST(Capture, AStoppedCaptureLeavesNoTransforms) {
     EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_train.json"));
     EXPECT_FALSE(std::filesystem::exists(folder.path / "transforms_test.json"));
     EXPECT_EQ(device().drain_validation_messages(), std::vector<std::string>());
+}
+
+TEST(Capture, WritesTheModelsJoints) {
+    const TemporaryFolder folder;
+    EXPECT_EQ(run(folder.path, small_settings()).no_skeleton, "");
+    const motion::SkeletonClip clip = motion::read_skeleton(folder.path / training::kTrueSkeleton);
+    EXPECT_DOUBLE_EQ(clip.fps, 1);
+    ASSERT_EQ(clip.frames.size(), 3u);
+    const stage::GltfScene scene = stage::load_gltf(kPerformer);
+    for (size_t f = 0; f < 3; ++f) {
+        const stage::PosedScene pose = stage::pose_scene(scene, 0, static_cast<double>(f));
+        const auto place = [&](const std::string& name) {
+            const auto node = std::ranges::find(scene.nodes, name, &stage::GltfNode::name) - scene.nodes.begin();
+            return glm::dvec3(pose.world_from_node[static_cast<size_t>(node)][3]);
+        };
+        test::expect_near(motion::at(clip.frames[f], motion::Joint::kLeftWrist).position, place("left_hand"), 1e-5);
+        test::expect_near(motion::at(clip.frames[f], motion::Joint::kRightKnee).position, place("right_shin"), 1e-5);
+    }
 }
 
 TEST(Capture, AModelWithoutAnimationShowsItsRestPose) {
