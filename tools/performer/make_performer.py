@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Makes performer.glb: an animated, skinned, textured dancer. Standard library only.
 
-    python3 tools/performer/make_performer.py [OUTPUT.glb]
+    python3 tools/performer/make_performer.py [OUTPUT.glb]            # the dancer
+    python3 tools/performer/make_performer.py --squats OUTPUT.glb     # longer arms, shorter legs, squats (squats.py)
 """
 import json
 import pathlib
@@ -12,8 +13,9 @@ sys.dont_write_bytecode = True
 
 from atlas import encode_png, paint_texture
 from body import make_body
-from motion import make_dance
-from skeleton import INDEX, JOINTS, local_place
+import motion
+import squats
+from skeleton import INDEX, JOINTS
 
 U8, U16, F32 = 5121, 5123, 5126
 VERTICES, INDICES = 34962, 34963
@@ -88,11 +90,11 @@ def add_mesh(glb, mesh):
     return {"attributes": attributes, "indices": indices, "material": 0}
 
 
-def add_nodes():
+def add_nodes(figure):
     """Joint i is node i; the mesh's node is the last."""
     nodes = []
     for name, _, _ in JOINTS:
-        node = {"name": name, "translation": list(local_place(name))}
+        node = {"name": name, "translation": list(figure.place(name))}
         children = [INDEX[child] for child, parent, _ in JOINTS if parent == name]
         if children:
             node["children"] = children
@@ -101,8 +103,8 @@ def add_nodes():
     return nodes
 
 
-def add_animation(glb):
-    times, places, turns = make_dance()
+def add_animation(glb, figure):
+    times, places, turns = motion.make_keys(figure.pose, figure.DURATION_S)
     clock = glb.accessor([(t,) for t in times], F32, "SCALAR", bounds=True)
     samplers, channels = [], []
 
@@ -113,23 +115,24 @@ def add_animation(glb):
     animate(0, "translation", places, "VEC3")
     for name, _, _ in JOINTS:
         animate(INDEX[name], "rotation", turns[name], "VEC4")
-    return {"name": "dance", "samplers": samplers, "channels": channels}
+    return {"name": figure.NAME, "samplers": samplers, "channels": channels}
 
 
-def make_performer():
+def make_performer(figure):
+    """`figure` has a NAME, a DURATION_S, pose(t), and the place(name) of each joint below its parent."""
     glb = Glb()
     primitive = add_mesh(glb, make_body())
     # At rest every joint's axes are the world's, so that undoing it is a translation.
     binds = [(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -x, -y, -z, 1) for _, _, (x, y, z) in JOINTS]
     inverse_binds = glb.accessor(binds, F32, "MAT4")
-    animation = add_animation(glb)
+    animation = add_animation(glb, figure)
     texture = glb.view(encode_png(paint_texture()))
     return glb.pack({
         "asset": {"version": "2.0", "generator": "make_performer.py", "copyright": "NeuVV contributors, Apache-2.0"},
         "extensionsUsed": ["KHR_materials_unlit"],
         "scene": 0,
         "scenes": [{"nodes": [0, len(JOINTS)]}],
-        "nodes": add_nodes(),
+        "nodes": add_nodes(figure),
         "meshes": [{"name": "performer", "primitives": [primitive]}],
         "skins": [{"joints": list(range(len(JOINTS))), "skeleton": 0, "inverseBindMatrices": inverse_binds}],
         "materials": [{
@@ -146,5 +149,6 @@ def make_performer():
 
 if __name__ == "__main__":
     here = pathlib.Path(__file__).resolve().parent
-    output = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else here / "performer.glb"
-    output.write_bytes(make_performer())
+    arguments = [word for word in sys.argv[1:] if word != "--squats"]
+    output = pathlib.Path(arguments[0]) if arguments else here / "performer.glb"
+    output.write_bytes(make_performer(squats if "--squats" in sys.argv else motion))

@@ -2,10 +2,11 @@
 the knees are solved; arms, chest and head move by the beat."""
 import math
 
-from skeleton import ANKLE, JOINTS, KNEE, PLACE, THIGH_TOP, mirrored
+from skeleton import ANKLE, JOINTS, KNEE, PLACE, THIGH_TOP, local_place, mirrored
 from vectors import (add, cross, length, mix, quat_axis, quat_between, quat_conj, quat_frame, quat_mul, rotate, scale,
                      smoothstep, sub, unit)
 
+NAME = "dance"
 DURATION_S = 3.0
 FPS = 25
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -16,6 +17,9 @@ STEPS = {
     "right": [(0.50, 0.90, (0.12, 0.04), 0.08), (1.00, 1.45, (-0.34, 0.00), 0.10), (2.02, 2.45, (-0.10, 0.00), 0.12)],
 }
 REST = {"left": (0.10, 0.00), "right": (-0.10, 0.00)}
+
+
+place = local_place  # of a joint below its parent
 
 
 def wave(t, cycles, phase=0.0):
@@ -65,9 +69,9 @@ def body_yaw(t):
     return 0.62 * wave(t, 1, -0.04) + 0.12 * wave(t, 2)
 
 
-def solve_leg(top, ankle, forward):
+def solve_leg(top, ankle, forward, longer=1.0):
     """The knee's place for a thigh and shin of fixed length; `forward` is where the knee points."""
-    thigh, shin = length(sub(KNEE, THIGH_TOP)), length(sub(ANKLE, KNEE))
+    thigh, shin = longer * length(sub(KNEE, THIGH_TOP)), longer * length(sub(ANKLE, KNEE))
     reach = sub(ankle, top)
     distance = min(length(reach), 0.9995 * (thigh + shin))
     along = unit(reach)
@@ -134,21 +138,27 @@ def pose_leg(world, name, side, t, hips, yaw):
     top = add(hips, rotate(world["hips"], sub(mirrored(THIGH_TOP, side), PLACE["hips"])))
     forward = rotate(quat_axis(Y, facing), unit((0.10 * side, 0.0, 1.0)))
     knee, ankle = solve_leg(top, ankle, forward)
+    turn_leg(world, name, side, (top, knee, ankle), forward)
+    world[f"{name}_foot"] = sole
+
+
+def turn_leg(world, name, side, places, forward):
+    """Turns thigh and shin along the leg's places: top, knee, ankle."""
+    top, knee, ankle = places
     rest_thigh = sub(mirrored(KNEE, side), mirrored(THIGH_TOP, side))
     rest_shin = sub(mirrored(ANKLE, side), mirrored(KNEE, side))
     for joint, rest, now in ((f"{name}_thigh", rest_thigh, sub(knee, top)), (f"{name}_shin", rest_shin, sub(ankle, knee))):
         unturn = quat_conj(quat_frame(rest, Z))
         world[joint] = quat_mul(quat_frame(now, forward), unturn)
-    world[f"{name}_foot"] = sole
 
 
-def make_dance():
-    """Times, the hips' places, and each joint's local turns, key by key."""
-    count = round(DURATION_S * FPS) + 1
+def make_keys(pose, duration_s):
+    """Times, the hips' places, and each joint's local turns, key by key, of a motion whose end joins its start."""
+    count = round(duration_s * FPS) + 1
     times = [i / FPS for i in range(count)]
     places, turns = [], {name: [] for name, _, _ in JOINTS}
     for t in times:
-        world, hips = pose(t % DURATION_S)
+        world, hips = pose(t % duration_s)
         places.append(hips)
         for name, parent, _ in JOINTS:
             local = quat_mul(quat_conj(world[parent]), world[name]) if parent else world[name]
