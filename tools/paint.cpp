@@ -109,7 +109,7 @@ void print_layer(const PaintOptions& options, const PaintedScene& scene) {
         erased += edit.sigma == 0;
     }
     if (!options.json) {
-        fmt::print("{}: {} edits of {} of {} leaves: {} colours, {} densities, {} erased\n", options.layer,
+        fmt::print("{}: {} edits, each of a leaf and some frames; {} of {} leaves have any: {} colours, {} densities, {} erased\n", options.layer,
                    layer.edits.size(), of_leaf.size(), layer.field.leaf_count, colours, densities_set, erased);
         return;
     }

@@ -87,7 +87,7 @@ void add_options(Command verb, RenderOptions& options) {
         .required();
     verb.add_option(
             "-o,--output", options.output,
-            "out.mp4, or out_%04d.png, or out.png for a single image, at one time (--frames F) the orbit's first; "
+            "out.mp4, or out_%04d.png, or out.png for a single image: with --frames F, the orbit's first view of frame F; "
             ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         .required();
     Option orbit =
@@ -115,7 +115,7 @@ void add_options(Command verb, RenderOptions& options) {
     verb.add_option(
         "--background", options.background,
         "A colour's name, '#rrggbb' or clear (default: white for a video, clear for images; of a stage its own). It "
-        "stands in a stage's environment's place, which shines all the same");
+        "hides the image of a stage's environment, whose light stays");
     Option samples = add_samples_option(verb, options.samples);
     Option scale =
         verb.add_option("--scale", options.scale,

@@ -123,7 +123,7 @@ void report_progress(StatusLine& line, const RunProgress& now, const std::string
 }
 
 std::string progress_text(const training::TrainProgress& now) {
-    return fmt::format("{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB",
+    return fmt::format("{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB of memory",
                        format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss,
                        now.psnr, now.leaves / 1000, now.depth,
                        static_cast<double>(peak_memory_bytes()) / double(1 << 30));
@@ -241,7 +241,7 @@ void add_train(Command app, CommonOptions& common) {
     verb.add_option("--resolution", options->settings.shape.resolution,
                     "Finest leaves along the longest side (default: one a pixel at the scene's distance)")
         .in_range(8u, training::kMaxResolution);
-    verb.add_option("--bases", options->settings.shape.bases, "C: temporal bases, at most one a frame is used")
+    verb.add_option("--bases", options->settings.shape.bases, "C: temporal bases; no more than the clip has frames")
         .in_range(1u, kMaxBases)
         .show_default();
     verb.add_option("--hh-degree", options->settings.shape.hh_degree, "n_max of the hyperspherical harmonics")

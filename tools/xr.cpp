@@ -87,7 +87,7 @@ void add_xr(Command app, CommonOptions& common) {
     verb.add_option("--refresh", options->refresh_hz, "Hz of the display, or the nearest rate that it knows")
         .number_between(1, 1000);
     verb.add_flag("--no-mask", options->no_mask, "Draw what no lens shows, too");
-    verb.add_flag("--no-depth", options->no_depth, "Keep depth from the compositor");
+    verb.add_flag("--no-depth", options->no_depth, "Do not give depth to the compositor");
     verb.add_flag("--recover", headset.recover, "Take unsaved edits that an earlier run left behind");
     verb.add_option("--report", options->report,
                     "At the end, write into this JSON file what was seen last and where the panel's buttons are, for "
@@ -96,8 +96,8 @@ void add_xr(Command app, CommonOptions& common) {
     verb.footer(
         {"Controls (xr/README.md has an image, and what they are on other controllers):\n"
          "  trigger selects, presses the panel, paints; grip holds, both grips scale\n"
-         "  left stick up throws you there, sideways steps through time; right stick sideways turns you, up and down "
-         "is the speed\n"
+         "  left stick up shows an arc, and lets you stand where it ends; sideways steps through time; right stick "
+         "sideways turns you, up and down is the speed\n"
          "  A plays, B duplicates, X undoes, Y or the menu button shows the panel with all else\n\n"
          "Examples:\n"
          "  neuvv xr --check\n"
