@@ -4,6 +4,27 @@
 
 namespace neuvv::motion {
 
+Pose mixed(const Pose& a, const Pose& b, double share) {
+    Pose pose;
+    for (size_t j = 0; j < kJoints; ++j) {
+        if (!(a[j].confidence > 0) || !(b[j].confidence > 0)) {
+            pose[j] = a[j].confidence > 0 ? a[j] : b[j];
+            continue;
+        }
+        pose[j].position = glm::mix(a[j].position, b[j].position, share);
+        pose[j].confidence = glm::mix(a[j].confidence, b[j].confidence, share);
+        pose[j].measured = a[j].measured && b[j].measured;
+    }
+    return pose;
+}
+
+Pose pose_at(const SkeletonClip& clip, double frame) {
+    const double last = static_cast<double>(clip.frames.size()) - 1, at = std::clamp(frame, 0.0, last);
+    const auto first = static_cast<size_t>(at);
+    const size_t next = std::min(first + 1, clip.frames.size() - 1);
+    return mixed(clip.frames[first], clip.frames[next], at - static_cast<double>(first));
+}
+
 std::array<double, kJoints> bone_lengths(const SkeletonClip& clip) {
     std::array<double, kJoints> lengths{};
     std::vector<double> seen;

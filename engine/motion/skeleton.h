@@ -24,10 +24,16 @@ inline const JointSample& at(const Pose& pose, Joint joint) {
     return pose[index_of(joint)];
 }
 
+// A pose between two: positions are mixed; what only one of them knows is taken from it.
+Pose mixed(const Pose& a, const Pose& b, double share);
+
 struct SkeletonClip {
     double fps = 25;
     std::vector<Pose> frames;  // never empty in a clip that a function of this module returned
 };
+
+// The pose at a time in frames, which may lie between two; before the first and after the last frame it is theirs.
+Pose pose_at(const SkeletonClip& clip, double frame);
 
 // The median over the frames of the distance from each joint to its parent, metres; 0 for the pelvis and for bones that
 // no frame has.

@@ -4,6 +4,8 @@
 
 #include "base/error.h"
 #include "media/video.h"
+#include "motion/skeleton_file.h"
+#include "motion/triangulate.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/metrics.h"
@@ -297,6 +299,53 @@ TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
 TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {
     expect_refused({"render", scene, "-o", file("x.mp4"), "--device", "no such card"}, 2,
                    {"no such card", "neuvv devices"});
+}
+
+TEST_F(CliGpu, SkeletonViewsAreADataSetOfTheWholeClip) {
+    const ProgramResult result = run_neuvv(
+        {"skeleton", "views", scene, "-o", file("views"), "--views", "4", "--frames", "1:2", "--size", "64x72"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    const training::Dataset views =
+        training::load_dataset(file("views"), training::Split::kTrain, {.mattes_needed = false});
+    ASSERT_EQ(views.cameras.size(), 4u);
+    ASSERT_EQ(views.views.size(), 8u);
+    EXPECT_DOUBLE_EQ(views.fps, double{kOwnFps});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device(), field, {64, 72, 2});
+    render::FrameSettings settings;
+    settings.width = 64;
+    settings.height = 72;
+    settings.samples = 2;
+    settings.mode = render::TraceMode::kPlay;
+    settings.resolve.background = {0.2f, 0.2f, 0.2f, 1};
+    for (const training::View& view : views.views) {
+        settings.instances[0].frame = view.name.ends_with("f000") ? 1.0f : 2.0f;
+        const media::Image expected = renderer.render(views.cameras[view.camera], settings);
+        EXPECT_EQ(view.image.rgba, expected.rgba) << view.name;
+        EXPECT_EQ(view.image.at(0, 0)[0], view.image.at(63, 71)[0]) << "corners are background";
+    }
+    expect_refused({"skeleton", "views", scene, "-o", file("views"), "--views", "1"}, 2, {"--views", "2 to 100"});
+}
+
+TEST_F(CliGpu, SkeletonShowDrawsJointsWhereTheyAre) {
+    motion::SkeletonClip skeleton;
+    skeleton.fps = double{kOwnFps};
+    skeleton.frames.resize(4);
+    for (motion::Pose& pose : skeleton.frames) {
+        motion::at(pose, motion::Joint::kLeftElbow) = {{0.1, 0.2, 0}, 1, true};
+        motion::at(pose, motion::Joint::kLeftWrist) = {{0.4, 0.3, 0.1}, 1, true};
+    }
+    motion::write_skeleton(file("scene.skeleton.glb"), skeleton);
+    const ProgramResult result =
+        run_neuvv({"skeleton", "show", scene, "-o", file("s.png"), "--frames", "1", "--size", "128x128"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    const media::Image image = media::read_png(file("s.png"));
+    const tools::ViewStep step =
+        tools::orbit_path(voctree::occupied_box(tree), {{1, 1}, kOwnFps, kOwnFps}, {128, 128}).front();
+    const glm::dvec2 wrist = *motion::project(step.camera, {0.4, 0.3, 0.1});
+    const uint8_t* pixel = image.at(static_cast<uint32_t>(wrist.x), static_cast<uint32_t>(wrist.y));
+    EXPECT_EQ((std::vector<int>{pixel[0], pixel[1], pixel[2]}), (std::vector<int>{60, 170, 255}));
+    expect_refused({"skeleton", "show", scene, "-o", file("s.png"), "--skeleton", file("none.glb")}, 2, {"none.glb"});
 }
 
 TEST_F(CliGpu, AnUnwritablePlaceIsBadInput) {

@@ -1,0 +1,72 @@
+// neuvv skeleton: from the images of a rig to a skeleton file, and from other programs' files.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "motion/detector.h"
+#include "motion/skeleton_file.h"
+#include "tests/tools/run_neuvv.h"
+#include "training/capture_files.h"
+
+namespace neuvv {
+namespace {
+
+constexpr size_t kFrames = 12, kViews = 12;
+
+struct CliSkeleton : testing::Test {
+    TemporaryFolder folder;
+    motion::SkeletonClip truth = test::performer_motion(kFrames);
+
+    std::string file(const std::string& name) const { return (folder.path / name).string(); }
+
+    // Writes what `neuvv skeleton views` and a detector leave, but for what the images show.
+    void write_views() const {
+        const std::vector<stage::Camera> cameras = test::cameras_around(truth, kViews);
+        motion::Detections seen = test::detect(truth, cameras, {}, 5);
+        std::filesystem::create_directories(folder.path / "views" / "images");
+        std::filesystem::create_directories(folder.path / "views" / "key_points");
+        for (size_t c = 0; c < kViews; ++c)
+            for (size_t f = 0; f < kFrames; ++f) {
+                const std::string name = training::image_name(c, f);
+                media::write_png(folder.path / "views" / "images" / (name + ".png"), media::Image(1, 1));
+                motion::write_key_points(folder.path / "views" / "key_points" / (name + "_keypoints.json"),
+                                         seen.in(f, c));
+            }
+        training::write_transforms(
+            folder.path / "views" / "transforms_train.json",
+            {cameras, std::vector<bool>(kViews, true), kFrames, 25, {{-1, 0, -1}, {1, 2, 1}}, false});
+    }
+};
+
+TEST_F(CliSkeleton, ExtractsFromViews) {
+    write_views();
+    const ProgramResult result = run_neuvv({"skeleton", "extract", file("views"), "-o", file("a.skeleton.glb")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.out.find("left_wrist"), std::string::npos);
+    EXPECT_NE(result.out.find("were exchanged back"), std::string::npos);
+    const motion::SkeletonClip found = motion::read_skeleton(file("a.skeleton.glb"));
+    EXPECT_DOUBLE_EQ(found.fps, 25);
+    ASSERT_EQ(found.frames.size(), kFrames);
+    EXPECT_LT(test::error_of(found, truth).mean, 0.02);
+    EXPECT_EQ(test::error_of(found, truth).swapped_frames, 0u);
+
+    expect_refused({"skeleton", "extract", file("views"), "--key-points", file("none"), "-o", file("b.glb")}, 2,
+                   {"none", "no folder of key points"});
+    expect_refused({"skeleton", "extract", file("none"), "-o", file("b.glb")}, 2, {"none"});
+    EXPECT_FALSE(std::filesystem::exists(file("b.glb")));
+}
+
+TEST_F(CliSkeleton, ImportsAModelsMotion) {
+    const ProgramResult result = run_neuvv(
+        {"skeleton", "import", NEUVV_SOURCE_DIR "/tools/performer/performer.glb", "-o", file("a.skeleton.glb")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.out.find("21 of 21 joints are measured"), std::string::npos) << result.out;
+    const motion::SkeletonClip found = motion::read_skeleton(file("a.skeleton.glb"));
+    for (size_t f = 0; f < kFrames; ++f)
+        for (size_t j = 0; j < motion::kJoints; ++j)
+            EXPECT_LT(glm::distance(found.frames[f][j].position, truth.frames[f][j].position), 1e-4);
+    expect_refused({"skeleton", "import", file("none.bvh"), "-o", file("b.glb")}, 2, {"none.bvh"});
+    expect_refused({"skeleton"}, 2, {"neuvv skeleton --help"});
+}
+
+}  // namespace
+}  // namespace neuvv
