@@ -109,8 +109,10 @@ void print_layer(const PaintOptions& options, const PaintedScene& scene) {
         erased += edit.sigma == 0;
     }
     if (!options.json) {
-        fmt::print("{}: {} edits, each of a leaf and some frames; {} of {} leaves have any: {} colours, {} densities, {} erased\n", options.layer,
-                   layer.edits.size(), of_leaf.size(), layer.field.leaf_count, colours, densities_set, erased);
+        fmt::print(
+            "{}: {} edits, each of a leaf and some frames; {} of {} leaves have any: {} colours, {} densities, {} "
+            "erased\n",
+            options.layer, layer.edits.size(), of_leaf.size(), layer.field.leaf_count, colours, densities_set, erased);
         return;
     }
     nlohmann::ordered_json json = {{"file", options.layer},

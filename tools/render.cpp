@@ -85,10 +85,10 @@ void add_options(Command verb, RenderOptions& options) {
     verb.add_option("scene", options.scene,
                     "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (neuvv stage)")
         .required();
-    verb.add_option(
-            "-o,--output", options.output,
-            "out.mp4, or out_%04d.png, or out.png for a single image: with --frames F, the orbit's first view of frame F; "
-            ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
+    verb.add_option("-o,--output", options.output,
+                    "out.mp4, or out_%04d.png, or out.png for a single image: with --frames F, the orbit's first view "
+                    "of frame F; "
+                    ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         .required();
     Option orbit =
         verb.add_flag("--orbit", options.orbit,

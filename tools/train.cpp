@@ -123,10 +123,10 @@ void report_progress(StatusLine& line, const RunProgress& now, const std::string
 }
 
 std::string progress_text(const training::TrainProgress& now) {
-    return fmt::format("{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB of memory",
-                       format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss,
-                       now.psnr, now.leaves / 1000, now.depth,
-                       static_cast<double>(peak_memory_bytes()) / double(1 << 30));
+    return fmt::format(
+        "{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB of memory",
+        format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss, now.psnr,
+        now.leaves / 1000, now.depth, static_cast<double>(peak_memory_bytes()) / double(1 << 30));
 }
 
 std::string progress_text(const training::PsiProgress& now) {

@@ -20,6 +20,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
+constexpr double kFarthest_m = 1e6;
+
 // The nodes of the joints, by their names. Throws InputError for the first that is missing.
 std::array<size_t, kJoints> joint_nodes(const stage::GltfScene& scene) {
     std::array<size_t, kJoints> nodes{};
@@ -96,14 +98,25 @@ SkeletonClip read_gltf_skeleton(const std::filesystem::path& file, const std::st
     return animated_model(scene, animation);
 }
 
-}  // namespace
-
-SkeletonClip read_skeleton(const std::filesystem::path& file, const std::string& animation) {
+SkeletonClip read_by_ending(const std::filesystem::path& file, const std::string& animation) {
     const std::string ending = lower_case(file.extension().string());
     if (ending == ".bvh") return read_bvh(file);
     if (ending == ".trc") return read_trc(file);
     if (ending == ".glb" || ending == ".gltf") return read_gltf_skeleton(file, animation);
     throw InputError(file.string(), "", "is no skeleton that this program knows", "give a .glb, .gltf, .bvh or .trc");
+}
+
+}  // namespace
+
+SkeletonClip read_skeleton(const std::filesystem::path& file, const std::string& animation) {
+    SkeletonClip clip = read_by_ending(file, animation);
+    for (size_t f = 0; f < clip.frames.size(); ++f)
+        for (size_t j = 0; j < kJoints; ++j)
+            if (!(glm::length(clip.frames[f][j].position) <= kFarthest_m))
+                throw InputError(file.string(), fmt::format("frame {}", f),
+                                 fmt::format("has its {} more than 1000 km away", info_of(joint_at(j)).name),
+                                 "scale the motion to metres");
+    return clip;
 }
 
 std::filesystem::path skeleton_beside(const std::filesystem::path& video) {

@@ -19,6 +19,8 @@
 
 #include "fuzz/mutate.h"
 #include "fuzz/verdict.h"
+#include "motion/key_points.h"
+#include "motion/skeleton_file.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
 
@@ -96,11 +98,29 @@ std::vector<Sample> copy_samples(const fs::path& corpus, const fs::path& work) {
     return samples;
 }
 
-// What a folder contains decides what it is: a stage, a layer of paint on a clip, a clip, else a data set.
+// What a folder contains decides what it is: a stage, a skeleton or a detector's key points, a layer of paint on a
+// clip, a clip, else a data set.
 fs::path stage_in(const fs::path& folder) {
     for (const char* name : {"stage.gltf", "stage.glb"})
         if (fs::exists(folder / name)) return folder / name;
     return {};
+}
+
+fs::path skeleton_in(const fs::path& folder) {
+    for (const char* name : {"skeleton.glb", "skeleton.bvh", "skeleton.trc", "key_points.json"})
+        if (fs::exists(folder / name)) return folder / name;
+    return {};
+}
+
+// Key points of one image are a clip of one frame.
+motion::SkeletonClip read_motion(const fs::path& file) {
+    if (file.extension() != ".json") return motion::read_skeleton(file);
+    motion::SkeletonClip clip;
+    clip.frames.resize(1);
+    const motion::DetectedImage image = motion::read_key_points(file);
+    for (size_t j = 0; j < motion::kJoints; ++j)
+        clip.frames[0][j] = {{image.points[j].pixel, 0}, image.points[j].confidence, true};
+    return clip;
 }
 
 fs::path clip_name(const fs::path& folder) {
@@ -125,6 +145,8 @@ training::Dataset dataset_in(const fs::path& folder, training::Split split) {
 void load(const fs::path& folder) {
     if (const fs::path stage = stage_in(folder); !stage.empty())
         stage::load_stage(stage);
+    else if (const fs::path skeleton = skeleton_in(folder); !skeleton.empty())
+        read_motion(skeleton);
     else if (fs::exists(folder / "layer.nvpaint"))
         paint_in(folder);
     else if (!clip_name(folder).empty())
@@ -136,6 +158,8 @@ void load(const fs::path& folder) {
 std::string complaint_about_folder(const fs::path& folder) {
     if (const fs::path stage = stage_in(folder); !stage.empty())
         return fuzz::complaint_about_stage([&] { return stage::load_stage(stage); });
+    if (const fs::path skeleton = skeleton_in(folder); !skeleton.empty())
+        return fuzz::complaint_about_skeleton([&] { return read_motion(skeleton); });
     if (fs::exists(folder / "layer.nvpaint")) return fuzz::complaint_about_paint([&] { return paint_in(folder); });
     if (!clip_name(folder).empty()) return fuzz::complaint_about_clip([&] { return clip_in(folder); });
     for (const training::Split split : {training::Split::kTrain, training::Split::kTest})

@@ -128,4 +128,16 @@ std::string complaint_about_paint(const std::function<voctree::EditLayer()>& loa
     });
 }
 
+std::string complaint_about_skeleton(const std::function<motion::SkeletonClip()>& load) {
+    return complaint_of([&]() -> std::string {
+        const motion::SkeletonClip clip = load();
+        if (clip.frames.empty() || !(clip.fps > 0)) return "gave a clip without frames or rate";
+        for (const motion::Pose& pose : clip.frames)
+            for (const motion::JointSample& sample : pose)
+                if (!std::isfinite(glm::length(sample.position)) || !(sample.confidence >= 0 && sample.confidence <= 1))
+                    return "gave a joint that cannot be";
+        return {};
+    });
+}
+
 }  // namespace neuvv::fuzz

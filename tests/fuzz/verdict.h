@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "motion/skeleton.h"
 #include "stage/stage.h"
 #include "training/dataset.h"
 #include "voctree/paint.h"
@@ -19,5 +20,8 @@ std::string complaint_about_clip(const std::function<voctree::VOctree()>& load);
 // The same for a .nvpaint: its edits are of leaves and frames that exist, with valid colours and densities, and further
 // edits can be added.
 std::string complaint_about_paint(const std::function<voctree::EditLayer()>& load);
+
+// The same for a skeleton: it has frames, and every position is finite.
+std::string complaint_about_skeleton(const std::function<motion::SkeletonClip()>& load);
 
 }  // namespace neuvv::fuzz
