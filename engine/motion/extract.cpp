@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "motion/bundle.h"
+#include "motion/median.h"
 #include "motion/triangulate.h"
 
 namespace neuvv::motion {
@@ -26,13 +27,6 @@ std::vector<Joint> right_joints(Pair pair) {
     using enum Joint;
     if (pair == Pair::kArms) return {kRightShoulder, kRightElbow, kRightWrist};
     return {kRightHip, kRightKnee, kRightAnkle, kRightHeel, kRightBigToe, kRightSmallToe};
-}
-
-double median(std::vector<double>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 class Extractor {

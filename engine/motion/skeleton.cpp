@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "motion/median.h"
+
 namespace neuvv::motion {
 
 Pose mixed(const Pose& a, const Pose& b, double share) {
@@ -34,10 +36,7 @@ std::array<double, kJoints> bone_lengths(const SkeletonClip& clip) {
         for (const Pose& pose : clip.frames)
             if (pose[j].confidence > 0 && at(pose, parent).confidence > 0)
                 seen.push_back(glm::distance(pose[j].position, at(pose, parent).position));
-        if (seen.empty()) continue;
-        const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
-        std::nth_element(seen.begin(), middle, seen.end());
-        lengths[j] = *middle;
+        lengths[j] = median(seen);
     }
     return lengths;
 }

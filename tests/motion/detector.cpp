@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 
 #include "motion/model_motion.h"
 #include "motion/triangulate.h"
 #include "support/look_at.h"
+#include "support/temporary_folder.h"
 
 namespace neuvv::test {
 
@@ -92,6 +94,19 @@ motion::SkeletonClip motion_of(const stage::GltfScene& scene, size_t frames) {
 motion::SkeletonClip performer_motion(size_t frames) {
     static const stage::GltfScene scene = stage::load_gltf(NEUVV_SOURCE_DIR "/tools/performer/performer.glb");
     return motion_of(scene, frames);
+}
+
+const motion::SkeletonClip& squats_motion() {
+    static const motion::SkeletonClip clip = [] {
+        const TemporaryFolder folder;
+        const auto made = folder.path / "squats.glb";
+        const std::string command =
+            "python3 '" NEUVV_SOURCE_DIR "/tools/performer/make_performer.py' --squats '" + made.string() + "'";
+        if (std::system("python3 -c 'import zlib' > /dev/null 2>&1") != 0 || std::system(command.c_str()) != 0)
+            return motion::SkeletonClip{};
+        return motion_of(stage::load_gltf(made), 100);
+    }();
+    return clip;
 }
 
 double height_of(const motion::SkeletonClip& clip) {

@@ -28,6 +28,9 @@ motion::Detections detect(const motion::SkeletonClip& clip, const std::vector<st
 motion::SkeletonClip motion_of(const stage::GltfScene& scene, size_t frames);
 motion::SkeletonClip performer_motion(size_t frames);
 
+// Another figure with another motion, by the generator of tools/performer; no frames where there is no python3.
+const motion::SkeletonClip& squats_motion();
+
 // The height of a clip's body, metres.
 double height_of(const motion::SkeletonClip& clip);
 

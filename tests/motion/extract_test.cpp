@@ -7,7 +7,6 @@
 #include "motion/triangulate.h"
 #include "support/input_error.h"
 #include "support/near.h"
-#include "support/temporary_folder.h"
 
 namespace neuvv {
 namespace {
@@ -86,13 +85,8 @@ TEST(Extract, SurvivesADetectorsErrors) {
 
 // A figure of other proportions and another motion.
 TEST(Extract, SurvivesADetectorsErrorsOnAnotherBody) {
-    if (std::system("python3 -c 'import zlib' > /dev/null 2>&1") != 0) GTEST_SKIP() << "python3 is not installed";
-    const TemporaryFolder folder;
-    const auto made = folder.path / "squats.glb";
-    const std::string command =
-        "python3 '" NEUVV_SOURCE_DIR "/tools/performer/make_performer.py' --squats '" + made.string() + "'";
-    ASSERT_EQ(std::system(command.c_str()), 0);
-    expect_survival(test::motion_of(stage::load_gltf(made), 100), "squats");
+    if (test::squats_motion().frames.empty()) GTEST_SKIP() << "python3 is not installed";
+    expect_survival(test::squats_motion(), "squats");
 }
 
 TEST(Extract, WhatNoViewShowsIsGuessedAndSaidToBe) {

@@ -1,0 +1,284 @@
+#include "motion/compare.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "motion/best_turn.h"
+#include "motion/median.h"
+
+namespace neuvv::motion {
+
+namespace {
+
+constexpr double kShortest_s = 0.2;  // of a mistake
+constexpr double kSteady_s = 0.3;    // peaks of half of this are noise
+constexpr double kGap_s = 0.4;       // within which a mistake goes on
+constexpr double kLeastLag_s = 0.1, kLagStep_s = 0.02;
+constexpr double kLagGain = 0.6;     // a limb is late where its error at another time is less than this of its own
+constexpr double kMirrorGain = 0.5;  // the same of a turn to the other side
+
+// The middle of angles in radians, robust against those that are wrong for less than half of the time.
+double median_angle(std::vector<double> angles) {
+    double sine = 0, cosine = 0;
+    for (const double angle : angles) sine += std::sin(angle), cosine += std::cos(angle);
+    const double mean = std::atan2(sine, cosine);
+    for (double& angle : angles) angle = std::remainder(angle - mean, 2 * glm::pi<double>());
+    return mean + median(angles);
+}
+
+// Directions between two frames.
+Directions directions_at(const Motion& motion, double frame) {
+    const double at = std::clamp(frame, 0.0, static_cast<double>(motion.frames.size() - 1));
+    const auto first = static_cast<size_t>(at);
+    const double share = at - static_cast<double>(first);
+    Directions result = motion.frames[first];
+    if (share == 0) return result;
+    const Directions& next = motion.frames[first + 1];
+    for (size_t b = 0; b < kComparedBones; ++b) {
+        const glm::dvec3 mean = glm::mix(result[b].direction, next[b].direction, share);
+        if (glm::length(mean) > 1e-6) result[b].direction = glm::normalize(mean);
+        result[b].weight = std::min(result[b].weight, next[b].weight);
+    }
+    return result;
+}
+
+struct Span {
+    size_t first = 0, last = 0;  // frames of the trainee
+};
+
+class Comparer {
+  public:
+    Comparer(const SkeletonClip& trainer, const SkeletonClip& trainee, const CompareOptions& options)
+        : options_(options), trainer_(motion_of(trainer)), trainee_(motion_of(resampled(trainee, trainer.fps))) {
+        for (Directions& directions : trainee_.frames)
+            for (size_t b = 0; b < kComparedBones; ++b)
+                if (!options.counted[index_of(limb_of_bone(b))]) directions[b].weight = 0;
+    }
+
+    Comparison run() {
+        result_.fps = trainer_.fps;
+        // Limbs say when, that says how the trainee stands turned, and with that the trunk helps to say when.
+        result_.trainer_frame = warp(trainer_, trainee_, options_.band_s, true);
+        face_the_trainer();
+        result_.trainer_frame = warp(trainer_, trainee_, options_.band_s, false);
+        face_the_trainer();
+        measure();
+        for (size_t limb = 0; limb < kLimbs; ++limb) find_mistakes(static_cast<Limb>(limb));
+        std::ranges::stable_sort(result_.mistakes, {}, &Mistake::first_s);
+        score();
+        return std::move(result_);
+    }
+
+  private:
+    size_t frames() const { return trainee_.frames.size(); }
+    double error_at(size_t frame, Limb limb) const { return result_.errors[frame][index_of(limb)]; }
+    Directions trainer_at(size_t frame, double later_frames = 0) const {
+        return directions_at(trainer_, result_.trainer_frame[frame] - later_frames);
+    }
+
+    // Turns the trainee about +Y, for the whole phrase, so that hips and shoulders point as the trainer's.
+    void face_the_trainer() {
+        std::vector<double> yaws;
+        for (size_t i = 0; i < frames(); ++i) {
+            const double yaw = yaw_between(trainer_at(i), trainee_.frames[i]);
+            if (std::isfinite(yaw)) yaws.push_back(yaw);
+        }
+        if (yaws.empty()) return;
+        const double yaw = median_angle(std::move(yaws));
+        for (Directions& directions : trainee_.frames) directions = turned(directions, -yaw);
+        result_.yaw += yaw;
+    }
+
+    void measure() {
+        bool known = false;
+        for (size_t i = 0; i < frames(); ++i) {
+            result_.errors.push_back(limb_errors(trainer_at(i), trainee_.frames[i]));
+            for (const double error : result_.errors.back()) known |= error >= 0;
+        }
+        if (!known)
+            throw InputError("compare", "", "trainer and trainee have no limb that is measured in both",
+                             "look at which joints are measured (neuvv skeleton import says so)");
+    }
+
+    // A limb's error with short peaks taken out: at each frame the median of the frames around it. −1 where unknown.
+    std::vector<double> steady_errors(Limb limb) const {
+        const auto reach = static_cast<std::ptrdiff_t>(std::lround(0.5 * kSteady_s * trainer_.fps));
+        const auto count = static_cast<std::ptrdiff_t>(frames());
+        std::vector<double> steady(frames(), -1), around;
+        for (std::ptrdiff_t i = 0; i < count; ++i) {
+            around.clear();
+            for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, i - reach); k <= std::min(count - 1, i + reach); ++k)
+                if (const double error = error_at(static_cast<size_t>(k), limb); error >= 0) around.push_back(error);
+            if (!around.empty()) steady[static_cast<size_t>(i)] = median(around);
+        }
+        return steady;
+    }
+
+    // Where a limb is wrong: beyond its tolerance for a while.
+    std::vector<Span> wrong_spans(Limb limb) const {
+        const auto gap = static_cast<size_t>(std::lround(kGap_s * trainer_.fps));
+        const double tolerance = options_.tolerances.tolerance[index_of(limb)];
+        const std::vector<double> errors = steady_errors(limb);
+        std::vector<Span> spans;
+        for (size_t i = 0; i < frames(); ++i) {
+            if (errors[i] <= tolerance) continue;
+            if (!spans.empty() && i - spans.back().last <= gap)
+                spans.back().last = i;
+            else
+                spans.push_back({i, i});
+        }
+        std::erase_if(spans, [&](const Span& span) {
+            return static_cast<double>(span.last - span.first + 1) < kShortest_s * trainer_.fps;
+        });
+        return spans;
+    }
+
+    // The root of the mean square of the limb's error over a span, the trainee compared with `later_s` before.
+    double error_with_lag(Limb limb, const Span& span, double later_s) const {
+        double sum = 0, count = 0;
+        for (size_t i = span.first; i <= span.last; ++i) {
+            const double error = limb_errors(trainer_at(i, later_s * trainer_.fps), trainee_.frames[i])[index_of(limb)];
+            if (error >= 0) sum += error * error, ++count;
+        }
+        return count > 0 ? std::sqrt(sum / count) : INFINITY;
+    }
+
+    // What is left of the limb's error over a span where all of it is turned by one rotation, the best one.
+    double error_with_turn(Limb limb, const Span& span) const {
+        BestTurn best;
+        for (size_t i = span.first; i <= span.last; ++i) {
+            const Directions shown = trainer_at(i), &done = trainee_.frames[i];
+            for (size_t b = 0; b < kComparedBones; ++b)
+                if (limb_of_bone(b) == limb)
+                    best.add(done[b].direction, shown[b].direction, std::min(done[b].weight, shown[b].weight));
+        }
+        const glm::dmat3 turn = best.turn();
+        double sum = 0, count = 0;
+        for (size_t i = span.first; i <= span.last; ++i) {
+            Directions done = trainee_.frames[i];
+            for (BoneDirection& bone : done) bone.direction = turn * bone.direction;
+            const double error = limb_errors(trainer_at(i), done)[index_of(limb)];
+            if (error >= 0) sum += error * error, ++count;
+        }
+        return std::sqrt(sum / count);
+    }
+
+    // By how many seconds the limb is late, where that says more than that it points elsewhere all the time.
+    std::optional<double> lag_of(Limb limb, const Span& span) const {
+        const double own = error_with_lag(limb, span, 0);
+        double best = own, lag = 0;
+        for (double later = -options_.band_s; later <= options_.band_s + 1e-9; later += kLagStep_s) {
+            const double error = error_with_lag(limb, span, later);
+            if (error < best) best = error, lag = later;
+        }
+        const bool explains = best < kLagGain * own && best < options_.tolerances.tolerance[index_of(limb)];
+        if (!explains || std::abs(lag) < kLeastLag_s || error_with_turn(limb, span) < best) return std::nullopt;
+        return lag;
+    }
+
+    // Whether the hips turn to the other side of where the trainer's face on the whole.
+    bool is_mirrored(const Span& span) const {
+        double own = 0, mirrored = 0;
+        for (size_t i = span.first; i <= span.last; ++i) {
+            const double shown = facing(trainer_at(i)), done = facing(trainee_.frames[i]);
+            if (!std::isfinite(shown + done)) continue;
+            own += std::pow(std::remainder(done - shown, 2 * glm::pi<double>()), 2);
+            mirrored += std::pow(std::remainder(done + shown - 2 * middle_, 2 * glm::pi<double>()), 2);
+        }
+        return mirrored < kMirrorGain * kMirrorGain * own;
+    }
+    // Of the line across the hips, about +Y from the world's +X, radians.
+    static double facing(const Directions& directions) {
+        const BoneDirection& hips = directions[kHipLine];
+        return hips.weight > 0 ? std::atan2(-hips.direction.z, hips.direction.x) : NAN;
+    }
+
+    double median_error(Limb limb, const Span& span) const {
+        std::vector<double> errors;
+        for (size_t i = span.first; i <= span.last; ++i)
+            if (error_at(i, limb) >= 0) errors.push_back(error_at(i, limb));
+        return median(errors);
+    }
+
+    void find_mistakes(Limb limb) {
+        if (limb == Limb::kTrunk) {
+            std::vector<double> facings;
+            for (const Directions& directions : trainer_.frames)
+                if (const double angle = facing(directions); std::isfinite(angle)) facings.push_back(angle);
+            if (!facings.empty()) middle_ = median_angle(std::move(facings));
+        }
+        for (const Span& span : wrong_spans(limb)) {
+            Mistake mistake{limb, MistakeKind::kOff, median_error(limb, span), 0, 0};
+            mistake.first_s = result_.trainer_frame[span.first] / trainer_.fps;
+            mistake.last_s = result_.trainer_frame[span.last] / trainer_.fps;
+            if (limb == Limb::kTrunk && is_mirrored(span)) {
+                mistake.kind = MistakeKind::kMirrored;
+            } else if (const auto lag = lag_of(limb, span)) {
+                mistake.kind = MistakeKind::kLate;
+                mistake.amount = *lag;
+            }
+            result_.mistakes.push_back(mistake);
+        }
+    }
+
+    void score() {
+        std::array<double, kLimbs> sums{}, counts{};
+        double total = 0, known_frames = 0;
+        for (const LimbErrors& errors : result_.errors) {
+            double sum = 0, count = 0;
+            for (size_t limb = 0; limb < kLimbs; ++limb) {
+                const double value = limb_score(static_cast<Limb>(limb), errors[limb], options_.tolerances);
+                if (value < 0) continue;
+                sums[limb] += value, ++counts[limb];
+                sum += value, ++count;
+            }
+            result_.scores.push_back(count > 0 ? sum / count : -1);
+            if (count > 0) total += sum / count, ++known_frames;
+        }
+        for (size_t limb = 0; limb < kLimbs; ++limb)
+            result_.limb_scores[limb] = counts[limb] > 0 ? 100 * sums[limb] / counts[limb] : -1;
+        result_.score = known_frames > 0 ? 100 * total / known_frames : -1;
+    }
+
+    const CompareOptions& options_;
+    Motion trainer_, trainee_;
+    double middle_ = 0;  // where the trainer faces on the whole, as facing() says
+    Comparison result_;
+};
+
+}  // namespace
+
+std::string text_of(const Mistake& mistake) {
+    const std::string when = fmt::format("from {:.1f} s to {:.1f} s", mistake.first_s, mistake.last_s);
+    const char* limb = kLimbNames[index_of(mistake.limb)];
+    switch (mistake.kind) {
+        case MistakeKind::kOff:
+            return fmt::format("{}: {:.0f}° off {}", limb, mistake.amount, when);
+        case MistakeKind::kLate:
+            return fmt::format("{}: {:.2f} s {} {}", limb, std::abs(mistake.amount),
+                               mistake.amount > 0 ? "late" : "early", when);
+        case MistakeKind::kMirrored:
+            return fmt::format("{}: turned to the other side, {:.0f}° off, {}", limb, mistake.amount, when);
+    }
+    return "";
+}
+
+SkeletonClip resampled(const SkeletonClip& clip, double fps) {
+    if (clip.fps == fps) return clip;
+    SkeletonClip result;
+    result.fps = fps;
+    const double duration_s = static_cast<double>(clip.frames.size() - 1) / clip.fps;
+    const auto frames = static_cast<size_t>(std::floor(duration_s * fps + 1e-6)) + 1;
+    for (size_t f = 0; f < frames; ++f) result.frames.push_back(pose_at(clip, static_cast<double>(f) / fps * clip.fps));
+    return result;
+}
+
+Comparison compare(const SkeletonClip& trainer, const SkeletonClip& trainee, const CompareOptions& options) {
+    return Comparer(trainer, trainee, options).run();
+}
+
+}  // namespace neuvv::motion

@@ -1,0 +1,164 @@
+// What a trainee does otherwise is named; what is only another body, place, direction or speed is not.
+#include "motion/compare.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "motion/best_view.h"
+#include "motion/detector.h"
+#include "motion/trainee.h"
+#include "support/input_error.h"
+#include "support/near.h"
+
+namespace neuvv {
+namespace {
+
+using motion::Limb;
+using motion::MistakeKind;
+
+const motion::SkeletonClip& trainer() {
+    static const motion::SkeletonClip clip = test::performer_motion(75);
+    return clip;
+}
+
+std::string all_of(const motion::Comparison& comparison) {
+    std::string text;
+    for (const motion::Mistake& mistake : comparison.mistakes) text += text_of(mistake) + "\n";
+    return fmt::format("score {:.1f}\n{}", comparison.score, text);
+}
+
+// A correct performance of another body, elsewhere, seen by a camera that errs by a centimetre.
+motion::SkeletonClip another(const motion::SkeletonClip& clip, uint32_t seed = 7) {
+    return test::with_noise(test::other_body(clip, 0.85, {3, 0, -1}, 2.1), 0.01, seed);
+}
+
+// Both figures; the second one only where its generator runs.
+std::vector<motion::SkeletonClip> trainers() {
+    std::vector<motion::SkeletonClip> clips = {trainer()};
+    if (!test::squats_motion().frames.empty()) clips.push_back(test::squats_motion());
+    return clips;
+}
+
+TEST(Compare, TheSameMotionIsPerfect) {
+    const motion::Comparison same = motion::compare(trainer(), trainer());
+    EXPECT_DOUBLE_EQ(same.score, 100);
+    EXPECT_TRUE(same.mistakes.empty()) << all_of(same);
+    for (size_t f = 0; f < 75; ++f) {
+        EXPECT_EQ(same.trainer_frame[f], static_cast<double>(f));
+        for (const double error : same.errors[f]) EXPECT_NEAR(error, 0, 1e-5);
+    }
+}
+
+TEST(Compare, AnotherBodyAt90PercentSpeedScores95) {
+    for (const motion::SkeletonClip& clip : trainers()) {
+        const motion::Comparison found = motion::compare(clip, another(test::at_speed(clip, 0.9)));
+        std::printf("correct, 90 %% speed, bones 15 %% shorter, elsewhere, noise 1 cm: %s", all_of(found).c_str());
+        EXPECT_GE(found.score, 95);
+        EXPECT_TRUE(found.mistakes.empty()) << all_of(found);
+        EXPECT_NEAR(std::remainder(found.yaw - 2.1, 2 * glm::pi<double>()), 0, 0.03);
+    }
+}
+
+TEST(Compare, NamesAnArmThatIsOff) {
+    for (const motion::SkeletonClip& clip : trainers())
+        for (const Limb arm : {Limb::kLeftArm, Limb::kRightArm})
+            for (const uint32_t seed : {1u, 2u, 3u}) {
+                const auto trainee = another(test::with_arm_off(clip, arm, 25, 1, 2), seed);
+                const motion::Comparison found = motion::compare(clip, trainee);
+                ASSERT_EQ(found.mistakes.size(), 1u) << all_of(found);
+                EXPECT_EQ(found.mistakes[0].limb, arm);
+                EXPECT_EQ(found.mistakes[0].kind, MistakeKind::kOff) << all_of(found);
+                EXPECT_NEAR(found.mistakes[0].amount, 25, 3) << all_of(found);
+                EXPECT_NEAR(found.mistakes[0].first_s, 1, 0.1);
+                EXPECT_NEAR(found.mistakes[0].last_s, 2, 0.1);
+            }
+}
+
+TEST(Compare, NamesALegThatIsLate) {
+    for (const motion::SkeletonClip& clip : trainers())
+        for (const Limb leg : {Limb::kLeftLeg, Limb::kRightLeg})
+            for (const uint32_t seed : {1u, 2u, 3u}) {
+                const auto trainee = another(test::with_late_leg(clip, leg, 0.4, 0, 4), seed);
+                const motion::Comparison found = motion::compare(clip, trainee);
+                ASSERT_GE(found.mistakes.size(), 1u) << all_of(found);
+                for (const motion::Mistake& mistake : found.mistakes) {
+                    EXPECT_EQ(mistake.limb, leg) << all_of(found);
+                    EXPECT_EQ(mistake.kind, MistakeKind::kLate) << all_of(found);
+                    EXPECT_NEAR(mistake.amount, 0.4, 0.05) << all_of(found);
+                }
+            }
+}
+
+TEST(Compare, NamesATurnToTheOtherSide) {
+    const auto trainee = another(test::with_mirrored_turn(trainer(), test::facing_of(trainer()), 0.3, 1.4));
+    const motion::Comparison found = motion::compare(trainer(), trainee);
+    ASSERT_EQ(found.mistakes.size(), 1u) << all_of(found);
+    EXPECT_EQ(found.mistakes[0].limb, Limb::kTrunk);
+    EXPECT_EQ(found.mistakes[0].kind, MistakeKind::kMirrored);
+}
+
+TEST(Compare, NamesAllThreeAndNothingElse) {
+    auto trainee = test::with_arm_off(trainer(), Limb::kRightArm, 25, 1.8, 2.8);
+    trainee = test::with_late_leg(trainee, Limb::kLeftLeg, 0.4, 0, 3);
+    trainee = another(test::with_mirrored_turn(trainee, test::facing_of(trainer()), 0.3, 1.4));
+    const motion::Comparison found = motion::compare(trainer(), trainee);
+    std::printf("three planted mistakes: %s", all_of(found).c_str());
+    std::array<bool, 3> named{};
+    for (const motion::Mistake& mistake : found.mistakes) {
+        const bool arm = mistake.limb == Limb::kRightArm && mistake.kind == MistakeKind::kOff;
+        const bool leg = mistake.limb == Limb::kLeftLeg && mistake.kind == MistakeKind::kLate;
+        const bool turn = mistake.limb == Limb::kTrunk && mistake.kind == MistakeKind::kMirrored;
+        EXPECT_TRUE(arm || leg || turn) << text_of(mistake);
+        named[0] |= arm, named[1] |= leg, named[2] |= turn;
+    }
+    EXPECT_TRUE(named[0] && named[1] && named[2]) << all_of(found);
+}
+
+TEST(Compare, LeavesOutWhatIsEstimatedOrNotCounted) {
+    auto trainee = test::with_arm_off(trainer(), Limb::kLeftArm, 60, 0, 3);
+    motion::CompareOptions options;
+    options.counted[motion::index_of(Limb::kLeftArm)] = false;
+    EXPECT_DOUBLE_EQ(motion::compare(trainer(), trainee, options).score, 100);
+    for (motion::Pose& pose : trainee.frames)
+        for (const motion::Joint joint : {motion::Joint::kLeftElbow, motion::Joint::kLeftWrist})
+            motion::at(pose, joint).measured = false;
+    const motion::Comparison found = motion::compare(trainer(), trainee);
+    EXPECT_DOUBLE_EQ(found.score, 100);
+    EXPECT_EQ(found.limb_scores[motion::index_of(Limb::kLeftArm)], -1);
+    for (motion::Pose& pose : trainee.frames)
+        for (motion::JointSample& sample : pose) sample.measured = false;
+    expect_input_error([&] { motion::compare(trainer(), trainee); }, {"no limb"});
+}
+
+TEST(OnlineWarp, FollowsATraineeWhoLags) {
+    const motion::Motion shown = motion::motion_of(trainer());
+    const motion::Motion done = motion::motion_of(another(test::at_speed(trainer(), 0.85)));
+    motion::OnlineWarp warp(shown, 1);
+    for (size_t f = 0; f < 75; ++f) {
+        const double matched = warp.add(done.frames[f], static_cast<double>(f) / 25);
+        if (f <= 12) continue;  // until it has found the lag
+        EXPECT_NEAR(matched, 0.85 * static_cast<double>(f) / 25, 0.12) << f;
+    }
+}
+
+TEST(BestView, IsAcrossTheErrors) {
+    const std::vector<motion::WeightedError> errors = {{{0.3, 0, 0}, 1}, {{0, 0.2, 0}, 2}, {{0.1, 0.1, 0}, 1}};
+    const glm::dvec3 view = motion::best_view_direction(errors);
+    EXPECT_NEAR(std::abs(view.z), 1, 1e-9);
+    double most = 0;
+    for (int i = 0; i < 400; ++i) {
+        const double up = std::acos(1 - (2.0 * i + 1) / 400), turn = 2.399963 * i;
+        most = std::max(most, motion::visible_error(errors, {std::sin(up) * std::cos(turn), std::cos(up),
+                                                             std::sin(up) * std::sin(turn)}));
+    }
+    EXPECT_GE(motion::visible_error(errors, view), most);
+    // Errors on one line are seen from all directions across it: a level one is chosen.
+    const std::vector<motion::WeightedError> line = {{{0.2, 0.3, 0}, 1}};
+    const glm::dvec3 level = motion::best_view_direction(line);
+    EXPECT_NEAR(level.y, 0, 1e-9);
+    EXPECT_NEAR(glm::dot(level, line[0].error), 0, 1e-9);
+    test::expect_near(motion::best_view_direction({}), {0, 0, 1});
+}
+
+}  // namespace
+}  // namespace neuvv
