@@ -5,23 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <map>
 
 #include "base/text.h"
+#include "tools/html.h"
 #include "training/contact_sheet.h"
 #include "training/flip.h"
 
 namespace neuvv::tools {
 
 namespace {
-
-// The page may load and run only what it contains itself.
-constexpr const char* kHead = R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy"
-      content="default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-)";
 
 constexpr const char* kStyle = R"(<style>
 :root { color-scheme: light dark; --line: #8886; --accent: #2a7de1; }
@@ -232,23 +224,9 @@ std::string controls(const training::Dataset& dataset, const training::Evaluatio
 
 }  // namespace
 
-std::string html_text(const std::string& text) {
-    static const std::map<char, const char*> kEntities = {
-        {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
-    std::string safe;
-    for (const char c : text) {
-        const auto entity = kEntities.find(c);
-        if (entity != kEntities.end())
-            safe += entity->second;
-        else
-            safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-    return safe;
-}
-
 std::string comparison_page(const PageFacts& facts, const training::Dataset& dataset,
                             const training::Evaluation& evaluation, const std::vector<PageImage>& images) {
-    std::string page = kHead;
+    std::string page = kHtmlHead;
     page += fmt::format("<title>{}</title>\n{}</head><body>\n", html_text(facts.scene), kStyle);
     page += fmt::format("<h1>{} against {}</h1>\n", html_text(facts.scene), html_text(facts.dataset));
     page += fmt::format("<p>{} images of {} cameras and {} frames, {} split, rendered on {}.<br><b>",

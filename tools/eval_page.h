@@ -25,7 +25,4 @@ constexpr uint32_t kMaxPageSide = 1280;  // pixels a side of an image; larger on
 std::string comparison_page(const PageFacts& facts, const training::Dataset& dataset,
                             const training::Evaluation& evaluation, const std::vector<PageImage>& images);
 
-// Text as HTML: <, >, &, " and ' as entities, control characters as spaces.
-std::string html_text(const std::string& text);
-
 }  // namespace neuvv::tools

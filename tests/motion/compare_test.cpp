@@ -7,6 +7,7 @@
 #include "motion/best_view.h"
 #include "motion/detector.h"
 #include "motion/trainee.h"
+#include "reference/motion.h"
 #include "support/input_error.h"
 #include "support/near.h"
 
@@ -128,6 +129,48 @@ TEST(Compare, LeavesOutWhatIsEstimatedOrNotCounted) {
     for (motion::Pose& pose : trainee.frames)
         for (motion::JointSample& sample : pose) sample.measured = false;
     expect_input_error([&] { motion::compare(trainer(), trainee); }, {"no limb"});
+}
+
+TEST(Compare, ErrorsAreThoseOfTheFormulas) {
+    const auto other = test::with_noise(test::at_speed(trainer(), 0.8), 0.05, 3);
+    motion::SkeletonClip clip = trainer();
+    for (size_t f = 0; f < 75; f += 3) motion::at(clip.frames[f], motion::Joint::kRightElbow).confidence = 0.4;
+    for (size_t f = 0; f < 75; f += 5) motion::at(clip.frames[f], motion::Joint::kLeftAnkle).measured = false;
+    for (size_t f = 0; f < 75; ++f) {
+        const motion::LimbErrors errors =
+            motion::limb_errors(motion::directions_of(clip.frames[f]), motion::directions_of(other.frames[f]));
+        for (size_t limb = 0; limb < motion::kLimbs; ++limb)
+            EXPECT_NEAR(errors[limb], reference::limb_error(clip.frames[f], other.frames[f], static_cast<Limb>(limb)),
+                        1e-6)
+                << f << ' ' << limb;
+    }
+}
+
+// The path is one of least cost, by the table of all paths.
+TEST(Compare, WarpsAtLeastCost) {
+    constexpr double kStep = 0.004;
+    const motion::Motion shown = motion::motion_of(trainer());
+    for (const double speed : {0.7, 1.0, 1.3}) {
+        const motion::Motion done = motion::motion_of(another(test::at_speed(trainer(), speed)));
+        std::vector<std::vector<double>> distances;
+        for (const motion::Directions& frame : done.frames) {
+            distances.emplace_back();
+            for (const motion::Directions& other : shown.frames)
+                distances.back().push_back(motion::distance(other, frame, true));
+        }
+        const std::vector<double> path = motion::warp(shown, done, 100, true);
+        // Along the path: each frame's own distances, between the first and the last frame that it matches.
+        double cost = 0;
+        for (size_t i = 0; i < path.size(); ++i) {
+            const double before = i > 0 ? path[i - 1] : 0, after = i + 1 < path.size() ? path[i + 1] : path[i];
+            EXPECT_LE(before, path[i]);
+            EXPECT_LE(path[i], after);
+            cost += distances[i][static_cast<size_t>(path[i])];
+        }
+        const double least = reference::least_cost(distances, kStep);
+        EXPECT_LE(cost, least + 1e-9) << "frames of the middle cost no more than the whole path";
+        EXPECT_GT(cost, 0.5 * least);
+    }
 }
 
 TEST(OnlineWarp, FollowsATraineeWhoLags) {

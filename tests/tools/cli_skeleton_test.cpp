@@ -2,8 +2,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "motion/detector.h"
 #include "motion/skeleton_file.h"
+#include "motion/trainee.h"
 #include "tests/tools/run_neuvv.h"
 #include "training/capture_files.h"
 
@@ -66,6 +69,44 @@ TEST_F(CliSkeleton, ImportsAModelsMotion) {
             EXPECT_LT(glm::distance(found.frames[f][j].position, truth.frames[f][j].position), 1e-4);
     expect_refused({"skeleton", "import", file("none.bvh"), "-o", file("b.glb")}, 2, {"none.bvh"});
     expect_refused({"skeleton"}, 2, {"neuvv skeleton --help"});
+}
+
+TEST_F(CliSkeleton, ComparesATraineeWithATrainer) {
+    truth = test::performer_motion(75);
+    motion::write_skeleton(file("trainer.skeleton.glb"), truth);
+    const auto trainee = test::with_arm_off(truth, motion::Limb::kLeftArm, 25, 1, 2);
+    motion::write_skeleton(file("<b>trainee.glb"), test::other_body(trainee, 0.9, {1, 0, 2}, 1));
+    const std::vector<std::string> compare = {"skeleton", "compare", file("trainer.skeleton.glb"),
+                                              file("<b>trainee.glb")};
+    const auto run = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words = compare;
+        words.insert(words.end(), more.begin(), more.end());
+        const ProgramResult result = run_neuvv(words);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return result.out;
+    };
+    EXPECT_NE(run({"--html", file("r.html"), "--csv", file("r.csv")}).find("left arm: 25° off from 1.0 s to 2.0 s"),
+              std::string::npos);
+    const nlohmann::json json = nlohmann::json::parse(run({"--json"}));
+    EXPECT_GT(json["score"], 95);
+    EXPECT_EQ(json["limbs"]["head"], 100);
+    ASSERT_EQ(json["mistakes"].size(), 1u);
+    EXPECT_EQ(json["mistakes"][0]["limb"], "left arm");
+    EXPECT_NEAR(json["mistakes"][0]["degrees"], 25, 1);
+    EXPECT_EQ(nlohmann::json::parse(run({"--json", "--leave-out", "left arm"}))["score"], 100);
+
+    const std::string html = read_text(file("r.html"));
+    EXPECT_EQ(html.find("<!DOCTYPE html>"), 0u);
+    EXPECT_NE(html.find("&lt;b&gt;trainee.glb"), std::string::npos);
+    EXPECT_EQ(html.find("<b>"), std::string::npos) << "names are escaped";
+    EXPECT_NE(html.find("left arm: 25° off"), std::string::npos);
+    EXPECT_EQ(html.find("nan"), std::string::npos);
+    const std::string csv = read_text(file("r.csv"));
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 76);
+    EXPECT_EQ(csv.find("time_s,trainer_time_s,score,trunk_deg,head_deg,right_arm_deg"), 0u);
+
+    expect_refused({"skeleton", "compare", file("trainer.skeleton.glb"), file("none.bvh")}, 2, {"none.bvh"});
+    expect_refused({"skeleton", "compare", compare[2], compare[3], "--leave-out", "tail"}, 2, {"tail", "left leg"});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
+#include "tools/html.h"
 
 namespace neuvv {
 namespace {
