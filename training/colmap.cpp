@@ -23,7 +23,7 @@ std::filesystem::path model_folder(const std::filesystem::path& folder) {
 }
 
 // The camera's name by COLMAP's name of an image: the image's folder, or the file's name where there is no folder.
-std::string camera_name(const std::string& image) {
+std::string camera_of_image(const std::string& image) {
     const std::filesystem::path path(image);
     return path.has_parent_path() ? path.parent_path().string() : path.stem().string();
 }
@@ -33,7 +33,7 @@ using ImagesByCamera = std::map<std::string, std::vector<size_t>, NaturalOrder>;
 
 ImagesByCamera by_camera(const ColmapModel& model) {
     ImagesByCamera result;
-    for (size_t i = 0; i < model.images.size(); ++i) result[camera_name(model.images[i].name)].push_back(i);
+    for (size_t i = 0; i < model.images.size(); ++i) result[camera_of_image(model.images[i].name)].push_back(i);
     return result;
 }
 

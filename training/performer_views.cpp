@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kElevations_deg[] = {5, 35};
 constexpr glm::vec4 kGrey{0.2f, 0.2f, 0.2f, 1};  // linear; detectors were trained on rooms, not on black
-constexpr uint32_t kSamples = 2;                 // rays a pixel along each side
+constexpr uint32_t kViewSamples = 2;             // rays a pixel along each side
 
 void check_view_settings(const ViewSettings& s, const voctree::VOctree& clip) {
     if (s.views < 2 || s.views > 100)
@@ -63,11 +63,11 @@ bool render_performer_views(const gpu::Device& device, const voctree::VOctree& c
     std::filesystem::remove(folder / "transforms_train.json");
 
     const render::Field field = render::upload_field(device, clip, render::WeightPrecision::kHalf);
-    render::FrameRenderer renderer(device, field, {settings.width, settings.height, kSamples});
+    render::FrameRenderer renderer(device, field, {settings.width, settings.height, kViewSamples});
     render::FrameSettings draw;
     draw.width = settings.width;
     draw.height = settings.height;
-    draw.samples = kSamples;
+    draw.samples = kViewSamples;
     draw.resolve.background = kGrey;
     draw.mode = render::TraceMode::kPlay;
     const uint64_t total = uint64_t{frames} * cameras.size();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "base/error.h"
@@ -26,7 +27,7 @@ double median_angle(std::vector<double> angles) {
     double sine = 0, cosine = 0;
     for (const double angle : angles) sine += std::sin(angle), cosine += std::cos(angle);
     const double mean = std::atan2(sine, cosine);
-    for (double& angle : angles) angle = std::remainder(angle - mean, 2 * glm::pi<double>());
+    for (double& angle : angles) angle = std::remainder(angle - mean, 2 * std::numbers::pi);
     return mean + median(angles);
 }
 
@@ -186,8 +187,8 @@ class Comparer {
         for (size_t i = span.first; i <= span.last; ++i) {
             const double shown = facing(trainer_at(i)), done = facing(trainee_.frames[i]);
             if (!std::isfinite(shown + done)) continue;
-            own += std::pow(std::remainder(done - shown, 2 * glm::pi<double>()), 2);
-            mirrored += std::pow(std::remainder(done + shown - 2 * middle_, 2 * glm::pi<double>()), 2);
+            own += std::pow(std::remainder(done - shown, 2 * std::numbers::pi), 2);
+            mirrored += std::pow(std::remainder(done + shown - 2 * middle_, 2 * std::numbers::pi), 2);
         }
         return mirrored < kMirrorGain * kMirrorGain * own;
     }

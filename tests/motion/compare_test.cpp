@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "motion/best_view.h"
 #include "motion/detector.h"
 #include "motion/trainee.h"
@@ -56,7 +58,7 @@ TEST(Compare, AnotherBodyAt90PercentSpeedScores95) {
         std::printf("correct, 90 %% speed, bones 15 %% shorter, elsewhere, noise 1 cm: %s", all_of(found).c_str());
         EXPECT_GE(found.score, 95);
         EXPECT_TRUE(found.mistakes.empty()) << all_of(found);
-        EXPECT_NEAR(std::remainder(found.yaw - 2.1, 2 * glm::pi<double>()), 0, 0.03);
+        EXPECT_NEAR(std::remainder(found.yaw - 2.1, 2 * std::numbers::pi), 0, 0.03);
     }
 }
 

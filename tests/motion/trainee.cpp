@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <numbers>
 #include <random>
 
 namespace neuvv::test {
@@ -121,7 +122,7 @@ motion::SkeletonClip with_mirrored_turn(const motion::SkeletonClip& clip, double
         const double t = time_of(clip, f);
         if (t < first_s || t > last_s) continue;
         Pose& pose = result.frames[f];
-        const double off = std::remainder(yaw_of_hips(pose) - ahead, 2 * glm::pi<double>());
+        const double off = std::remainder(yaw_of_hips(pose) - ahead, 2 * std::numbers::pi);
         const glm::dvec3 pelvis = place_of(pose, Joint::kPelvis);
         const glm::dmat3 turn(glm::rotate(glm::dmat4(1), -2 * off, glm::dvec3(0, 1, 0)));
         for (motion::JointSample& sample : pose) sample.position = pelvis + turn * (sample.position - pelvis);

@@ -59,8 +59,8 @@ TEST_F(CliSkeleton, ExtractsFromViews) {
 }
 
 TEST_F(CliSkeleton, ImportsAModelsMotion) {
-    const ProgramResult result = run_neuvv(
-        {"skeleton", "import", NEUVV_SOURCE_DIR "/tools/performer/performer.glb", "-o", file("a.skeleton.glb")});
+    const std::string model = NEUVV_SOURCE_DIR "/tools/performer/performer.glb";
+    const ProgramResult result = run_neuvv({"skeleton", "import", model, "-o", file("a.skeleton.glb")});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_NE(result.out.find("21 of 21 joints are measured"), std::string::npos) << result.out;
     const motion::SkeletonClip found = motion::read_skeleton(file("a.skeleton.glb"));
