@@ -38,6 +38,21 @@ Motion motion_of(const SkeletonClip& clip) {
     return motion;
 }
 
+Directions directions_at(const Motion& motion, double frame) {
+    const double at = std::clamp(frame, 0.0, static_cast<double>(motion.frames.size() - 1));
+    const auto first = static_cast<size_t>(at);
+    const double share = at - static_cast<double>(first);
+    Directions result = motion.frames[first];
+    if (share == 0) return result;
+    const Directions& next = motion.frames[first + 1];
+    for (size_t b = 0; b < kComparedBones; ++b) {
+        const glm::dvec3 mean = glm::mix(result[b].direction, next[b].direction, share);
+        if (glm::length(mean) > 1e-6) result[b].direction = glm::normalize(mean);
+        result[b].weight = std::min(result[b].weight, next[b].weight);
+    }
+    return result;
+}
+
 std::vector<double> warp(const Motion& shown, const Motion& performed, double band_s, bool without_trunk) {
     assert(!shown.frames.empty() && !performed.frames.empty() && shown.fps == performed.fps);
     const size_t rows = performed.frames.size(), columns = shown.frames.size();

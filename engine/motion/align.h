@@ -13,6 +13,8 @@ struct Motion {
     std::vector<Directions> frames;
 };
 Motion motion_of(const SkeletonClip& clip);
+// At a time in frames, which may lie between two; before the first and after the last frame it is theirs.
+Directions directions_at(const Motion& motion, double frame);
 
 // For each frame of `performed` the frame of `shown` that it matches, ascending, so that the sum of
 // distance() over the path is least. A step along one motion alone costs a little, so that what stands still is not

@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "base/error.h"
-#include "motion/best_turn.h"
+#include "motion/limb_lag.h"
 #include "motion/median.h"
 
 namespace neuvv::motion {
@@ -18,34 +17,7 @@ namespace {
 constexpr double kShortest_s = 0.2;  // of a mistake
 constexpr double kSteady_s = 0.3;    // peaks of half of this are noise
 constexpr double kGap_s = 0.4;       // within which a mistake goes on
-constexpr double kLeastLag_s = 0.1, kLagStep_s = 0.02;
-constexpr double kLagGain = 0.6;     // a limb is late where its error at another time is less than this of its own
-constexpr double kMirrorGain = 0.5;  // the same of a turn to the other side
-
-// The middle of angles in radians, robust against those that are wrong for less than half of the time.
-double median_angle(std::vector<double> angles) {
-    double sine = 0, cosine = 0;
-    for (const double angle : angles) sine += std::sin(angle), cosine += std::cos(angle);
-    const double mean = std::atan2(sine, cosine);
-    for (double& angle : angles) angle = std::remainder(angle - mean, 2 * std::numbers::pi);
-    return mean + median(angles);
-}
-
-// Directions between two frames.
-Directions directions_at(const Motion& motion, double frame) {
-    const double at = std::clamp(frame, 0.0, static_cast<double>(motion.frames.size() - 1));
-    const auto first = static_cast<size_t>(at);
-    const double share = at - static_cast<double>(first);
-    Directions result = motion.frames[first];
-    if (share == 0) return result;
-    const Directions& next = motion.frames[first + 1];
-    for (size_t b = 0; b < kComparedBones; ++b) {
-        const glm::dvec3 mean = glm::mix(result[b].direction, next[b].direction, share);
-        if (glm::length(mean) > 1e-6) result[b].direction = glm::normalize(mean);
-        result[b].weight = std::min(result[b].weight, next[b].weight);
-    }
-    return result;
-}
+constexpr double kMirrorGain = 0.5;  // a turn is mirrored where the mirrored facing leaves less than this of the error
 
 struct Span {
     size_t first = 0, last = 0;  // frames of the trainee
@@ -77,9 +49,8 @@ class Comparer {
   private:
     size_t frames() const { return trainee_.frames.size(); }
     double error_at(size_t frame, Limb limb) const { return result_.errors[frame][index_of(limb)]; }
-    Directions trainer_at(size_t frame, double later_frames = 0) const {
-        return directions_at(trainer_, result_.trainer_frame[frame] - later_frames);
-    }
+    Matched matched() const { return {trainer_, result_.trainer_frame, trainee_.frames}; }
+    Directions trainer_at(size_t frame) const { return matched().trainer_at(frame); }
 
     // Turns the trainee about +Y, for the whole phrase, so that hips and shoulders point as the trainer's.
     void face_the_trainer() {
@@ -138,49 +109,6 @@ class Comparer {
         return spans;
     }
 
-    // The root of the mean square of the limb's error over a span, the trainee compared with `later_s` before.
-    double error_with_lag(Limb limb, const Span& span, double later_s) const {
-        double sum = 0, count = 0;
-        for (size_t i = span.first; i <= span.last; ++i) {
-            const double error = limb_errors(trainer_at(i, later_s * trainer_.fps), trainee_.frames[i])[index_of(limb)];
-            if (error >= 0) sum += error * error, ++count;
-        }
-        return count > 0 ? std::sqrt(sum / count) : INFINITY;
-    }
-
-    // What is left of the limb's error over a span where all of it is turned by one rotation, the best one.
-    double error_with_turn(Limb limb, const Span& span) const {
-        BestTurn best;
-        for (size_t i = span.first; i <= span.last; ++i) {
-            const Directions shown = trainer_at(i), &done = trainee_.frames[i];
-            for (size_t b = 0; b < kComparedBones; ++b)
-                if (limb_of_bone(b) == limb)
-                    best.add(done[b].direction, shown[b].direction, std::min(done[b].weight, shown[b].weight));
-        }
-        const glm::dmat3 turn = best.turn();
-        double sum = 0, count = 0;
-        for (size_t i = span.first; i <= span.last; ++i) {
-            Directions done = trainee_.frames[i];
-            for (BoneDirection& bone : done) bone.direction = turn * bone.direction;
-            const double error = limb_errors(trainer_at(i), done)[index_of(limb)];
-            if (error >= 0) sum += error * error, ++count;
-        }
-        return std::sqrt(sum / count);
-    }
-
-    // By how many seconds the limb is late, where that says more than that it points elsewhere all the time.
-    std::optional<double> lag_of(Limb limb, const Span& span) const {
-        const double own = error_with_lag(limb, span, 0);
-        double best = own, lag = 0;
-        for (double later = -options_.band_s; later <= options_.band_s + 1e-9; later += kLagStep_s) {
-            const double error = error_with_lag(limb, span, later);
-            if (error < best) best = error, lag = later;
-        }
-        const bool explains = best < kLagGain * own && best < options_.tolerances.tolerance[index_of(limb)];
-        if (!explains || std::abs(lag) < kLeastLag_s || error_with_turn(limb, span) < best) return std::nullopt;
-        return lag;
-    }
-
     // Whether the hips turn to the other side of where the trainer's face on the whole.
     bool is_mirrored(const Span& span) const {
         double own = 0, mirrored = 0;
@@ -218,7 +146,8 @@ class Comparer {
             mistake.last_s = result_.trainer_frame[span.last] / trainer_.fps;
             if (limb == Limb::kTrunk && is_mirrored(span)) {
                 mistake.kind = MistakeKind::kMirrored;
-            } else if (const auto lag = lag_of(limb, span)) {
+            } else if (const auto lag = lag_of(matched().part(span.first, span.last), limb, options_.band_s,
+                                               options_.tolerances.tolerance[index_of(limb)])) {
                 mistake.kind = MistakeKind::kLate;
                 mistake.amount = *lag;
             }

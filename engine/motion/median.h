@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace neuvv::motion {
@@ -12,6 +14,15 @@ inline double median(std::vector<double>& values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
     return *middle;
+}
+
+// The middle of angles in radians, robust against those that are wrong for less than half of the time.
+inline double median_angle(std::vector<double> angles) {
+    double sine = 0, cosine = 0;
+    for (const double angle : angles) sine += std::sin(angle), cosine += std::cos(angle);
+    const double mean = std::atan2(sine, cosine);
+    for (double& angle : angles) angle = std::remainder(angle - mean, 2 * std::numbers::pi);
+    return mean + median(angles);
 }
 
 }  // namespace neuvv::motion
