@@ -1,4 +1,4 @@
-// Lines and words on images.
+// Lines and names on images.
 #pragma once
 
 #include <array>

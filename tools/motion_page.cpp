@@ -98,27 +98,25 @@ motion::Pose in_place_of(const motion::Pose& trainee, const motion::Pose& traine
     return pose;
 }
 
-// A horizontal and a vertical direction of a picture.
-struct PictureAxes {
+// The directions of the world that are right and up in an image.
+struct ImageAxes {
     glm::dvec3 right, up;
 };
 
 // The level direction from which the difference of both poses shows best. Of its two sides, the one before the trainer.
-PictureAxes best_picture(const motion::Pose& trainer, const motion::Pose& trainee) {
+ImageAxes best_image(const motion::Pose& trainer, const motion::Pose& trainee) {
     std::vector<motion::WeightedError> errors;
     for (size_t j = 0; j < kJoints; ++j)
         if (trainer[j].measured && trainee[j].measured)
             errors.push_back({trainee[j].position - trainer[j].position, trainee[j].confidence});
-    glm::dvec3 view = motion::best_view_direction(errors);
-    view.y = 0;
-    view = glm::length(view) > 0.1 ? glm::normalize(view) : glm::dvec3(0, 0, 1);
+    glm::dvec3 view = motion::best_level_view(errors);
     const glm::dvec3 left =
         motion::at(trainer, motion::Joint::kLeftHip).position - motion::at(trainer, motion::Joint::kRightHip).position;
     if (glm::dot(view, glm::cross(left, glm::dvec3(0, 1, 0))) < 0) view = -view;  // towards the camera
     return {glm::cross(glm::dvec3(0, 1, 0), view), {0, 1, 0}};
 }
 
-std::string stick_figure(const motion::Pose& pose, const PictureAxes& axes, const glm::dvec3& middle, double scale,
+std::string stick_figure(const motion::Pose& pose, const ImageAxes& axes, const glm::dvec3& middle, double scale,
                          const char* colour, Limb wrong) {
     std::string lines;
     for (size_t j = 1; j < kJoints; ++j) {
@@ -142,7 +140,7 @@ std::string moment(const motion::SkeletonClip& trainer, const motion::SkeletonCl
     const motion::Pose shown = motion::pose_at(trainer, comparison.trainer_frame[frame]);
     const motion::Pose done =
         in_place_of(trainee.frames[frame], shown, comparison.yaw, trainee_height > 0 ? height / trainee_height : 1);
-    const PictureAxes axes = best_picture(shown, done);
+    const ImageAxes axes = best_image(shown, done);
     const glm::dvec3 middle = motion::at(shown, motion::Joint::kPelvis).position;
     const double scale = 130 / (height > 0 ? 0.62 * height : 1);
     constexpr Limb kNone = static_cast<Limb>(kLimbs);

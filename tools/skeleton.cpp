@@ -61,7 +61,7 @@ Examples:
   neuvv skeleton extract build/views --key-points build/views/pose -o build/performer.skeleton.glb)";
 
 struct ViewsOptions {
-    std::string clip, folder, size = "512x512", frames;
+    std::string clip, folder, size = "512x512";
     training::ViewSettings settings;
 };
 
@@ -71,9 +71,6 @@ void run_views(ViewsOptions& options, const CommonOptions& common) {
     options.settings.height = size.height;
     prepare_output_folder("--output", options.folder);
     const voctree::VOctree clip = voctree::read_clip(options.clip);
-    const FrameRange range = parse_frame_range(options.frames, clip.frames);
-    options.settings.first_frame = static_cast<uint32_t>(range.first);
-    options.settings.frames = static_cast<uint32_t>(range.last) - options.settings.first_frame + 1;
     catch_stop_signals();
     const gpu::Device device(common.device);
     Progress progress("views");
@@ -87,7 +84,7 @@ void run_views(ViewsOptions& options, const CommonOptions& common) {
     if (!complete)
         throw RuntimeFailure(fmt::format("stopped; {} has images but no cameras: run it again", options.folder));
     fmt::print("{0}: {1} views of {2} frames; write a detector's key points of {0}/images into {0}/key_points\n",
-               options.folder, options.settings.views, options.settings.frames);
+               options.folder, options.settings.views, clip.frames);
 }
 
 struct ExtractOptions {
@@ -102,21 +99,40 @@ stage::Camera pinhole(const training::RigCamera& camera, const std::string& file
     return {camera.world_from_camera, lens.fx, lens.fy, lens.cx, lens.cy, lens.width, lens.height};
 }
 
-// The cameras and times of a data set, and the images whose key points are wanted.
-std::vector<motion::WantedImage> wanted_images(const training::Rig& rig, motion::Detections& seen) {
+// The cameras of a data set's splits, its times, and the images whose key points are wanted.
+std::vector<motion::WantedImage> wanted_images(const std::vector<training::Rig>& splits, motion::Detections& seen) {
     std::vector<double> times;
-    for (const training::Shot& shot : rig.shots) times.push_back(shot.time);
+    for (const training::Rig& rig : splits)
+        for (const training::Shot& shot : rig.shots) times.push_back(shot.time);
     std::ranges::sort(times);
     times.erase(std::unique(times.begin(), times.end()), times.end());
-    for (const training::RigCamera& camera : rig.cameras) seen.cameras.push_back(pinhole(camera, rig.file));
     seen.frames = times.size();
-    seen.fps = rig.fps > 0 ? rig.fps : 25;
+    seen.fps = splits[0].fps > 0 ? splits[0].fps : 25;
     std::vector<motion::WantedImage> images;
-    for (const training::Shot& shot : rig.shots) {
-        const auto frame = static_cast<size_t>(std::ranges::lower_bound(times, shot.time) - times.begin());
-        images.push_back({rig.cameras[shot.camera].name, shot.image.path.stem().string(), shot.camera, frame});
+    for (const training::Rig& rig : splits) {
+        const size_t first_camera = seen.cameras.size();
+        for (const training::RigCamera& camera : rig.cameras) seen.cameras.push_back(pinhole(camera, rig.file));
+        for (const training::Shot& shot : rig.shots) {
+            const auto frame = static_cast<size_t>(std::ranges::lower_bound(times, shot.time) - times.begin());
+            const std::string image = shot.image.path.stem().string();
+            // Images that this program wrote, c03_f012, name their cameras; other layouts name cameras themselves.
+            const size_t mark = image.rfind("_f");
+            const std::string camera =
+                mark == std::string::npos ? rig.cameras[shot.camera].name : image.substr(0, mark);
+            images.push_back({camera, image, first_camera + shot.camera, frame});
+        }
     }
     return images;
+}
+
+// The training cameras, and those that a capture holds out, which see the performer as well.
+std::vector<training::Rig> read_splits(const std::string& folder) {
+    std::vector<training::Rig> splits = {training::read_rig(folder, training::Split::kTrain)};
+    try {
+        splits.push_back(training::read_rig(folder, training::Split::kTest));
+    } catch (const InputError&) {  // not every data set has a test split
+    }
+    return splits;
 }
 
 void print_quality(const motion::Extraction& found, const motion::Detections& seen) {
@@ -124,10 +140,7 @@ void print_quality(const motion::Extraction& found, const motion::Detections& se
     fmt::print("joint              seen off by     in frames\n");
     for (size_t j = 0; j < motion::kJoints; ++j)
         fmt::print("{:<18} {:7.2f} % {:12.0f} %{}\n", motion::info_of(motion::joint_at(j)).name, 100 * quality.error[j],
-                   100 * quality.known[j],
-                   seen.lacking[j]     ? "  (the detector lacks it)"
-                   : seen.estimated[j] ? "  (estimated: a mean of two)"
-                                       : "");
+                   100 * quality.known[j], seen.lacking[j] ? "  (the detector lacks it)" : "");
     fmt::print(
         "a body of {:.2f} m; errors are shares of it. {} arms and legs were exchanged back, {:.1f} % of {} key points "
         "contradict the others\n",
@@ -140,9 +153,8 @@ void print_quality(const motion::Extraction& found, const motion::Detections& se
 
 void run_extract(const ExtractOptions& options) {
     prepare_output_file("--output", options.output);
-    const training::Rig rig = training::read_rig(options.folder, training::Split::kTrain);
     motion::Detections seen;
-    const std::vector<motion::WantedImage> images = wanted_images(rig, seen);
+    const std::vector<motion::WantedImage> images = wanted_images(read_splits(options.folder), seen);
     std::filesystem::path folder = options.key_points;
     if (folder.empty()) folder = std::filesystem::path(options.folder) / "key_points";
     motion::read_detections(folder, images, seen);
@@ -297,11 +309,10 @@ void add_views(Command group, CommonOptions& common) {
     verb.add_option("-o,--output", options->folder, "folder of the images and their cameras; created").required();
     verb.add_option("--views", options->settings.views, "cameras, in two rings").show_default();
     verb.add_option("--size", options->size, "of the images, WxH pixels").show_default();
-    verb.add_option("--frames", options->frames, "whole frames of the clip, \"A:B\"; default: all");
     verb.footer(
         {"\nExamples:\n"
          "  neuvv skeleton views build/performer.nvv -o build/views\n"
-         "  neuvv skeleton views build/performer.nvv -o build/views --views 16 --size 768x768 --frames 0:9"});
+         "  neuvv skeleton views build/performer.nvv -o build/views --views 16 --size 768x768"});
     verb.callback([options, &common] { run_views(*options, common); });
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "render/field.h"
 #include "render/frame.h"
 #include "training/capture_files.h"
@@ -20,14 +21,24 @@ constexpr double kElevations_deg[] = {5, 35};
 constexpr glm::vec4 kGrey{0.2f, 0.2f, 0.2f, 1};  // linear; detectors were trained on rooms, not on black
 constexpr uint32_t kViewSamples = 2;             // rays a pixel along each side
 
-void check_view_settings(const ViewSettings& s, const voctree::VOctree& clip) {
+void check_view_settings(const ViewSettings& s) {
     if (s.views < 2 || s.views > 100)
         throw InputError("skeleton", "--views", fmt::format("{} is out of range", s.views), "choose 2 to 100");
     if (std::min(s.width, s.height) < 64 || std::max(s.width, s.height) > 4096)
         throw InputError("skeleton", "--size", fmt::format("{}x{} is out of range", s.width, s.height),
                          "choose 64 to 4096 a side");
-    if (s.first_frame >= clip.frames || s.frames > clip.frames - s.first_frame)
-        throw InputError("skeleton", "--frames", fmt::format("the clip has frames 0 to {}", clip.frames - 1));
+}
+
+// Removes the cameras of earlier views, and refuses a folder whose images or key points would be mixed with new ones.
+void prepare_view_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    for (const char* name : {"images", "key_points"})
+        if (std::filesystem::exists(folder / name, error) && !std::filesystem::is_empty(folder / name, error))
+            throw InputError((folder / name).string(), "", "is there already, of earlier views",
+                             "remove it, or choose another folder");
+    prepare_output_folder("--output", folder / "images");
+    std::filesystem::remove(folder / "transforms_train.json", error);
+    if (error) throw RuntimeFailure(fmt::format("{}: cannot be written anew: {}", folder.string(), error.message()));
 }
 
 std::vector<glm::vec3> corners(const std::pair<glm::dvec3, glm::dvec3>& box) {
@@ -56,11 +67,9 @@ std::vector<stage::Camera> views_around(const voctree::VOctree& clip, const View
 bool render_performer_views(const gpu::Device& device, const voctree::VOctree& clip,
                             const std::filesystem::path& folder, const ViewSettings& settings,
                             const CaptureProgress& progress) {
-    check_view_settings(settings, clip);
+    check_view_settings(settings);
     const std::vector<stage::Camera> cameras = views_around(clip, settings);
-    const uint32_t frames = settings.frames ? settings.frames : clip.frames - settings.first_frame;
-    std::filesystem::create_directories(folder / "images");
-    std::filesystem::remove(folder / "transforms_train.json");
+    prepare_view_folder(folder);
 
     const render::Field field = render::upload_field(device, clip, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device, field, {settings.width, settings.height, kViewSamples});
@@ -70,10 +79,10 @@ bool render_performer_views(const gpu::Device& device, const voctree::VOctree& c
     draw.samples = kViewSamples;
     draw.resolve.background = kGrey;
     draw.mode = render::TraceMode::kPlay;
-    const uint64_t total = uint64_t{frames} * cameras.size();
+    const uint64_t total = uint64_t{clip.frames} * cameras.size();
     Workers workers(std::max(1u, std::thread::hardware_concurrency()), 8);
-    for (uint32_t f = 0; f < frames; ++f) {
-        draw.instances[0].frame = static_cast<float>(settings.first_frame + f);
+    for (uint32_t f = 0; f < clip.frames; ++f) {
+        draw.instances[0].frame = static_cast<float>(f);
         for (size_t c = 0; c < cameras.size(); ++c) {
             if (progress && !progress(f * cameras.size() + c, total)) return false;
             workers.add([path = folder / "images" / (image_name(c, f) + ".png"),
@@ -82,7 +91,7 @@ bool render_performer_views(const gpu::Device& device, const voctree::VOctree& c
     }
     workers.finish();
     write_transforms(folder / "transforms_train.json",
-                     {cameras, std::vector<bool>(cameras.size(), true), frames, clip.fps > 0 ? clip.fps : 25,
+                     {cameras, std::vector<bool>(cameras.size(), true), clip.frames, clip.fps > 0 ? clip.fps : 25,
                       voctree::occupied_box(clip), false});
     return !progress || progress(total, total);
 }

@@ -1,18 +1,22 @@
 #include "motion/align.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
+
+#include "base/error.h"
 
 namespace neuvv::motion {
 
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr double kStepCost = 0.004;  // of a step along one motion alone: 1 − cos 5°
-constexpr double kForget = 0.97;     // what costs of the past count for, frame by frame: half a second at 60 Hz
-constexpr double kLagCost = 2e-4;    // a second² of lag: decides between frames that match alike
+constexpr double kMostCells = 1 << 28;  // of a warp's table: a byte each
+constexpr double kForget = 0.97;        // what costs of the past count for, frame by frame: half a second at 60 Hz
+constexpr double kLagCost = 2e-4;       // a second² of lag: decides between frames that match alike
 
 enum class Step : uint8_t { kBoth, kPerformed, kShown };
 
@@ -27,6 +31,38 @@ Band band_of(size_t i, size_t shown, size_t performed, double width) {
     const double last = static_cast<double>(shown - 1);
     return {static_cast<size_t>(std::clamp(middle - width, 0.0, last)),
             static_cast<size_t>(std::clamp(std::ceil(middle + width), 0.0, last))};
+}
+
+// A row of the table: the costs of matching a performed frame with the shown frames of its band, and how each came
+// about.
+struct WarpRow {
+    size_t first = 0;
+    std::vector<double> costs;
+    std::vector<Step> steps;
+
+    explicit WarpRow(Band band)
+        : first(band.first), costs(band.last - band.first + 1, kFar), steps(band.last - band.first + 1) {}
+    size_t last() const { return first + steps.size() - 1; }
+    double cost(size_t j) const { return j >= first && j <= last() ? costs[j - first] : kFar; }
+};
+
+// Back from the end. A performed frame that several shown frames match gets the middle of them.
+Warp path_of(const std::vector<WarpRow>& table) {
+    const size_t rows = table.size();
+    std::vector<double> first(rows, kFar), last(rows, 0);
+    size_t i = rows - 1, j = table[i].last();
+    Warp warp;
+    warp.cost = table[i].costs.back();
+    while (true) {
+        first[i] = std::min(first[i], static_cast<double>(j));
+        last[i] = std::max(last[i], static_cast<double>(j));
+        if (i == 0 && j == table[0].first) break;
+        const Step step = table[i].steps[j - table[i].first];
+        if (step != Step::kShown && i > 0) --i;
+        if (step != Step::kPerformed && j > 0) --j;
+    }
+    for (size_t row = 0; row < rows; ++row) warp.frames.push_back(0.5 * (first[row] + last[row]));
+    return warp;
 }
 
 }  // namespace
@@ -53,44 +89,35 @@ Directions directions_at(const Motion& motion, double frame) {
     return result;
 }
 
-std::vector<double> warp(const Motion& shown, const Motion& performed, double band_s, bool without_trunk) {
+Warp warp(const Motion& shown, const Motion& performed, double band_s, bool without_trunk) {
     assert(!shown.frames.empty() && !performed.frames.empty() && shown.fps == performed.fps);
     const size_t rows = performed.frames.size(), columns = shown.frames.size();
-    const double width = std::max(1.0, band_s * shown.fps);
-    std::vector<std::vector<Step>> steps(rows);
-    std::vector<Band> bands(rows);
-    std::vector<double> before(columns, kFar), now(columns, kFar);
+    // Bands of neighbouring rows overlap.
+    const double slope = static_cast<double>(columns) / static_cast<double>(rows);
+    const double width = std::max({1.0, slope, band_s * shown.fps});
+    if (static_cast<double>(rows) * std::min(2 * width + 2, static_cast<double>(columns)) > kMostCells)
+        throw InputError("compare", "--band", fmt::format("{} s is too much for motions this long", band_s),
+                         "choose a narrower band, or cut the motions");
+    std::vector<WarpRow> table;
     for (size_t i = 0; i < rows; ++i) {
-        bands[i] = band_of(i, columns, rows, width);
-        steps[i].resize(bands[i].last - bands[i].first + 1);
-        std::ranges::fill(now, kFar);
-        for (size_t j = bands[i].first; j <= bands[i].last; ++j) {
-            double best = i == 0 && j == bands[0].first ? 0 : kFar;
+        WarpRow row(band_of(i, columns, rows, width));
+        const WarpRow* before = table.empty() ? nullptr : &table.back();
+        for (size_t j = row.first; j <= row.last(); ++j) {
+            double best = before ? kFar : j == row.first ? 0 : kFar;
             Step step = Step::kBoth;
             const auto consider = [&](double cost, Step kind) {
                 if (cost < best) best = cost, step = kind;
             };
-            if (i > 0 && j > 0) consider(before[j - 1], Step::kBoth);
-            if (i > 0) consider(before[j] + kStepCost, Step::kPerformed);
-            if (j > bands[i].first) consider(now[j - 1] + kStepCost, Step::kShown);
-            now[j] = best + distance(shown.frames[j], performed.frames[i], without_trunk);
-            steps[i][j - bands[i].first] = step;
+            if (before && j > 0) consider(before->cost(j - 1), Step::kBoth);
+            if (before) consider(before->cost(j) + kWarpStepCost, Step::kPerformed);
+            if (j > row.first) consider(row.cost(j - 1) + kWarpStepCost, Step::kShown);
+            row.costs[j - row.first] = best + distance(shown.frames[j], performed.frames[i], without_trunk);
+            row.steps[j - row.first] = step;
         }
-        std::swap(before, now);
+        if (before) table.back().costs.clear();
+        table.push_back(std::move(row));
     }
-    // Back from the end. A performed frame that several shown frames match gets the middle of them.
-    std::vector<double> first(rows, kFar), last(rows, 0), path(rows);
-    size_t i = rows - 1, j = bands[i].last;
-    while (true) {
-        first[i] = std::min(first[i], static_cast<double>(j));
-        last[i] = std::max(last[i], static_cast<double>(j));
-        if (i == 0 && j == bands[0].first) break;
-        const Step step = steps[i][j - bands[i].first];
-        if (step != Step::kShown && i > 0) --i;
-        if (step != Step::kPerformed && j > 0) --j;
-    }
-    for (size_t k = 0; k < rows; ++k) path[k] = 0.5 * (first[k] + last[k]);
-    return path;
+    return path_of(table);
 }
 
 OnlineWarp::OnlineWarp(const Motion& shown, double band_s) : shown_(shown), band_s_(band_s) {
@@ -112,14 +139,18 @@ double OnlineWarp::add(const Directions& performed, double clip_time_s) {
     std::ranges::fill(now, kFar);
     size_t best = first;
     for (size_t j = first; j <= last; ++j) {
-        double before = began_ ? costs_[j] + kStepCost : 0;
+        double before = began_ ? costs_[j] + kWarpStepCost : 0;
         if (began_ && j > 0) before = std::min(before, costs_[j - 1]);
-        if (began_ && j > 1) before = std::min(before, costs_[j - 2] + kStepCost);
+        if (began_ && j > 1) before = std::min(before, costs_[j - 2] + kWarpStepCost);
         const double lag = (static_cast<double>(j) - middle) / shown_.fps;
         now[j] = before + distance(shown_.frames[j], performed, true) + kLagCost * lag * lag;
         if (now[j] < now[best]) best = j;
     }
     // Costs are relative to the best, and old ones fade.
+    if (now[best] == kFar) {  // the clip has jumped out of the band
+        reset();
+        return add(performed, clip_time_s);
+    }
     for (size_t j = 0; j < now.size(); ++j) costs_[j] = kForget * (now[j] - now[best]);
     began_ = true;
     return static_cast<double>(best) / shown_.fps;

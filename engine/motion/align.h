@@ -16,11 +16,17 @@ Motion motion_of(const SkeletonClip& clip);
 // At a time in frames, which may lie between two; before the first and after the last frame it is theirs.
 Directions directions_at(const Motion& motion, double frame);
 
-// For each frame of `performed` the frame of `shown` that it matches, ascending, so that the sum of
-// distance() over the path is least. A step along one motion alone costs a little, so that what stands still is not
-// warped. Times stay within band_s of the straight line from both beginnings to both ends. The work is
-// |performed| × frames of the band. Both motions must have a frame and the same rate (assert).
-std::vector<double> warp(const Motion& shown, const Motion& performed, double band_s, bool without_trunk);
+constexpr double kWarpStepCost = 0.004;  // of a step along one motion alone: 1 − cos 5°
+
+struct Warp {
+    std::vector<double> frames;  // for each frame of `performed` the frame of `shown` that it matches, ascending
+    double cost = 0;             // the sum of distance() and of kWarpStepCost along the path
+};
+
+// The path of least cost. Times stay within band_s of the straight line from both beginnings to both ends, or as far
+// from it as its steepness needs. Work and memory are the frames of `performed` times those of the band. Both motions
+// must have a frame and the same rate (assert). Throws InputError where that is too much.
+Warp warp(const Motion& shown, const Motion& performed, double band_s, bool without_trunk);
 
 // The same as frames arrive, without knowing the end. Frames come at the rate of `shown`.
 class OnlineWarp {

@@ -1,6 +1,7 @@
 #include "motion/best_view.h"
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 
 namespace neuvv::motion {
 
@@ -35,6 +36,18 @@ glm::dvec3 best_view_direction(std::span<const WeightedError> errors) {
         return {0, 0, 1};  // all errors are vertical
     }
     return vector(0);
+}
+
+glm::dvec3 best_level_view(std::span<const WeightedError> errors) {
+    double xx = 0, xz = 0, zz = 0;
+    for (const WeightedError& each : errors) {
+        xx += each.weight * each.error.x * each.error.x;
+        xz += each.weight * each.error.x * each.error.z;
+        zz += each.weight * each.error.z * each.error.z;
+    }
+    // The axis of the most level error; the view is across it.
+    const double axis = 0.5 * std::atan2(2 * xz, xx - zz);
+    return {-std::sin(axis), 0, std::cos(axis)};
 }
 
 }  // namespace neuvv::motion

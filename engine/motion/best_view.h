@@ -19,4 +19,7 @@ double visible_error(std::span<const WeightedError> errors, const glm::dvec3& vi
 // where there are no errors.
 glm::dvec3 best_view_direction(std::span<const WeightedError> errors);
 
+// The same among level directions (y = 0).
+glm::dvec3 best_level_view(std::span<const WeightedError> errors);
+
 }  // namespace neuvv::motion

@@ -15,6 +15,8 @@ namespace {
 
 constexpr size_t kMaxBvhJoints = 1000, kMaxBvhChannels = 6;
 constexpr double kMaxOffset = 1e6;
+constexpr double kRateRounding = 2e-4;
+constexpr double kMaxPoses = 5e7;  // joints times frames
 
 enum class Channel : uint8_t { kX, kY, kZ, kTurnX, kTurnY, kTurnZ };
 
@@ -137,10 +139,13 @@ SkeletonClip read_bvh(const std::filesystem::path& file) {
     const auto frames = static_cast<size_t>(words.number(1, static_cast<double>(kMaxSkeletonFrames)));
     words.expect("Frame");
     words.expect("Time:");
+    if (hierarchy.channels == 0) words.fail("has no channels, so nothing moves", "export it with its motion");
+    if (static_cast<double>(frames * hierarchy.joints.size()) > kMaxPoses)
+        words.fail("has too many frames for so many joints", "export fewer joints, or cut it");
     SkeletonClip clip;
     clip.fps = 1 / words.number(1e-4, 1e3);
-    // 30 frames a second are written as 0.0333333.
-    if (std::abs(clip.fps - std::round(clip.fps)) < 1e-3 * clip.fps) clip.fps = std::round(clip.fps);
+    // 30 frames a second are written as 0.0333333; 29.97 stay.
+    if (std::abs(clip.fps - std::round(clip.fps)) < kRateRounding * clip.fps) clip.fps = std::round(clip.fps);
     const JointSources sources = joint_sources(bones_at_rest(hierarchy), file.string());
     std::vector<double> values(hierarchy.channels);
     for (size_t f = 0; f < frames; ++f) {

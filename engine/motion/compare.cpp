@@ -21,24 +21,25 @@ constexpr double kMirrorGain = 0.5;  // a turn is mirrored where the mirrored fa
 
 struct Span {
     size_t first = 0, last = 0;  // frames of the trainee
+    size_t beyond = 0;           // how many of them are beyond the tolerance
 };
 
 class Comparer {
   public:
     Comparer(const SkeletonClip& trainer, const SkeletonClip& trainee, const CompareOptions& options)
         : options_(options), trainer_(motion_of(trainer)), trainee_(motion_of(resampled(trainee, trainer.fps))) {
-        for (Directions& directions : trainee_.frames)
-            for (size_t b = 0; b < kComparedBones; ++b)
-                if (!options.counted[index_of(limb_of_bone(b))]) directions[b].weight = 0;
+        if (std::ranges::find(options.counted, true) == options.counted.end())
+            throw InputError("compare", "--leave-out", "leaves no limb to compare", "name fewer limbs");
     }
 
     Comparison run() {
         result_.fps = trainer_.fps;
         // Limbs say when, that says how the trainee stands turned, and with that the trunk helps to say when.
-        result_.trainer_frame = warp(trainer_, trainee_, options_.band_s, true);
+        result_.trainer_frame = warp(trainer_, counted_motion(), options_.band_s, true).frames;
         face_the_trainer();
-        result_.trainer_frame = warp(trainer_, trainee_, options_.band_s, false);
+        result_.trainer_frame = warp(trainer_, counted_motion(), options_.band_s, false).frames;
         face_the_trainer();
+        trainee_ = counted_motion();
         measure();
         for (size_t limb = 0; limb < kLimbs; ++limb) find_mistakes(static_cast<Limb>(limb));
         std::ranges::stable_sort(result_.mistakes, {}, &Mistake::first_s);
@@ -51,6 +52,15 @@ class Comparer {
     double error_at(size_t frame, Limb limb) const { return result_.errors[frame][index_of(limb)]; }
     Matched matched() const { return {trainer_, result_.trainer_frame, trainee_.frames}; }
     Directions trainer_at(size_t frame) const { return matched().trainer_at(frame); }
+
+    // The trainee without the limbs that do not count.
+    Motion counted_motion() const {
+        Motion motion = trainee_;
+        for (Directions& directions : motion.frames)
+            for (size_t b = 0; b < kComparedBones; ++b)
+                if (!options_.counted[index_of(limb_of_bone(b))]) directions[b].weight = 0;
+        return motion;
+    }
 
     // Turns the trainee about +Y, for the whole phrase, so that hips and shoulders point as the trainer's.
     void face_the_trainer() {
@@ -73,7 +83,7 @@ class Comparer {
         }
         if (!known)
             throw InputError("compare", "", "trainer and trainee have no limb that is measured in both",
-                             "look at which joints are measured (neuvv skeleton import says so)");
+                             "neuvv skeleton import prints how many joints of a file are measured");
     }
 
     // A limb's error with short peaks taken out: at each frame the median of the frames around it. −1 where unknown.
@@ -98,14 +108,12 @@ class Comparer {
         std::vector<Span> spans;
         for (size_t i = 0; i < frames(); ++i) {
             if (errors[i] <= tolerance) continue;
-            if (!spans.empty() && i - spans.back().last <= gap)
-                spans.back().last = i;
-            else
-                spans.push_back({i, i});
+            if (spans.empty() || i - spans.back().last > gap) spans.push_back({i, i, 0});
+            spans.back().last = i;
+            ++spans.back().beyond;
         }
-        std::erase_if(spans, [&](const Span& span) {
-            return static_cast<double>(span.last - span.first + 1) < kShortest_s * trainer_.fps;
-        });
+        std::erase_if(spans,
+                      [&](const Span& span) { return static_cast<double>(span.beyond) < kShortest_s * trainer_.fps; });
         return spans;
     }
 
@@ -202,6 +210,10 @@ SkeletonClip resampled(const SkeletonClip& clip, double fps) {
     SkeletonClip result;
     result.fps = fps;
     const double duration_s = static_cast<double>(clip.frames.size() - 1) / clip.fps;
+    if (!(duration_s * fps < static_cast<double>(kMaxSkeletonFrames)))
+        throw InputError("compare", "",
+                         fmt::format("a motion of {:.0f} s is too long for {:.6g} frames a second", duration_s, fps),
+                         "cut it");
     const auto frames = static_cast<size_t>(std::floor(duration_s * fps + 1e-6)) + 1;
     for (size_t f = 0; f < frames; ++f) result.frames.push_back(pose_at(clip, static_cast<double>(f) / fps * clip.fps));
     return result;

@@ -45,7 +45,7 @@ struct Comparison {
 // and another rate; its estimated joints count as unknown. Throws InputError where no limb is known in both.
 Comparison compare(const SkeletonClip& trainer, const SkeletonClip& trainee, const CompareOptions& options = {});
 
-// The clip at another rate, its poses mixed (pose_at).
+// The clip at another rate, its poses mixed (pose_at). Throws InputError for more than kMaxSkeletonFrames.
 SkeletonClip resampled(const SkeletonClip& clip, double fps);
 
 }  // namespace neuvv::motion

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
 
 #include "base/error.h"
 #include "motion/bundle.h"
@@ -16,7 +18,7 @@ constexpr double kTolerance = 0.03;     // of the body's height: key points furt
 constexpr double kSwapGain = 0.5;       // left and right are exchanged where that leaves less than this of the error
 constexpr double kGuess = 0.25;         // the confidence of joints that were interpolated
 constexpr int kSwapRounds = 3;          // until nothing changes, at most
-constexpr double kFirstHeight_m = 1.7;  // what tolerances begin with, relative to the images: see guessed_height
+constexpr double kFirstHeight_m = 1.7;  // where the cameras do not say
 
 // The joints whose left and right a detector exchanges together.
 enum class Pair : uint8_t { kArms, kLegs };
@@ -51,12 +53,11 @@ class Extractor {
     }
 
   private:
-    // The median size of the person in the images, at the distance of the cameras' common centre. Only tolerances are
+    // The median size of the person in the images, at the point that the cameras look at. Only first tolerances are
     // made of it.
     double guessed_height() const {
-        glm::dvec3 middle(0);
-        for (const stage::Camera& camera : seen_.cameras) middle += glm::dvec3(camera.world_from_camera[3]);
-        middle /= static_cast<double>(seen_.cameras.size());
+        const std::optional<glm::dvec3> middle = point_looked_at(seen_.cameras);
+        if (!middle) return kFirstHeight_m;
         std::vector<double> heights;
         for (size_t f = 0; f < seen_.frames; ++f)
             for (size_t c = 0; c < seen_.cameras.size(); ++c) {
@@ -66,7 +67,7 @@ class Extractor {
                     low = std::min(low, point.pixel.y);
                     high = std::max(high, point.pixel.y);
                 }
-                if (high > low) heights.push_back((high - low) * metres_per_pixel(seen_.cameras[c], middle));
+                if (high > low) heights.push_back((high - low) * metres_per_pixel(seen_.cameras[c], *middle));
             }
         const double height = median(heights);
         return height > 0 ? height : kFirstHeight_m;
@@ -91,7 +92,7 @@ class Extractor {
                 for (size_t c = 0; c < points.size(); ++c) points[c] = seen_.in(f, c)[j];
                 const auto found = triangulate(seen_.cameras, points, kTolerance * height_);
                 if (!found) continue;
-                clip_.frames[f][j] = {found->position, found->confidence, !seen_.estimated[j]};
+                clip_.frames[f][j] = {found->position, found->confidence, true};
                 for (size_t c = 0; c < points.size(); ++c) used_[f * points.size() + c][j] = found->agrees[c];
                 ++triangulated_[j];
             }
@@ -114,7 +115,6 @@ class Extractor {
             for (size_t c = 0; c < seen_.cameras.size(); ++c)
                 for (size_t pair = 0; pair < kPairs; ++pair)
                     count += exchange(f, c, right_joints(static_cast<Pair>(pair)));
-        swapped_ += count;
         return count;
     }
 
@@ -138,6 +138,9 @@ class Extractor {
         if (count < 2 || as_seen < noise || exchanged > kSwapGain * as_seen) return false;
         for (const Joint right : right_side)
             std::swap(points[index_of(right)], points[index_of(info_of(right).mirrored)]);
+        // Exchanging twice is none.
+        const std::array<size_t, 3> key = {frame, camera, index_of(right_side[0])};
+        if (!exchanged_.erase(key)) exchanged_.insert(key);
         return true;
     }
 
@@ -165,7 +168,7 @@ class Extractor {
     ExtractQuality quality() const {
         ExtractQuality quality;
         quality.height_m = height_;
-        quality.swapped = swapped_;
+        quality.swapped = exchanged_.size();
         for (size_t j = 0; j < kJoints; ++j) {
             std::vector<double> errors;
             for (size_t f = 0; f < seen_.frames; ++f)
@@ -187,7 +190,7 @@ class Extractor {
     SkeletonClip clip_;
     UsedPoints used_;
     double height_ = 0;
-    size_t swapped_ = 0;
+    std::set<std::array<size_t, 3>> exchanged_;   // frame, camera, first joint of what was exchanged
     std::array<size_t, kJoints> triangulated_{};  // frames, by joint
 };
 

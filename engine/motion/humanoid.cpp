@@ -21,16 +21,15 @@ struct BoneNames {
     bool sided;
     bool needed;
 };
-enum BoneKind : uint8_t { kHipsBone, kHeadBone, kUpperArm, kForearm, kHand, kThigh, kShin, kFoot, kToes, kBoneKinds };
+enum BoneKind : uint8_t { kHeadBone, kUpperArm, kForearm, kHand, kThigh, kShin, kFoot, kToes, kBoneKinds };
 
 const std::array<BoneNames, kBoneKinds>& bone_names() {
     static const std::array<BoneNames, kBoneKinds> names = {{
-        {"hips", {"hips", "hip", "pelvis"}, false, true},
         {"head", {"head"}, false, true},
-        {"upper arm", {"upperarm", "arm", "shldr", "uparm"}, true, true},
+        {"upper arm", {"upperarm", "arm", "shldr", "uparm", "shoulder"}, true, true},
         {"forearm", {"forearm", "lowerarm", "lowarm", "elbow"}, true, true},
         {"hand", {"hand", "wrist"}, true, true},
-        {"thigh", {"thigh", "upleg", "upperleg"}, true, true},
+        {"thigh", {"thigh", "upleg", "upperleg", "hip"}, true, true},
         {"shin", {"shin", "leg", "lowerleg", "calf", "lowleg", "knee"}, true, true},
         {"foot", {"foot", "ankle"}, true, true},
         {"toes", {"toes", "toebase", "toe", "ball"}, true, false},
@@ -43,34 +42,30 @@ struct PlainName {
     Side side = Side::kNone;
 };
 
-// Takes a word off the name's beginning or end, and says whether it was there.
-bool take(std::string& name, const std::string& word, bool end) {
-    if (name.size() <= word.size()) return false;
-    if (end ? !name.ends_with(word) : !name.starts_with(word)) return false;
-    name.erase(end ? name.size() - word.size() : 0, word.size());
-    return true;
+// The words of a name, in lower case: "J_Bip_L_UpperArm", "lForeArm" and "LeftForeArm" → j bip l upper arm, l fore arm,
+// left fore arm. What stands before a colon or a bar is the name of the skeleton.
+std::vector<std::string> words_of(const std::string& name) {
+    std::vector<std::string> words(1);
+    for (size_t i = name.find_last_of(":|") + 1; i < name.size(); ++i) {
+        const auto c = static_cast<unsigned char>(name[i]);
+        const bool begins = std::isupper(c) && i > 0 && std::islower(static_cast<unsigned char>(name[i - 1]));
+        if ((begins || !std::isalpha(c)) && !words.back().empty()) words.emplace_back();
+        if (std::isalpha(c)) words.back() += static_cast<char>(std::tolower(c));
+    }
+    return words;
 }
 
-// "mixamorig:LeftForeArm", "left_forearm", "forearm.L", "lowerarm_l", "lForeArm" → forearm, left.
+// The name without the words that say which side or skeleton it belongs to.
 PlainName plain(const std::string& full) {
-    std::string words;  // lower case, words parted by spaces
-    for (size_t i = full.find_last_of(":|") + 1; i < full.size(); ++i) {
-        const auto c = static_cast<unsigned char>(full[i]);
-        if (std::isupper(c) && i > 0 && std::islower(static_cast<unsigned char>(full[i - 1]))) words += ' ';
-        words += std::isalpha(c) ? static_cast<char>(std::tolower(c)) : ' ';
+    PlainName plain;
+    for (const std::string& word : words_of(full)) {
+        const bool left = word == "l" || word == "left", right = word == "r" || word == "right";
+        if ((left || right) && plain.side == Side::kNone)
+            plain.side = left ? Side::kLeft : Side::kRight;
+        else if (word != "j" && word != "bip" && word != "c" && word != "mixamorig")
+            plain.name += word;
     }
-    while (words.ends_with(' ')) words.pop_back();
-    Side side = Side::kNone;
-    for (const bool end : {false, true}) {
-        for (const auto& [word, of] :
-             {std::pair{"left", Side::kLeft}, {"l", Side::kLeft}, {"right", Side::kRight}, {"r", Side::kRight}}) {
-            if (side != Side::kNone) break;
-            const std::string parted = end ? std::string(" ") + word : word + std::string(" ");
-            if (take(words, parted, end) || (std::string(word).size() > 1 && take(words, word, end))) side = of;
-        }
-    }
-    std::erase(words, ' ');
-    return {words, side};
+    return plain;
 }
 
 struct Found {

@@ -63,8 +63,7 @@ constexpr Joint joint_at(size_t index) {
 struct KeyPointLayout {
     const char* name;
     size_t points;
-    // The key points whose mean is the joint; {n, n}: the key point itself; {−1, −1}: the layout lacks the joint. A
-    // mean of two is an estimate.
+    // The key points whose mean is the joint; {n, n}: the key point itself; {−1, −1}: the layout lacks the joint.
     std::array<std::array<int, 2>, kJoints> sources;
 };
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <map>
 
 #include "base/error.h"
@@ -14,7 +16,7 @@ namespace neuvv::motion {
 namespace {
 
 constexpr double kMaxPixel = 1e6;
-constexpr size_t kMaxPeople = 1000;
+constexpr size_t kMaxPeople = 1000, kMaxPoints = 1000;
 
 struct Person {
     std::vector<KeyPoint> points;
@@ -24,6 +26,7 @@ struct Person {
 Person read_person(const JsonNode& node) {
     const JsonNode list = node["pose_keypoints_2d"];
     expect_list(list);
+    if (list.value.size() > 3 * kMaxPoints) list.fail(fmt::format("has more than {} key points", kMaxPoints));
     if (list.value.size() % 3 != 0) list.fail("is no list of x, y, confidence");
     Person person;
     for (size_t i = 0; i < list.value.size(); i += 3) {
@@ -45,12 +48,35 @@ KeyPoint joint_point(const Person& person, std::array<int, 2> sources) {
     return {0.5 * (a.pixel + b.pixel), std::min(a.confidence, b.confidence)};
 }
 
-// The files of a folder that end with .json, by name.
+// What a folder contains, by name. Throws InputError where it cannot be read.
+std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::directory_entry> entries;
+    std::error_code error;
+    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+        entries.push_back(*at);
+    if (error) throw InputError(folder.string(), "", "cannot be read: " + error.message());
+    std::ranges::sort(entries);
+    return entries;
+}
+
+// The number that a name ends with, or 0.
+size_t last_number(const std::string& name) {
+    size_t end = name.size();
+    while (end > 0 && !std::isdigit(static_cast<unsigned char>(name[end - 1]))) --end;
+    size_t begin = end;
+    while (begin > 0 && std::isdigit(static_cast<unsigned char>(name[begin - 1]))) --begin;
+    size_t number = 0;
+    std::from_chars(name.data() + begin, name.data() + end, number);
+    return number;
+}
+
+// The files of a folder that end with .json, by the numbers that their names end with: f9 before f10.
 std::vector<std::filesystem::path> json_files(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".json" && entry.is_regular_file()) files.push_back(entry.path());
-    std::ranges::sort(files);
+    std::error_code ignored;
+    for (const auto& entry : entries_of(folder))
+        if (entry.path().extension() == ".json" && entry.is_regular_file(ignored)) files.push_back(entry.path());
+    std::ranges::stable_sort(files, {}, [](const auto& file) { return last_number(file.stem().string()); });
     return files;
 }
 
@@ -65,42 +91,54 @@ std::string image_of(const std::filesystem::path& file) {
 std::vector<std::filesystem::path> flat_files(const std::filesystem::path& folder,
                                               std::span<const WantedImage> images) {
     std::map<std::string, size_t> by_name;
-    for (size_t i = 0; i < images.size(); ++i) by_name[images[i].image] = i;
+    for (size_t i = 0; i < images.size(); ++i)
+        if (!by_name.emplace(images[i].image, i).second)
+            throw InputError(folder.string(), "",
+                             fmt::format("images of several cameras are called \"{}\"", images[i].image),
+                             "give a folder for each camera: CAMERA_json");
     std::vector<std::filesystem::path> found(images.size());
     for (const std::filesystem::path& file : json_files(folder)) {
         const auto image = by_name.find(image_of(file));
         if (image == by_name.end())
-            throw InputError(file.string(), "", "belongs to no image of the rendered views",
+            throw InputError(file.string(), "", "belongs to no image of these cameras",
                              "remove it, or name it like its image");
         found[image->second] = file;
     }
     return found;
 }
 
-// The same in a folder for each camera.
+// The images of each camera, in order of their frames.
+std::map<std::string, std::vector<size_t>> images_by_camera(std::span<const WantedImage> images) {
+    std::map<std::string, std::vector<size_t>> cameras;
+    for (size_t i = 0; i < images.size(); ++i) cameras[images[i].camera].push_back(i);
+    for (auto& [camera, list] : cameras) std::ranges::sort(list, {}, [&](size_t i) { return images[i].frame; });
+    return cameras;
+}
+
+// The file of each wanted image, in a folder for each camera.
 std::vector<std::filesystem::path> files_by_camera(const std::filesystem::path& folder,
                                                    std::span<const WantedImage> images) {
-    std::map<std::string, std::vector<std::filesystem::path>> by_camera;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-        if (!entry.is_directory()) continue;
+    const std::map<std::string, std::vector<size_t>> cameras = images_by_camera(images);
+    std::vector<std::filesystem::path> found(images.size());
+    std::map<std::string, std::filesystem::path> folders;
+    std::error_code ignored;
+    for (const auto& entry : entries_of(folder)) {
+        if (!entry.is_directory(ignored)) continue;
         std::string name = entry.path().filename().string();
         if (name.ends_with("_json")) name.resize(name.size() - 5);
-        if (std::ranges::find(images, name, &WantedImage::camera) == images.end())
-            throw InputError(entry.path().string(), "", "belongs to no camera of the rendered views",
-                             "remove it, or name it like its camera");
-        by_camera[name] = json_files(entry.path());
-    }
-    std::vector<std::filesystem::path> found(images.size());
-    for (size_t i = 0; i < images.size(); ++i) {
-        const std::vector<std::filesystem::path>& files = by_camera[images[i].camera];
-        if (images[i].frame < files.size()) found[i] = files[images[i].frame];
-    }
-    for (const auto& [camera, files] : by_camera) {
-        const auto frames = std::ranges::count(images, camera, &WantedImage::camera);
-        if (files.size() > static_cast<size_t>(frames))
-            throw InputError((folder / camera).string(), "",
-                             fmt::format("has {} frames, but the camera has {}", files.size(), frames),
-                             "detect key points in the images of `neuvv skeleton views` alone");
+        const auto camera = cameras.find(name);
+        if (camera == cameras.end())
+            throw InputError(entry.path().string(), "", "belongs to none of these cameras",
+                             fmt::format("remove it, or name it like its camera: {}_json", cameras.begin()->first));
+        if (const auto [other, added] = folders.emplace(name, entry.path()); !added)
+            throw InputError(entry.path().string(), "", "is of the same camera as " + other->second.string(),
+                             "remove one of them");
+        const std::vector<std::filesystem::path> files = json_files(entry.path());
+        if (files.size() > camera->second.size())
+            throw InputError(entry.path().string(), "",
+                             fmt::format("has {} frames, but the camera has {}", files.size(), camera->second.size()),
+                             "detect key points in the images of these cameras alone");
+        for (size_t i = 0; i < files.size(); ++i) found[camera->second[i]] = files[i];
     }
     return found;
 }
@@ -130,7 +168,8 @@ DetectedImage read_key_points(const std::filesystem::path& file) {
 }
 
 void read_detections(const std::filesystem::path& folder, std::span<const WantedImage> images, Detections& detections) {
-    if (!std::filesystem::is_directory(folder))
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(folder, ignored))
         throw InputError(folder.string(), "", "is no folder of key points",
                          "run a detector on the images and write its JSON there");
     const bool flat = !json_files(folder).empty();
@@ -151,12 +190,10 @@ void read_detections(const std::filesystem::path& folder, std::span<const Wanted
         detections.in(images[i].frame, images[i].camera_index) = image.points;
     }
     if (!layout)
-        throw InputError(folder.string(), "", "has no key points of the rendered views",
+        throw InputError(folder.string(), "", "has no key points of these images",
                          "name files like the images: c00_f000_keypoints.json");
     for (size_t j = 0; j < kJoints; ++j) {
-        const auto [first, second] = layout->sources[j];
-        detections.estimated[j] = first != second;
-        detections.lacking[j] = first < 0;
+        detections.lacking[j] = layout->sources[j][0] < 0;
     }
 }
 

@@ -24,10 +24,9 @@ struct Detections {
     std::vector<stage::Camera> cameras;
     size_t frames = 0;
     double fps = 25;
-    std::vector<KeyPoints> points;          // frames × cameras: those of a frame are together
-    std::array<bool, kJoints> estimated{};  // means of two key points, as the detector lacks these joints
-    std::array<bool, kJoints> lacking{};    // not known to the detector
-    size_t images_with_others = 0;          // in which the detector saw more than one person
+    std::vector<KeyPoints> points;        // frames × cameras: those of a frame are together
+    std::array<bool, kJoints> lacking{};  // not known to the detector
+    size_t images_with_others = 0;        // in which the detector saw more than one person
 
     KeyPoints& in(size_t frame, size_t camera) { return points[frame * cameras.size() + camera]; }
     const KeyPoints& in(size_t frame, size_t camera) const { return points[frame * cameras.size() + camera]; }
@@ -46,16 +45,17 @@ DetectedImage read_key_points(const std::filesystem::path& file);
 
 // An image whose key points are wanted.
 struct WantedImage {
-    std::string camera;  // the camera's name: "c03"
+    std::string camera;  // the camera's name, by which key points may lie in folders: "c03"
     std::string image;   // the image's name without ending: "c03_f012"
     size_t camera_index = 0, frame = 0;
 };
 
 // Reads the key points of images from a folder: NAME.json or NAME_keypoints.json for the image NAME (what OpenPose
 // writes), or, as Pose2Sim has it, a folder CAMERA or CAMERA_json for each camera, whose files are its frames in order
-// of their names. Images without a file count as images in which nobody was seen. `detections` has its cameras and
-// frames; its points are filled. Throws InputError where no image has key points, where a folder has more frames than
-// the camera, for key points of images that are not wanted, and for detectors that are mixed.
+// of the numbers that their names end with. Images without a file count as images in which nobody was seen.
+// `detections` has its cameras and frames; its points are filled. Throws InputError where no image has key points,
+// where a folder has more frames than the camera, for key points of images that are not wanted, and for detectors that
+// are mixed.
 void read_detections(const std::filesystem::path& folder, std::span<const WantedImage> images, Detections& detections);
 
 // Writes one person as read_key_points reads it, in BODY_25. The file is replaced atomically. Throws RuntimeFailure.

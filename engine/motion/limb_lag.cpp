@@ -9,7 +9,7 @@ namespace neuvv::motion {
 
 namespace {
 
-constexpr double kLeastLag_s = 0.1, kLagStep_s = 0.02;
+constexpr double kLeastLag_s = 0.1, kLagStep_s = 0.02, kMostLag_s = 2;
 constexpr double kLagGain = 0.6;  // a limb is late where its error at another time is less than this of its own
 
 // The root of the mean square of the limb's error; infinite where it is never known.
@@ -50,6 +50,7 @@ double error_with_turn(const Matched& frames, Limb limb) {
 std::optional<double> lag_of(const Matched& frames, Limb limb, double band_s, double tolerance_deg) {
     const double own = error_with_lag(frames, limb, 0);
     double best = own, lag = 0;
+    band_s = std::min(band_s, kMostLag_s);
     for (double later = -band_s; later <= band_s + 1e-9; later += kLagStep_s) {
         const double error = error_with_lag(frames, limb, later);
         if (error < best) best = error, lag = later;

@@ -23,8 +23,8 @@ struct Matched {
     }
 };
 
-// By how many seconds the limb is late (negative: early), at most band_s, where that says more than that it points
-// elsewhere all the time: README.md has the conditions.
+// By how many seconds the limb is late (negative: early), at most band_s and 2 s, where that says more than that it
+// points elsewhere all the time: README.md has the conditions.
 std::optional<double> lag_of(const Matched& frames, Limb limb, double band_s, double tolerance_deg);
 
 }  // namespace neuvv::motion

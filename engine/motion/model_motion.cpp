@@ -32,7 +32,12 @@ void bind_skin(const stage::GltfSkin& skin, const stage::GltfMesh& mesh, std::ve
 std::vector<RestBone> rest_bones(const stage::GltfScene& scene) {
     const stage::PosedScene rest = stage::pose_scene(scene, stage::kNoAnimation, 0);
     std::vector<RestBone> bones(scene.nodes.size());
-    for (size_t n = 0; n < bones.size(); ++n) bones[n] = {scene.nodes[n].name, rest.world_from_node[n], {}};
+    // Where there are skins, only their joints are bones: a mesh may be called "head", too.
+    std::vector<bool> is_bone(scene.nodes.size(), scene.skins.empty());
+    for (const stage::GltfSkin& skin : scene.skins)
+        for (const uint32_t joint : skin.joints) is_bone[joint] = true;
+    for (size_t n = 0; n < bones.size(); ++n)
+        bones[n] = {is_bone[n] ? scene.nodes[n].name : "", rest.world_from_node[n], {}};
     for (const stage::GltfNode& node : scene.nodes)
         if (node.draws_mesh() && node.skin >= 0)
             bind_skin(scene.skins[static_cast<size_t>(node.skin)], scene.meshes[static_cast<size_t>(node.mesh)], bones);
@@ -48,6 +53,7 @@ SkeletonClip model_motion(const stage::GltfScene& scene, int32_t animation, cons
     clip.fps = fps;
     for (const double time : times_s)
         clip.frames.push_back(pose_of(sources, stage::pose_scene(scene, animation, time).world_from_node));
+    expect_finite(clip, scene.file);
     return clip;
 }
 

@@ -1,6 +1,10 @@
 #include "motion/skeleton.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+
+#include "base/error.h"
 
 #include "motion/median.h"
 
@@ -23,8 +27,18 @@ Pose mixed(const Pose& a, const Pose& b, double share) {
 Pose pose_at(const SkeletonClip& clip, double frame) {
     const double last = static_cast<double>(clip.frames.size()) - 1, at = std::clamp(frame, 0.0, last);
     const auto first = static_cast<size_t>(at);
-    const size_t next = std::min(first + 1, clip.frames.size() - 1);
-    return mixed(clip.frames[first], clip.frames[next], at - static_cast<double>(first));
+    const double share = at - static_cast<double>(first);
+    return share > 0 ? mixed(clip.frames[first], clip.frames[first + 1], share) : clip.frames[first];
+}
+
+void expect_finite(const SkeletonClip& clip, const std::string& file) {
+    constexpr double kFarthest_m = 1e6;
+    for (size_t f = 0; f < clip.frames.size(); ++f)
+        for (size_t j = 0; j < kJoints; ++j)
+            if (!(glm::length(clip.frames[f][j].position) <= kFarthest_m))
+                throw InputError(file, fmt::format("frame {}", f),
+                                 fmt::format("has its {} more than 1000 km away", info_of(joint_at(j)).name),
+                                 "scale the motion to metres");
 }
 
 std::array<double, kJoints> bone_lengths(const SkeletonClip& clip) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <string>
 #include <vector>
 
 #include "motion/joints.h"
@@ -27,6 +28,8 @@ inline const JointSample& at(const Pose& pose, Joint joint) {
 // A pose between two: positions are mixed; what only one of them knows is taken from it.
 Pose mixed(const Pose& a, const Pose& b, double share);
 
+constexpr size_t kMaxSkeletonFrames = 500'000;
+
 struct SkeletonClip {
     double fps = 25;
     std::vector<Pose> frames;  // never empty in a clip that a function of this module returned
@@ -34,6 +37,9 @@ struct SkeletonClip {
 
 // The pose at a time in frames, which may lie between two; before the first and after the last frame it is theirs.
 Pose pose_at(const SkeletonClip& clip, double frame);
+
+// Throws InputError where a joint is not at a finite position within 1000 km.
+void expect_finite(const SkeletonClip& clip, const std::string& file);
 
 // The median over the frames of the distance from each joint to its parent, metres; 0 for the pelvis and for bones that
 // no frame has.

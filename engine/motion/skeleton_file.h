@@ -8,15 +8,15 @@
 namespace neuvv::motion {
 
 constexpr const char* kSkeletonExtension = "NEUVV_skeleton";
-constexpr size_t kMaxSkeletonFrames = 1'000'000;
 
 // Writes a .glb: a node for each joint with its animation, a skin of them, and a mesh of bones that shows the motion in
-// any program. The file is replaced atomically. Throws RuntimeFailure; the clip must have a frame (assert).
+// any program. The file is replaced atomically. Throws InputError for more frames than
+// kMaxSkeletonFrames, and RuntimeFailure; the clip must have a frame (assert).
 void write_skeleton(const std::filesystem::path& file, const SkeletonClip& clip);
 
 // Reads a file of write_skeleton; or an animated humanoid of another glTF file, a BVH or a TRC file, by the ending of
-// its name. `animation` is the name or index of a glTF animation, empty: the first. The last three have no confidence:
-// what they give counts as certain. Throws InputError with file, place and fix.
+// its name. `animation` is the name or index of a glTF animation, empty: the first. Files of other programs have no
+// confidence: what they give counts as certain. Throws InputError with file, place and fix.
 SkeletonClip read_skeleton(const std::filesystem::path& file, const std::string& animation = "");
 
 // What read_skeleton reads from each kind of file.

@@ -20,8 +20,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kFarthest_m = 1e6;
-
 // The nodes of the joints, by their names. Throws InputError for the first that is missing.
 std::array<size_t, kJoints> joint_nodes(const stage::GltfScene& scene) {
     std::array<size_t, kJoints> nodes{};
@@ -54,7 +52,8 @@ SkeletonClip own_skeleton(const stage::GltfScene& scene, const ordered_json& ext
     clip.fps = json_number(root["fps"], 1e-3, 1e4, "a number of frames a second");
     const OrderedJsonNode confidence = root["confidence"], measured = root["measured"];
     expect_list(confidence);
-    if (confidence.value.size() > kMaxSkeletonFrames) confidence.fail("has more than a million frames");
+    if (confidence.value.size() > kMaxSkeletonFrames)
+        confidence.fail(fmt::format("has more than {} frames", kMaxSkeletonFrames));
     expect_array(measured, confidence.value.size());
     if (scene.animations.empty()) throw InputError(scene.file, "/animations", "has no animation");
     const std::array<size_t, kJoints> nodes = joint_nodes(scene);
@@ -83,7 +82,8 @@ SkeletonClip animated_model(const stage::GltfScene& scene, const std::string& na
     const double fps = rate_of(animation);
     const double last = std::floor(animation.duration_s * fps + 1e-6);
     if (!(last < static_cast<double>(kMaxSkeletonFrames)))
-        throw InputError(scene.file, fmt::format("/animations/{}", index), "has more than a million frames");
+        throw InputError(scene.file, fmt::format("/animations/{}", index),
+                         fmt::format("has more than {} frames", kMaxSkeletonFrames));
     std::vector<double> times;
     for (double f = 0; f <= last; ++f) times.push_back(f / fps);
     return model_motion(scene, static_cast<int32_t>(index), times, fps);
@@ -110,12 +110,7 @@ SkeletonClip read_by_ending(const std::filesystem::path& file, const std::string
 
 SkeletonClip read_skeleton(const std::filesystem::path& file, const std::string& animation) {
     SkeletonClip clip = read_by_ending(file, animation);
-    for (size_t f = 0; f < clip.frames.size(); ++f)
-        for (size_t j = 0; j < kJoints; ++j)
-            if (!(glm::length(clip.frames[f][j].position) <= kFarthest_m))
-                throw InputError(file.string(), fmt::format("frame {}", f),
-                                 fmt::format("has its {} more than 1000 km away", info_of(joint_at(j)).name),
-                                 "scale the motion to metres");
+    expect_finite(clip, file.string());
     return clip;
 }
 

@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "base/platform.h"
 #include "motion/skeleton_file.h"
 
@@ -267,6 +268,9 @@ void append_word(std::vector<uint8_t>& bytes, size_t word) {
 
 void write_skeleton(const std::filesystem::path& file, const SkeletonClip& clip) {
     assert(!clip.frames.empty());
+    if (clip.frames.size() > kMaxSkeletonFrames)
+        throw InputError(file.string(), "", fmt::format("would have more than {} frames", kMaxSkeletonFrames),
+                         "cut the clip");
     const std::vector<Positions> frames = filled_positions(clip);
     GlbWriter glb;
     ordered_json root = {{"asset", {{"version", "2.0"}, {"generator", "NeuVV"}}},

@@ -106,7 +106,8 @@ SkeletonClip read_trc(const std::filesystem::path& file) {
     while (words.line(line)) {
         const std::vector<std::string> fields = split(line, '\t');
         if (fields.size() < 3) continue;
-        if (clip.frames.size() == kMaxSkeletonFrames) words.fail("has more than a million frames");
+        if (clip.frames.size() == kMaxSkeletonFrames)
+            words.fail(fmt::format("has more than {} frames", kMaxSkeletonFrames));
         clip.frames.push_back(read_row(words, head, fields));
     }
     if (clip.frames.empty()) words.fail("has no frames", "write it again");

@@ -50,6 +50,13 @@ double metres_per_pixel(const stage::Camera& camera, const glm::dvec3& point) {
     return glm::distance(point, glm::dvec3(camera.world_from_camera[3])) / std::sqrt(camera.fx * camera.fy);
 }
 
+std::optional<glm::dvec3> point_looked_at(std::span<const stage::Camera> cameras) {
+    NearestPoint nearest;
+    for (const stage::Camera& camera : cameras)
+        nearest.add({camera.world_from_camera[3], -glm::dvec3(camera.world_from_camera[2])}, 1);
+    return cameras.empty() ? std::nullopt : nearest.point();
+}
+
 std::optional<Triangulated> triangulate(std::span<const stage::Camera> cameras, std::span<const KeyPoint> points,
                                         double tolerance_m) {
     std::vector<size_t> seen;
@@ -64,25 +71,27 @@ std::optional<Triangulated> triangulate(std::span<const stage::Camera> cameras, 
         return shown ? glm::distance(*shown, points[camera].pixel) * metres_per_pixel(cameras[camera], point)
                      : INFINITY;
     };
-    // The sum of 1 − (error/tolerance)² over the views that agree: more views, then nearer ones.
+    // How many views agree, then how well: the sum of 1 − (error/tolerance)² over them, weighted by confidence.
     const auto agreement = [&](const glm::dvec3& point) {
-        double sum = 0;
+        std::pair<size_t, double> agree{0, 0};
         for (const size_t c : seen) {
             const double ratio = error(c, point) / tolerance_m;
-            if (ratio < 1) sum += points[c].confidence * (1 - ratio * ratio);
+            if (!(ratio < 1)) continue;
+            ++agree.first;
+            agree.second += points[c].confidence * (1 - ratio * ratio);
         }
-        return sum;
+        return agree;
     };
     std::optional<glm::dvec3> best;
-    double best_agreement = 0;
+    std::pair<size_t, double> best_agreement{1, INFINITY};  // of at least two
     for (size_t i = 0; i < seen.size(); ++i) {
         for (size_t j = i + 1; j < seen.size(); ++j) {
             NearestPoint nearest;
             nearest.add(rays[seen[i]], 1);
             nearest.add(rays[seen[j]], 1);
             const std::optional<glm::dvec3> point = nearest.point();
-            const double found = point ? agreement(*point) : 0;
-            if (found > best_agreement) best = point, best_agreement = found;
+            if (!point) continue;
+            if (const auto found = agreement(*point); found > best_agreement) best = point, best_agreement = found;
         }
     }
     if (!best) return std::nullopt;
@@ -99,7 +108,6 @@ std::optional<Triangulated> triangulate(std::span<const stage::Camera> cameras, 
         nearest.add(rays[c], points[c].confidence / (scale * scale));
         weights += points[c].confidence;
     }
-    if (result.views < 2) return std::nullopt;
     result.position = nearest.point().value_or(*best);
     result.confidence = weights / static_cast<double>(result.views);
     return result;

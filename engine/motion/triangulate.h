@@ -14,6 +14,9 @@ std::optional<glm::dvec2> project(const stage::Camera& camera, const glm::dvec3&
 // How many metres at the point are a pixel of the camera.
 double metres_per_pixel(const stage::Camera& camera, const glm::dvec3& point);
 
+// The point nearest to the cameras' optical axes: what they look at. nullopt where the axes are parallel.
+std::optional<glm::dvec3> point_looked_at(std::span<const stage::Camera> cameras);
+
 struct Triangulated {
     glm::dvec3 position{0};
     std::vector<bool> agrees;  // by camera: the key point is nearer than the tolerance

@@ -13,6 +13,7 @@ namespace neuvv::motion {
 namespace {
 
 constexpr uint64_t kMaxText_bytes = uint64_t{1} << 30;
+constexpr size_t kLongestLine = 1 << 20;
 
 bool is_space(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
@@ -56,6 +57,7 @@ bool Words::line(std::string& text) {
     line_ += std::exchange(line_ended_, false);
     if (at_ >= text_.size()) return false;
     const size_t end = std::min(text_.find('\n', at_), text_.size());
+    if (end - at_ > kLongestLine) fail("has a line of more than a megabyte", "write it again");
     text = text_.substr(at_, end - at_);
     while (!text.empty() && text.back() == '\r') text.pop_back();
     line_ended_ = end < text_.size();

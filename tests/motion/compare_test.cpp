@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "motion/best_view.h"
@@ -131,6 +132,12 @@ TEST(Compare, LeavesOutWhatIsEstimatedOrNotCounted) {
     for (motion::Pose& pose : trainee.frames)
         for (motion::JointSample& sample : pose) sample.measured = false;
     expect_input_error([&] { motion::compare(trainer(), trainee); }, {"no limb"});
+    options.counted.assign(motion::kLimbs, false);
+    expect_input_error([&] { motion::compare(trainer(), trainer(), options); }, {"--leave-out", "no limb"});
+    // The trunk says how the trainee stands turned, counted or not.
+    options.counted.assign(motion::kLimbs, true);
+    options.counted[motion::index_of(Limb::kTrunk)] = false;
+    EXPECT_NEAR(motion::compare(trainer(), test::other_body(trainer(), 1, {0, 0, 0}, 1), options).yaw, 1, 1e-6);
 }
 
 TEST(Compare, ErrorsAreThoseOfTheFormulas) {
@@ -150,7 +157,6 @@ TEST(Compare, ErrorsAreThoseOfTheFormulas) {
 
 // The path is one of least cost, by the table of all paths.
 TEST(Compare, WarpsAtLeastCost) {
-    constexpr double kStep = 0.004;
     const motion::Motion shown = motion::motion_of(trainer());
     for (const double speed : {0.7, 1.0, 1.3}) {
         const motion::Motion done = motion::motion_of(another(test::at_speed(trainer(), speed)));
@@ -160,19 +166,28 @@ TEST(Compare, WarpsAtLeastCost) {
             for (const motion::Directions& other : shown.frames)
                 distances.back().push_back(motion::distance(other, frame, true));
         }
-        const std::vector<double> path = motion::warp(shown, done, 100, true);
-        // Along the path: each frame's own distances, between the first and the last frame that it matches.
-        double cost = 0;
-        for (size_t i = 0; i < path.size(); ++i) {
-            const double before = i > 0 ? path[i - 1] : 0, after = i + 1 < path.size() ? path[i + 1] : path[i];
-            EXPECT_LE(before, path[i]);
-            EXPECT_LE(path[i], after);
-            cost += distances[i][static_cast<size_t>(path[i])];
-        }
-        const double least = reference::least_cost(distances, kStep);
-        EXPECT_LE(cost, least + 1e-9) << "frames of the middle cost no more than the whole path";
-        EXPECT_GT(cost, 0.5 * least);
+        const motion::Warp found = motion::warp(shown, done, 100, true);
+        EXPECT_NEAR(found.cost, reference::least_cost(distances, motion::kWarpStepCost), 1e-9);
+        EXPECT_TRUE(std::ranges::is_sorted(found.frames));
+        // A band that the best path keeps to changes nothing.
+        EXPECT_NEAR(motion::warp(shown, done, 0.8, true).cost, found.cost, 1e-9);
+        for (size_t i = 0; i < found.frames.size(); ++i)
+            EXPECT_NEAR(found.frames[i], std::min(74.0, speed * static_cast<double>(i)), 5) << speed;
     }
+}
+
+TEST(Compare, WarpsMotionsOfVeryDifferentLengths) {
+    motion::Motion shown = motion::motion_of(trainer()), done = shown;
+    done.frames.resize(2);
+    EXPECT_EQ(motion::warp(shown, done, 0.1, true).frames.size(), 2u);
+    EXPECT_EQ(motion::warp(done, shown, 0.1, true).frames.size(), 75u);
+    done.frames.resize(1);
+    EXPECT_EQ(motion::warp(shown, done, 0.1, true).frames.size(), 1u);
+    motion::SkeletonClip slow = trainer();
+    slow.fps = 1e-3;
+    motion::SkeletonClip fast = trainer();
+    fast.fps = 1e4;
+    expect_input_error([&] { motion::compare(fast, slow); }, {"too long"});
 }
 
 TEST(OnlineWarp, FollowsATraineeWhoLags) {
@@ -184,6 +199,25 @@ TEST(OnlineWarp, FollowsATraineeWhoLags) {
         if (f <= 12) continue;  // until it has found the lag
         EXPECT_NEAR(matched, 0.85 * static_cast<double>(f) / 25, 0.12) << f;
     }
+}
+
+TEST(OnlineWarp, FindsItsWayAfterAJump) {
+    const motion::Motion shown = motion::motion_of(trainer());
+    motion::OnlineWarp warp(shown, 0.2);
+    warp.add(shown.frames[2], 2 / 25.0);
+    EXPECT_NEAR(warp.add(shown.frames[60], 60 / 25.0), 60 / 25.0, 1e-9);
+    EXPECT_NEAR(warp.add(shown.frames[61], 61 / 25.0), 61 / 25.0, 1e-9);
+}
+
+TEST(SkeletonClip, APoseAtAFrameIsThatFrames) {
+    motion::SkeletonClip clip = trainer();
+    motion::at(clip.frames[5], motion::Joint::kNose) = {};
+    motion::at(clip.frames[7], motion::Joint::kNose).measured = false;
+    EXPECT_EQ(motion::at(motion::pose_at(clip, 5), motion::Joint::kNose).confidence, 0);
+    EXPECT_TRUE(motion::at(motion::pose_at(clip, 6), motion::Joint::kNose).measured);
+    EXPECT_FALSE(motion::at(motion::pose_at(clip, 6.5), motion::Joint::kNose).measured);
+    EXPECT_EQ(motion::at(motion::pose_at(clip, 99), motion::Joint::kNeck).position,
+              motion::at(clip.frames[74], motion::Joint::kNeck).position);
 }
 
 TEST(BestView, IsAcrossTheErrors) {
@@ -203,6 +237,15 @@ TEST(BestView, IsAcrossTheErrors) {
     EXPECT_NEAR(level.y, 0, 1e-9);
     EXPECT_NEAR(glm::dot(level, line[0].error), 0, 1e-9);
     test::expect_near(motion::best_view_direction({}), {0, 0, 1});
+    // Level errors show best from above; of level views, from across them.
+    const std::vector<motion::WeightedError> flat = {{{0.3, 0, 0.3}, 1}, {{0.1, 0.05, 0.12}, 1}};
+    const glm::dvec3 side = motion::best_level_view(flat);
+    EXPECT_EQ(side.y, 0);
+    for (int i = 0; i < 180; ++i) {
+        const double turn = i * std::numbers::pi / 180;
+        EXPECT_LE(motion::visible_error(flat, {std::cos(turn), 0, std::sin(turn)}),
+                  motion::visible_error(flat, side) + 1e-9);
+    }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 
 #include "motion/model_motion.h"
 #include "motion/triangulate.h"
@@ -53,13 +54,14 @@ std::vector<stage::Camera> cameras_around(const motion::SkeletonClip& clip, size
     return cameras;
 }
 
-motion::Detections detect(const motion::SkeletonClip& clip, const std::vector<stage::Camera>& cameras,
-                          const DetectorErrors& errors, uint32_t seed) {
+Detected detect_counting(const motion::SkeletonClip& clip, const std::vector<stage::Camera>& cameras,
+                         const DetectorErrors& errors, uint32_t seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
     std::uniform_real_distribution<double> uniform;
     const double height = height_of(clip);
-    motion::Detections seen;
+    Detected result;
+    motion::Detections& seen = result.seen;
     seen.cameras = cameras;
     seen.frames = clip.frames.size();
     seen.fps = clip.fps;
@@ -78,11 +80,21 @@ motion::Detections detect(const motion::SkeletonClip& clip, const std::vector<st
                 if (uniform(random) < errors.dropped) points[j].confidence = 0;
             }
             using enum Joint;
-            if (uniform(random) < errors.swapped) swap_sides(points, {kRightShoulder, kRightElbow, kRightWrist});
-            if (uniform(random) < errors.swapped)
-                swap_sides(points, {kRightHip, kRightKnee, kRightAnkle, kRightHeel, kRightBigToe, kRightSmallToe});
+            const std::vector<Joint> arm = {kRightShoulder, kRightElbow, kRightWrist};
+            const std::vector<Joint> leg = {kRightHip,  kRightKnee,   kRightAnkle,
+                                            kRightHeel, kRightBigToe, kRightSmallToe};
+            for (const std::vector<Joint>& limb : {arm, leg}) {
+                if (!(uniform(random) < errors.swapped)) continue;
+                swap_sides(points, limb);
+                ++result.swapped;
+            }
         }
-    return seen;
+    return result;
+}
+
+motion::Detections detect(const motion::SkeletonClip& clip, const std::vector<stage::Camera>& cameras,
+                          const DetectorErrors& errors, uint32_t seed) {
+    return detect_counting(clip, cameras, errors, seed).seen;
 }
 
 motion::SkeletonClip motion_of(const stage::GltfScene& scene, size_t frames) {
@@ -102,8 +114,8 @@ const motion::SkeletonClip& squats_motion() {
         const auto made = folder.path / "squats.glb";
         const std::string command =
             "python3 '" NEUVV_SOURCE_DIR "/tools/performer/make_performer.py' --squats '" + made.string() + "'";
-        if (std::system("python3 -c 'import zlib' > /dev/null 2>&1") != 0 || std::system(command.c_str()) != 0)
-            return motion::SkeletonClip{};
+        if (std::system("python3 -c 'import zlib' > /dev/null 2>&1") != 0) return motion::SkeletonClip{};
+        if (std::system(command.c_str()) != 0) throw std::runtime_error(command + ": failed");
         return motion_of(stage::load_gltf(made), 100);
     }();
     return clip;

@@ -21,6 +21,12 @@ struct DetectorErrors {
 // Cameras around the clip, alternately low and high, which see all of it.
 std::vector<stage::Camera> cameras_around(const motion::SkeletonClip& clip, size_t count);
 
+struct Detected {
+    motion::Detections seen;
+    size_t swapped = 0;  // arms and legs of images
+};
+Detected detect_counting(const motion::SkeletonClip& clip, const std::vector<stage::Camera>& cameras,
+                         const DetectorErrors& errors, uint32_t seed);
 motion::Detections detect(const motion::SkeletonClip& clip, const std::vector<stage::Camera>& cameras,
                           const DetectorErrors& errors, uint32_t seed);
 

@@ -86,7 +86,10 @@ TEST(Bvh, RefusesWhatIsNotWhole) {
     const std::string head = kBvh;
     refuses(head + bvh_frame(0, 0, 0), {"take.bvh", "line", "ends too early"});
     refuses(head + bvh_frame(0, 0, 0) + "0 nan 0", {"take.bvh", "line 31", "nan"});
-    refuses("HIERARCHY\nROOT a { OFFSET 0 0 0 CHANNELS 0 } MOTION Frames: 1 Frame Time: 1\n", {"take.bvh", "no bones"});
+    refuses("HIERARCHY\nROOT a { OFFSET 0 0 0 CHANNELS 0 } MOTION Frames: 1 Frame Time: 1\n",
+            {"take.bvh", "no channels"});
+    refuses("HIERARCHY\nROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition } MOTION Frames: 1 Frame Time: 1\n0\n",
+            {"take.bvh", "no bones", "right foot"});
     refuses("HIERARCHY\nROOT a { OFFSET 0 0 0 CHANNELS 7", {"take.bvh", "line 2", "\"7\""});
     refuses("HIERARCHY\nROOT a { OFFSET 0 0 0 CHANNELS 1 Wposition", {"Wposition", "no channel"});
     refuses("hello", {"take.bvh", "line 1", "HIERARCHY"});
@@ -160,7 +163,7 @@ TEST(KeyPoints, AreReadByTheNamesOfImages) {
         EXPECT_EQ(test.detections.in(1, 0)[j].pixel, some_points(0)[j].pixel) << j;
         EXPECT_EQ(test.detections.in(2, 1)[j].pixel, some_points(3)[j].pixel) << j;
         EXPECT_EQ(test.detections.in(0, 0)[j].confidence, 0);
-        EXPECT_FALSE(test.detections.estimated[j]);
+        EXPECT_FALSE(test.detections.lacking[j]);
     }
     motion::write_key_points(test.folder.path / "c09_f001.json", some_points(0));
     expect_input_error([&] { test.read(); }, {"c09_f001.json", "no image"});
@@ -173,11 +176,29 @@ TEST(KeyPoints, AreReadFromAFolderForEachCamera) {
         motion::write_key_points(test.folder.path / "c01_json" / (std::string(name) + ".json"), some_points(name[5]));
     test.read();
     EXPECT_EQ(test.detections.in(2, 1)[0].pixel.x, '2');
+    // Names are in the order of their numbers.
+    for (const char* name : {"000001", "000002"})
+        std::filesystem::remove(test.folder.path / "c01_json" / (std::string(name) + ".json"));
+    motion::write_key_points(test.folder.path / "c01_json" / "f9.json", some_points('9'));
+    motion::write_key_points(test.folder.path / "c01_json" / "f10.json", some_points('1'));
+    test.read();
+    EXPECT_EQ(test.detections.in(1, 1)[0].pixel.x, '9');
+    EXPECT_EQ(test.detections.in(2, 1)[0].pixel.x, '1');
     motion::write_key_points(test.folder.path / "c01_json" / "000003.json", some_points(0));
-    expect_input_error([&] { test.read(); }, {"c01", "has 4 frames, but the camera has 3"});
+    expect_input_error([&] { test.read(); }, {"c01_json", "has 4 frames, but the camera has 3"});
     std::filesystem::remove(test.folder.path / "c01_json" / "000003.json");
+    std::filesystem::create_directory(test.folder.path / "c01");
+    expect_input_error([&] { test.read(); }, {"the same camera"});
+    std::filesystem::remove(test.folder.path / "c01");
     std::filesystem::create_directory(test.folder.path / "c07_json");
-    expect_input_error([&] { test.read(); }, {"c07_json", "no camera"});
+    expect_input_error([&] { test.read(); }, {"c07_json", "none of these cameras"});
+}
+
+TEST(KeyPoints, OfImagesWithOneNameNeedFolders) {
+    DetectionFolder test;
+    for (motion::WantedImage& image : test.images) image.image = "0001";
+    motion::write_key_points(test.folder.path / "0001.json", some_points(0));
+    expect_input_error([&] { test.read(); }, {"several cameras", "0001", "folder for each camera"});
 }
 
 std::string person(size_t points, double confidence) {
@@ -196,7 +217,6 @@ TEST(KeyPoints, OfTheMostConfidentPersonCount) {
     EXPECT_EQ(found[motion::index_of(Joint::kLeftWrist)].pixel, glm::dvec2(9, 18));
     EXPECT_EQ(found[motion::index_of(Joint::kLeftWrist)].confidence, 0.75);
     EXPECT_EQ(found[motion::index_of(Joint::kPelvis)].pixel, glm::dvec2(11.5, 23)) << "between the hips";
-    EXPECT_TRUE(test.detections.estimated[motion::index_of(Joint::kPelvis)]);
     EXPECT_TRUE(test.detections.lacking[motion::index_of(Joint::kLeftHeel)]);
 }
 

@@ -129,6 +129,13 @@ TEST(Humanoid, KnowsNamesOfManyPrograms) {
         {"Hip", "Head", {"%Shldr", "%ForeArm", "%Hand", "%Thigh", "%Shin", "%Foot"}, "r", "l"},
         {"hips", "head", {"upper_arm.%", "forearm.%", "hand.%", "thigh.%", "shin.%", "foot.%"}, "R", "L"},
         {"Hips", "Head", {"%UpArm", "%LowArm", "%Hand", "%UpLeg", "%LowLeg", "%Foot"}, "Right", "Left"},
+        {"Hips", "Head", {"%Shoulder", "%Elbow", "%Wrist", "%Hip", "%Knee", "%Ankle"}, "Right", "Left"},
+        {"J_Bip_C_Hips",
+         "J_Bip_C_Head",
+         {"J_Bip_%_UpperArm", "J_Bip_%_LowerArm", "J_Bip_%_Hand", "J_Bip_%_UpperLeg", "J_Bip_%_LowerLeg",
+          "J_Bip_%_Foot"},
+         "R",
+         "L"},
     };
     const glm::dvec3 places[] = {{0.2, 1.4, 0}, {0.5, 1.4, 0}, {0.75, 1.4, 0},
                                  {0.1, 0.9, 0}, {0.1, 0.5, 0}, {0.1, 0.1, 0}};

@@ -302,13 +302,14 @@ TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {
 }
 
 TEST_F(CliGpu, SkeletonViewsAreADataSetOfTheWholeClip) {
-    const ProgramResult result = run_neuvv(
-        {"skeleton", "views", scene, "-o", file("views"), "--views", "4", "--frames", "1:2", "--size", "64x72"});
+    const std::vector<std::string> words = {"skeleton", "views", scene,    "-o",   file("views"),
+                                            "--views",  "4",     "--size", "64x72"};
+    const ProgramResult result = run_neuvv(words);
     ASSERT_EQ(result.code, 0) << result.err;
     const training::Dataset views =
         training::load_dataset(file("views"), training::Split::kTrain, {.mattes_needed = false});
     ASSERT_EQ(views.cameras.size(), 4u);
-    ASSERT_EQ(views.views.size(), 8u);
+    ASSERT_EQ(views.views.size(), 4u * tree.frames);
     EXPECT_DOUBLE_EQ(views.fps, double{kOwnFps});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device(), field, {64, 72, 2});
@@ -319,12 +320,22 @@ TEST_F(CliGpu, SkeletonViewsAreADataSetOfTheWholeClip) {
     settings.mode = render::TraceMode::kPlay;
     settings.resolve.background = {0.2f, 0.2f, 0.2f, 1};
     for (const training::View& view : views.views) {
-        settings.instances[0].frame = view.name.ends_with("f000") ? 1.0f : 2.0f;
+        settings.instances[0].frame = static_cast<float>(view.time * (tree.frames - 1));
         const media::Image expected = renderer.render(views.cameras[view.camera], settings);
         EXPECT_EQ(view.image.rgba, expected.rgba) << view.name;
-        EXPECT_EQ(view.image.at(0, 0)[0], view.image.at(63, 71)[0]) << "corners are background";
     }
-    expect_refused({"skeleton", "views", scene, "-o", file("views"), "--views", "1"}, 2, {"--views", "2 to 100"});
+    // The whole clip is in every image.
+    const auto box = voctree::occupied_box(tree);
+    for (const stage::Camera& camera : views.cameras)
+        for (int corner = 0; corner < 8; ++corner) {
+            const auto pixel = motion::project(
+                camera, {corner & 1 ? box.second.x : box.first.x, corner & 2 ? box.second.y : box.first.y,
+                         corner & 4 ? box.second.z : box.first.z});
+            ASSERT_TRUE(pixel);
+            EXPECT_TRUE(pixel->x >= 0 && pixel->y >= 0 && pixel->x <= 64 && pixel->y <= 72);
+        }
+    expect_refused(words, 2, {"images", "earlier views"});
+    expect_refused({"skeleton", "views", scene, "-o", file("others"), "--views", "1"}, 2, {"--views", "2 to 100"});
 }
 
 TEST_F(CliGpu, SkeletonShowDrawsJointsWhereTheyAre) {

@@ -150,5 +150,7 @@ def make_performer(figure):
 if __name__ == "__main__":
     here = pathlib.Path(__file__).resolve().parent
     arguments = [word for word in sys.argv[1:] if word != "--squats"]
+    if "--squats" in sys.argv and not arguments:
+        sys.exit("make_performer.py: --squats needs the name of a file to write")
     output = pathlib.Path(arguments[0]) if arguments else here / "performer.glb"
     output.write_bytes(make_performer(squats if "--squats" in sys.argv else motion))
