@@ -6,12 +6,9 @@
 #include <memory>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
-#include "base/text.h"
 #include "media/image_sink.h"
-#include "motion/compare.h"
 #include "motion/extract.h"
 #include "motion/skeleton_file.h"
 #include "motion/triangulate.h"
@@ -19,9 +16,9 @@
 #include "render/frame.h"
 #include "tools/commands.h"
 #include "tools/image_drawing.h"
-#include "tools/motion_page.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/skeleton_verbs.h"
 #include "tools/view_path.h"
 #include "training/formats.h"
 #include "training/performer_views.h"
@@ -243,65 +240,6 @@ void run_show(const ShowOptions& options, const CommonOptions& common) {
     fmt::print("{}: left is blue, right is orange, estimated joints are grey\n", options.output);
 }
 
-struct CompareOptions {
-    std::string trainer, trainee, html, csv, leave_out;
-    bool json = false;
-    motion::CompareOptions compare;
-};
-
-// The limbs that are compared, without those of a list "head,left arm".
-std::vector<bool> counted_limbs(const std::string& left_out) {
-    std::vector<bool> counted(motion::kLimbs, true);
-    if (left_out.empty()) return counted;
-    for (const std::string& name : split(left_out, ',')) {
-        const auto limb = std::ranges::find(motion::kLimbNames, name);
-        if (limb == motion::kLimbNames.end())
-            throw InputError("--leave-out", name, "is no limb",
-                             "write trunk, head, right arm, left arm, right leg or left leg");
-        counted[static_cast<size_t>(limb - motion::kLimbNames.begin())] = false;
-    }
-    return counted;
-}
-
-nlohmann::ordered_json json_of(const motion::Comparison& comparison) {
-    constexpr const char* kKinds[] = {"off", "late", "mirrored"};
-    constexpr const char* kAmounts[] = {"degrees", "seconds", "degrees"};
-    nlohmann::ordered_json limbs, mistakes = nlohmann::ordered_json::array();
-    for (size_t limb = 0; limb < motion::kLimbs; ++limb)
-        if (comparison.limb_scores[limb] >= 0) limbs[motion::kLimbNames[limb]] = comparison.limb_scores[limb];
-    for (const motion::Mistake& mistake : comparison.mistakes) {
-        const auto kind = static_cast<size_t>(mistake.kind);
-        mistakes.push_back({{"limb", motion::kLimbNames[motion::index_of(mistake.limb)]},
-                            {"kind", kKinds[kind]},
-                            {kAmounts[kind], mistake.amount},
-                            {"from_s", mistake.first_s},
-                            {"to_s", mistake.last_s}});
-    }
-    return {{"score", comparison.score}, {"limbs", limbs}, {"mistakes", mistakes}};
-}
-
-void run_compare(CompareOptions& options) {
-    if (!options.html.empty()) prepare_output_file("--html", options.html);
-    if (!options.csv.empty()) prepare_output_file("--csv", options.csv);
-    options.compare.counted = counted_limbs(options.leave_out);
-    const motion::SkeletonClip trainer = motion::read_skeleton(options.trainer);
-    const motion::SkeletonClip trainee = motion::read_skeleton(options.trainee);
-    const motion::Comparison found = motion::compare(trainer, trainee, options.compare);
-    if (!options.html.empty())
-        write_text_file(options.html, motion_page({options.trainer, options.trainee}, trainer, trainee, found,
-                                                  options.compare.tolerances));
-    if (!options.csv.empty()) write_text_file(options.csv, motion_csv(found));
-    if (options.json) {
-        fmt::print("{}", json_text(json_of(found)));
-        return;
-    }
-    fmt::print("score {:.0f} of 100\n", found.score);
-    for (size_t limb = 0; limb < motion::kLimbs; ++limb)
-        if (found.limb_scores[limb] >= 0)
-            fmt::print("  {:<10} {:3.0f}\n", motion::kLimbNames[limb], found.limb_scores[limb]);
-    for (const motion::Mistake& mistake : found.mistakes) fmt::print("{}\n", text_of(mistake));
-}
-
 void add_views(Command group, CommonOptions& common) {
     Command verb = group.add_verb("views", "Render a clip from all around, for a 2D detector");
     const auto options = std::make_shared<ViewsOptions>();
@@ -354,27 +292,6 @@ void add_show(Command group, CommonOptions& common) {
     verb.callback([options, &common] { run_show(*options, common); });
 }
 
-void add_compare(Command group) {
-    Command verb = group.add_verb("compare", "Say what a trainee does otherwise than a trainer");
-    const auto options = std::make_shared<CompareOptions>();
-    verb.add_option("TRAINER", options->trainer, "a .skeleton.glb, an animated .glb or .gltf, a .bvh or a .trc")
-        .required();
-    verb.add_option("TRAINEE", options->trainee, "likewise; elsewhere, turned otherwise, of another size is no mistake")
-        .required();
-    verb.add_option("--html", options->html, "a report with curves and stick figures");
-    verb.add_option("--csv", options->csv, "each limb's error, frame by frame");
-    verb.add_flag("--json", options->json, "print JSON");
-    verb.add_option("--leave-out", options->leave_out, "limbs that do not count: \"head,left arm\"");
-    verb.add_option("--band", options->compare.band_s, "seconds that the trainee may be early or late")
-        .number_between(0.1, 60)
-        .show_default();
-    verb.footer(
-        {"\nExamples:\n"
-         "  neuvv skeleton compare build/performer.skeleton.glb build/take.bvh\n"
-         "  neuvv skeleton compare build/performer.skeleton.glb build/take.trc --html build/report.html"});
-    verb.callback([options] { run_compare(*options); });
-}
-
 }  // namespace
 
 void add_skeleton(Command app, CommonOptions& common) {
@@ -385,7 +302,8 @@ void add_skeleton(Command app, CommonOptions& common) {
     add_extract(group);
     add_import(group);
     add_show(group, common);
-    add_compare(group);
+    add_skeleton_compare(group);
+    add_skeleton_follow(group);
 }
 
 }  // namespace neuvv::tools

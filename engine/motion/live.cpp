@@ -80,11 +80,12 @@ void LiveComparison::judge(double step_s) {
         limb.error_deg = errors[i];
         const bool beyond = errors[i] > (limb.wrong ? kRelease : 1) * tolerance;
         since_s_[i] = beyond != limb.wrong ? since_s_[i] + step_s : 0;
-        if (since_s_[i] >= kReddens_s) limb.wrong = beyond, since_s_[i] = 0;
+        const bool turns = since_s_[i] >= kReddens_s;
+        if (turns) limb.wrong = beyond, since_s_[i] = 0;
         limb.red = std::clamp(limb.red + (limb.wrong ? step_s : -step_s) / kReddens_s, 0.0, 1.0);
         if (!limb.wrong)
             limb.late_s = 0;
-        else if (frames_ % kLagFrames == 0)
+        else if (turns || frames_ % kLagFrames == 0)
             limb.late_s = lag_of(window, static_cast<Limb>(i), options_.band_s, tolerance).value_or(0);
         if (const double score = limb_score(static_cast<Limb>(i), errors[i], options_.tolerances); score >= 0)
             sum += score, ++known;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "motion/detector.h"
+#include "motion/pose_line.h"
 #include "motion/skeleton_file.h"
 #include "support/input_error.h"
 #include "support/near.h"
@@ -131,6 +132,39 @@ TEST(Trc, ReadsMarkersByName) {
     std::string inches = head;
     refuses(inches.replace(inches.find("mm"), 2, "in") + rows, {"take.trc", "\"in\"", "unit"});
     refuses("PathFileType", {"take.trc", "head"});
+}
+
+TEST(PoseLine, IsReadAsItWasWritten) {
+    motion::TimedPose pose{12.5, test::performer_motion(1).frames[0]};
+    motion::at(pose.pose, Joint::kLeftHeel) = {};
+    motion::at(pose.pose, Joint::kNose).confidence = 0.25;
+    motion::at(pose.pose, Joint::kRightBigToe).measured = false;
+    const motion::TimedPose read = motion::read_pose_line(motion::pose_line(pose), "stdin");
+    EXPECT_EQ(read.time_s, 12.5);
+    for (size_t j = 0; j < motion::kJoints; ++j) {
+        EXPECT_EQ(read.pose[j].confidence, pose.pose[j].confidence) << j;
+        EXPECT_EQ(read.pose[j].measured, pose.pose[j].measured) << j;
+        const bool known = pose.pose[j].confidence > 0;
+        EXPECT_EQ(read.pose[j].position, known ? pose.pose[j].position : glm::dvec3(0)) << j;
+    }
+}
+
+TEST(PoseLine, RefusesWhatIsNoPose) {
+    const auto refuses = [](const std::string& line, std::initializer_list<std::string> parts) {
+        expect_input_error([&] { motion::read_pose_line(line, "stdin"); }, parts);
+    };
+    refuses("", {"stdin", "no JSON object"});
+    refuses("[1]", {"no JSON object"});
+    refuses("{\"time\": 1", {"no JSON object"});
+    refuses("{\"joints\": {}}", {"time"});
+    refuses("{\"time\": \"now\", \"joints\": {}}", {"time"});
+    refuses("{\"time\": 1, \"joints\": []}", {"joints", "object"});
+    refuses("{\"time\": 1, \"joints\": {\"tail\": [0, 0, 0]}}", {"tail", "no joint"});
+    refuses("{\"time\": 1, \"joints\": {\"nose\": [0, 0]}}", {"joints.nose", "[x, y, z]"});
+    refuses("{\"time\": 1, \"joints\": {\"nose\": [0, 1e300, 0]}}", {"joints.nose[1]"});
+    refuses("{\"time\": 1, \"joints\": {\"nose\": [0, 1, 0, 2]}}", {"joints.nose[3]", "confidence"});
+    refuses("{\"time\": 1, \"joints\": {}, \"estimated\": [\"tail\"]}", {"tail"});
+    refuses(std::string(100000, ' '), {"64 KiB"});
 }
 
 motion::KeyPoints some_points(double shift) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "motion/detector.h"
+#include "motion/pose_line.h"
 #include "motion/skeleton_file.h"
 #include "motion/trainee.h"
 #include "tests/tools/run_neuvv.h"
@@ -107,6 +108,27 @@ TEST_F(CliSkeleton, ComparesATraineeWithATrainer) {
 
     expect_refused({"skeleton", "compare", file("trainer.skeleton.glb"), file("none.bvh")}, 2, {"none.bvh"});
     expect_refused({"skeleton", "compare", compare[2], compare[3], "--leave-out", "tail"}, 2, {"tail", "left leg"});
+}
+
+TEST_F(CliSkeleton, FollowsAStreamOfPoses) {
+    truth = test::performer_motion(75);
+    motion::write_skeleton(file("trainer.skeleton.glb"), truth);
+    const auto trainee =
+        test::other_body(test::with_arm_off(truth, motion::Limb::kLeftArm, 30, 1, 2), 0.9, {1, 0, 2}, 1);
+    std::string lines = "this is no pose" + std::string(200000, '!') + "\n";
+    for (size_t f = 0; f < trainee.frames.size(); ++f)
+        lines += motion::pose_line({100 + static_cast<double>(f) / 25, trainee.frames[f]}) + "\n";
+    write_text(folder.path / "take.jsonl", lines + "{\"time\": 103, \"joints\": {\"tail\": [0, 0, 0]}}\n");
+    const ProgramResult result = run_neuvv({"skeleton", "follow", file("trainer.skeleton.glb"), file("take.jsonl")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.out.find("left arm: 30° off"), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find("left arm: right again"), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find("score 9"), std::string::npos) << result.out;
+    EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 3) << result.out;
+    EXPECT_NE(result.err.find("line 1"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("2 lines were left out"), std::string::npos) << result.err;
+    expect_refused({"skeleton", "follow", file("trainer.skeleton.glb"), file("none.jsonl")}, 2, {"none.jsonl"});
+    expect_refused({"skeleton", "follow", file("trainer.skeleton.glb")}, 2, {"stdin", "no pose"});
 }
 
 }  // namespace
