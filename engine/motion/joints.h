@@ -70,7 +70,7 @@ struct KeyPointLayout {
 // COCO-17, OpenPose BODY_25, HALPE-26 and MediaPipe's 33 are told apart by how many points a person has. Returns null
 // for another number.
 const KeyPointLayout* find_key_point_layout(size_t points);
-// "COCO-17 (17), ...": for messages.
+// The names of all layouts, for messages: "COCO-17, BODY_25, ...".
 std::string key_point_layouts();
 
 }  // namespace neuvv::motion
