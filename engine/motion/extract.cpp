@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "base/error.h"
 #include "motion/bundle.h"
@@ -20,16 +21,10 @@ constexpr double kGuess = 0.25;         // the confidence of joints that were in
 constexpr int kSwapRounds = 3;          // until nothing changes, at most
 constexpr double kFirstHeight_m = 1.7;  // where the cameras do not say
 
-// The joints whose left and right a detector exchanges together.
-enum class Pair : uint8_t { kArms, kLegs };
-constexpr size_t kPairs = 2;
-
-// The right joints of arms or legs.
-std::vector<Joint> right_joints(Pair pair) {
-    using enum Joint;
-    if (pair == Pair::kArms) return {kRightShoulder, kRightElbow, kRightWrist};
-    return {kRightHip, kRightKnee, kRightAnkle, kRightHeel, kRightBigToe, kRightSmallToe};
-}
+// The right joints of arms and of legs, which a detector exchanges with the left ones together.
+constexpr std::array kArms = {Joint::kRightShoulder, Joint::kRightElbow, Joint::kRightWrist};
+constexpr std::array kLegs = {Joint::kRightHip,  Joint::kRightKnee,   Joint::kRightAnkle,
+                              Joint::kRightHeel, Joint::kRightBigToe, Joint::kRightSmallToe};
 
 class Extractor {
   public:
@@ -113,12 +108,13 @@ class Extractor {
         size_t count = 0;
         for (size_t f = 0; f < seen_.frames; ++f)
             for (size_t c = 0; c < seen_.cameras.size(); ++c)
-                for (size_t pair = 0; pair < kPairs; ++pair)
-                    count += exchange(f, c, right_joints(static_cast<Pair>(pair)));
+                for (const std::span<const Joint> right_side :
+                     {std::span<const Joint>(kArms), std::span<const Joint>(kLegs)})
+                    count += exchange(f, c, right_side);
         return count;
     }
 
-    bool exchange(size_t frame, size_t camera, const std::vector<Joint>& right_side) {
+    bool exchange(size_t frame, size_t camera, std::span<const Joint> right_side) {
         KeyPoints& points = seen_.in(frame, camera);
         double as_seen = 0, exchanged = 0;
         size_t count = 0;
