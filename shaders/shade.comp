@@ -14,13 +14,12 @@ layout(binding = kShadePositions) uniform utextureBuffer leaf_positions;
 layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount counts[]; };
 layout(binding = kShadeOut, rg32ui) writeonly uniform uimageBuffer shaded;
 layout(push_constant) uniform Push { ShadePush push; };
+#include "leaf_middle.glsl"
 #include "sh.glsl"
 
-// The unit direction, in the performer's space, from the eye to the middle of a leaf (Field::leaf_positions).
+// The unit direction, in the performer's space, from the eye to the middle of a leaf.
 vec3 direction_of(uvec2 position) {
-    const float edge = 1.0 / float(1u << (position.y >> 16u));
-    const vec3 middle = (vec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu) + 0.5) * edge;
-    const vec3 line = push.box_min.xyz + middle * push.box_size.xyz - push.eye.xyz;
+    const vec3 line = leaf_middle(position, push.box_min.xyz, push.box_size.xyz) - push.eye.xyz;
     return line * inversesqrt(max(dot(line, line), 1e-20));
 }
 

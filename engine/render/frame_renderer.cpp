@@ -14,8 +14,9 @@ namespace neuvv::render {
 
 namespace {
 
-// Three scopes for an instance and five for its slice, for the views and again for the lights, and the other passes.
-constexpr uint32_t kMaxScopes = 16 * kMaxInstances + 64;
+// Three scopes for an instance, three more for its highlight, and five for its slice, for the views and again for the
+// lights, and the other passes.
+constexpr uint32_t kMaxScopes = 22 * kMaxInstances + 64;
 
 ViewLayout largest(const FrameCapacity& capacity) {
     return {capacity.width, capacity.height, capacity.samples, capacity.views};
@@ -32,6 +33,7 @@ DrawnInstance inspected(DrawnInstance instance) {
     instance.output = RayOutput::kInspect;
     instance.rays.set_size = {};
     instance.rays.lighting = 0;
+    instance.highlight.reset();
     return instance;
 }
 
@@ -186,6 +188,8 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
             if (!one) continue;
             if (settings.mode == TraceMode::kTree) one->shading = Shading::kPerRay;
             if (settings.mode == TraceMode::kShaded) one->shading = Shading::kPerLeaf;
+            one->highlight = instance.highlight;
+            if (instance.highlight) one->shading = Shading::kPerLeaf;
             one->output = settings.blend == Blend::kPaper ? RayOutput::kLayerByDepth : RayOutput::kLayer;
             one->rays.stop = settings.stop;
             if (set_) one->rays.set_size = layout_.samples * glm::uvec2(layout_.width, layout_.height);
@@ -215,8 +219,10 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
         if (shadows_) performers_[i]->add_target(shadows_->target, kMaxShadows);
     }
     std::vector<std::vector<SliceKey>> slices(fields_.size()), next(fields_.size());
-    for (const auto& group : drawn_)
-        for (const DrawnInstance& instance : group) slices[instance.field].push_back(instance.slice());
+    for (const bool highlighted : {true, false})  // a highlight needs a slice
+        for (const auto& group : drawn_)
+            for (const DrawnInstance& instance : group)
+                if ((instance.highlight != nullptr) == highlighted) slices[instance.field].push_back(instance.slice());
     if (shadows_)  // after those of the views, as a missing slice matters less in a shadow
         for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
     for (const NextSlice& one : settings.next_slices)

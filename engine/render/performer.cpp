@@ -51,6 +51,10 @@ void TargetPasses::ensure_tree_tracer(Shading shading, RayOutput output, const S
                                           shading, output, segments);
 }
 
+void TargetPasses::ensure_highlighter(const BoneBinder& binder) {
+    if (!highlighter) highlighter = std::make_unique<Highlighter>(device, binder, per_leaf->entries);
+}
+
 void TargetPasses::ensure_direct_ranger() {
     if (!direct_ranger)
         direct_ranger = std::make_unique<TileRanger>(device, field, nullptr, target.rays, target.ranges);
@@ -81,6 +85,7 @@ Performer::Performer(const gpu::Device& device, const Field& field, const Paints
 
 void Performer::make_slices(uint32_t entries) {
     passes_.clear();  // they are bound to the slices
+    bone_binder_.reset();
     slices_.reset();  // frees their memory before the new ones are created
     slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
     counts_readback_ =
@@ -134,8 +139,13 @@ void Performer::prepare(std::span<const SliceKey> slices, std::span<const SliceK
 }
 
 void Performer::prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments) {
-    if (slices_ && (instance.paint != 0 || slices_->find(instance.slice())))
+    if (slices_ && (instance.paint != 0 || slices_->find(instance.slice()))) {
         passes_[target]->ensure_tree_tracer(instance.shading, instance.output, segments);
+        if (instance.highlight) {
+            if (!bone_binder_) bone_binder_ = std::make_unique<BoneBinder>(device_, field_, slices_->trees());
+            passes_[target]->ensure_highlighter(*bone_binder_);
+        }
+    }
     if (slices_ && slices_->find(instance.slice())) return;
     if (slices_ && instance.paint != 0)
         passes_[target]->ensure_direct_ranger();
@@ -210,10 +220,15 @@ void record_instance(gpu::Commands& commands, Performer& performer, uint32_t tar
         record_direct_instance(commands, *passes.direct_tracers[static_cast<size_t>(instance.output)], instance.rays);
         return;
     }
+    const Highlight* highlight = instance.highlight.get();
+    if (highlight)
+        record_bind_bones(commands, performer.bone_binder(), *slice, performer.slices()->build_of(*slice),
+                          highlight->bones);
     const bool shaded = instance.shading == Shading::kPerLeaf;
     for (uint32_t view = 0; shaded && view < layout.views; view++) {
         const RangeView& range = passes.target.ranges.views.as<RangeView>()[instance.rays.first_camera + view];
         record_shade(commands, passes.per_leaf->shader, *slice, view, glm::vec3(range.eye));
+        if (highlight) record_highlight(commands, *passes.highlighter, *slice, view, highlight->tints);
     }
     record_trace_tree(commands,
                       *passes.tree_tracers[TargetPasses::tree_tracer_index(instance.shading, instance.output)], *slice,

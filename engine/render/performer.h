@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 
+#include "render/highlight.h"
 #include "render/shade.h"
 #include "render/slice_cache.h"
 #include "render/trace_tree.h"
@@ -19,6 +20,7 @@ struct Instance {
     uint32_t field = 0;                 // index into the renderer's fields
     float opacity = 1;                  // below 1, light passes even its densest parts (store_instance.glsl)
     bool casts_shadow = true, receives_shadow = true;
+    std::shared_ptr<const Highlight> highlight;  // null: none
 };
 
 // Returns Shading::kPerLeaf where shading once a leaf looks the same as shading along each ray and is less work, else
@@ -36,6 +38,7 @@ struct DrawnInstance {
     RayOutput output = RayOutput::kLayer;
     uint32_t range_level = 0;  // of the nodes that tile ranges are computed from
     InstanceRays rays;
+    std::shared_ptr<const Highlight> highlight;  // only with Shading::kPerLeaf
     SliceKey slice() const { return {frame, paint}; }
 };
 
@@ -47,6 +50,8 @@ struct TargetPasses {
     // Create the passes for an instance, before an image is recorded. `segments` must not be null where `output` is
     // kSegments.
     void ensure_tree_tracer(Shading shading, RayOutput output, const Segments* segments);
+    // After the tree tracer of an instance with a highlight.
+    void ensure_highlighter(const BoneBinder& binder);
     void ensure_direct_tracer(RayOutput output, const Segments* segments);
     // The ranger for instances without a slice, which takes all leaves as live.
     void ensure_direct_ranger();
@@ -69,6 +74,7 @@ struct TargetPasses {
     const RayTarget& target;
     uint32_t views;
     std::unique_ptr<Shaded> per_leaf;
+    std::unique_ptr<Highlighter> highlighter;
     std::unique_ptr<TileRanger> tree_ranger, direct_ranger;
     std::array<std::unique_ptr<TreeTracer>, 15> tree_tracers;     // by tree_tracer_index: 3 shadings, 5 ray outputs
     std::array<std::unique_ptr<DirectTracer>, 5> direct_tracers;  // by RayOutput
@@ -107,6 +113,7 @@ class Performer {
     const SliceCache* slices() const { return slices_.get(); }
     const TargetPasses& passes(uint32_t target = 0) const { return *passes_[target]; }
     const LiveFinder& finder() const { return *finder_; }
+    BoneBinder& bone_binder() { return *bone_binder_; }  // exists where an instance with a highlight was prepared
     const gpu::Buffer& counts_readback() const { return counts_readback_; }
 
   private:
@@ -119,6 +126,7 @@ class Performer {
     LiveLeaves live_;
     std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
+    std::unique_ptr<BoneBinder> bone_binder_;
     gpu::Buffer counts_readback_;  // LiveCount of each slice, of the last image
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target

@@ -122,6 +122,7 @@ void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) 
     const SliceKey key = *cached.key;
     for (uint32_t i = 0; i < slices_.size(); i++)  // another partly built slice loses the live leaves
         if (i != slice && slices_[i].parts < kSliceParts) slices_[i].parts = 0;
+    if (cached.parts == 0) cached.build = ++builds_;
     if (cached.parts == 0 && parts >= kSliceParts) {
         record_slice_tree(commands, slicer_, slice, key.frame, paint_of(key));
         cached.parts = kSliceParts;

@@ -37,6 +37,8 @@ class SliceCache {
     std::optional<uint32_t> find(SliceKey key) const;
     // Whether the last image requested the slice of this index.
     bool is_used(uint32_t slice) const { return slices_[slice].key && slices_[slice].last_used == images_; }
+    // A number that changes whenever the slice of this index is built anew.
+    uint64_t build_of(uint32_t slice) const { return slices_[slice].build; }
     // Drops all slices.
     void forget();
 
@@ -60,6 +62,7 @@ class SliceCache {
         uint32_t parts = 0;           // how many of kSliceParts are built
         uint64_t last_used = 0;       // the number of the last image that needed it
         uint64_t last_requested = 0;  // the same, or an image before which it was prefetched
+        uint64_t build = 0;           // the number of this build among all
     };
     CachedSlice* find_cached(SliceKey key);
     CachedSlice& oldest();
@@ -77,7 +80,7 @@ class SliceCache {
     std::vector<CachedSlice> slices_;  // by index; at most one is partly built, and uses the live leaves
     std::optional<uint32_t> shared_;   // the slice whose memory painted slices share in this image
     std::vector<SliceKey> prefetch_;
-    uint64_t images_ = 0;
+    uint64_t images_ = 0, builds_ = 0;
     std::unique_ptr<Painter> painter_;  // created when first needed
     std::map<uint32_t, SlicePaint> bound_;
 };
