@@ -104,6 +104,7 @@ ordered_json performers_json(const stage::Stage& stage, const stage::EvaluatedSt
                         {"opacity", settings.opacity},
                         {"casts_shadow", at.casts_shadow},
                         {"receives_shadow", at.receives_shadow},
+                        {"skeleton", settings.skeleton_uri},
                         {"paint_layers", settings.paint.size()},
                         {"paint", paint_json(settings)}});
     }
@@ -233,6 +234,7 @@ std::string settings_text(const stage::StagePerformer& performer, const stage::E
     if (!at.visible) text += ", not seen";
     if (!settings.casts_shadow) text += ", casts no shadows";
     if (!settings.receives_shadow) text += ", no shadows fall on it";
+    if (!settings.skeleton_uri.empty()) text += ", skeleton " + settings.skeleton_uri;
     if (!settings.paint.empty()) text += ", painted: " + paint_text(settings);
     return text;
 }

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "editor/open_file.h"
 #include "media/image.h"
+#include "motion/skeleton_file.h"
 #include "stage/stage.h"
 #include "tools/options.h"
 
@@ -106,6 +107,13 @@ void add_performer_options(Command verb, edit::PerformerEdit& edit) {
     add_switch(verb, "--visible", edit.visible, "Whether it is seen");
     add_switch(verb, "--casts-shadow", edit.casts_shadow, "Whether it casts shadows");
     add_switch(verb, "--receives-shadow", edit.receives_shadow, "Whether shadows fall on it");
+    verb.add_parsed_option(
+        "--skeleton",
+        [&edit](const std::string& file) {
+            if (!file.empty()) motion::read_skeleton(file);
+            edit.skeleton = file;
+        },
+        "Its .skeleton.glb; empty: the file beside its .nvv");
 }
 
 void add_stage_options(Command verb, edit::StageEdit& edit) {

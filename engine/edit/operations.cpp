@@ -127,6 +127,13 @@ void edit_performer(stage::StageFile& file, ordered_json& performer, const Perfo
     set("castsShadow", edit.casts_shadow, edit.casts_shadow.value_or(false) ? "casts shadows" : "casts no shadows");
     set("receivesShadow", edit.receives_shadow,
         edit.receives_shadow.value_or(false) ? "shadows fall on it" : "no shadows fall on it");
+    if (edit.skeleton && edit.skeleton->empty()) {
+        performer.erase("skeleton");
+        changes.push_back("the skeleton beside its clip");
+    } else if (edit.skeleton) {
+        performer["skeleton"] = {{"uri", stage::uri_of_file(file, *edit.skeleton)}};
+        changes.push_back("skeleton " + performer["skeleton"]["uri"].get<std::string>());
+    }
 }
 
 void edit_environment(stage::StageFile& file, ordered_json& stage, const StageEdit& edit,

@@ -41,6 +41,8 @@ PerformerSettings performer_settings_of(const ordered_json& json, const std::str
     members.number("opacity", 0, 1, settings.opacity);
     members.boolean("castsShadow", settings.casts_shadow);
     members.boolean("receivesShadow", settings.receives_shadow);
+    if (const ordered_json* skeleton = members.find("skeleton"))
+        settings.skeleton_uri = required_uri(JsonMembers(*skeleton, file, place + "/skeleton"));
     const ordered_json* paint = members.find("paint");
     if (!paint) return settings;
     if (!paint->is_array() || paint->size() > kMaxPaintLayers)
@@ -67,6 +69,7 @@ ordered_json json_of(const PerformerSettings& settings) {
     if (settings.opacity != 1) json["opacity"] = settings.opacity;
     if (!settings.casts_shadow) json["castsShadow"] = false;
     if (!settings.receives_shadow) json["receivesShadow"] = false;
+    if (!settings.skeleton_uri.empty()) json["skeleton"] = {{"uri", settings.skeleton_uri}};
     if (settings.paint.empty()) return json;
     json["paint"] = ordered_json::array();
     for (const PaintLayer& layer : settings.paint) json["paint"].push_back(json_of(layer));

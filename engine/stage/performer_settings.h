@@ -36,6 +36,7 @@ struct PerformerSettings {
     double opacity = 1;  // 0..1
     bool casts_shadow = true, receives_shadow = true;
     std::vector<PaintLayer> paint;  // the lowest layer first
+    std::string skeleton_uri;       // of its motion, relative to the stage; empty: the file beside the .nvv, if any
 };
 
 // `place` is the extension's (or the layer's) location in the JSON, for error messages. Throws InputError where a known

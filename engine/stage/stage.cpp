@@ -64,6 +64,9 @@ void read_performers(Stage& stage, bool clips_needed) {
         performer.name = node_title(stage.scene, i);
         performer.settings = performer_settings_of(*extension, file, place);
         const std::filesystem::path path = clip_path(stage, performer, place);
+        if (!performer.settings.skeleton_uri.empty())
+            performer.skeleton =
+                absolute_path(file_of_uri(stage.file, performer.settings.skeleton_uri, place + "/skeleton"));
         for (const PaintLayer& layer : performer.settings.paint) file_of_uri(stage.file, layer.uri, place + "/paint");
         if (!stage.scene.nodes[i].in_scene) continue;
         std::error_code error;

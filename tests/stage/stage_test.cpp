@@ -223,6 +223,9 @@ TEST_F(Stages, HostileOnesAreRefusedInALine) {
     expect_refused("\"opacity\" : 0.50", "\"visible\":1", {"NEUVV_performer/visible"});
     expect_refused("\"opacity\" : 0.50", "\"castsShadow\":null", {"NEUVV_performer/castsShadow"});
     expect_refused("\"opacity\" : 0.50", "\"receivesShadow\":[]", {"NEUVV_performer/receivesShadow"});
+    expect_refused("\"opacity\" : 0.50", "\"skeleton\":{}", {"NEUVV_performer/skeleton", "uri"});
+    expect_refused("\"opacity\" : 0.50", "\"skeleton\":\"a.glb\"", {"NEUVV_performer/skeleton", "object"});
+    expect_refused("\"opacity\" : 0.50", "\"skeleton\":{\"uri\":\"/a.glb\"}", {"NEUVV_performer/skeleton", "relative"});
     expect_refused("\"opacity\" : 0.50", "\"paint\":{}", {"NEUVV_performer/paint"});
     expect_refused("\"opacity\" : 0.50", "\"paint\":[{\"uri\":\"a\",\"blend\":\"add\"}]",
                    {"paint/0/blend", "recolour"});
@@ -313,9 +316,11 @@ TEST(StageSchema, PerformerHoldsWhatIsWritten) {
     settings.spin_deg_per_s = 9;
     settings.opacity = 0.5;
     settings.visible = settings.casts_shadow = settings.receives_shadow = false;
+    settings.skeleton_uri = "a.skeleton.glb";
     settings.paint = {{"p.nvpaint", "red", false, 0.25, stage::PaintBlend::kTint}};
     const ordered_json json = stage::json_of(settings), schema = schema_of("NEUVV_performer.schema.json");
     expect_members(schema, json, "performer");
+    expect_members(schema["properties"]["skeleton"], json["skeleton"], "skeleton");
     expect_members(schema["$defs"]["layer"], json["paint"][0], "layer");
     EXPECT_EQ(schema["$defs"]["layer"]["properties"]["blend"]["enum"], ordered_json(stage::kPaintBlendNames));
     ordered_json operators = ordered_json::object();
