@@ -8,6 +8,7 @@
 #include <random>
 
 #include "motion/detector.h"
+#include "motion/skeleton_file.h"
 #include "motion/trainee.h"
 
 namespace neuvv {
@@ -98,6 +99,19 @@ TEST(Live, ALateLegIsSaidToBeLate) {
         }
     EXPECT_GT(seconds, 0.5) << "for how long it was said";
     EXPECT_NEAR(late / seconds, 0.4, 0.08);
+}
+
+// The recorded trainee of tools/performer: the arm and the leg that do wrong turn red, and nothing else does.
+TEST(Live, TheRecordedTraineesMistakesAreShown) {
+    const auto samples = perform(motion::read_skeleton(NEUVV_SOURCE_DIR "/tools/performer/trainee.glb"));
+    std::array<double, motion::kLimbs> red_s{};
+    for (const Sample& sample : samples)
+        for (size_t i = 0; i < motion::kLimbs; ++i) red_s[i] += sample.feedback.limbs[i].wrong ? 1 / kRate : 0;
+    for (size_t i = 0; i < motion::kLimbs; ++i) {
+        const bool planted = i == motion::index_of(Limb::kLeftArm) || i == motion::index_of(Limb::kRightLeg);
+        EXPECT_EQ(red_s[i] > 0.3, planted) << motion::kLimbNames[i] << ' ' << red_s[i];
+        EXPECT_TRUE(planted || red_s[i] == 0) << motion::kLimbNames[i] << ' ' << red_s[i];
+    }
 }
 
 TEST(Live, AMirroredTurnIsTheTrunksAlone) {

@@ -3,6 +3,7 @@
 
     python3 tools/performer/make_performer.py [OUTPUT.glb]            # the dancer
     python3 tools/performer/make_performer.py --squats OUTPUT.glb     # longer arms, shorter legs, squats (squats.py)
+    python3 tools/performer/make_performer.py --trainee OUTPUT.glb    # joints alone, with mistakes (trainee.py)
 """
 import json
 import pathlib
@@ -15,10 +16,12 @@ from atlas import encode_png, paint_texture
 from body import make_body
 import motion
 import squats
+import trainee
 from skeleton import INDEX, JOINTS
 
 U8, U16, F32 = 5121, 5123, 5126
 VERTICES, INDICES = 34962, 34963
+ASSET = {"version": "2.0", "generator": "make_performer.py", "copyright": "NeuVV contributors, Apache-2.0"}
 
 
 class Glb:
@@ -90,8 +93,8 @@ def add_mesh(glb, mesh):
     return {"attributes": attributes, "indices": indices, "material": 0}
 
 
-def add_nodes(figure):
-    """Joint i is node i; the mesh's node is the last."""
+def add_joints(figure):
+    """Joint i is node i."""
     nodes = []
     for name, _, _ in JOINTS:
         node = {"name": name, "translation": list(figure.place(name))}
@@ -99,7 +102,6 @@ def add_nodes(figure):
         if children:
             node["children"] = children
         nodes.append(node)
-    nodes.append({"name": "performer", "mesh": 0, "skin": 0})
     return nodes
 
 
@@ -128,11 +130,11 @@ def make_performer(figure):
     animation = add_animation(glb, figure)
     texture = glb.view(encode_png(paint_texture()))
     return glb.pack({
-        "asset": {"version": "2.0", "generator": "make_performer.py", "copyright": "NeuVV contributors, Apache-2.0"},
+        "asset": ASSET,
         "extensionsUsed": ["KHR_materials_unlit"],
         "scene": 0,
         "scenes": [{"nodes": [0, len(JOINTS)]}],
-        "nodes": add_nodes(figure),
+        "nodes": add_joints(figure) + [{"name": "performer", "mesh": 0, "skin": 0}],
         "meshes": [{"name": "performer", "primitives": [primitive]}],
         "skins": [{"joints": list(range(len(JOINTS))), "skeleton": 0, "inverseBindMatrices": inverse_binds}],
         "materials": [{
@@ -147,10 +149,28 @@ def make_performer(figure):
     })
 
 
+def make_motion(figure):
+    """The figure's joints and their animation, without a body."""
+    glb = Glb()
+    animation = add_animation(glb, figure)
+    return glb.pack({
+        "asset": ASSET,
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": add_joints(figure),
+        "animations": [animation],
+    })
+
+
+MAKERS = {
+    "--squats": lambda: make_performer(squats),
+    "--trainee": lambda: make_motion(trainee),
+}
+
 if __name__ == "__main__":
-    here = pathlib.Path(__file__).resolve().parent
-    arguments = [word for word in sys.argv[1:] if word != "--squats"]
-    if "--squats" in sys.argv and not arguments:
-        sys.exit("make_performer.py: --squats needs the name of a file to write")
-    output = pathlib.Path(arguments[0]) if arguments else here / "performer.glb"
-    output.write_bytes(make_performer(squats if "--squats" in sys.argv else motion))
+    options = [word for word in sys.argv[1:] if word in MAKERS]
+    names = [word for word in sys.argv[1:] if word not in MAKERS]
+    if options and not names:
+        sys.exit(f"make_performer.py: {options[0]} needs the name of a file to write")
+    output = pathlib.Path(names[0]) if names else pathlib.Path(__file__).resolve().parent / "performer.glb"
+    output.write_bytes(MAKERS[options[0]]() if options else make_performer(motion))
