@@ -91,13 +91,14 @@ Directions directions_of(const Pose& pose) {
     return directions;
 }
 
+glm::dvec3 turned(const glm::dvec3& direction, double yaw) {
+    const double c = std::cos(yaw), s = std::sin(yaw);
+    return {c * direction.x + s * direction.z, direction.y, -s * direction.x + c * direction.z};
+}
+
 Directions turned(const Directions& directions, double yaw) {
     Directions result = directions;
-    const double c = std::cos(yaw), s = std::sin(yaw);
-    for (size_t b = 0; b < kTrunkBones; ++b) {
-        const glm::dvec3 d = directions[b].direction;
-        result[b].direction = {c * d.x + s * d.z, d.y, -s * d.x + c * d.z};
-    }
+    for (size_t b = 0; b < kTrunkBones; ++b) result[b].direction = turned(directions[b].direction, yaw);
     return result;
 }
 

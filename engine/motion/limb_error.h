@@ -20,7 +20,9 @@ using Directions = std::array<BoneDirection, kComparedBones>;
 
 Limb limb_of_bone(size_t compared_bone);
 Directions directions_of(const Pose& pose);
-// The directions of the pose turned about the world's +Y, radians.
+// A direction turned about the world's +Y, radians.
+glm::dvec3 turned(const glm::dvec3& direction, double yaw);
+// The directions of the pose, turned likewise.
 Directions turned(const Directions& directions, double yaw);
 
 // Errors of a frame, in degrees: for each limb the root of the weighted mean of its bones' squared angles; −1 where

@@ -24,6 +24,16 @@ Pose mixed(const Pose& a, const Pose& b, double share) {
     return pose;
 }
 
+Pose mirrored(const Pose& pose) {
+    Pose result;
+    for (size_t j = 0; j < kJoints; ++j) {
+        JointSample& sample = at(result, info_of(joint_at(j)).mirrored);
+        sample = pose[j];
+        sample.position.x = -sample.position.x;
+    }
+    return result;
+}
+
 Pose pose_at(const SkeletonClip& clip, double frame) {
     const double last = static_cast<double>(clip.frames.size()) - 1, at = std::clamp(frame, 0.0, last);
     const auto first = static_cast<size_t>(at);

@@ -28,6 +28,9 @@ inline const JointSample& at(const Pose& pose, Joint joint) {
 // A pose between two: positions are mixed; what only one of them knows is taken from it.
 Pose mixed(const Pose& a, const Pose& b, double share);
 
+// The pose as a mirror shows it: x is negated, and left and right are exchanged.
+Pose mirrored(const Pose& pose);
+
 constexpr size_t kMaxSkeletonFrames = 500'000;
 
 struct SkeletonClip {

@@ -165,7 +165,8 @@ media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, c
     return linear_image(light, metres, capacity_.width, capacity_.height, capacity_.samples, background);
 }
 
-FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated) const {
+FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
+                                         const PerformerHighlight& highlight) const {
     FrameSettings settings;
     settings.width = capacity_.width;
     settings.height = capacity_.height;
@@ -180,6 +181,7 @@ FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated)
         settings.instances.push_back({performer.frame, glm::mat4(performer.world_from_performer),
                                       paints_[performer.performer], performer.clip, performer.opacity,
                                       performer.casts_shadow, performer.receives_shadow});
+        if (performer.performer == highlight.performer) settings.instances.back().highlight = highlight.highlight;
     }
     return settings;
 }

@@ -11,6 +11,12 @@
 
 namespace neuvv::render {
 
+// A performer of which parts are red.
+struct PerformerHighlight {
+    uint32_t performer = 0;                      // index into Stage::performers
+    std::shared_ptr<const Highlight> highlight;  // null: none
+};
+
 class StageRenderer {
   public:
     // `assets` are what a StageLoader has loaded for this stage. The stage must outlive the renderer or be replaced by
@@ -38,7 +44,7 @@ class StageRenderer {
     // moved by the part's position. It may have more samples than the capacity as long as samples · width and samples ·
     // height do not exceed the capacity's. Parts together equal the whole image within a step of 255, except at edges
     // of the set.
-    FrameSettings settings_at(const stage::EvaluatedStage& evaluated) const;
+    FrameSettings settings_at(const stage::EvaluatedStage& evaluated, const PerformerHighlight& highlight = {}) const;
 
     // Sets the hidden parts of each view's image (SetRaster::hide) until the next call.
     void hide(std::span<const std::vector<glm::vec2>> corners) { set_->hide(corners); }
