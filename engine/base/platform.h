@@ -1,5 +1,5 @@
-// Every call that differs between operating systems, but for file_lock.h. A port to another system is a second
-// platform.cpp.
+// Every call that differs between operating systems, but for file_lock.h, udp_socket.h and line_reader.h. A port to
+// another system is a second platform.cpp.
 #pragma once
 
 #include <cstddef>
