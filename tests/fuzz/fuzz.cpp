@@ -1,4 +1,4 @@
-// Gives a loader damaged data sets, stages, clips or layers of paint. It is built with AddressSanitizer and
+// Gives a loader damaged data sets, stages, clips, layers of paint or packets. It is built with AddressSanitizer and
 // UndefinedBehaviorSanitizer, whose limits are set here, too. Where it fails, it keeps the damaged data set.
 //
 //     fuzz CORPUS [SECONDS [SEED]]      CORPUS/*: valid data sets of one layout, images included
@@ -17,10 +17,12 @@
 #include <fstream>
 #include <set>
 
+#include "base/platform.h"
 #include "fuzz/mutate.h"
 #include "fuzz/verdict.h"
 #include "motion/key_points.h"
 #include "motion/skeleton_file.h"
+#include "motion/vmc.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
 
@@ -98,8 +100,8 @@ std::vector<Sample> copy_samples(const fs::path& corpus, const fs::path& work) {
     return samples;
 }
 
-// What a folder contains decides what it is: a stage, a skeleton or a detector's key points, a layer of paint on a
-// clip, a clip, else a data set.
+// What a folder contains decides what it is: a stage, a skeleton, a detector's key points or a packet of the VMC
+// protocol, a layer of paint on a clip, a clip, else a data set.
 fs::path stage_in(const fs::path& folder) {
     for (const char* name : {"stage.gltf", "stage.glb"})
         if (fs::exists(folder / name)) return folder / name;
@@ -107,16 +109,22 @@ fs::path stage_in(const fs::path& folder) {
 }
 
 fs::path skeleton_in(const fs::path& folder) {
-    for (const char* name : {"skeleton.glb", "skeleton.bvh", "skeleton.trc", "key_points.json"})
+    for (const char* name : {"skeleton.glb", "skeleton.bvh", "skeleton.trc", "key_points.json", "packet.osc"})
         if (fs::exists(folder / name)) return folder / name;
     return {};
 }
 
-// Key points of one image are a clip of one frame.
+// Key points of one image, and the body of a packet, are a clip of one frame.
 motion::SkeletonClip read_motion(const fs::path& file) {
-    if (file.extension() != ".json") return motion::read_skeleton(file);
+    if (file.extension() != ".json" && file.extension() != ".osc") return motion::read_skeleton(file);
     motion::SkeletonClip clip;
     clip.frames.resize(1);
+    if (file.extension() == ".osc") {
+        motion::VmcBody body;
+        body.read(read_file(file), file.string());
+        if (const auto poses = body.take(file.string())) clip.frames[0] = poses->newest;
+        return clip;
+    }
     const motion::DetectedImage image = motion::read_key_points(file);
     for (size_t j = 0; j < motion::kJoints; ++j)
         clip.frames[0][j] = {{image.points[j].pixel, 0}, image.points[j].confidence, true};
