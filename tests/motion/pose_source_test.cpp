@@ -1,0 +1,397 @@
+// Sources of poses: real packets, pipes and files, on a clock of the test's own.
+#include "motion/pose_source.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+#include "base/udp_socket.h"
+#include "motion/detector.h"
+#include "motion/senders.h"
+#include "motion/skeleton_file.h"
+#include "support/input_error.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv {
+namespace {
+
+using motion::Joint;
+using motion::open_pose_source;
+using motion::PoseSource;
+
+uint16_t port_of(const PoseSource& source) {
+    const std::string name = source.name();
+    return static_cast<uint16_t>(std::stoul(name.substr(name.rfind(':') + 1)));
+}
+
+// A pose that is told by the place of its nose.
+std::string line_of(double time_s, double x) {
+    motion::TimedPose timed{time_s, {}};
+    at(timed.pose, Joint::kNose) = {{x, 1.6, 0.1}, 1, true};
+    return motion::pose_line(timed);
+}
+
+double nose_of(const std::optional<motion::TimedPose>& pose) {
+    return pose ? at(pose->pose, Joint::kNose).position.x : NAN;
+}
+
+// A T-pose in Unity's space, whose hips are at x.
+std::vector<test::VmcPart> t_pose(float x) {
+    const auto bone = [](const std::string& name, float px, float py, float pz) {
+        return test::VmcPart{"/VMC/Ext/Bone/Pos", name, {px, py, pz, 0, 0, 0, 1}};
+    };
+    std::vector<test::VmcPart> parts = {bone("Hips", x, 1, 0), bone("Spine", 0, 0.3f, 0), bone("Head", 0, 0.3f, 0)};
+    for (const std::string side : {"Left", "Right"}) {
+        const float out = side == "Left" ? -1 : 1;
+        for (const auto& [name, px, py] : {std::tuple{"UpperArm", 0.15f, 0.2f},
+                                           {"LowerArm", 0.3f, 0.f},
+                                           {"Hand", 0.25f, 0.f},
+                                           {"UpperLeg", 0.1f, 0.f},
+                                           {"LowerLeg", 0.f, -0.45f},
+                                           {"Foot", 0.f, -0.45f}})
+            parts.push_back(bone(side + name, out * px, py, 0));
+    }
+    return parts;
+}
+
+struct PoseSourceOnPort : testing::Test {
+    std::unique_ptr<PoseSource> json = open_pose_source("udp:0"), vmc = open_pose_source("vmc:0");
+    test::UdpTransmitter first, second;
+
+    void send(double time_s, double x) const { first.send(line_of(time_s, x), port_of(*json)); }
+};
+
+TEST_F(PoseSourceOnPort, LinesOfJsonArrive) {
+    EXPECT_EQ(json->name(), fmt::format("JSON on 127.0.0.1:{}", port_of(*json)));
+    EXPECT_FALSE(json->newest(10));
+    EXPECT_FALSE(json->state().stopped) << "nothing has begun";
+    send(500, 1);
+    const auto pose = json->newest(10.5);
+    EXPECT_EQ(nose_of(pose), 1);
+    EXPECT_NEAR(pose->time_s, 10.5, 1e-9) << "on the caller's clock";
+    EXPECT_FALSE(json->newest(10.6));
+    for (const double x : {2., 3., 4.}) send(500 + x, x);
+    EXPECT_EQ(nose_of(json->newest(10.7)), 4) << "the newest";
+    EXPECT_EQ(json->state().poses, 4u);
+    EXPECT_EQ(json->state().left_out, 0u);
+}
+
+TEST_F(PoseSourceOnPort, TimesKeepTheSendersPace) {
+    // Packets wait up to 30 ms on their way, the first one 20 ms; poses are 20 ms apart nevertheless.
+    const double waits_s[] = {0.02, 0.03, 0, 0.01, 0.03, 0.015};
+    std::vector<double> times_s;
+    for (int i = 0; i < 6; ++i) {
+        send(100 + 0.02 * i, i);
+        const double now_s = 7 + 0.02 * i + waits_s[i];
+        times_s.push_back(json->newest(now_s)->time_s);
+        EXPECT_LE(times_s.back(), now_s + 1e-9);
+    }
+    for (size_t i = 3; i < 6; ++i) EXPECT_NEAR(times_s[i] - times_s[i - 1], 0.02, 1e-9);
+    EXPECT_NEAR(times_s[2], 7.04, 1e-9) << "it did not wait";
+    // A clock that was set forwards, and one that runs far too slowly.
+    send(900, 6);
+    EXPECT_NEAR(json->newest(7.2)->time_s, 7.2, 1e-9);
+    send(900.01, 7);
+    EXPECT_NEAR(json->newest(7.7)->time_s, 7.7, 1e-9);
+}
+
+TEST_F(PoseSourceOnPort, ReorderedPosesAreLeftOut) {
+    for (const double time_s : {1.0, 1.2, 1.1, 1.2}) send(time_s, time_s);
+    EXPECT_EQ(nose_of(json->newest(5)), 1.2);
+    EXPECT_EQ(json->state().poses, 2u);
+    EXPECT_EQ(json->state().left_out, 2u);
+    send(1.15, 9);
+    EXPECT_FALSE(json->newest(5.1)) << "a call later, too";
+    EXPECT_NE(json->state().first_error.find("time"), std::string::npos);
+    // A program that begins anew begins its time anew.
+    send(0, 0.5);
+    EXPECT_EQ(nose_of(json->newest(6.5)), 0.5);
+}
+
+TEST_F(PoseSourceOnPort, StopsAndGoesOn) {
+    send(1, 1);
+    json->newest(0);
+    json->newest(0.9);
+    EXPECT_FALSE(json->state().stopped);
+    json->newest(1.1);
+    EXPECT_TRUE(json->state().stopped);
+    send(2.2, 2);
+    EXPECT_EQ(nose_of(json->newest(1.2)), 2);
+    EXPECT_FALSE(json->state().stopped);
+}
+
+TEST_F(PoseSourceOnPort, ASecondSenderDoesNoHarm) {
+    const auto intrude = [&](double time_s) { second.send(line_of(time_s, -1), port_of(*json)); };
+    send(1, 1);
+    intrude(100);
+    EXPECT_EQ(nose_of(json->newest(0)), 1);
+    EXPECT_EQ(json->state().left_out, 1u);
+    EXPECT_NE(json->state().first_error.find("second sender"), std::string::npos);
+    intrude(101);
+    EXPECT_FALSE(json->newest(1.9)) << "not yet silent for 2 s";
+    send(3, 3);
+    EXPECT_EQ(nose_of(json->newest(1.95)), 3);
+    // The caller was away; both went on sending.
+    intrude(102);
+    send(60, 4);
+    EXPECT_EQ(nose_of(json->newest(60)), 4);
+    // The first sender falls silent.
+    json->newest(62.1);
+    intrude(0.5);
+    EXPECT_EQ(nose_of(json->newest(62.2)), -1);
+    send(70, 5);
+    EXPECT_FALSE(json->newest(62.3));
+}
+
+TEST_F(PoseSourceOnPort, MalformedLinesAreLeftOut) {
+    const std::string sound = line_of(1, 1);
+    size_t sent = 0;
+    const auto refuse = [&](const std::string& bytes) {
+        first.send(bytes, port_of(*json));
+        EXPECT_FALSE(json->newest(0)) << bytes.substr(0, 100);
+        EXPECT_EQ(json->state().left_out, ++sent);
+    };
+    for (size_t size = 0; size < sound.size(); ++size) refuse(sound.substr(0, size));
+    refuse(R"({"time": 1, "joints": {"nose": [0, 1e999, 0]}})");
+    refuse(R"({"time": NaN, "joints": {"nose": [0, 1, 0]}})");
+    refuse(R"({"time": 1, "joints": {"nose": [0, null, 0]}})");
+    refuse(R"({"time": 1, "joints": {"tail": [0, 1, 0]}})");
+    refuse(std::string(16000, '['));
+    refuse(sound + std::string(UdpSocket::kLargestPacket, ' '));
+    // None of them made its sender the source's.
+    second.send(sound, port_of(*json));
+    EXPECT_EQ(nose_of(json->newest(0)), 1);
+    EXPECT_EQ(json->state().first_error.find('\n'), std::string::npos);
+}
+
+TEST_F(PoseSourceOnPort, VmcArrivesFromASocket) {
+    first.send(test::vmc_bundle(t_pose(0.25f)), port_of(*vmc));
+    const auto pose = vmc->newest(3);
+    ASSERT_TRUE(pose);
+    EXPECT_EQ(pose->time_s, 3);
+    EXPECT_NEAR(at(pose->pose, Joint::kPelvis).position.x, -0.25, 1e-6);
+    EXPECT_NEAR(at(pose->pose, Joint::kLeftWrist).position.x, -0.25 + 0.7, 1e-6);
+    // Other messages are neither poses nor faults; damaged ones are faults.
+    first.send(test::vmc_packet({"/VMC/Ext/Blend/Val", "Joy", {1}}), port_of(*vmc));
+    EXPECT_FALSE(vmc->newest(3.1));
+    EXPECT_EQ(vmc->state().left_out, 0u);
+    first.send("/VMC", port_of(*vmc));
+    EXPECT_FALSE(vmc->newest(3.2));
+    EXPECT_EQ(vmc->state().left_out, 1u);
+    EXPECT_EQ(vmc->state().poses, 1u);
+    // Another sender begins with a body of its own.
+    vmc->newest(6);
+    const std::vector<test::VmcPart> parts = t_pose(1);
+    second.send(test::vmc_packet(parts[0]), port_of(*vmc));
+    EXPECT_FALSE(vmc->newest(6.1)) << "hips alone are no body";
+    second.send(test::vmc_bundle(parts), port_of(*vmc));
+    EXPECT_TRUE(vmc->newest(6.2));
+}
+
+// More packets than can wait: the call ends, and the poses stay those of the source's sender, in order.
+TEST_F(PoseSourceOnPort, AFloodDoesNotStallTheCaller) {
+    std::atomic<bool> flooding = true;
+    const uint16_t port = port_of(*json);
+    std::thread flood([&] {
+        for (double time_s = 1; flooding; time_s += 1e-3) first.send(line_of(time_s, time_s), port);
+    });
+    double last = 0;
+    uint64_t calls = 0, before = 0;
+    for (double now_s = 0; json->state().poses < 20000; now_s += 1e-3, ++calls) {
+        const auto pose = json->newest(now_s);
+        const motion::PoseSourceState state = json->state();
+        EXPECT_LE(state.poses + state.left_out - before, UdpSocket::kMostWaiting);
+        before = state.poses + state.left_out;
+        if (!pose) continue;
+        EXPECT_GT(nose_of(pose), last);
+        last = nose_of(pose);
+    }
+    flooding = false;
+    flood.join();
+    // What waits at the beginning of a call is read to its end, so that its pose is not older than that.
+    json->newest(1e6);
+    for (int i = 0; i < 3000; ++i) send(1e6 + i, i);
+    const double newest = nose_of(json->newest(1e6 + 1));
+    EXPECT_GT(newest, 50) << "the rest found the socket's buffer full";
+    EXPECT_FALSE(json->newest(1e6 + 1.1)) << "nothing was left waiting";
+}
+
+// An hour at 60 Hz, and its memory. The sanitizer's allocator counts nothing, so a minute is enough for it.
+TEST_F(PoseSourceOnPort, TakesNoMoreMemoryTheLongerItRuns) {
+#ifdef __SANITIZE_ADDRESS__
+    constexpr int kPoses = 60 * 60;
+#else
+    constexpr int kPoses = 60 * 3600;
+#endif
+    constexpr int kSettled = 600;
+    const std::string bundle = test::vmc_bundle(t_pose(0));
+    struct mallinfo2 settled {};
+    for (int i = 0; i < kPoses; ++i) {
+        const double now_s = i / 60.0;
+        first.send(bundle, port_of(*vmc));
+        if (i % 7 == 0) second.send(bundle, port_of(*vmc));
+        if (i % 11 == 0) first.send("malformed", port_of(*vmc));
+        ASSERT_TRUE(vmc->newest(now_s));
+        if (i % 20 == 0) {
+            send(now_s, i % 1000);
+            ASSERT_TRUE(json->newest(now_s));
+        }
+        if (i == kSettled) settled = mallinfo2();
+    }
+    const struct mallinfo2 now = mallinfo2();
+    EXPECT_EQ(vmc->state().poses, uint64_t{kPoses});
+    EXPECT_GT(vmc->state().left_out, uint64_t{kPoses} / 5);
+    EXPECT_LE(now.uordblks, settled.uordblks + 4096) << "bytes in use";
+    EXPECT_LE(now.arena + now.hblkhd, settled.arena + settled.hblkhd + (1 << 18)) << "bytes taken from the system";
+}
+
+TEST(PoseSource, SaysWhatIsWrongWithAnAddress) {
+    const auto refuse = [](const std::string& address, std::initializer_list<std::string> parts) {
+        expect_input_error([&] { open_pose_source(address); }, parts);
+    };
+    refuse("vmc:", {"vmc:", "no port", "vmc:HOST:PORT"});
+    refuse("vmc:port", {"vmc:port", "\"port\"", "vmc:39539"});
+    refuse("udp", {"udp", "no port", "udp:PORT"});
+    refuse("udp:65536", {"65536", "no port"});
+    refuse("udp:-1", {"no port"});
+    refuse("udp:1 ", {"no port"});
+    refuse("vmc:nobody:39539", {"vmc:nobody:39539", "\"nobody\"", "127.0.0.1"});
+    refuse("vmc::39539", {"no address"});
+    refuse("vmc:192.0.2.1:0", {"192.0.2.1", "no address of this machine"});  // an address kept for examples
+    const auto taken = open_pose_source("udp:127.0.0.1:0");
+    const std::string again = fmt::format("vmc:{}", port_of(*taken));
+    refuse(again, {again, fmt::format("port {} of 127.0.0.1", port_of(*taken)), "choose another port"});
+    EXPECT_TRUE(open_pose_source("udp:localhost:0"));
+    EXPECT_TRUE(open_pose_source("vmc:0.0.0.0:0"));
+    refuse("nowhere.jsonl", {"nowhere.jsonl"});
+    refuse("nowhere.glb", {"nowhere.glb"});
+}
+
+TEST(PoseSource, ListensToThisMachineAlone) {
+    EXPECT_EQ(open_pose_source("udp:0")->name().find("JSON on 127.0.0.1:"), 0u);
+    EXPECT_EQ(open_pose_source("vmc:0")->name().find("VMC on 127.0.0.1:"), 0u);
+    EXPECT_EQ(open_pose_source("vmc:0.0.0.0:0")->name().find("VMC on 0.0.0.0:"), 0u);
+}
+
+// stdin is a pipe as long as this lives.
+class PipedStdin {
+  public:
+    PipedStdin() : kept_(dup(STDIN_FILENO)) {
+        int ends[2];
+        if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+        dup2(ends[0], STDIN_FILENO);
+        close(ends[0]);
+        write_ = ends[1];
+    }
+    PipedStdin(const PipedStdin&) = delete;
+    PipedStdin& operator=(const PipedStdin&) = delete;
+    ~PipedStdin() {
+        end();
+        dup2(kept_, STDIN_FILENO);
+        close(kept_);
+    }
+    void put(const std::string& text) const {
+        if (write(write_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+            throw std::runtime_error("cannot write");
+    }
+    void end() {
+        if (write_ >= 0) close(write_);
+        write_ = -1;
+    }
+
+  private:
+    int kept_, write_ = -1;
+};
+
+TEST(PoseSource, LinesOfStdinArriveWithoutWaiting) {
+    PipedStdin in;
+    const auto source = open_pose_source("-");
+    EXPECT_EQ(source->name(), "stdin");
+    EXPECT_FALSE(source->newest(0)) << "nothing is there";
+    const std::string line = line_of(1, 1) + "\n";
+    in.put(line.substr(0, 20));
+    EXPECT_FALSE(source->newest(0.1)) << "a part of a line";
+    in.put(line.substr(20) + line_of(1.1, 2) + "\r\n\n" + line_of(1.2, 3));
+    EXPECT_EQ(nose_of(source->newest(0.2)), 2);
+    EXPECT_EQ(source->state().poses, 2u);
+    in.put("\nno pose\n");
+    EXPECT_EQ(nose_of(source->newest(0.3)), 3);
+    EXPECT_EQ(source->state().left_out, 1u);
+    EXPECT_NE(source->state().first_error.find("stdin: line 5"), std::string::npos) << source->state().first_error;
+    source->newest(1.4);
+    EXPECT_TRUE(source->state().stopped);
+    in.put(line_of(2.5, 4) + "\n");
+    EXPECT_EQ(nose_of(source->newest(1.5)), 4);
+    EXPECT_FALSE(source->state().stopped);
+    in.put(line_of(2.6, 5));
+    in.end();
+    EXPECT_FALSE(source->newest(1.6)) << "the line may go on";
+    EXPECT_EQ(nose_of(source->newest(1.7)), 5) << "a last line may lack its end";
+    EXPECT_TRUE(source->state().stopped) << "the stream has ended";
+}
+
+TEST(PoseSource, ALineWithoutAnEndTakesNoMemory) {
+    PipedStdin in;
+    const auto source = open_pose_source("-");
+    const std::string piece(1 << 15, 'x');
+    struct mallinfo2 settled {};
+    for (int i = 0; i < 4000; ++i) {
+        in.put(piece);
+        EXPECT_FALSE(source->newest(i));
+        if (i == 100) settled = mallinfo2();
+    }
+    EXPECT_LE(mallinfo2().uordblks, settled.uordblks + 4096);
+    in.put("\n" + line_of(1, 1) + "\n");
+    EXPECT_EQ(nose_of(source->newest(5000)), 1);
+    EXPECT_EQ(source->state().left_out, 1u) << "the long line";
+}
+
+TEST(PoseSource, LinesAreReplayedAtTheirOwnPace) {
+    const TemporaryFolder folder;
+    std::string lines = "no pose\n";
+    for (const double time_s : {20.0, 20.1, 20.05, 20.2, 21.0}) lines += line_of(time_s, time_s) + "\n";
+    write_text(folder.path / "take.jsonl", lines);
+    const auto source = open_pose_source((folder.path / "take.jsonl").string());
+    const auto first = source->newest(100);
+    EXPECT_EQ(nose_of(first), 20) << "its pace begins with the first call";
+    EXPECT_NEAR(first->time_s, 100, 1e-9);
+    EXPECT_FALSE(source->newest(100.09));
+    const auto second = source->newest(100.15);
+    EXPECT_EQ(nose_of(second), 20.1) << "the pose at or before the time";
+    EXPECT_NEAR(second->time_s, 100.1, 1e-9);
+    EXPECT_FALSE(source->newest(100.19));
+    EXPECT_FALSE(source->state().stopped);
+    EXPECT_EQ(nose_of(source->newest(105)), 21);
+    EXPECT_TRUE(source->state().stopped);
+    EXPECT_EQ(source->state().poses, 4u);
+    EXPECT_EQ(source->state().left_out, 2u);
+    EXPECT_NE(source->state().first_error.find("line 1"), std::string::npos);
+    EXPECT_FALSE(source->newest(106));
+    write_text(folder.path / "empty.jsonl", "\n{}\n");
+    expect_input_error([&] { open_pose_source((folder.path / "empty.jsonl").string()); },
+                       {"empty.jsonl", "has no pose"});
+}
+
+TEST(PoseSource, SkeletonsAreReplayed) {
+    const TemporaryFolder folder;
+    const motion::SkeletonClip clip = test::performer_motion(10);
+    motion::write_skeleton(folder.path / "take.skeleton.glb", clip);
+    const auto source = open_pose_source((folder.path / "take.skeleton.glb").string());
+    source->newest(0);
+    const auto pose = source->newest(4.5 / clip.fps);
+    ASSERT_TRUE(pose);
+    EXPECT_NEAR(pose->time_s, 4 / clip.fps, 1e-9);
+    for (size_t j = 0; j < motion::kJoints; ++j)
+        EXPECT_LT(glm::distance(pose->pose[j].position, clip.frames[4][j].position), 1e-4);
+    EXPECT_FALSE(source->state().stopped);
+    source->newest(9.01 / clip.fps);
+    EXPECT_TRUE(source->state().stopped);
+}
+
+}  // namespace
+}  // namespace neuvv
