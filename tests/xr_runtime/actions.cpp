@@ -1,5 +1,6 @@
 // Creating action sets and actions, and attaching them to a session.
 #include "call.h"
+#include "profiles.h"
 
 namespace neuvv::xr_runtime {
 
@@ -61,7 +62,9 @@ void check_declared_paths(const Action& action) {
     std::set<XrPath> seen;
     for (const XrPath path : action.subaction_paths) {
         const std::string& text = text_of(path);
-        require(text == "/user/hand/left" || text == "/user/hand/right" || text == "/user/head" ||
+        const bool is_tracker =
+            text.starts_with(kTrackerRoot) && runtime().instance->has(XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME);
+        require(is_tracker || text == "/user/hand/left" || text == "/user/hand/right" || text == "/user/head" ||
                     text == "/user/gamepad" || text == "/user/treadmill",
                 XR_ERROR_PATH_UNSUPPORTED, "subaction-path", fmt::format("'{}' is no top level user path", text));
         require(seen.insert(path).second, XR_ERROR_PATH_UNSUPPORTED, "subaction-path",

@@ -146,15 +146,16 @@ XrResult get_source_name(XrSession handle, const XrInputSourceLocalizedNameGetIn
 
 std::vector<Source> sources_of(const Session& session, const Action& action, XrPath subaction_path) {
     std::vector<Source> sources;
-    const Profile* profile = find_profile(session.current_profile);
-    const auto suggested = session.instance->suggested.find(session.current_profile);
-    if (!profile || suggested == session.instance->suggested.end()) return sources;
     const std::string below = subaction_path == XR_NULL_PATH ? "/user/" : text_of(subaction_path) + "/";
-    for (const Binding& binding : suggested->second) {
-        if (binding.action->handle != action.handle || !binding.path.starts_with(below)) continue;
-        const ProfileInput* input = find_input(*profile, binding.path, action.type);
-        const std::string hand = binding.path.substr(0, binding.path.find('/', sizeof "/user/hand/" - 1));
-        if (input) sources.push_back({binding.path, hand + input->path});
+    for (const std::string& path : {session.current_profile, std::string(kTrackerProfile)}) {
+        const Profile* profile = find_profile(path);
+        const auto suggested = session.instance->suggested.find(path);
+        if (!profile || suggested == session.instance->suggested.end()) continue;
+        for (const Binding& binding : suggested->second) {
+            if (binding.action->handle != action.handle || !binding.path.starts_with(below)) continue;
+            const ProfileInput* input = find_input(*profile, binding.path, action.type);
+            if (input) sources.push_back({binding.path, user_of(binding.path) + input->path});
+        }
     }
     return sources;
 }

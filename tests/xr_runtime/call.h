@@ -172,6 +172,9 @@ inline constexpr XrSystemId kSystem = 0x4e56;
 // That of libvulkan, for applications that create their Vulkan objects themselves (XR_KHR_vulkan_enable).
 PFN_vkGetInstanceProcAddr vulkan_loader();
 
+// Says in the chained structs which bodies the system tracks.
+void fill_body_properties(const XrSystemProperties& properties);
+
 // --- Entry points ---
 
 template <size_t kSize>
@@ -240,6 +243,7 @@ std::vector<EntryPoint> action_entries();
 std::vector<EntryPoint> binding_entries();
 std::vector<EntryPoint> input_entries();
 std::vector<EntryPoint> hand_entries();
+std::vector<EntryPoint> body_entries();
 std::vector<EntryPoint> debug_entries();
 
 }  // namespace neuvv::xr_runtime

@@ -12,3 +12,5 @@
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 #include <openxr/openxr_reflection.h>
+
+#include "xr/body_tracking_types.h"

@@ -1,5 +1,8 @@
 #include "profiles.h"
 
+#include <algorithm>
+#include <string_view>
+
 namespace neuvv::xr_runtime {
 
 namespace {
@@ -35,8 +38,9 @@ const Inputs kThumbstick = Inputs{{"/input/thumbstick", kVector, ProfileInput::k
 const Inputs kTrackpad = Inputs{{"/input/trackpad", kVector, ProfileInput::kBoth}} +
                          floats({"/input/trackpad/x", "/input/trackpad/y"}) + booleans({"/input/trackpad/touch"});
 
-// The index of the hand to which a path belongs; -1 for none.
-int side_of(const std::string& binding) {
+// The index of the hand to which a path belongs, 2 for a worn tracker; -1 for none that the profile has.
+int side_of(const Profile& profile, const std::string& binding) {
+    if (profile.path == std::string_view(kTrackerProfile)) return binding.starts_with(kTrackerRoot) ? 2 : -1;
     if (binding.starts_with("/user/hand/left/")) return 0;
     return binding.starts_with("/user/hand/right/") ? 1 : -1;
 }
@@ -48,11 +52,15 @@ const ProfileInput* exact(const Profile& profile, const std::string& rest, int s
     return nullptr;
 }
 
-std::string below_hand(const std::string& binding, int side) {
-    return binding.substr(side == 0 ? sizeof "/user/hand/left" - 1 : sizeof "/user/hand/right" - 1);
+std::string below_user(const std::string& binding) {
+    return binding.substr(user_of(binding).size());
 }
 
 }  // namespace
+
+std::string user_of(const std::string& binding) {
+    return binding.substr(0, std::min(binding.find("/input/"), binding.find("/output/")));
+}
 
 const std::vector<Profile>& known_profiles() {
     static const std::vector<Profile> profiles = {
@@ -82,6 +90,10 @@ const std::vector<Profile>& known_profiles() {
         {"/interaction_profiles/oculus/go_controller", "Go Controller", nullptr,
          booleans({"/input/system/click", "/input/trigger/click", "/input/back/click", "/input/trackpad/click"}) +
              kTrackpad + kPoses},
+        {kTrackerProfile,
+         "Vive Tracker",
+         XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME,
+         {{"/input/grip/pose", kPose, ProfileInput::kBoth}}},
         {"/interaction_profiles/microsoft/hand_interaction", "Hand", XR_MSFT_HAND_INTERACTION_EXTENSION_NAME,
          floats({"/input/select/value", "/input/squeeze/value"}) + kPoses},
         {"/interaction_profiles/ext/hand_interaction_ext", "Hand", "XR_EXT_hand_interaction",
@@ -102,9 +114,9 @@ const Profile* find_profile(const std::string& path) {
 }
 
 bool has_input(const Profile& profile, const std::string& binding) {
-    const int side = side_of(binding);
+    const int side = side_of(profile, binding);
     if (side < 0) return false;
-    const std::string rest = below_hand(binding, side);
+    const std::string rest = below_user(binding);
     if (exact(profile, rest, side)) return true;
     for (const char* component : {"/value", "/click", "/pose", "/touch"})
         if (exact(profile, rest + component, side)) return true;
@@ -112,9 +124,9 @@ bool has_input(const Profile& profile, const std::string& binding) {
 }
 
 const ProfileInput* find_input(const Profile& profile, const std::string& binding, XrActionType type) {
-    const int side = side_of(binding);
+    const int side = side_of(profile, binding);
     if (side < 0) return nullptr;
-    const std::string rest = below_hand(binding, side);
+    const std::string rest = below_user(binding);
     const ProfileInput* input = exact(profile, rest, side);
     if (input && is_convertible(input->kind, type)) return input;
     const bool is_boolean = type == XR_ACTION_TYPE_BOOLEAN_INPUT;

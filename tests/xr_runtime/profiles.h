@@ -23,6 +23,12 @@ struct Profile {
     std::vector<ProfileInput> inputs;
 };
 
+// Trackers that are worn have user paths by role: "/user/vive_tracker_htcx/role/waist".
+inline constexpr const char* kTrackerProfile = "/interaction_profiles/htc/vive_tracker_htcx";
+inline constexpr const char* kTrackerRoot = "/user/vive_tracker_htcx/role/";
+// "/user/hand/left" of "/user/hand/left/input/grip/pose".
+std::string user_of(const std::string& binding);
+
 const std::vector<Profile>& known_profiles();
 const Profile* find_profile(const std::string& path);
 

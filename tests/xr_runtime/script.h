@@ -27,6 +27,16 @@ struct HandTracks {
     Track<bool> tracked;
 };
 
+struct BodyJoint {
+    XrVector3f at = {0, 0, 0};  // in STAGE
+    XrSpaceLocationFlags flags = 0;
+};
+struct BodyTracks {
+    Track<bool> active;
+    Track<float> confidence;
+    std::map<int, Track<BodyJoint>> joints;  // by the number of the extension that the application uses
+};
+
 struct ScriptEvent {
     int64_t frame = 0;
     std::string what;  // "do" in the file
@@ -50,6 +60,7 @@ struct Script {
     float eye_distance_m = 0.064f, floor_m = -1.6f, refresh_hz = 90;
     std::vector<float> rates_hz = {72, 90};
     bool is_real_time = false, has_mask = true, has_hand_joints = false, is_system_available = true;
+    std::set<std::string> bodies;  // which body tracking the system has: "fb", "full_body", "bd"
     std::vector<std::string> extensions;
     std::vector<VkFormat> formats;
     std::set<VkFormat> refused_formats;
@@ -59,6 +70,8 @@ struct Script {
     std::string profile = "/interaction_profiles/oculus/touch_controller";
     Track<XrPosef> head;
     HandTracks hands[2];
+    BodyTracks body;
+    std::map<std::string, Track<XrPosef>> trackers;   // by role: "left_foot"
     std::map<std::string, Track<XrVector2f>> inputs;  // by full path; scalars in x
     std::vector<ScriptEvent> events;                  // by frame
     std::vector<ForcedResult> forced;

@@ -230,6 +230,15 @@ void pass_idle_poll(Session& session) {
     enter_state(session, XR_SESSION_STATE_READY);
 }
 
+// They die with their session, and the application can destroy them no more.
+static void forget_body_trackers() {
+    const auto fb = all_of<BodyTrackerFb>();
+    const auto bd = all_of<BodyTrackerBd>();
+    if (!fb.empty() || !bd.empty()) warn("session", "the session is destroyed before its body tracker");
+    for (const auto& tracker : fb) forget(bits(tracker->handle));
+    for (const auto& tracker : bd) forget(bits(tracker->handle));
+}
+
 void destroy_session_now(Session& session) {
     const auto keep = runtime().session;
     for (const auto& swapchain : all_of<Swapchain>()) {
@@ -238,6 +247,7 @@ void destroy_session_now(Session& session) {
     }
     for (const auto& space : all_of<Space>()) forget(bits(space->handle));
     for (const auto& tracker : all_of<HandTracker>()) forget(bits(tracker->handle));
+    forget_body_trackers();
     close_device(session.vulkan);
     session.is_lost = true;  // for threads that are waiting in an entry point
     runtime().frame_begun.notify_all();

@@ -2,6 +2,7 @@
 
 #include "call.h"
 #include "pose.h"
+#include "profiles.h"
 #include "velocity.h"
 
 namespace neuvv::xr_runtime {
@@ -17,11 +18,20 @@ XrPosef origin_in_world(XrReferenceSpaceType type, XrTime time) {
     return origin;
 }
 
+// A role that the script has no tracker for has none.
+Located tracker_in_world(const std::string& role, XrTime time) {
+    const auto track = runtime().script.trackers.find(role);
+    if (track == runtime().script.trackers.end()) return {kIdentityPose, false};
+    return {pose_at(track->second, frame_at(time), kIdentityPose), true};
+}
+
 Located action_in_world(const Space& space, XrTime time) {
     const auto& states = space.session->action_states;
     const auto found = states.find({space.action->handle, space.subaction_path});
     if (found == states.end() || !found->second.is_active) return {kIdentityPose, false};
     const std::string& source = found->second.source;
+    if (source.starts_with(kTrackerRoot))
+        return tracker_in_world(user_of(source).substr(std::string(kTrackerRoot).size()), time);
     return hand_in_world(hand_of(source), source.find("/input/aim") != std::string::npos, time);
 }
 

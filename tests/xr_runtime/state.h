@@ -27,6 +27,8 @@ enum class Kind : uint8_t {
     kActionSet,
     kAction,
     kHandTracker,
+    kBodyTrackerFb,
+    kBodyTrackerBd,
     kMessenger
 };
 
@@ -115,6 +117,24 @@ struct HandTracker {
     Handle handle = XR_NULL_HANDLE;
     Session* session = nullptr;
     Hand hand = kLeft;
+};
+
+struct BodyTrackerFb {
+    static constexpr Kind kKind = Kind::kBodyTrackerFb;
+    static constexpr const char* kName = "XrBodyTrackerFB";
+    using Handle = XrBodyTrackerFB;
+    Handle handle = XR_NULL_HANDLE;
+    Session* session = nullptr;
+    uint32_t joint_count = 0;
+};
+
+struct BodyTrackerBd {
+    static constexpr Kind kKind = Kind::kBodyTrackerBd;
+    static constexpr const char* kName = "XrBodyTrackerBD";
+    using Handle = XrBodyTrackerBD;
+    Handle handle = XR_NULL_HANDLE;
+    Session* session = nullptr;
+    uint32_t joint_count = 0;
 };
 
 struct Messenger {

@@ -32,6 +32,7 @@ XrResult get_system_properties(XrInstance handle, XrSystemId system, XrSystemPro
     properties.trackingProperties = {XR_TRUE, XR_TRUE};
     auto* hands = const_cast<XrSystemHandTrackingPropertiesEXT*>(chained<XrSystemHandTrackingPropertiesEXT>(out));
     if (hands) hands->supportsHandTracking = runtime().script.has_hand_joints ? XR_TRUE : XR_FALSE;
+    fill_body_properties(properties);
     return XR_SUCCESS;
 }
 

@@ -199,6 +199,11 @@ const WrongScript kWrongScripts[] = {
     {"UnknownFunction", R"({"fail": [{"function": "xrEndFrames"}]})", "/fail/0/function: unknown function"},
     {"UnknownExtension", R"({"extensions": ["XR_KHR_nothing"]})", "/extensions: not implemented"},
     {"TextForNumber", R"({"width": "wide"})", "/width: "},
+    {"UnknownBody", R"({"bodies": ["half"]})", "/bodies: unknown name 'half'"},
+    {"BodyJointWithoutNumber", R"({"timeline": [{"frame": 1, "body": {"joints": {"knee": {"at": [0, 0, 0]}}}}]})",
+     "/timeline/0/body/joints/knee: the number"},
+    {"BodyJointWithTwoNumbers", R"({"timeline": [{"frame": 1, "body": {"joints": {"3": {"at": [0, 0]}}}}]})",
+     "/timeline/0/body/joints/3/at: three numbers"},
     {"FramesOutOfOrder", R"({"timeline": [{"frame": 2}, {"frame": 1}]})", "/timeline/1/frame: "},
 };
 

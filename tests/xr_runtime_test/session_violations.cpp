@@ -1,4 +1,5 @@
-// Violations in a session's life cycle, its spaces, views and hands.
+// Violations in a session's life cycle, its spaces, views, hands and bodies.
+#include "xr/body_tracking_types.h"
 #include "xr_runtime_test/violation.h"
 
 namespace neuvv::test {
@@ -128,6 +129,61 @@ XrResult too_few_joint_velocities(Application& app) {
     return locate_joints(app, XR_HAND_JOINT_COUNT_EXT, &velocities);
 }
 
+XrResult track_body(Application& app, XrBodyJointSetFB joints, XrBodyTrackerFB* tracker) {
+    app.extensions.push_back(XR_FB_BODY_TRACKING_EXTENSION_NAME);
+    app.extensions.push_back(XR_META_BODY_TRACKING_FULL_BODY_EXTENSION_NAME);
+    app.make_session();
+    const XrBodyTrackerCreateInfoFB info = {XR_TYPE_BODY_TRACKER_CREATE_INFO_FB, nullptr, joints};
+    return app.function<PFN_xrCreateBodyTrackerFB>("xrCreateBodyTrackerFB")(app.session, &info, tracker);
+}
+
+XrResult body_that_nobody_tracks(Application& app) {
+    app.script["bodies"] = {"bd"};
+    XrBodyTrackerFB tracker = XR_NULL_HANDLE;
+    return track_body(app, XR_BODY_JOINT_SET_DEFAULT_FB, &tracker);
+}
+
+XrResult legs_that_nobody_tracks(Application& app) {
+    app.script["bodies"] = {"fb"};
+    XrBodyTrackerFB tracker = XR_NULL_HANDLE;
+    return track_body(app, XR_BODY_JOINT_SET_FULL_BODY_META, &tracker);
+}
+
+XrResult picos_body_that_nobody_tracks(Application& app) {
+    app.script["bodies"] = {"fb"};
+    app.extensions.push_back(XR_BD_BODY_TRACKING_EXTENSION_NAME);
+    app.make_session();
+    const XrBodyTrackerCreateInfoBD info = {XR_TYPE_BODY_TRACKER_CREATE_INFO_BD, nullptr,
+                                            XR_BODY_JOINT_SET_FULL_BODY_JOINTS_BD};
+    XrBodyTrackerBD tracker = XR_NULL_HANDLE;
+    return app.function<PFN_xrCreateBodyTrackerBD>("xrCreateBodyTrackerBD")(app.session, &info, &tracker);
+}
+
+// The joints of the full body, from a tracker of the upper body.
+XrResult too_many_joints(Application& app) {
+    app.script["bodies"] = {"fb"};
+    XrBodyTrackerFB tracker = XR_NULL_HANDLE;
+    check(track_body(app, XR_BODY_JOINT_SET_DEFAULT_FB, &tracker), "xrCreateBodyTrackerFB");
+    const XrBodyJointsLocateInfoFB info = {XR_TYPE_BODY_JOINTS_LOCATE_INFO_FB, nullptr, app.space, 1};
+    std::array<XrBodyJointLocationFB, XR_FULL_BODY_JOINT_COUNT_META> joints;
+    XrBodyJointLocationsFB locations = {};
+    locations.type = XR_TYPE_BODY_JOINT_LOCATIONS_FB;
+    locations.jointCount = static_cast<uint32_t>(joints.size());
+    locations.jointLocations = joints.data();
+    const XrResult result = app.function<PFN_xrLocateBodyJointsFB>("xrLocateBodyJointsFB")(tracker, &info, &locations);
+    check(app.function<PFN_xrDestroyBodyTrackerFB>("xrDestroyBodyTrackerFB")(tracker), "xrDestroyBodyTrackerFB");
+    return result;
+}
+
+XrResult body_tracker_outlives_session(Application& app) {
+    app.script["bodies"] = {"fb"};
+    XrBodyTrackerFB tracker = XR_NULL_HANDLE;
+    check(track_body(app, XR_BODY_JOINT_SET_DEFAULT_FB, &tracker), "xrCreateBodyTrackerFB");
+    const XrResult result = xrDestroySession(app.session);
+    app.session = XR_NULL_HANDLE;
+    return result;
+}
+
 }  // namespace
 
 std::vector<Violation> session_violations() {
@@ -158,6 +214,14 @@ std::vector<Violation> session_violations() {
         {"HandsThatNobodyTracks", "hand-tracking", "xrCreateHandTrackerEXT", XR_ERROR_FEATURE_UNSUPPORTED,
          hands_that_nobody_tracks},
         {"ThirdHand", "enum", "xrCreateHandTrackerEXT", invalid, third_hand},
+        {"BodyThatNobodyTracks", "body-tracking", "xrCreateBodyTrackerFB", XR_ERROR_FEATURE_UNSUPPORTED,
+         body_that_nobody_tracks},
+        {"LegsThatNobodyTracks", "body-tracking", "xrCreateBodyTrackerFB", invalid, legs_that_nobody_tracks},
+        {"PicosBodyThatNobodyTracks", "body-tracking", "xrCreateBodyTrackerBD", XR_ERROR_FEATURE_UNSUPPORTED,
+         picos_body_that_nobody_tracks},
+        {"TooManyJoints", "joint-count", "xrLocateBodyJointsFB", invalid, too_many_joints},
+        {"BodyTrackerThatOutlivesTheSession", "session", "xrDestroySession", XR_SUCCESS, body_tracker_outlives_session,
+         Severity::kWarning},
         {"TooFewJoints", "joint-count", "xrLocateHandJointsEXT", invalid, too_few_joints},
         {"TooFewJointVelocities", "joint-count", "xrLocateHandJointsEXT", invalid, too_few_joint_velocities},
     };
