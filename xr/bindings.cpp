@@ -106,6 +106,17 @@ const std::vector<ControllerProfile> kProfiles = {
 
 }  // namespace
 
+const std::array<TrackerRole, kTrackers> kTrackerRoles = {
+    {{"/user/vive_tracker_htcx/role/waist", motion::Joint::kPelvis},
+     {"/user/vive_tracker_htcx/role/right_shoulder", motion::Joint::kRightShoulder},
+     {"/user/vive_tracker_htcx/role/right_elbow", motion::Joint::kRightElbow},
+     {"/user/vive_tracker_htcx/role/left_shoulder", motion::Joint::kLeftShoulder},
+     {"/user/vive_tracker_htcx/role/left_elbow", motion::Joint::kLeftElbow},
+     {"/user/vive_tracker_htcx/role/right_knee", motion::Joint::kRightKnee},
+     {"/user/vive_tracker_htcx/role/right_foot", motion::Joint::kRightAnkle},
+     {"/user/vive_tracker_htcx/role/left_knee", motion::Joint::kLeftKnee},
+     {"/user/vive_tracker_htcx/role/left_foot", motion::Joint::kLeftAnkle}}};
+
 ActionName name_of(HandAction action) {
     switch (action) {
         case kAim:

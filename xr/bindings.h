@@ -1,8 +1,11 @@
 // What the program's actions are, and which button of each kind of controller triggers them: plain data.
 #pragma once
 
+#include <array>
 #include <string_view>
 #include <vector>
+
+#include "motion/joints.h"
 
 namespace neuvv::xr {
 
@@ -55,6 +58,17 @@ struct ControllerProfile {
 // The headers of OpenXR define this extension from 1.0.28 on; only its name and its paths are needed.
 constexpr const char* kHandInteraction = "XR_EXT_hand_interaction";
 const std::vector<ControllerProfile>& controller_profiles();
+// Trackers that are worn (XR_HTCX_vive_tracker_interaction), and the joints that they are worn at. A tracker on the
+// chest is none of them, as no joint is there.
+struct TrackerRole {
+    const char* path;
+    motion::Joint joint;
+};
+constexpr size_t kTrackers = 9;
+extern const std::array<TrackerRole, kTrackers> kTrackerRoles;
+constexpr const char* kTrackerProfile = "/interaction_profiles/htc/vive_tracker_htcx";
+constexpr const char* kTrackerPose = "/input/grip/pose";  // below the path of the role
+
 // The profile with this path; null where the table has none.
 const ControllerProfile* find_profile(std::string_view path);
 
