@@ -6,6 +6,7 @@
 #include "tools/options.h"
 #include "xr/actions.h"
 #include "xr/bindings.h"
+#include "xr/body_tracking.h"
 
 namespace neuvv::tools {
 
@@ -27,8 +28,7 @@ void print_extensions(const xr::Runtime& runtime) {
     fmt::print("\nVulkan: {}\n",
                runtime.has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) ? "XR_KHR_vulkan_enable2" : "XR_KHR_vulkan_enable");
     for (const xr::OptionalExtension& one : xr::optional_extensions()) {
-        const bool hands = std::string_view(one.name) == XR_EXT_HAND_TRACKING_EXTENSION_NAME;
-        const bool works = runtime.has(one.name) && (!hands || runtime.tracks_hands());
+        const bool works = runtime.supports(one.name);
         fmt::print("{:3} {}: {}{}\n", yes_or_no(works), one.name, works ? one.benefit : one.fallback,
                    runtime.has(one.name) && !works ? " (the runtime knows it, this headset does not)" : "");
     }
@@ -59,6 +59,7 @@ void check_headset(const std::string& choice) {
     std::vector<std::string> modes;
     for (const XrEnvironmentBlendMode mode : runtime.blend_modes()) modes.emplace_back(xr::blend_mode_name(mode));
     fmt::print("surroundings: {} (the first is used)\n", fmt::join(modes, ", "));
+    fmt::print("body: {}\n", xr::title_of(xr::best_body_source(runtime)));
     print_extensions(runtime);
     const gpu::Device device(choice, gpu::Validation::kOff, runtime.device_extensions(), runtime.device_maker());
     fmt::print("\ndevice: {} ({})\n", device.summary().name, device.summary().driver);

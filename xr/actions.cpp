@@ -33,6 +33,7 @@ bool is_bound(BoundHands hands, int hand) {
 
 Actions::Actions(const Session& session) : session_(session) {
     create_actions();
+    create_tracker_action();
     suggest_bindings();
     const XrActionSet set = set_.get();
     const XrSessionActionSetsAttachInfo info{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 1, &set};
@@ -59,7 +60,39 @@ void Actions::create_actions() {
     }
 }
 
+// A runtime may know other roles than the table's; without the action there are no trackers.
+void Actions::create_tracker_action() {
+    const Runtime& runtime = session_.runtime();
+    if (!runtime.supports(XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME)) return;
+    for (size_t i = 0; i < kTrackers; i++) tracker_paths_[i] = runtime.path(kTrackerRoles[i].path);
+    XrActionCreateInfo info{XR_TYPE_ACTION_CREATE_INFO};
+    std::strcpy(info.actionName, "tracker");
+    std::strcpy(info.localizedActionName, "Worn tracker");
+    info.actionType = XR_ACTION_TYPE_POSE_INPUT;
+    info.countSubactionPaths = kTrackers;
+    info.subactionPaths = tracker_paths_.data();
+    if (!succeeded(xrCreateAction(set_.get(), &info, &tracker_), "xrCreateAction", info.actionName))
+        tracker_ = XR_NULL_HANDLE;
+}
+
+std::vector<XrActionSuggestedBinding> Actions::tracker_bindings() const {
+    std::vector<XrActionSuggestedBinding> bindings;
+    for (const TrackerRole& role : kTrackerRoles)
+        bindings.push_back({tracker_, session_.runtime().path((std::string(role.path) + kTrackerPose).c_str())});
+    return bindings;
+}
+
 // A runtime may not know every controller of the table: XR_ERROR_PATH_UNSUPPORTED is no failure.
+void Actions::suggest(const char* profile, const char* title,
+                      const std::vector<XrActionSuggestedBinding>& bindings) const {
+    XrInteractionProfileSuggestedBinding info{XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING};
+    info.interactionProfile = session_.runtime().path(profile);
+    info.countSuggestedBindings = static_cast<uint32_t>(bindings.size());
+    info.suggestedBindings = bindings.data();
+    const XrResult result = xrSuggestInteractionProfileBindings(session_.runtime().instance(), &info);
+    if (result != XR_ERROR_PATH_UNSUPPORTED) check(result, "xrSuggestInteractionProfileBindings", title);
+}
+
 void Actions::suggest_bindings() const {
     const Runtime& runtime = session_.runtime();
     for (const ControllerProfile& profile : controller_profiles()) {
@@ -70,25 +103,24 @@ void Actions::suggest_bindings() const {
                 if (is_bound(one.hands, hand))
                     bindings.push_back(
                         {action(one.action), runtime.path((std::string(kHandPaths[hand]) + one.path).c_str())});
-        XrInteractionProfileSuggestedBinding info{XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING};
-        info.interactionProfile = runtime.path(profile.path);
-        info.countSuggestedBindings = static_cast<uint32_t>(bindings.size());
-        info.suggestedBindings = bindings.data();
-        const XrResult result = xrSuggestInteractionProfileBindings(runtime.instance(), &info);
-        if (result != XR_ERROR_PATH_UNSUPPORTED) check(result, "xrSuggestInteractionProfileBindings", profile.title);
+        suggest(profile.path, profile.title, bindings);
     }
+    if (tracker_ != XR_NULL_HANDLE) suggest(kTrackerProfile, "trackers", tracker_bindings());
 }
 
 void Actions::create_spaces() {
+    const auto create = [&](XrAction action, XrPath path, XrOwnedSpace& space, const char* name) {
+        XrActionSpaceCreateInfo info{XR_TYPE_ACTION_SPACE_CREATE_INFO};
+        info.action = action;
+        info.subactionPath = path;
+        info.poseInActionSpace = xr_pose({});
+        check(xrCreateActionSpace(session_.handle(), &info, space.out()), "xrCreateActionSpace", name);
+    };
     for (int hand = 0; hand < kHands; hand++)
-        for (const auto& [which, spaces] : {std::pair{HandAction::kAim, &aim_}, std::pair{HandAction::kGrip, &grip_}}) {
-            XrActionSpaceCreateInfo info{XR_TYPE_ACTION_SPACE_CREATE_INFO};
-            info.action = action(which);
-            info.subactionPath = paths_[hand];
-            info.poseInActionSpace = xr_pose({});
-            check(xrCreateActionSpace(session_.handle(), &info, (*spaces)[hand].out()), "xrCreateActionSpace",
-                  name_of(which).name);
-        }
+        for (const auto& [which, spaces] : {std::pair{HandAction::kAim, &aim_}, std::pair{HandAction::kGrip, &grip_}})
+            create(action(which), paths_[hand], (*spaces)[hand], name_of(which).name);
+    if (tracker_ == XR_NULL_HANDLE) return;
+    for (size_t i = 0; i < kTrackers; i++) create(tracker_, tracker_paths_[i], trackers_[i], "tracker");
 }
 
 void Actions::update_controllers() {
@@ -157,6 +189,14 @@ HandInputs Actions::sample(XrTime time) {
         input.has_grab = !profiles_[hand] || profiles_[hand]->has_grab;
     }
     return hands;
+}
+
+TrackerPositions Actions::locate_trackers(XrTime time) const {
+    TrackerPositions positions;
+    if (tracker_ == XR_NULL_HANDLE) return positions;
+    for (size_t i = 0; i < kTrackers; i++)
+        if (const auto pose = session_.locate(trackers_[i].get(), time)) positions[i] = pose->position;
+    return positions;
 }
 
 void Actions::vibrate(int hand, double amplitude, double seconds) {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "xr/bindings.h"
+#include "xr/body_points.h"
 #include "xr/hands.h"
 #include "xr/session.h"
 
@@ -19,6 +20,9 @@ class Actions {
     // The present state of buttons and sticks, and the poses of the hands as predicted for `time`. All is at rest while
     // the session does not have the input focus. Call it once a frame: buttons count as pressed since the last call.
     HandInputs sample(XrTime time);
+    // Where worn trackers are, in the tracking space, as of the last sample(); none while the session does not have the
+    // input focus.
+    TrackerPositions locate_trackers(XrTime time) const;
     // Vibrates a controller; `amplitude` is clamped to 0..1. Where the runtime refuses, nothing happens.
     void vibrate(int hand, double amplitude, double seconds);
     // Finds out which controllers the user holds; to be called when SessionEvents::controllers_changed says so.
@@ -28,7 +32,10 @@ class Actions {
 
   private:
     void create_actions();
+    void create_tracker_action();
     void suggest_bindings() const;
+    void suggest(const char* profile, const char* title, const std::vector<XrActionSuggestedBinding>& bindings) const;
+    std::vector<XrActionSuggestedBinding> tracker_bindings() const;
     void create_spaces();
     XrAction action(HandAction which) const { return actions_.at(which); }
     double value(HandAction which, int hand) const;
@@ -41,6 +48,9 @@ class Actions {
     std::map<HandAction, XrAction> actions_;  // destroyed together with set_
     std::array<XrPath, kHands> paths_{};
     std::array<XrOwnedSpace, kHands> aim_, grip_;
+    XrAction tracker_ = XR_NULL_HANDLE;  // the pose of a worn tracker; none where the runtime knows no trackers
+    std::array<XrPath, kTrackers> tracker_paths_{};
+    std::array<XrOwnedSpace, kTrackers> trackers_;
     std::array<const ControllerProfile*, kHands> profiles_{};
 };
 

@@ -11,7 +11,7 @@ constexpr double kApart_m = 0.05, kTouch_m = 0.015;
 }  // namespace
 
 HandTracking::HandTracking(const Session& session) : session_(session) {
-    if (!session.runtime().tracks_hands()) return;
+    if (!session.runtime().supports(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) return;
     destroy_ = session.runtime().function<PFN_xrDestroyHandTrackerEXT>("xrDestroyHandTrackerEXT");
     const auto create = session.runtime().function<PFN_xrCreateHandTrackerEXT>("xrCreateHandTrackerEXT");
     for (int hand = 0; hand < kHands; hand++) {

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "xr/bindings.h"
+#include "xr/body_tracking_types.h"
 
 namespace neuvv::xr {
 
@@ -55,6 +56,12 @@ std::vector<OptionalExtension> optional_extensions() {
         {XR_EXT_HAND_TRACKING_EXTENSION_NAME, "bare hands are seen, and pinches select", "controllers alone"},
         {kHandInteraction, "bare hands point, select and grab", "controllers alone"},
         {XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, "the same by its older name", "not needed beside the one above"},
+        {XR_FB_BODY_TRACKING_EXTENSION_NAME, "the upper body is tracked", "the body is taken from another source"},
+        {XR_META_BODY_TRACKING_FULL_BODY_EXTENSION_NAME, "legs come with the upper body",
+         "the body is taken from another source"},
+        {XR_BD_BODY_TRACKING_EXTENSION_NAME, "the whole body is tracked", "the body is taken from another source"},
+        {XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME, "trackers that are worn say where joints are",
+         "the body is taken from another source"},
     };
 }
 
@@ -86,6 +93,10 @@ bool Runtime::has(const char* extension) const {
     return std::find(offered_.begin(), offered_.end(), extension) != offered_.end();
 }
 
+bool Runtime::supports(const char* extension) const {
+    return has(extension) && std::find(lacking_.begin(), lacking_.end(), extension) == lacking_.end();
+}
+
 void Runtime::create_instance() {
     std::vector<const char*> enabled;
     if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME))
@@ -115,13 +126,34 @@ void Runtime::find_headset() {
     if (result == XR_ERROR_FORM_FACTOR_UNAVAILABLE || result == XR_ERROR_FORM_FACTOR_UNSUPPORTED)
         throw RuntimeFailure(fmt::format("{} runs, but has no headset now: plug it in and switch it on", name_));
     check(result, "xrGetSystem", name_);
-    XrSystemHandTrackingPropertiesEXT hands{XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT};
+    find_properties();
+}
+
+void Runtime::find_properties() {
     XrSystemProperties properties{XR_TYPE_SYSTEM_PROPERTIES};
-    if (has(XR_EXT_HAND_TRACKING_EXTENSION_NAME)) properties.next = &hands;
     check(xrGetSystemProperties(instance(), system_, &properties), "xrGetSystemProperties", name_);
     headset_ = properties.systemName;
     tracks_position_ = properties.trackingProperties.positionTracking;
-    tracks_hands_ = hands.supportsHandTracking;
+    // Each extension is asked for alone, as a layer that does not know one of the structs refuses the call.
+    const auto find = [&](const char* extension, auto answer, XrBool32 decltype(answer)::*has_it) {
+        if (!has(extension)) return;
+        properties.next = &answer;
+        const XrResult result = xrGetSystemProperties(instance(), system_, &properties);
+        if (!succeeded(result, "xrGetSystemProperties", name_) || !(answer.*has_it)) lacking_.emplace_back(extension);
+    };
+    find(XR_EXT_HAND_TRACKING_EXTENSION_NAME,
+         XrSystemHandTrackingPropertiesEXT{XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT, nullptr, XR_FALSE},
+         &XrSystemHandTrackingPropertiesEXT::supportsHandTracking);
+    find(XR_FB_BODY_TRACKING_EXTENSION_NAME,
+         XrSystemBodyTrackingPropertiesFB{XR_TYPE_SYSTEM_BODY_TRACKING_PROPERTIES_FB, nullptr, XR_FALSE},
+         &XrSystemBodyTrackingPropertiesFB::supportsBodyTracking);
+    find(XR_META_BODY_TRACKING_FULL_BODY_EXTENSION_NAME,
+         XrSystemPropertiesBodyTrackingFullBodyMETA{XR_TYPE_SYSTEM_PROPERTIES_BODY_TRACKING_FULL_BODY_META, nullptr,
+                                                    XR_FALSE},
+         &XrSystemPropertiesBodyTrackingFullBodyMETA::supportsFullBodyTracking);
+    find(XR_BD_BODY_TRACKING_EXTENSION_NAME,
+         XrSystemBodyTrackingPropertiesBD{XR_TYPE_SYSTEM_BODY_TRACKING_PROPERTIES_BD, nullptr, XR_FALSE},
+         &XrSystemBodyTrackingPropertiesBD::supportsBodyTracking);
 }
 
 void Runtime::find_views() {

@@ -32,6 +32,8 @@ class Runtime {
     XrSystemId system() const { return system_; }
     // Whether the runtime offers an extension. Offered extensions that this module knows are enabled.
     bool has(const char* extension) const;
+    // The same, but false, too, where this headset lacks what the extension is about (hands, bodies).
+    bool supports(const char* extension) const;
     template <typename Function>
     Function function(const char* name) const {
         return reinterpret_cast<Function>(find_function(name));
@@ -42,7 +44,6 @@ class Runtime {
     const std::string& name() const { return name_; }          // "Monado 21.0.0"
     const std::string& headset() const { return headset_; }    // "Simulated HMD"
     bool tracks_position() const { return tracks_position_; }  // else only the head's orientation is tracked
-    bool tracks_hands() const { return tracks_hands_; }        // joints of bare hands, by XR_EXT_hand_tracking
     const std::array<XrViewConfigurationView, kEyes>& views() const { return views_; }
     // The size in pixels that the runtime recommends for the image of an eye (the larger one of both eyes), and the
     // largest size that it takes.
@@ -62,6 +63,7 @@ class Runtime {
     PFN_xrVoidFunction find_function(const char* name) const;
     void create_instance();
     void find_headset();
+    void find_properties();
     void find_views();
     void check_vulkan_version() const;
 
@@ -70,7 +72,8 @@ class Runtime {
     XrOwnedInstance instance_;
     XrSystemId system_ = XR_NULL_SYSTEM_ID;
     std::string name_, headset_;
-    bool tracks_position_ = false, tracks_hands_ = false;
+    bool tracks_position_ = false;
+    std::vector<std::string> lacking_;  // extensions that the runtime offers and the headset has no use for
     std::array<XrViewConfigurationView, kEyes> views_{};
     std::vector<XrEnvironmentBlendMode> blend_modes_;
 };
