@@ -1,22 +1,25 @@
 // neuvv skeleton compare and follow: what a trainee does otherwise than a trainer.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdio>
-#include <fstream>
-#include <iostream>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/line_reader.h"
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "base/text.h"
 #include "motion/compare.h"
 #include "motion/live.h"
 #include "motion/pose_line.h"
+#include "motion/pose_source.h"
 #include "motion/skeleton_file.h"
 #include "tools/motion_page.h"
 #include "tools/skeleton_verbs.h"
@@ -104,50 +107,97 @@ void print_changes(double time_s, const motion::Feedback& feedback, std::array<b
     }
 }
 
-// The next line, without its end, of which no more is kept than a pose may have; false at the end of the stream.
-bool next_line(std::istream& stream, std::string& line) {
-    line.clear();
-    for (int c = stream.get(); c != EOF && c != '\n'; c = stream.get())
-        if (line.size() <= motion::kLongestPoseLine) line += static_cast<char>(c);
-    return stream.good() || !line.empty();
+// The comparison with the first pose at the clip's beginning.
+class Follower {
+  public:
+    Follower(const motion::SkeletonClip& trainer, const motion::CompareOptions& options)
+        : live_(trainer, options), end_s_(static_cast<double>(trainer.frames.size() - 1) / trainer.fps) {}
+
+    bool begun() const { return begin_s_.has_value(); }
+    // Whether the clip has ended by this time of the poses' clock.
+    bool ended(double time_s) const { return begin_s_ && time_s - *begin_s_ > end_s_; }
+    void add(const motion::TimedPose& pose) {
+        if (!begin_s_) begin_s_ = pose.time_s;
+        const double time_s = pose.time_s - *begin_s_;
+        print_changes(time_s, live_.add(pose.pose, time_s, time_s), wrong_);
+    }
+    void print_score() const {
+        if (live_.feedback().score < 0)
+            fmt::print("no limb was measured in both\n");
+        else
+            fmt::print("score {:.0f} of 100\n", live_.feedback().score);
+    }
+
+  private:
+    motion::LiveComparison live_;
+    double end_s_;
+    std::optional<double> begin_s_;
+    std::array<bool, motion::kLimbs> wrong_{};
+};
+
+// Poses of a file or of stdin, by their own times and as fast as they come. Returns how many lines were left out.
+size_t follow_lines(LineReader& lines, const std::string& name, Follower& follower) {
+    constexpr int kWait_ms = 100;
+    std::string line;
+    size_t number = 0, bad = 0;
+    while (!stop_requested()) {
+        const LineReader::Result result = lines.next(line, kWait_ms);
+        if (result == LineReader::Result::kEnd) break;
+        if (result == LineReader::Result::kNothing) continue;
+        ++number;
+        if (line.empty()) continue;
+        try {
+            const motion::TimedPose pose = motion::read_pose_line(line, fmt::format("{}: line {}", name, number));
+            if (follower.ended(pose.time_s)) break;
+            follower.add(pose);
+        } catch (const InputError& error) {  // a stream goes on
+            if (++bad == 1) fmt::print(stderr, "{}; it is left out\n", error.what());
+        }
+    }
+    return bad;
+}
+
+// Poses that come to a port, by the time at which they come. Returns how many packets were left out.
+size_t follow_port(motion::PoseSource& source, Follower& follower) {
+    fmt::print(stderr, "listens: {}\n", source.name());
+    const auto start = std::chrono::steady_clock::now();
+    bool said = false;
+    while (!stop_requested()) {
+        const double now_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const std::optional<motion::TimedPose> pose = source.newest(now_s);
+        if (follower.ended(now_s)) break;
+        if (pose) follower.add(*pose);
+        if (const motion::PoseSourceState state = source.state(); !said && state.left_out > 0) {
+            fmt::print(stderr, "{}; it is left out\n", state.first_error);
+            said = true;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return source.state().left_out;
 }
 
 void run_follow(FollowOptions& options) {
     options.compare.counted = counted_limbs(options.leave_out);
     const motion::SkeletonClip trainer = motion::read_skeleton(options.trainer);
     const std::string name = options.stream == "-" ? "stdin" : options.stream;
-    std::ifstream file;
-    if (options.stream != "-") {
-        file.open(options.stream);
-        if (!file) throw InputError(name, "", "cannot be read", "name a file of poses, or - for stdin");
-    }
-    std::istream& lines = options.stream == "-" ? std::cin : file;
-    motion::LiveComparison live(trainer, options.compare);
-    std::array<bool, motion::kLimbs> wrong{};
-    const double end_s = static_cast<double>(trainer.frames.size() - 1) / trainer.fps;
-    std::optional<double> begin_s;
-    std::string line;
-    size_t number = 0, bad = 0;
+    Follower follower(trainer, options.compare);
+    size_t left_out = 0;
     catch_stop_signals();
-    while (!stop_requested() && next_line(lines, line)) {
-        ++number;
-        if (line.empty()) continue;
-        try {
-            const motion::TimedPose pose = motion::read_pose_line(line, fmt::format("{}: line {}", name, number));
-            if (!begin_s) begin_s = pose.time_s;
-            const double time_s = pose.time_s - *begin_s;
-            if (time_s > end_s) break;
-            print_changes(time_s, live.add(pose.pose, time_s, time_s), wrong);
-        } catch (const InputError& error) {  // a stream goes on
-            if (++bad == 1) fmt::print(stderr, "{}; it is left out\n", error.what());
-        }
+    if (motion::is_port_address(options.stream)) {
+        left_out = follow_port(*motion::open_pose_source(options.stream), follower);
+    } else if (options.stream == "-") {
+        LineReader lines(STDIN_FILENO, motion::kLongestPoseLine);
+        left_out = follow_lines(lines, name, follower);
+    } else {
+        LineReader lines(std::filesystem::path(options.stream), motion::kLongestPoseLine);
+        left_out = follow_lines(lines, name, follower);
     }
-    if (!begin_s) throw InputError(name, "", "has no pose", "write one pose a line, as engine/motion/README.md says");
-    if (bad > 1) fmt::print(stderr, "{} lines were left out\n", bad);
-    if (live.feedback().score < 0)
-        fmt::print("no limb was measured in both\n");
-    else
-        fmt::print("score {:.0f} of 100\n", live.feedback().score);
+    if (!follower.begun())
+        throw InputError(name, "", "has no pose", "write one pose a line, as engine/motion/README.md says");
+    if (left_out > 1)
+        fmt::print(stderr, "{} {} were left out\n", left_out,
+                   motion::is_port_address(options.stream) ? "packets" : "lines");
+    follower.print_score();
 }
 
 }  // namespace
@@ -175,20 +225,27 @@ void add_skeleton_compare(Command group) {
 
 void add_skeleton_follow(Command group) {
     Command verb =
-        group.add_verb("follow", "Say while somebody performs what is otherwise: poses come as lines of JSON");
+        group.add_verb("follow", "Say while somebody performs what is otherwise: poses come as they are tracked");
     const auto options = std::make_shared<FollowOptions>();
     verb.add_option("TRAINER", options->trainer, "a .skeleton.glb, an animated .glb or .gltf, a .bvh or a .trc")
         .required();
-    verb.add_option("STREAM", options->stream, "a file of poses; - is stdin").show_default();
+    verb.add_option("STREAM", options->stream, "a file of poses; - is stdin; or a port: vmc, vmc:PORT, udp:PORT")
+        .show_default();
     verb.add_option("--leave-out", options->leave_out, "limbs that do not count: \"head,left arm\"");
     verb.footer(
         {"\nA pose is {\"time\": 1.25, \"joints\": {\"left_wrist\": [x, y, z], \"nose\": [x, y, z, confidence]}}, a "
          "line\n"
          "each; the first one is at the clip's beginning. A line that is no pose is left out, and the first such line\n"
          "is said.\n\n"
+         "Live streams are compared by the time at which poses come, until the clip ends or Ctrl-C:\n"
+         "  vmc, vmc:PORT, vmc:HOST:PORT   the VMC protocol, as Virtual Motion Capture or VSeeFace send it;\n"
+         "                                 port 39539 where none is named\n"
+         "  udp:PORT, udp:HOST:PORT        poses as above, a UDP packet each\n"
+         "Only this machine may send, unless HOST is its address in a network, or 0.0.0.0 for all of them.\n\n"
          "Examples:\n"
          "  neuvv skeleton follow build/performer.skeleton.glb build/take.jsonl\n"
-         "  body-tracker --json | neuvv skeleton follow build/performer.skeleton.glb"});
+         "  body-tracker --json | neuvv skeleton follow build/performer.skeleton.glb\n"
+         "  neuvv skeleton follow build/performer.skeleton.glb vmc"});
     verb.callback([options] { run_follow(*options); });
 }
 

@@ -1,13 +1,16 @@
 // neuvv skeleton: from the images of a rig to a skeleton file, and from other programs' files.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
 
 #include "motion/detector.h"
 #include "motion/pose_line.h"
+#include "motion/senders.h"
 #include "motion/skeleton_file.h"
 #include "motion/trainee.h"
+#include "support/child_process.h"
 #include "tests/tools/run_neuvv.h"
 #include "training/capture_files.h"
 
@@ -129,6 +132,50 @@ TEST_F(CliSkeleton, FollowsAStreamOfPoses) {
     EXPECT_NE(result.err.find("2 lines were left out"), std::string::npos) << result.err;
     expect_refused({"skeleton", "follow", file("trainer.skeleton.glb"), file("none.jsonl")}, 2, {"none.jsonl"});
     expect_refused({"skeleton", "follow", file("trainer.skeleton.glb")}, 2, {"stdin", "no pose"});
+}
+
+// Runs `neuvv skeleton follow` on a stream until something was left out of it, then interrupts it.
+struct CliFollow : CliSkeleton {
+    CliFollow() {
+        truth = test::performer_motion(75);
+        motion::write_skeleton(file("trainer.skeleton.glb"), truth);
+    }
+
+    std::string log() const { return read_text(folder.path / "log"); }
+
+    void follow(const std::string& stream, const std::function<void(const std::string&)>& send) const {
+        test::ChildProcess neuvv({NEUVV_PROGRAM, "skeleton", "follow", file("trainer.skeleton.glb"), stream},
+                                 folder.path / "log");
+        // A stream of lines needs no port, so its sender does not wait for one.
+        const bool port = stream.find(':') != std::string::npos;
+        ASSERT_TRUE(neuvv.until([&] { return !port || log().find('\n') != std::string::npos; })) << log();
+        send(motion::pose_line({1, truth.frames[0]}) + "\n");
+        send("no pose\n");
+        ASSERT_TRUE(neuvv.until([&] { return log().find("left out") != std::string::npos; })) << log();
+        neuvv.send(SIGINT);
+        EXPECT_EQ(neuvv.wait(), 0) << log();
+        EXPECT_NE(log().find("score 100 of 100"), std::string::npos) << log();
+    }
+};
+
+TEST_F(CliFollow, APortUntilItIsInterrupted) {
+    const test::UdpTransmitter transmitter;
+    follow("udp:0", [&](const std::string& line) {
+        const std::string name = "JSON on 127.0.0.1:", said = log();
+        ASSERT_NE(said.find(name), std::string::npos) << said;
+        transmitter.send(line, static_cast<uint16_t>(std::stoul(said.substr(said.find(name) + name.size()))));
+    });
+    expect_refused({"skeleton", "follow", file("trainer.skeleton.glb"), "vmc:none"}, 2, {"vmc:none", "no port"});
+}
+
+TEST_F(CliFollow, APipeUntilItIsInterrupted) {
+    ASSERT_EQ(mkfifo(file("pipe").c_str(), 0600), 0);
+    const int pipe = open(file("pipe").c_str(), O_RDWR | O_CLOEXEC);
+    ASSERT_GE(pipe, 0);
+    follow(file("pipe"), [&](const std::string& line) {
+        EXPECT_EQ(write(pipe, line.data(), line.size()), static_cast<ssize_t>(line.size()));
+    });
+    close(pipe);
 }
 
 }  // namespace
