@@ -90,9 +90,8 @@ void Coach::record(double clip_s) {
 }
 
 void Coach::choose_view(double step_s) {
-    const glm::dvec3 middle = shown()[motion::index_of(motion::Joint::kPelvis)].position;
     const std::vector<JointError> wrong = errors();
-    best_eye_ = chooser_.choose(wrong, wrong.empty() ? std::vector<BodyBone>{} : body(), middle,
+    best_eye_ = chooser_.choose(wrong, wrong.empty() ? std::vector<BodyBone>{} : body(), middle(),
                                 kViewDistance * height_, step_s);
 }
 
@@ -105,6 +104,10 @@ double Coach::clip_speed() const {
 
 motion::Pose Coach::shown() const {
     return motion::pose_at(trainer_, clip_s_ * trainer_.fps);
+}
+
+glm::dvec3 Coach::middle() const {
+    return shown()[motion::index_of(motion::Joint::kPelvis)].position;
 }
 
 std::vector<BodyBone> Coach::body() const {

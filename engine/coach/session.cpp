@@ -1,0 +1,87 @@
+#include "coach/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace neuvv::coach {
+
+void Session::begin(const stage::Stage& stage, const std::string& performer, std::unique_ptr<motion::PoseSource> source,
+                    const CoachSettings& settings) {
+    Trainer trainer = read_trainer(stage, performer);
+    coach_ = std::make_unique<Coach>(std::move(trainer.skeleton), settings);
+    name_ = stage.performers[trainer.performer].name;
+    source_ = std::move(source);
+    performer_ = trainer.performer;
+    was_stopped_ = said_error_ = false;
+}
+
+void Session::end() {
+    coach_.reset();
+    source_.reset();
+    performer_.reset();
+}
+
+void Session::update(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, double now_s,
+                     const std::optional<motion::TimedPose>& body) {
+    if (!coach_) return;
+    const auto found = std::ranges::find(stage.performers, name_, &stage::StagePerformer::name);
+    performer_.reset();
+    std::optional<motion::TimedPose> pose = source_ ? source_->newest(now_s) : body;
+    if (source_) note_source();
+    if (found == stage.performers.end()) return;
+    performer_ = static_cast<uint32_t>(found - stage.performers.begin());
+    const stage::EvaluatedPerformer& performer = evaluated.performers[*performer_];
+    world_from_performer_ = performer.world_from_performer;
+    coach_->update(pose, now_s, clip_time_of(stage, performer));
+}
+
+void Session::note_source() {
+    const motion::PoseSourceState state = source_->state();
+    if (state.stopped != was_stopped_)
+        notices_.push_back(
+            fmt::format("{}: the trainee's motion {}", source_->name(), state.stopped ? "has stopped" : "goes on"));
+    was_stopped_ = state.stopped;
+    if (state.first_error.empty() || said_error_) return;
+    said_error_ = true;
+    notices_.push_back(state.first_error);
+}
+
+render::PerformerHighlight Session::highlight() const {
+    if (!coach_ || !performer_) return {};
+    return {*performer_, coach_->highlight()};
+}
+
+std::vector<GuideLine> Session::guide() const {
+    if (!coach_ || !performer_) return {};
+    std::vector<GuideLine> lines = guide_of(*coach_);
+    const auto world = [this](const glm::dvec3& p) { return glm::dvec3(world_from_performer_ * glm::dvec4(p, 1)); };
+    for (GuideLine& line : lines) line = {world(line.from), world(line.to), line.kind};
+    return lines;
+}
+
+std::optional<Session::View> Session::best_view() const {
+    if (!coach_ || !performer_ || !coach_->best_eye()) return std::nullopt;
+    const auto world = [this](const glm::dvec3& p) { return glm::dvec3(world_from_performer_ * glm::dvec4(p, 1)); };
+    return View{world(*coach_->best_eye()), world(coach_->middle())};
+}
+
+std::optional<double> Session::stage_time_of(const stage::Stage& stage, double clip_s, double stage_s) const {
+    if (!performer_) return std::nullopt;
+    const stage::StagePerformer& performer = stage.performers[*performer_];
+    const double clip_fps = stage.clips[performer.clip].fps, frames = std::ceil(stage.duration_s * stage.fps);
+    std::optional<double> nearest;
+    for (double i = 0; i < frames; i++) {
+        const double at = i / stage.fps;
+        if (std::abs(stage::frame_at(performer.timeline, at) / clip_fps - clip_s) > 0.75 / clip_fps) continue;
+        if (!nearest || std::abs(at - stage_s) < std::abs(*nearest - stage_s)) nearest = at;
+    }
+    return nearest;
+}
+
+std::vector<std::string> Session::take_notices() {
+    return std::exchange(notices_, {});
+}
+
+}  // namespace neuvv::coach
