@@ -49,6 +49,7 @@ void add_capture(Command app, CommonOptions& common);
 void add_dataset(Command app, CommonOptions& common);
 void add_matte(Command app, CommonOptions& common);
 void add_skeleton(Command app, CommonOptions& common);
+void add_coach(Command app, CommonOptions& common);
 void add_train(Command app, CommonOptions& common);
 void add_eval(Command app, CommonOptions& common);
 void add_convert(Command app, CommonOptions& common);

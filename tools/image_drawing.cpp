@@ -9,7 +9,7 @@ namespace neuvv::tools {
 
 namespace {
 
-// The glyph of a character has 3×5 dots, row by row from the top; each dot is drawn as 2×2 pixels.
+// The glyph of a character has 3×5 dots, row by row from the top.
 constexpr std::string_view kCharacters = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-_./(),: ?";
 constexpr std::array<uint16_t, kCharacters.size()> kDots = {
     0b111'101'101'101'111, 0b010'110'010'010'111, 0b111'001'111'100'111, 0b111'001'111'001'111, 0b101'101'111'001'001,
@@ -22,7 +22,6 @@ constexpr std::array<uint16_t, kCharacters.size()> kDots = {
     0b111'001'010'100'111, 0b000'000'111'000'000, 0b000'000'000'000'111, 0b000'000'000'000'010, 0b001'001'010'100'100,
     0b001'010'010'010'001, 0b100'010'010'010'100, 0b000'000'000'010'100, 0b000'010'000'010'000, 0b000'000'000'000'000,
     0b111'001'010'000'010};
-constexpr int kDot = 2;  // pixels a side
 
 }  // namespace
 
@@ -43,16 +42,16 @@ void draw_line(media::Image& image, glm::dvec2 from, glm::dvec2 to, const Colour
     }
 }
 
-void draw_text(media::Image& image, int x, int y, const std::string& text, const Colour& colour) {
+void draw_text(media::Image& image, int x, int y, const std::string& text, const Colour& colour, int dot) {
     for (const char c : text) {
         const char capital = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
         const uint16_t dots = kDots[std::min(kCharacters.find(capital), kCharacters.size() - 1)];
-        for (int dot = 0; dot < 15; ++dot) {
-            if (!(dots >> (14 - dot) & 1)) continue;
-            for (int i = 0; i < kDot * kDot; ++i)
-                set_pixel(image, x + kDot * (dot % 3) + i % kDot, y + kDot * (dot / 3) + i / kDot, colour);
+        for (int i = 0; i < 15; ++i) {
+            if (!(dots >> (14 - i) & 1)) continue;
+            for (int p = 0; p < dot * dot; ++p)
+                set_pixel(image, x + dot * (i % 3) + p % dot, y + dot * (i / 3) + p / dot, colour);
         }
-        x += static_cast<int>(kGlyphWidth);
+        x += 4 * dot;
     }
 }
 

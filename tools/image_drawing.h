@@ -21,6 +21,7 @@ void draw_line(media::Image& image, glm::dvec2 from, glm::dvec2 to, const Colour
 constexpr uint32_t kGlyphWidth = 8, kGlyphHeight = 10;
 // Draws capitals, digits and a few other characters; (x, y) is the top left corner in pixels. Small letters become
 // capitals, anything else a question mark.
-void draw_text(media::Image& image, int x, int y, const std::string& text, const Colour& colour);
+// `dot` is the size of a glyph's dots; the constants above are for the default.
+void draw_text(media::Image& image, int x, int y, const std::string& text, const Colour& colour, int dot = 2);
 
 }  // namespace neuvv::tools

@@ -26,15 +26,6 @@
 
 namespace neuvv::tools {
 
-namespace {
-
-struct CompareOptions {
-    std::string trainer, trainee, html, csv, leave_out;
-    bool json = false;
-    motion::CompareOptions compare;
-};
-
-// The limbs that are compared, without those of a list "head,left arm".
 std::vector<bool> counted_limbs(const std::string& left_out) {
     std::vector<bool> counted(motion::kLimbs, true);
     if (left_out.empty()) return counted;
@@ -48,7 +39,7 @@ std::vector<bool> counted_limbs(const std::string& left_out) {
     return counted;
 }
 
-nlohmann::ordered_json json_of(const motion::Comparison& comparison) {
+nlohmann::ordered_json comparison_json(const motion::Comparison& comparison) {
     constexpr const char* kKinds[] = {"off", "late", "mirrored"};
     constexpr const char* kAmounts[] = {"degrees", "seconds", "degrees"};
     nlohmann::ordered_json limbs, mistakes = nlohmann::ordered_json::array();
@@ -65,6 +56,22 @@ nlohmann::ordered_json json_of(const motion::Comparison& comparison) {
     return {{"score", comparison.score}, {"limbs", limbs}, {"mistakes", mistakes}};
 }
 
+void print_comparison(const motion::Comparison& comparison) {
+    fmt::print("score {:.0f} of 100\n", comparison.score);
+    for (size_t limb = 0; limb < motion::kLimbs; ++limb)
+        if (comparison.limb_scores[limb] >= 0)
+            fmt::print("  {:<10} {:3.0f}\n", motion::kLimbNames[limb], comparison.limb_scores[limb]);
+    for (const motion::Mistake& mistake : comparison.mistakes) fmt::print("{}\n", text_of(mistake));
+}
+
+namespace {
+
+struct CompareOptions {
+    std::string trainer, trainee, html, csv, leave_out;
+    bool json = false;
+    motion::CompareOptions compare;
+};
+
 void run_compare(CompareOptions& options) {
     if (!options.html.empty()) prepare_output_file("--html", options.html);
     if (!options.csv.empty()) prepare_output_file("--csv", options.csv);
@@ -77,14 +84,10 @@ void run_compare(CompareOptions& options) {
                                                   options.compare.tolerances));
     if (!options.csv.empty()) write_text_file(options.csv, motion_csv(found));
     if (options.json) {
-        fmt::print("{}", json_text(json_of(found)));
+        fmt::print("{}", json_text(comparison_json(found)));
         return;
     }
-    fmt::print("score {:.0f} of 100\n", found.score);
-    for (size_t limb = 0; limb < motion::kLimbs; ++limb)
-        if (found.limb_scores[limb] >= 0)
-            fmt::print("  {:<10} {:3.0f}\n", motion::kLimbNames[limb], found.limb_scores[limb]);
-    for (const motion::Mistake& mistake : found.mistakes) fmt::print("{}\n", text_of(mistake));
+    print_comparison(found);
 }
 
 struct FollowOptions {
