@@ -8,6 +8,7 @@
 
 namespace neuvv::tools {
 
+void add_skeleton_extract(Command group);
 void add_skeleton_compare(Command group);
 void add_skeleton_follow(Command group);
 
