@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kMaxPixel = 1e6;
 constexpr size_t kMaxPeople = 1000, kMaxPoints = 1000;
+const std::string kKeyPointEnding = "_keypoints";  // of a file's name, after that of its image
 
 struct Person {
     std::vector<KeyPoint> points;
@@ -82,20 +83,25 @@ std::vector<std::filesystem::path> json_files(const std::filesystem::path& folde
 
 std::string image_of(const std::filesystem::path& file) {
     std::string name = file.stem().string();
-    constexpr std::string_view kEnding = "_keypoints";
-    if (name.ends_with(kEnding)) name.resize(name.size() - kEnding.size());
+    if (name.ends_with(kKeyPointEnding)) name.resize(name.size() - kKeyPointEnding.size());
     return name;
 }
 
-// The file of each wanted image, in a folder of them all.
-std::vector<std::filesystem::path> flat_files(const std::filesystem::path& folder,
-                                              std::span<const WantedImage> images) {
+// Throws InputError where two images have one name.
+std::map<std::string, size_t> images_by_name(const std::filesystem::path& folder, std::span<const WantedImage> images) {
     std::map<std::string, size_t> by_name;
     for (size_t i = 0; i < images.size(); ++i)
         if (!by_name.emplace(images[i].image, i).second)
             throw InputError(folder.string(), "",
                              fmt::format("images of several cameras are called \"{}\"", images[i].image),
                              "give a folder for each camera: CAMERA_json");
+    return by_name;
+}
+
+// The file of each wanted image, in a folder of them all.
+std::vector<std::filesystem::path> flat_files(const std::filesystem::path& folder,
+                                              std::span<const WantedImage> images) {
+    const std::map<std::string, size_t> by_name = images_by_name(folder, images);
     std::vector<std::filesystem::path> found(images.size());
     for (const std::filesystem::path& file : json_files(folder)) {
         const auto image = by_name.find(image_of(file));
@@ -197,17 +203,28 @@ void read_detections(const std::filesystem::path& folder, std::span<const Wanted
     }
 }
 
+std::vector<std::filesystem::path> key_point_files(const std::filesystem::path& folder,
+                                                   std::span<const WantedImage> images) {
+    images_by_name(folder, images);
+    std::vector<std::filesystem::path> files;
+    for (const WantedImage& image : images) files.push_back(folder / (image.image + kKeyPointEnding + ".json"));
+    return files;
+}
+
+void write_person(const std::filesystem::path& file, std::span<const KeyPoint> points) {
+    std::vector<double> numbers;
+    for (const KeyPoint& point : points)
+        numbers.insert(numbers.end(), {point.pixel.x, point.pixel.y, point.confidence});
+    nlohmann::ordered_json people = nlohmann::ordered_json::array();
+    if (!points.empty()) people.push_back({{"pose_keypoints_2d", numbers}});
+    write_text_file(file, nlohmann::ordered_json({{"version", 1.3}, {"people", people}}).dump() + "\n");
+}
+
 void write_key_points(const std::filesystem::path& file, const KeyPoints& points) {
     const KeyPointLayout& layout = *find_key_point_layout(25);
-    std::vector<double> numbers(3 * layout.points, 0.0);
-    for (size_t j = 0; j < kJoints; ++j) {
-        const auto at = 3 * static_cast<size_t>(layout.sources[j][0]);
-        numbers[at] = points[j].pixel.x;
-        numbers[at + 1] = points[j].pixel.y;
-        numbers[at + 2] = points[j].confidence;
-    }
-    const nlohmann::ordered_json json = {{"version", 1.3}, {"people", {{{"pose_keypoints_2d", numbers}}}}};
-    write_text_file(file, json.dump() + "\n");
+    std::vector<KeyPoint> all(layout.points);
+    for (size_t j = 0; j < kJoints; ++j) all[static_cast<size_t>(layout.sources[j][0])] = points[j];
+    write_person(file, all);
 }
 
 }  // namespace neuvv::motion

@@ -58,7 +58,15 @@ struct WantedImage {
 // are mixed.
 void read_detections(const std::filesystem::path& folder, std::span<const WantedImage> images, Detections& detections);
 
-// Writes one person as read_key_points reads it, in BODY_25. The file is replaced atomically. Throws RuntimeFailure.
+// The file of each image in a folder of them all: IMAGE_keypoints.json. Throws InputError where two images have one
+// name.
+std::vector<std::filesystem::path> key_point_files(const std::filesystem::path& folder,
+                                                   std::span<const WantedImage> images);
+
+// Writes the key points of one person, in the order of a KeyPointLayout, as read_key_points reads them; none: an image
+// in which nobody was seen. The file is replaced atomically. Throws RuntimeFailure.
+void write_person(const std::filesystem::path& file, std::span<const KeyPoint> points);
+// The same from the joints, in BODY_25.
 void write_key_points(const std::filesystem::path& file, const KeyPoints& points);
 
 }  // namespace neuvv::motion
