@@ -6,11 +6,15 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
+#include "base/platform.h"
 #include "motion/extract.h"
+#include "motion/key_point_detector.h"
 #include "motion/skeleton_file.h"
 #include "tools/commands.h"
+#include "tools/report.h"
 #include "tools/skeleton_verbs.h"
 #include "training/formats.h"
+#include "training/image_reader.h"
 
 namespace neuvv::tools {
 
@@ -21,12 +25,17 @@ Key points are one JSON an image, {"people": [{"pose_keypoints_2d": [x, y, confi
 HALPE-26 or MediaPipe-33: what OpenPose writes with `--image_dir DIR/images --write_json DIR/key_points`, and Pose2Sim
 into a folder for each camera. DIR may also be a captured data set whose images have no lens distortion.
 
+--model runs a detector here and writes such files: an ONNX network that takes an image of one person, as HRNet,
+SimpleBaseline, ViTPose and RTMPose do (1×3×height×width, RGB), and gives heat maps (1×K×h×w) or SimCC's columns and
+rows (1×K×w, 1×K×h). NeuVV comes with no network. A network is a program: use only those that you trust.
+
 Examples:
   neuvv skeleton extract build/views -o build/performer.skeleton.glb
+  neuvv skeleton extract build/views --model vitpose-b-coco.onnx -o build/performer.skeleton.glb
   neuvv skeleton extract build/views --key-points build/views/pose -o build/performer.skeleton.glb)";
 
 struct ExtractOptions {
-    std::string folder, key_points, output;
+    std::string folder, key_points, model, output, pixels = "imagenet";
     bool each_frame = false;
 };
 
@@ -89,12 +98,65 @@ void print_quality(const motion::Extraction& found, const motion::Detections& se
         fmt::print("{} images show several people: the most confident one of each counted\n", seen.images_with_others);
 }
 
+motion::PixelScale pixel_scale(const std::string& name) {
+    return name == "imagenet" ? motion::PixelScale::kImageNet
+           : name == "unit"   ? motion::PixelScale::kUnit
+                              : motion::PixelScale::kBytes;
+}
+
+// The key points in every image of the splits, in the order of wanted_images. Throws RuntimeFailure where the user
+// stops it.
+std::vector<std::vector<motion::KeyPoint>> detect_in_images(motion::KeyPointDetector& detector,
+                                                            const std::vector<training::Rig>& splits) {
+    std::vector<const training::Shot*> shots;
+    std::vector<const training::Lens*> lenses;
+    for (const training::Rig& rig : splits)
+        for (const training::Shot& shot : rig.shots) {
+            shots.push_back(&shot);
+            lenses.push_back(&rig.cameras[shot.camera].lens);
+        }
+    catch_stop_signals();
+    training::ImageReader reader;
+    std::vector<std::vector<motion::KeyPoint>> found;
+    Progress progress("detect", shots.size());
+    for (size_t i = 0; i < shots.size(); ++i) {
+        if (stop_requested()) throw RuntimeFailure("stopped before the end; no key points were written");
+        const media::Image image = reader.read(shots[i]->image);
+        if (image.width != lenses[i]->width || image.height != lenses[i]->height)
+            throw InputError(shots[i]->image.path.string(), "",
+                             fmt::format("is {}×{} pixels, its camera {}×{}", image.width, image.height,
+                                         lenses[i]->width, lenses[i]->height),
+                             "give the images that the cameras were calibrated for");
+        found.push_back(detector.detect(image));
+        progress.update(i + 1, "images");
+    }
+    return found;
+}
+
+// Runs a network on all images, and writes what it finds into the folder once it has seen all of them.
+void write_detections(const ExtractOptions& options, const std::vector<training::Rig>& splits,
+                      std::span<const motion::WantedImage> images, const std::filesystem::path& folder) {
+    std::error_code error;
+    if (std::filesystem::exists(folder, error) && !std::filesystem::is_empty(folder, error))
+        throw InputError(folder.string(), "", "is there already, of another run or another detector",
+                         "remove it, name another folder with --key-points, or leave out --model");
+    const std::vector<std::filesystem::path> files = motion::key_point_files(folder, images);
+    prepare_output_folder("--key-points", folder);
+    motion::KeyPointDetector detector(options.model, pixel_scale(options.pixels));
+    const std::vector<std::vector<motion::KeyPoint>> found = detect_in_images(detector, splits);
+    for (size_t i = 0; i < files.size(); ++i) motion::write_person(files[i], found[i]);
+    fmt::print(stderr, "wrote {} key points of {} images into {}\n", detector.layout().name, files.size(),
+               folder.string());
+}
+
 void run_extract(const ExtractOptions& options) {
     prepare_output_file("--output", options.output);
     motion::Detections seen;
-    const std::vector<motion::WantedImage> images = wanted_images(read_splits(options.folder), seen);
+    const std::vector<training::Rig> splits = read_splits(options.folder);
+    const std::vector<motion::WantedImage> images = wanted_images(splits, seen);
     std::filesystem::path folder = options.key_points;
     if (folder.empty()) folder = std::filesystem::path(options.folder) / "key_points";
+    if (!options.model.empty()) write_detections(options, splits, images, folder);
     motion::read_detections(folder, images, seen);
     fmt::print(stderr, "{} frames from {} views\n", seen.frames, seen.cameras.size());
     const motion::Extraction found = motion::extract_skeleton(seen, {!options.each_frame});
@@ -111,6 +173,14 @@ void add_skeleton_extract(Command group) {
     verb.add_option("DIR", options->folder, "the folder of `neuvv skeleton views`").required();
     verb.add_option("-o,--output", options->output, "the skeleton, .skeleton.glb").required();
     verb.add_option("--key-points", options->key_points, "the detector's folder; default: DIR/key_points");
+    Option model = verb.add_option("--model", options->model,
+                                   "a network, .onnx: find key points in the images with it and write them there");
+    verb.add_option("--pixels", options->pixels,
+                    "what the network takes: imagenet (colours less ImageNet's mean, by its deviation), unit (0 to 1), "
+                    "bytes (0 to 255)")
+        .one_of({"imagenet", "unit", "bytes"})
+        .show_default()
+        .needs(model);
     verb.add_flag("--each-frame", options->each_frame, "triangulate each frame by itself, without the fit over time");
     verb.footer({kExtractFooter});
     verb.callback([options] { run_extract(*options); });

@@ -5,11 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "motion/colour_model.h"
 #include "motion/detector.h"
 #include "motion/pose_line.h"
 #include "motion/senders.h"
 #include "motion/skeleton_file.h"
 #include "motion/trainee.h"
+#include "motion/triangulate.h"
 #include "support/child_process.h"
 #include "tests/tools/run_neuvv.h"
 #include "training/capture_files.h"
@@ -17,7 +19,14 @@
 namespace neuvv {
 namespace {
 
-constexpr size_t kFrames = 12, kViews = 12;
+constexpr size_t kFrames = 12, kMarkedFrames = 3, kViews = 12;
+
+// Of COCO-17, those that are a single key point each.
+constexpr std::array kSeenJoints = {
+    motion::Joint::kNose,         motion::Joint::kRightShoulder, motion::Joint::kRightElbow, motion::Joint::kRightWrist,
+    motion::Joint::kLeftShoulder, motion::Joint::kLeftElbow,     motion::Joint::kLeftWrist,  motion::Joint::kRightHip,
+    motion::Joint::kRightKnee,    motion::Joint::kRightAnkle,    motion::Joint::kLeftHip,    motion::Joint::kLeftKnee,
+    motion::Joint::kLeftAnkle};
 
 struct CliSkeleton : testing::Test {
     TemporaryFolder folder;
@@ -42,6 +51,25 @@ struct CliSkeleton : testing::Test {
             folder.path / "views" / "transforms_train.json",
             {cameras, std::vector<bool>(kViews, true), kFrames, 25, {{-1, 0, -1}, {1, 2, 1}}, false});
     }
+
+    // What `neuvv skeleton views` leaves, but of a performer whose joints alone are seen, three frames from 12 views.
+    void write_marked_views() {
+        truth.frames.resize(kMarkedFrames);
+        const motion::KeyPointLayout& layout = *motion::find_key_point_layout(17);
+        const std::vector<stage::Camera> cameras = test::cameras_around(truth, kViews);
+        std::filesystem::create_directories(folder.path / "views" / "images");
+        for (size_t c = 0; c < kViews; ++c)
+            for (size_t f = 0; f < kMarkedFrames; ++f) {
+                media::Image image = test::grey_image(cameras[c].width, cameras[c].height);
+                for (const motion::Joint joint : kSeenJoints)
+                    test::draw_marker(image, static_cast<size_t>(layout.sources[motion::index_of(joint)][0]), 17,
+                                      *motion::project(cameras[c], motion::at(truth.frames[f], joint).position), 3);
+                media::write_png(folder.path / "views" / "images" / (training::image_name(c, f) + ".png"), image);
+            }
+        training::write_transforms(
+            folder.path / "views" / "transforms_train.json",
+            {cameras, std::vector<bool>(kViews, true), kMarkedFrames, 25, {{-1, 0, -1}, {1, 2, 1}}, false});
+    }
 };
 
 TEST_F(CliSkeleton, ExtractsFromViews) {
@@ -60,6 +88,39 @@ TEST_F(CliSkeleton, ExtractsFromViews) {
                    {"none", "no folder of key points"});
     expect_refused({"skeleton", "extract", file("none"), "-o", file("b.glb")}, 2, {"none"});
     EXPECT_FALSE(std::filesystem::exists(file("b.glb")));
+}
+
+// Key points by a network: it finds markers that are drawn where COCO's key points are.
+TEST_F(CliSkeleton, ExtractsWithANetwork) {
+    write_marked_views();
+    write_text(folder.path / "colours.onnx", test::onnx_of({.scale = motion::PixelScale::kBytes}));
+    std::vector<std::string> words = {
+        "skeleton",           "extract",  file("views"), "-o", file("a.skeleton.glb"), "--model",
+        file("colours.onnx"), "--pixels", "bytes"};
+    const ProgramResult result = run_neuvv(words);
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.err.find("wrote COCO-17 key points of 36 images"), std::string::npos) << result.err;
+    EXPECT_NE(result.out.find("(the detector lacks it)"), std::string::npos) << result.out;
+    const motion::SkeletonClip found = motion::read_skeleton(file("a.skeleton.glb"));
+    for (size_t f = 0; f < found.frames.size(); ++f)
+        for (const motion::Joint joint : kSeenJoints)
+            EXPECT_LT(
+                glm::distance(motion::at(found.frames[f], joint).position, motion::at(truth.frames[f], joint).position),
+                0.03)
+                << f << ' ' << motion::info_of(joint).name;
+    // The files that it wrote give the same skeleton again.
+    ASSERT_EQ(run_neuvv({"skeleton", "extract", file("views"), "-o", file("b.skeleton.glb")}).code, 0);
+    EXPECT_EQ(read_text(file("a.skeleton.glb")), read_text(file("b.skeleton.glb")));
+
+    expect_refused(words, 2, {"key_points", "is there already", "--model"});
+    std::filesystem::remove_all(folder.path / "views" / "key_points");
+    write_text(folder.path / "colours.onnx", test::onnx_of({.first_operation = "Conjure"}));
+    expect_refused(words, 2, {"colours.onnx", "cannot be opened"});
+    write_text(folder.path / "colours.onnx", test::onnx_of({.key_points = 18}));
+    expect_refused(words, 2, {"colours.onnx", "18 key points"});
+    words[6] = file("none.onnx");
+    expect_refused(words, 2, {"none.onnx"});
+    expect_refused({"skeleton", "extract", file("views"), "-o", file("b.glb"), "--pixels", "unit"}, 2, {"--model"});
 }
 
 TEST_F(CliSkeleton, ImportsAModelsMotion) {
