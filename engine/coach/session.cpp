@@ -9,9 +9,12 @@ namespace neuvv::coach {
 
 void Session::begin(const stage::Stage& stage, const std::string& performer, std::unique_ptr<motion::PoseSource> source,
                     const CoachSettings& settings) {
-    Trainer trainer = read_trainer(stage, performer);
+    begin(read_trainer(stage, performer), std::move(source), settings);
+}
+
+void Session::begin(Trainer trainer, std::unique_ptr<motion::PoseSource> source, const CoachSettings& settings) {
     coach_ = std::make_unique<Coach>(std::move(trainer.skeleton), settings);
-    name_ = stage.performers[trainer.performer].name;
+    name_ = trainer.name;
     source_ = std::move(source);
     performer_ = trainer.performer;
     was_stopped_ = said_error_ = false;

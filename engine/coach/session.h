@@ -14,6 +14,8 @@ class Session {
     // `source`, or, where it is null, with update(). Throws InputError, and then leaves the session as it was.
     void begin(const stage::Stage& stage, const std::string& performer, std::unique_ptr<motion::PoseSource> source,
                const CoachSettings& settings);
+    // The same with what read_trainer returned, for programs that read files on another thread.
+    void begin(Trainer trainer, std::unique_ptr<motion::PoseSource> source, const CoachSettings& settings);
     void end();
     bool is_running() const { return coach_ != nullptr; }
 

@@ -32,7 +32,7 @@ Trainer read_trainer(const stage::Stage& stage, const std::string& name) {
         const std::filesystem::path skeleton = skeleton_file_of(stage, i);
         if (!has_skeleton(stage, i))
             throw InputError(file, name, fmt::format("has no skeleton {}", skeleton.string()), kMakeOne);
-        return {i, motion::read_skeleton(skeleton)};
+        return {i, stage.performers[i].name, motion::read_skeleton(skeleton)};
     }
     if (name.empty()) throw InputError(file, "", "has no performer with a skeleton", kMakeOne);
     throw InputError(file, name, "is no performer of this stage", "`neuvv stage info` lists them");

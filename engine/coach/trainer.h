@@ -9,6 +9,7 @@ namespace neuvv::coach {
 
 struct Trainer {
     uint32_t performer = 0;  // index into Stage::performers
+    std::string name;        // of the performer
     motion::SkeletonClip skeleton;
 };
 

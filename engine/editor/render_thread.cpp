@@ -340,7 +340,7 @@ void RenderThread::fit(VkExtent2D size) {
 }
 
 render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const {
-    render::FrameSettings settings = renderer_->settings_at(evaluated);
+    render::FrameSettings settings = renderer_->settings_at(evaluated, view.highlight);
     const glm::vec4 background = settings.resolve.background;
     settings.resolve = view.resolve;
     if (!view.overrides_background) settings.resolve.background = background;

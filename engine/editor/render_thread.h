@@ -29,7 +29,8 @@ struct ViewRequest {
     uint64_t id = 0;       // ascending; DisplayedImage::view returns it
     stage::Camera camera;  // of the image's size
     double time_s = 0;
-    std::vector<double> next_s;         // the times that will be displayed next, in order; their slices are prefetched
+    std::vector<double> next_s;  // the times that will be displayed next, in order; their slices are prefetched
+    render::PerformerHighlight highlight;
     render::ResolveSettings resolve;    // its background counts only with `overrides_background`
     bool overrides_background = false;  // false: the background is that of the stage
     bool moving = false;                // the view changes: images should come soon, if with fewer rays

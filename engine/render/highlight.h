@@ -21,6 +21,7 @@ struct Bone {
 struct Highlight {
     std::vector<Bone> bones;   // at the instance's time; at most kMaxBones
     std::vector<float> tints;  // 0..1 of each bone: how red it is
+    bool operator==(const Highlight&) const = default;
 };
 
 // Binds the leaves of slices to bones.

@@ -15,6 +15,11 @@ namespace neuvv::render {
 struct PerformerHighlight {
     uint32_t performer = 0;                      // index into Stage::performers
     std::shared_ptr<const Highlight> highlight;  // null: none
+    // Whether both look the same.
+    bool operator==(const PerformerHighlight& other) const {
+        if (!highlight || !other.highlight) return highlight == other.highlight;
+        return performer == other.performer && *highlight == *other.highlight;
+    }
 };
 
 class StageRenderer {

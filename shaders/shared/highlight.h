@@ -8,7 +8,7 @@ NEUVV_SHARED
 
 CONSTEXPR uint kMaxBones = 24u;
 CONSTEXPR uint kNoBone = 255u;            // of entries of child nodes, and of padding
-CONSTEXPR float kHighlightShare = 0.85f;  // of red in a leaf that is tinted wholly
+CONSTEXPR float kHighlightShare = 0.95f;  // of red in a leaf that is tinted wholly
 
 // A line with a thickness. Performer's space, metres.
 struct ShaderBone {
