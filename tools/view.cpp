@@ -8,7 +8,7 @@ namespace neuvv::tools {
 namespace {
 
 struct ViewOptions {
-    std::string file, size, report, screenshots, shaders;
+    std::string file, size, report, screenshots, shaders, trainee;
     double ui_scale = 0;
     bool validate = false;
 };
@@ -33,16 +33,22 @@ void add_view(Command app, CommonOptions& common) {
             "For who writes shaders: this folder of their sources is watched, and what changes is seen at once; a "
             "debug build watches the one that it was built from")
         .existing_folder();
+    verb.add_option(
+        "--trainee", options->trainee,
+        "Compare somebody's motion with a performer's at once: vmc[:[HOST:]PORT], udp:[HOST:]PORT, - (lines "
+        "of JSON), or a recorded file; the tab Train says what is off");
     verb.add_flag("--validate", options->validate, "With Vulkan's validation layers, whose messages are in the report");
     verb.footer(
         {"Keys: ? in the window lists them.\n\n"
          "Examples:\n"
          "  neuvv view demo/performer.nvv\n"
-         "  neuvv view demo/stage.gltf --size 1600x900"});
+         "  neuvv view demo/stage.gltf --size 1600x900\n"
+         "  neuvv view demo/performer.nvv --trainee tools/performer/trainee.glb"});
     verb.callback([options, &common] {
         viewer::Viewer::Options viewer;
         viewer.file = options->file;
         viewer.report = options->report;
+        viewer.trainee = options->trainee;
         viewer.screenshots = options->screenshots;
         viewer.shaders =
             options->shaders.empty() ? editor::shaders_of_debug_build() : std::filesystem::path(options->shaders);

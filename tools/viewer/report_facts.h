@@ -1,6 +1,7 @@
 // Adds all facts to the report: everything that it says besides the areas of buttons and handles.
 #pragma once
 
+#include "tools/viewer/coaching.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/frame_meter.h"
 #include "tools/viewer/tools/paint_tool.h"
@@ -9,6 +10,7 @@ namespace neuvv::viewer {
 
 struct ReportedState {
     const PaintTool& paint;
+    const Coaching& coaching;
     const FrameMeter& meter;
     const ui::Window& window;
     std::span<const editor::Notice> notices;

@@ -41,8 +41,8 @@ bool same_image(const editor::ViewRequest& a, const editor::ViewRequest& b) {
     return a.camera.world_from_camera == b.camera.world_from_camera && a.camera.fx == b.camera.fx &&
            a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
            a.camera.width == b.camera.width && a.camera.height == b.camera.height && a.time_s == b.time_s &&
-           a.resolve == b.resolve && a.overrides_background == b.overrides_background && a.moving == b.moving &&
-           a.max_scale == b.max_scale && a.samples == b.samples;
+           a.resolve == b.resolve && a.highlight == b.highlight && a.overrides_background == b.overrides_background &&
+           a.moving == b.moving && a.max_scale == b.max_scale && a.samples == b.samples;
 }
 
 std::filesystem::path preferences_file() {
@@ -100,6 +100,7 @@ Viewer::Viewer(const Options& options, const std::string& device)
     for (size_t i = 0; i < std::size(kLayerNames); i++)
         if (preferences_.layer == kLayerNames[i]) view_.image.show = static_cast<render::Show>(i);
     if (!preferences_message_.empty()) editor_.notify(preferences_message_, true);
+    if (!options.trainee.empty()) coaching_.begin_with_stage(options.trainee);
     if (options.file.empty())
         files_.offer_recovery();
     else
@@ -156,7 +157,7 @@ void Viewer::run() {
 void Viewer::wait() {
     double seconds_left = kIdleWait_s;
     if (view_.clock.playing) seconds_left = std::min(kPlayingWait_s, view_.clock.until_next_s());
-    if (in_motion()) seconds_left = kMovingWait_s;
+    if (in_motion() || coaching_.is_running()) seconds_left = kMovingWait_s;
     if (requests_.frames > 0 || window_.has_more()) seconds_left = 0;
     if (seconds_left > 0) window_.wait(seconds_left);
     for (double left; (left = input_.now_s + kFrame_s - seconds()) > 0;) {
@@ -218,6 +219,7 @@ void Viewer::frame() {
     screenshots_.take(context_, screen_, image_is_sharp());
     const FrameMeter::Ids before = requested();
     move_eye();
+    coaching_.tick(context_);
     draw_panels();
     if (editor_.dragging() && !ImGui::IsAnyItemActive() && !tools_.is_editing()) editor_.end_drag();
     request_document();
@@ -368,11 +370,12 @@ void Viewer::draw_panels() {
     input_.pointer_in_image = !ImGui::GetIO().WantCaptureMouse && input_.image_area.contains(pointer.x, pointer.y);
     tools_.toolbar(context_);
     tools_.handle_pointer(context_);
+    coaching_.draw(context_);
     if (panels.all) {
         const float tree = std::round(panels.tree_share * side.height);
         stage_panel(context_, {side.left, side.top, side.width, tree}, tree_);
         properties_panel(context_, {side.left, side.top + tree, side.width, side.height - tree}, properties_,
-                         {tree_, paint_, files_, exporter_});
+                         {tree_, paint_, files_, exporter_, coaching_});
         timeline_panel(context_, below, timeline_);
     }
     if (panels.speed) speed_panel(context_, device_, meter_);
@@ -396,6 +399,7 @@ void Viewer::request_view() {
     editor::ViewRequest view;
     view.camera = camera;
     view.time_s = clock.displayed_s();
+    view.highlight = coaching_.session().highlight();
     view.resolve.show = view_.image.show;
     view.resolve.cost_max = view_.image.cost_max;
     view.overrides_background = view_.image.overrides_background;
@@ -431,7 +435,8 @@ void Viewer::write_report() {
     for (std::string& message : device_.drain_validation_messages())
         if (validation_messages_.size() < kMaxMessages) validation_messages_.push_back(std::move(message));
     const bool still = view_request_ && !view_request_->moving;
-    report_facts(context_, {paint_, meter_, window_, notices_, validation_messages_, still && image_is_sharp()});
+    report_facts(context_,
+                 {paint_, coaching_, meter_, window_, notices_, validation_messages_, still && image_is_sharp()});
     if (!report_.end_frame()) context_.redraw(1);
 }
 

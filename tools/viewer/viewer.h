@@ -33,7 +33,8 @@ class Viewer {
         std::optional<VkExtent2D> size;     // of the window; nullopt: its size when it was last closed
         bool validate = false;              // with the Vulkan validation layers
         std::filesystem::path screenshots;  // their folder; empty: images_folder()
-        std::filesystem::path shaders;      // the folder of sources that is watched; empty: none
+        std::string trainee;            // whose motion is followed at once (motion::open_pose_source); empty: nobody
+        std::filesystem::path shaders;  // the folder of sources that is watched; empty: none
     };
     // `device` selects the device as gpu::Device does. Throws RuntimeFailure where there is no display.
     Viewer(const Options& options, const std::string& device);
@@ -91,6 +92,7 @@ class Viewer {
     StageTree tree_;
     PropertiesPanel properties_;
     TimelineState timeline_;
+    Coaching coaching_;
     std::vector<editor::Notice> notices_;
     FrameMeter meter_;
 

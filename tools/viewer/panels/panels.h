@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "tools/viewer/coaching.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/exporter.h"
 #include "tools/viewer/files.h"
@@ -62,6 +63,7 @@ struct PropertiesUses {
     PaintTool& paint;
     Files& files;
     Exporter& exporter;
+    Coaching& coaching;
 };
 // Opens the tab of paint when painting becomes the mode.
 void properties_panel(Context& context, const Area& area, PropertiesPanel& state, const PropertiesUses& uses);
@@ -69,6 +71,7 @@ void properties_panel(Context& context, const Area& area, PropertiesPanel& state
 void properties_tab(Context& context, PropertyFields& fields, StageTree& tree);
 void paint_tab(Context& context, PaintTool& paint, Files& files);
 void light_tab(Context& context, StageTree& tree);
+void train_tab(Context& context, Coaching& coaching);
 void render_tab(Context& context, ExportChoice& choice, Files& files, Exporter& exporter);
 
 // How long images and passes take.
