@@ -15,6 +15,7 @@ constexpr double kJump_s = 0.5;       // of the clip, between two images
 constexpr double kSlowest = 0.2;      // of the clip's speed, while it waits for the trainee
 constexpr double kLateFree_s = 0.15;  // by which a trainee may be late before the clip slows down
 constexpr double kLateWhole_s = 0.6;  // by which it is as slow as it gets
+constexpr double kWhole = 0.9;        // of the clip: a performance of as much counts as whole
 constexpr double kRunUp_s = 1;        // before a mistake that is repeated
 
 std::string text_of(motion::Limb limb, const motion::LimbFeedback& feedback) {
@@ -43,6 +44,7 @@ void Coach::change(const CoachSettings& settings) {
     if (same) return;
     live_ = std::make_unique<motion::LiveComparison>(trainer_, settings_.compare);
     recorded_.frames.clear();
+    performed_.frames.clear();
     was_wrong_ = {};
 }
 
@@ -57,7 +59,7 @@ void Coach::update(const std::optional<motion::TimedPose>& pose, double now_s, d
     if (clip_s_ >= 0 && (clip_s < clip_s_ - 1e-9 || clip_s > clip_s_ + kJump_s)) {
         live_->jump();
         was_wrong_ = {};
-        if (clip_s < clip_s_) recorded_.frames.clear();
+        if (clip_s < clip_s_) begin_record();
     }
     clip_s_ = clip_s;
     if (pose) {
@@ -78,6 +80,13 @@ void Coach::note_mistakes(double clip_s) {
         if (wrong && !was_wrong_[i]) last_ = Remark{static_cast<motion::Limb>(i), clip_s};
         was_wrong_[i] = wrong;
     }
+}
+
+// Keeps the record where it reached the clip's end.
+void Coach::begin_record() {
+    if (static_cast<double>(recorded_.frames.size()) > kWhole * static_cast<double>(trainer_.frames.size()))
+        std::swap(performed_, recorded_);
+    recorded_.frames.clear();
 }
 
 // A frame of the record for each frame that the clip has advanced.

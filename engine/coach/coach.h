@@ -66,8 +66,9 @@ class Coach {
     // Where to begin again to repeat the last mistake: a second before it, clip time; nothing where there was none.
     std::optional<double> last_mistake_s() const;
 
-    // What was recorded in Mode::kPerform since the clip began, at the trainer's rate; empty: nothing.
-    const motion::SkeletonClip& recorded() const { return recorded_; }
+    // What was recorded in Mode::kPerform, at the trainer's rate: the last performance that reached the clip's end,
+    // else the one that is under way; empty: nothing.
+    const motion::SkeletonClip& recorded() const { return performed_.frames.empty() ? recorded_ : performed_; }
     const motion::SkeletonClip& trainer() const { return trainer_; }
     double height() const { return height_; }  // of the trainer, metres
 
@@ -77,6 +78,7 @@ class Coach {
 
   private:
     bool compares() const;
+    void begin_record();
     void record(double clip_s);
     void note_mistakes(double clip_s);
     void choose_view(double step_s);
@@ -85,7 +87,7 @@ class Coach {
     CoachSettings settings_;
     std::unique_ptr<motion::LiveComparison> live_;
     std::optional<motion::TimedPose> trainee_;  // the newest
-    motion::SkeletonClip recorded_;
+    motion::SkeletonClip recorded_, performed_;
     std::array<bool, motion::kLimbs> was_wrong_{};
     std::optional<Remark> last_;
     ViewChooser chooser_;

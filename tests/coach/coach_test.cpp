@@ -157,6 +157,7 @@ TEST(Coach, APerformanceIsRecordedAsLongAsTheClipAndNoLonger) {
         coach.update(pose, t, clip_s);
         EXPECT_LE(coach.recorded().frames.size(), dancer().frames.size());
     }
+    EXPECT_GE(coach.recorded().frames.size() + 1, dancer().frames.size()) << "the last whole one is kept";
     perform(coach, trainee, 0, [](double) {});
     for (double t = 40; t < 40 + length_s; t += 1 / kRate) {
         motion::TimedPose pose = pose_of(trainee, t - 40);

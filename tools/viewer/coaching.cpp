@@ -61,6 +61,7 @@ void Coaching::begin(Context& context) {
             if (!is_running()) own_speed_ = context.view.clock.speed;
             session_.begin(std::move(found->first), std::move(found->second), settings);
             opened_ = context.editor.open_count();
+            if (settings.mode == coach::Mode::kPerform) context.view.clock.scrub(context.view.clock.in_s());
             if (!context.view.clock.playing) context.view.clock.play_or_pause();
         };
     });
@@ -80,6 +81,8 @@ void Coaching::tick(Context& context) {
     }
     if (!is_running() || !context.frame.stage) return;
     if (opened_ != context.editor.open_count()) return end(context);  // another document
+    if (settings.mode == coach::Mode::kPerform && session_.coach().settings().mode != settings.mode)
+        context.view.clock.scrub(context.view.clock.in_s());  // a performance begins at the beginning
     session_.coach().change(settings);
     session_.update(*context.frame.stage, context.frame.evaluated, context.frame.now_s);
     context.view.clock.speed = session_.coach().clip_speed();
