@@ -11,7 +11,6 @@ namespace neuvv::coach {
 namespace {
 
 constexpr double kGone_s = 1;         // without a pose, after which the trainee counts as gone
-constexpr double kJump_s = 0.5;       // of the clip, between two images
 constexpr double kSlowest = 0.2;      // of the clip's speed, while it waits for the trainee
 constexpr double kLateFree_s = 0.15;  // by which a trainee may be late before the clip slows down
 constexpr double kLateWhole_s = 0.6;  // by which it is as slow as it gets

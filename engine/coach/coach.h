@@ -95,6 +95,8 @@ class Coach {
     double now_s_ = 0, clip_s_ = -1;
 };
 
+// What a clip advances between two images at most; where it does more, it has jumped.
+constexpr double kJump_s = 0.5;
 // The distance, in heights of the body, from which a trainer is looked at.
 constexpr double kViewDistance = 1.6;
 

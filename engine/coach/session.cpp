@@ -17,6 +17,7 @@ void Session::begin(Trainer trainer, std::unique_ptr<motion::PoseSource> source,
     name_ = trainer.name;
     source_ = std::move(source);
     performer_ = trainer.performer;
+    clip_s_.reset();
     was_stopped_ = said_error_ = false;
 }
 
@@ -31,13 +32,17 @@ void Session::update(const stage::Stage& stage, const stage::EvaluatedStage& eva
     if (!coach_) return;
     const auto found = std::ranges::find(stage.performers, name_, &stage::StagePerformer::name);
     performer_.reset();
-    std::optional<motion::TimedPose> pose = source_ ? source_->newest(now_s) : body;
-    if (source_) note_source();
     if (found == stage.performers.end()) return;
     performer_ = static_cast<uint32_t>(found - stage.performers.begin());
     const stage::EvaluatedPerformer& performer = evaluated.performers[*performer_];
     world_from_performer_ = performer.world_from_performer;
-    coach_->update(pose, now_s, clip_time_of(stage, performer));
+    const double clip_s = clip_time_of(stage, performer);
+    // A recorded trainee jumps with the clip.
+    if (source_ && (!clip_s_ || clip_s < *clip_s_ - 1e-9 || clip_s > *clip_s_ + kJump_s))
+        source_->rewind(now_s, clip_s);
+    clip_s_ = clip_s;
+    coach_->update(source_ ? source_->newest(now_s) : body, now_s, clip_s);
+    if (source_) note_source();
 }
 
 void Session::note_source() {

@@ -56,6 +56,7 @@ class Session {
     std::unique_ptr<Coach> coach_;
     std::optional<uint32_t> performer_;  // of the displayed stage
     glm::dmat4 world_from_performer_{1};
+    std::optional<double> clip_s_;  // at the last update
     bool was_stopped_ = false, said_error_ = false;
     std::vector<std::string> notices_;
 };

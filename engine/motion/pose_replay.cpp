@@ -23,12 +23,17 @@ class PoseReplay : public PoseSource {
     std::optional<TimedPose> newest(double now_s) override {
         if (!begin_s_) begin_s_ = now_s;
         const double from_file_s = *begin_s_ - poses_.front().time_s;
-        size_t next = state_.poses;
-        while (next < poses_.size() && poses_[next].time_s + from_file_s <= now_s) ++next;
-        if (next == state_.poses) return std::nullopt;
-        state_.poses = next;
-        state_.stopped = next == poses_.size();
-        return TimedPose{poses_[next - 1].time_s + from_file_s, poses_[next - 1].pose};
+        const size_t before = next_;
+        while (next_ < poses_.size() && poses_[next_].time_s + from_file_s <= now_s) ++next_;
+        if (next_ == before) return std::nullopt;
+        state_.poses += next_ - before;
+        state_.stopped = next_ == poses_.size();
+        return TimedPose{poses_[next_ - 1].time_s + from_file_s, poses_[next_ - 1].pose};
+    }
+    void rewind(double now_s, double to_s) override {
+        begin_s_ = now_s - to_s;
+        next_ = 0;
+        state_.stopped = false;
     }
     PoseSourceState state() const override { return state_; }
     std::string name() const override { return name_; }
@@ -66,6 +71,7 @@ class PoseReplay : public PoseSource {
     std::string name_;
     std::vector<TimedPose> poses_;
     PoseSourceState state_;
+    size_t next_ = 0;                // the pose that is due next
     std::optional<double> begin_s_;  // when the first pose was shown
 };
 

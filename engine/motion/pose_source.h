@@ -25,6 +25,8 @@ class PoseSource {
     // The newest pose that has arrived since the last call; nothing where none has. `now_s` is the caller's clock, in
     // seconds: it never runs backwards, and the pose's time_s is on it.
     virtual std::optional<TimedPose> newest(double now_s) = 0;
+    // A recorded motion goes on from to_s, in seconds from its beginning; live motion is not affected.
+    virtual void rewind(double /*now_s*/, double /*to_s*/) {}
     virtual PoseSourceState state() const = 0;
     virtual std::string name() const = 0;  // "VMC on 127.0.0.1:39539"
 };

@@ -377,6 +377,22 @@ TEST(PoseSource, LinesAreReplayedAtTheirOwnPace) {
                        {"empty.jsonl", "has no pose"});
 }
 
+TEST(PoseSource, AReplayGoesOnFromWhereItIsRewoundTo) {
+    const TemporaryFolder folder;
+    std::string lines;
+    for (int i = 0; i < 10; ++i) lines += line_of(0.1 * i, i) + "\n";
+    write_text(folder.path / "take.jsonl", lines);
+    const auto source = open_pose_source((folder.path / "take.jsonl").string());
+    EXPECT_EQ(nose_of(source->newest(5)), 0);
+    EXPECT_EQ(nose_of(source->newest(5.95)), 9);
+    EXPECT_TRUE(source->state().stopped);
+    source->rewind(7, 0.4);
+    EXPECT_FALSE(source->state().stopped);
+    const auto pose = source->newest(7.05);
+    EXPECT_EQ(nose_of(pose), 4);
+    EXPECT_NEAR(pose->time_s, 7, 1e-9);
+}
+
 TEST(PoseSource, SkeletonsAreReplayed) {
     const TemporaryFolder folder;
     const motion::SkeletonClip clip = test::performer_motion(10);

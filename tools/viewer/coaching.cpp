@@ -59,6 +59,9 @@ void Coaching::begin(Context& context) {
             begins_ = false;
             if (!found) return context.editor.notify(problem, true);
             if (!is_running()) own_speed_ = context.view.clock.speed;
+            // A recorded trainee does not wait for a clip that waits for it.
+            const bool live = motion::is_port_address(address) || address == "-";
+            if (!live && settings.mode == coach::Mode::kFollow) settings.mode = coach::Mode::kPerform;
             session_.begin(std::move(found->first), std::move(found->second), settings);
             opened_ = context.editor.open_count();
             if (settings.mode == coach::Mode::kPerform) context.view.clock.scrub(context.view.clock.in_s());
