@@ -11,6 +11,7 @@
 #include "motion/trainee.h"
 #include "reference/highlight.h"
 #include "stage/pose.h"
+#include "support/body_tree.h"
 
 namespace neuvv::test::body_test {
 namespace {
@@ -195,6 +196,36 @@ TEST(Viewpoint, ABoneHidesWhatIsBehindItAndNotWhatIsInIt) {
     EXPECT_TRUE(coach::is_hidden({0, 0.1, 0}, trunk, {0, 5, 0.1})) << "in it, seen along it";
     EXPECT_FALSE(coach::is_hidden({0.5, 1, -1}, trunk, {0.5, 1, 3})) << "beside it";
     EXPECT_FALSE(coach::is_hidden({0, 3, -1}, trunk, {0, 3, 3})) << "above it";
+}
+
+TEST(BodyTree, ALeafIsThereInTheFramesInWhichTheBodyIs) {
+    constexpr uint32_t kFrames = 3;
+    const voctree::VOctree tree = body_tree(dancer(), kFrames, 1);
+    EXPECT_EQ(voctree::defect_of(tree), "");
+    size_t left = 0;  // places that the body leaves from one frame to the next
+    for (uint32_t frame = 0; frame < kFrames; ++frame) {
+        const auto body_at = [](uint32_t i) {
+            return coach::body_of(motion::pose_at(dancer(), i * kFps), height_of(dancer()));
+        };
+        const auto is_there = [&](const glm::dvec3& point) {
+            const uint32_t leaf =
+                voctree::find_leaf(tree, (point - glm::dvec3(tree.box_min)) / double{tree.box_size.x});
+            return leaf != UINT32_MAX && tree.leaf(leaf)[frame] > 0;
+        };
+        const std::vector<coach::BodyBone> now = body_at(frame);
+        for (const coach::BodyBone& each : now) EXPECT_TRUE(is_there(0.5f * (each.bone.from + each.bone.to))) << frame;
+        const double edge = double{tree.box_size.x} / kBodyCells;
+        for (const coach::BodyBone& other : body_at((frame + 1) % kFrames)) {
+            const glm::dvec3 point(other.bone.to);
+            const bool far = std::ranges::none_of(now, [&](const coach::BodyBone& each) {
+                return reference::distance_to({each.bone.from, each.bone.to, each.bone.radius}, point) < edge;
+            });
+            if (!far) continue;
+            left++;
+            EXPECT_FALSE(is_there(point)) << frame;
+        }
+    }
+    EXPECT_GT(left, 5u);
 }
 
 }  // namespace
