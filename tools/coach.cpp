@@ -10,13 +10,11 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "base/text.h"
-#include "coach/guide.h"
 #include "coach/trainer.h"
 #include "editor/open_file.h"
 #include "media/image_sink.h"
 #include "motion/pose_source.h"
-#include "motion/triangulate.h"
-#include "tools/image_drawing.h"
+#include "tools/coach_drawing.h"
 #include "tools/motion_page.h"
 #include "tools/options.h"
 #include "tools/report.h"
@@ -93,37 +91,6 @@ class CoachCamera {
     media::ImageSize size_;
     glm::dvec3 middle_{0}, direction_{0, 0, 1};
 };
-
-Colour image_colour(const glm::vec3& colour) {
-    const auto byte = [](float value) { return static_cast<uint8_t>(std::lround(255 * value)); };
-    return {byte(colour.r), byte(colour.g), byte(colour.b)};
-}
-
-void draw_guide(media::Image& image, const stage::Camera& camera, const glm::dmat4& world_from_performer,
-                const coach::Coach& coach) {
-    const int width = std::max(2, static_cast<int>(image.height / 240));
-    for (const coach::GuideLine& line : coach::guide_of(coach)) {
-        const auto pixel = [&](const glm::dvec3& point) {
-            return motion::project(camera, glm::dvec3(world_from_performer * glm::dvec4(point, 1)));
-        };
-        const auto from = pixel(line.from), to = pixel(line.to);
-        const Colour colour = image_colour(coach::kGuideColours[static_cast<size_t>(line.kind)]);
-        if (from && to) draw_line(image, *from, *to, colour, width);
-    }
-}
-
-void draw_remarks(media::Image& image, const coach::Coach& coach) {
-    constexpr Colour kWhite = {255, 255, 255};
-    const int dot = std::max(2, static_cast<int>(image.height / 180));
-    int y = 4 * dot;
-    const auto line = [&](std::string text, const Colour& colour) {
-        if (const size_t sign = text.find("°"); sign != std::string::npos) text.replace(sign, 2, " deg");
-        draw_text(image, 4 * dot, y, text, colour, dot);
-        y += 8 * dot;
-    };
-    if (coach.feedback().score >= 0) line(fmt::format("score {:.0f}", coach.feedback().score), kWhite);
-    for (const std::string& text : coach.remarks()) line(text, {255, 90, 70});
-}
 
 coach::CoachSettings coach_settings(const CoachOptions& options) {
     coach::CoachSettings settings;
