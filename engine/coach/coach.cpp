@@ -55,6 +55,8 @@ bool Coach::compares() const {
 void Coach::update(const std::optional<motion::TimedPose>& pose, double now_s, double clip_s) {
     const double step_s = std::max(0.0, now_s - now_s_);
     now_s_ = now_s;
+    // A clock that changes its speed may show a part of a frame again.
+    if (clip_s < clip_s_ && clip_s > clip_s_ - 0.999 / trainer_.fps) clip_s = clip_s_;
     if (clip_s_ >= 0 && (clip_s < clip_s_ - 1e-9 || clip_s > clip_s_ + kJump_s)) {
         live_->jump();
         was_wrong_ = {};

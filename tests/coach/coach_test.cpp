@@ -64,6 +64,22 @@ TEST(Coach, ReddensTheLimbThatIsOffAndPointsToWhereItShouldBe) {
     EXPECT_TRUE(coach.best_eye());
 }
 
+// A clock that changes its speed divides its frames anew.
+TEST(Coach, APartOfAFrameThatIsShownAgainIsNoJump) {
+    coach::CoachSettings settings;
+    settings.mode = coach::Mode::kPerform;
+    coach::Coach coach(dancer(), settings);
+    const motion::SkeletonClip trainee = elsewhere(dancer());
+    int image = 0;
+    for (double t = 0.04; t <= 2; t += 1 / kRate, ++image)
+        coach.update(pose_of(trainee, t), t, image % 2 ? t - 0.9 / dancer().fps : t);
+    ASSERT_GT(coach.recorded().frames.size(), 45u);
+    const auto wrist = [](const motion::Pose& pose) { return motion::at(pose, motion::Joint::kLeftWrist).position; };
+    EXPECT_LT(glm::distance(wrist(coach.recorded().frames[10]), wrist(trainee.frames[10])), 0.05)
+        << "the record was not begun anew";
+    EXPECT_GT(glm::distance(wrist(coach.recorded().frames[10]), wrist(trainee.frames[45])), 0.1);
+}
+
 TEST(Coach, TheGhostOfACorrectPerformanceLiesInTheTrainer) {
     coach::Coach coach(dancer(), {});
     perform(coach, elsewhere(dancer()), 2.9, [&](double t) {
