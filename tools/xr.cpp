@@ -79,6 +79,9 @@ void add_xr(Command app, CommonOptions& common) {
                   "Say what the runtime and its headset offer, and what is missing; no file is looked at");
     verb.add_flag("--mirror", headset.mirror, "A window that shows what the left eye sees");
     verb.add_flag("--play", headset.play, "Play from the start");
+    verb.add_option("--trainee", headset.trainee,
+                    "Train with the first performer that has a skeleton, by this motion instead of the wearer's: "
+                    "vmc[:[HOST:]PORT], udp:[HOST:]PORT, or a recorded file");
     verb.add_option("--scale", headset.quality.scale,
                     "Rays a pixel along each side; otherwise as many as the refresh rate allows")
         .number_between(0.2, 1);
@@ -99,10 +102,12 @@ void add_xr(Command app, CommonOptions& common) {
          "  trigger selects, presses the panel, paints; grip holds, both grips scale\n"
          "  left stick up shows an arc, and lets you stand where it ends; sideways steps through time; right stick "
          "sideways turns you, up and down is the speed\n"
-         "  A plays, B duplicates, X undoes, Y or the menu button shows the panel with all else\n\n"
+         "  A plays, B duplicates, X undoes, Y or the menu button shows the panel with all else\n"
+         "  the panel's page Train begins a session with the selected performer: what you do otherwise turns red\n\n"
          "Examples:\n"
          "  neuvv xr --check\n"
-         "  neuvv xr demo/stage.gltf --mirror"});
+         "  neuvv xr demo/stage.gltf --mirror\n"
+         "  neuvv xr demo/stage.gltf --trainee vmc"});
     verb.callback([options, &common] {
         if (options->check) return check_headset(common.device);
         if (options->file.empty()) throw InputError("xr", "", "there is nothing to show", "name a stage or a clip");

@@ -16,22 +16,6 @@ struct HandShapesTest : HandsAtAStage {
     }
 };
 
-TEST_F(HandShapesTest, JointsAndBonesStandOnThePerformer) {
-    headset::JointOverlay overlay;
-    overlay.joints = {{"hip", {0.5, 0.5, 0.5}}, {"knee", {0.5, 0.3, 0.5}}, {"wrist", {0.9, 0.6, 0.5}}};
-    overlay.bones = {{0, 1}};
-    const glm::dmat4 world = state.evaluated.performers[1].world_from_performer;
-    headset::draw_overlay(shapes, overlay, world);
-    const auto at = [&](glm::dvec3 position) { return glm::dvec3(world * glm::dvec4(position, 1)); };
-    for (const headset::JointOverlay::Joint& joint : overlay.joints)
-        EXPECT_GT(corners_at(shapes.solid(), at(joint.position), 0.026), 100u) << joint.name;
-    const size_t with_bone = shapes.solid().size();
-    overlay.bones.clear();
-    shapes.begin(head.position, 0);
-    headset::draw_overlay(shapes, overlay, world);
-    EXPECT_EQ(with_bone - shapes.solid().size(), 18u) << "one line";
-}
-
 TEST_F(HandShapesTest, AHandThatIsSeenItselfHoldsNoController) {
     headset::draw_interaction(shapes, state, interaction);
     const size_t both = corners_at(shapes.solid(), kRightHand, 0.11);

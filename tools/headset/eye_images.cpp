@@ -99,8 +99,9 @@ void EyeImages::update_hidden_triangles(render::StageRenderer& renderer, const x
 
 render::FrameSettings EyeImages::settings_of(const render::StageRenderer& renderer,
                                              const stage::EvaluatedStage& evaluated,
+                                             const render::PerformerHighlight& highlight,
                                              std::span<const render::NextSlice> next) const {
-    render::FrameSettings settings = renderer.settings_at(evaluated);
+    render::FrameSettings settings = renderer.settings_at(evaluated, highlight);
     settings.width = size().width;
     settings.height = size().height;
     settings.mode = render::TraceMode::kPlay;
@@ -114,7 +115,8 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
     return settings;
 }
 
-void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated, const xr::EyeViews& eyes,
+void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
+                     const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
                      const xr::Pose& world_from_tracking, std::span<const render::NextSlice> next,
                      const xr::EyeShapes& shapes, double vignette, double budget_ms) {
     const auto begin = std::chrono::steady_clock::now();
@@ -122,7 +124,7 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
     for (uint32_t eye = 0; eye < xr::kEyes; eye++)
         cameras_[eye] = xr::eye_camera(eyes.eye[eye], world_from_tracking, size());
     dynamic_scale_.set_target(budget_ms);
-    const render::FrameSettings settings = settings_of(renderer, evaluated, next);
+    const render::FrameSettings settings = settings_of(renderer, evaluated, highlight, next);
     const gpu::Buffer& images = renderer.frames().draw(cameras_, settings);
     const auto drawn = std::chrono::steady_clock::now();
 

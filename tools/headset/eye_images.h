@@ -33,9 +33,10 @@ class EyeImages {
     void invalidate_mask(uint32_t eye) { mask_outdated_[eye] = true; }
 
     // Draws what the renderer shows (StageRenderer::show) for both eyes, and prefetches the slices in `next`. Waits for
-    // the device. `eyes` are in the tracking space. `vignette` says how dark the edges are, 0..1. `budget_ms` is the
-    // time that an image may take, for EyeQuality::scale 0.
-    void draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated, const xr::EyeViews& eyes,
+    // the device. `highlight` says which parts of a performer are red. `eyes` are in the tracking space. `vignette`
+    // says how dark the edges are, 0..1. `budget_ms` is the time that an image may take, for EyeQuality::scale 0.
+    void draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
+              const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
               const xr::Pose& world_from_tracking, std::span<const render::NextSlice> next, const xr::EyeShapes& shapes,
               double vignette, double budget_ms);
     // The layer with the images that were drawn last; it is valid until the next call. With `over_holes`, the layers
@@ -51,6 +52,7 @@ class EyeImages {
   private:
     void update_hidden_triangles(render::StageRenderer& renderer, const xr::EyeViews& eyes);
     render::FrameSettings settings_of(const render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
+                                      const render::PerformerHighlight& highlight,
                                       std::span<const render::NextSlice> next) const;
     void copy_left(VkImage image);
     const gpu::Device& device_;

@@ -144,7 +144,7 @@ void HandPainter::update(HeadsetState& state, Hands& hands) {
     process_strokes(state);
     if (region_ && region_->node_count != state.editor.node_count()) region_.reset();
     if (!region_ || state.tool != HandTool::kRegion) corner_.reset();
-    if (state.tool == HandTool::kArrange) return;
+    if (!paints(state.tool)) return;
     const auto performer = performer_to_paint(state);
     if (!performer) return;
     if (strokes_.empty()) {

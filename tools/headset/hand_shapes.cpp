@@ -63,7 +63,7 @@ glm::vec4 brush_colour(const HandBrush& brush, float alpha) {
 
 void draw_brush(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction) {
     const Hand& hand = interaction.hands[xr::kRight];
-    if (state.tool == HandTool::kArrange || !hand.aim || hand.hit.target == PointerHit::Target::kPanel) return;
+    if (!paints(state.tool) || !hand.aim || hand.hit.target == PointerHit::Target::kPanel) return;
     const glm::dvec3 tip = HandPainter::tip_of(*hand.aim);
     if (state.tool == HandTool::kRegion) {
         shapes.draw_on_top(true);  // the region's corner is visible inside a performer, too
@@ -110,9 +110,9 @@ void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const In
     for (int which = 0; which < xr::kHands; which++) {
         const Hand& hand = interaction.hands[which];
         draw_controller(shapes, hand);
-        const bool paints =
-            which == xr::kRight && state.tool != HandTool::kArrange && hand.hit.target != PointerHit::Target::kPanel;
-        if (paints || hand.aiming_teleport) continue;
+        const bool has_brush =
+            which == xr::kRight && paints(state.tool) && hand.hit.target != PointerHit::Target::kPanel;
+        if (has_brush || hand.aiming_teleport) continue;
         draw_ray(
             shapes, hand,
             interaction.grab.is_grabbing(which) ? std::optional(interaction.grab.distance_m(which)) : std::nullopt);
@@ -125,16 +125,6 @@ void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const In
 void draw_joints(xr::EyeShapes& shapes, const xr::HandJoints& joints, const xr::Pose& world_from_tracking) {
     for (const xr::HandJoint& joint : joints)
         shapes.ball(world_from_tracking * joint.position, joint.radius_m, {0.75f, 0.6f, 0.5f, 1});
-}
-
-void draw_overlay(xr::EyeShapes& shapes, const JointOverlay& overlay, const glm::dmat4& world_from_performer) {
-    const auto at = [&](uint32_t joint) {
-        return glm::dvec3(world_from_performer * glm::dvec4(overlay.joints[joint].position, 1));
-    };
-    for (uint32_t joint = 0; joint < overlay.joints.size(); joint++)
-        shapes.ball(at(joint), 0.025, overlay.joints[joint].colour);
-    for (const auto& [a, b] : overlay.bones)
-        shapes.line(at(a), at(b), 0.012, overlay.joints[a].colour, overlay.joints[b].colour);
 }
 
 }  // namespace neuvv::headset

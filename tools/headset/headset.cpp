@@ -14,6 +14,8 @@
 #include "tools/headset/panel.h"
 #include "tools/headset/panel_surface.h"
 #include "tools/headset/settings.h"
+#include "tools/headset/training.h"
+#include "tools/headset/wearer.h"
 #include "tools/options.h"
 #include "xr/actions.h"
 
@@ -43,6 +45,7 @@ struct Program {
     HeadsetState state;
     JobQueue jobs;
     Interaction interaction = Interaction(jobs);
+    Training training = Training(jobs);
     HeadsetSettings settings = HeadsetSettings(config_folder().empty() ? "" : config_folder() / "headset.json");
     std::optional<editor::DocumentSaver> saver;
     std::vector<editor::Notice> notices;
@@ -80,6 +83,8 @@ void Program::open() {
     state.follow_document();
     settings.load(state, interaction.grab.settings);
     state.clock.playing = options.play;
+    if (!options.trainee.empty())
+        training.begin(state, coach::read_trainer(*state.stage, ""), motion::open_pose_source(options.trainee));
     state.evaluate();
     saver.emplace(state.editor, jobs);
     saver->autosave.opened(std::move(recovered));
@@ -181,6 +186,7 @@ struct SessionContext {
     xr::Session xr_session;
     xr::Actions actions;
     xr::HandTracking hand_tracking;
+    std::optional<WearerBody> body;  // once it is needed
     EyeImages eyes;
     PanelSurface panel;
     std::unique_ptr<Mirror> mirror;
@@ -229,6 +235,17 @@ std::vector<render::NextSlice> slices_to_prefetch(const Program& program, const 
     return next;
 }
 
+// The wearer's body, where somebody trains with it.
+std::optional<motion::Pose> locate_body(Program& program, SessionContext& session, const xr::HandInputs& inputs,
+                                        const std::optional<xr::Pose>& head, const xr::FrameTime& time) {
+    if (!program.training.needs_body()) return std::nullopt;
+    if (!session.body) {
+        session.body.emplace(session.xr_session, session.actions, session.hand_tracking);
+        program.state.editor.notify(fmt::format("your body: {}", xr::title_of(session.body->source())));
+    }
+    return session.body->locate(inputs, head, program.state.rig, time.display);
+}
+
 // Updates hands, edits and the stage's time to the time at which the display shows this frame.
 void update_stage(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time,
                   double dt_s) {
@@ -247,7 +264,12 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
     context.follow(program);  // edits that are made after this show in the next frame
     state.clock.tick(dt_s);
     state.evaluate();
-    if (program.head) program.interaction.update(state, inputs, *program.head, dt_s);
+    program.training.turn_trainer(state, dt_s);
+    if (program.head) {
+        program.interaction.update(state, inputs, *program.head, dt_s);
+        program.training.update(state, locate_body(program, session, inputs, head, time),
+                                xr::world_from_tracking(state.rig) * program.head->position);
+    }
     for (const int hand : {xr::kLeft, xr::kRight})
         if (const double pulse = program.interaction.hands[hand].vibration; pulse > 0)
             session.actions.vibrate(hand, pulse, 0.03);
@@ -262,7 +284,8 @@ void update_panel(Program& program, SessionContext& session, double dt_s) {
     if (program.state.is_behind() && session.panel.has_image())
         return;  // hands have edited the document: its nodes do not match the stage
     const PanelPointer pointer = program.interaction.panel_pointer();
-    session.panel.draw(pointer, dt_s, [&] { result = draw_panel(program.state, program.interaction, status); });
+    session.panel.draw(pointer, dt_s,
+                       [&] { result = draw_panel(program.state, program.interaction, program.training, status); });
     program.panel_items = result.items;
     if (result.save && !program.saver->saving()) program.saver->save(program.saver->default_path());
     if (result.leave) program.leave();
@@ -277,6 +300,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
     session.shapes.begin(world * (head ? head->position : glm::dvec3(0)), session.eyes.pixel_rad());
     if (hides_room) draw_floor(session.shapes, state);
+    draw_guide(session.shapes, program.training.session().guide());
     draw_interaction(session.shapes, state, program.interaction);
     for (const int hand : {xr::kLeft, xr::kRight})
         if (program.interaction.hands[hand].input.bare_hand)
@@ -285,8 +309,9 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     // As late as possible, for the newest prediction: all that does not depend on the head has been done before.
     const auto eyes = session.xr_session.locate_eyes(time.display);
     if (!eyes) return false;
-    session.eyes.draw(*context.renderer, state.evaluated, *eyes, world, next, session.shapes,
-                      program.interaction.locomotion.vignette(), kDrawShare * static_cast<double>(time.period) / 1e6);
+    session.eyes.draw(*context.renderer, state.evaluated, program.training.session().highlight(), *eyes, world, next,
+                      session.shapes, program.interaction.locomotion.vignette(),
+                      kDrawShare * static_cast<double>(time.period) / 1e6);
     return true;
 }
 
@@ -446,6 +471,7 @@ void write_report(const Program& program) {
     report["playing"] = program.state.clock.playing;
     report["stands"] = {program.state.rig.position.x, program.state.rig.position.y, program.state.rig.position.z};
     report["turned_deg"] = glm::degrees(program.state.rig.yaw_rad);
+    report["train"] = program.training.facts();
     report["modified"] = program.state.editor.modified();
     const std::string text = report.dump(1);
     write_file_atomically(program.options.report, [&](const ByteSink& sink) { sink(text.data(), text.size()); });

@@ -19,6 +19,7 @@ namespace neuvv::headset {
 struct HeadsetOptions {
     std::filesystem::path file;
     std::string device;
+    std::string trainee;  // the address of a motion::PoseSource with which training begins at once; empty: none
     EyeQuality quality;
     std::optional<double> refresh_hz;
     bool mirror = false, validate = false, recover = false, play = false;

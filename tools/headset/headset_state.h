@@ -7,7 +7,10 @@
 
 namespace neuvv::headset {
 
-enum class HandTool { kArrange, kPaint, kRegion };
+enum class HandTool { kArrange, kPaint, kRegion, kTrain };
+inline bool paints(HandTool tool) {
+    return tool == HandTool::kPaint || tool == HandTool::kRegion;
+}
 
 struct Comfort {
     bool smooth_walk = false;  // else the user teleports

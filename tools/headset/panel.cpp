@@ -1,12 +1,13 @@
 #include "tools/headset/panel.h"
 
 #include <fmt/format.h>
-#include <imgui.h>
 
 #include <cmath>
 
 #include "edit/operations.h"
 #include "edit/time_edit.h"
+#include "tools/headset/panel_rows.h"
+#include "tools/headset/training.h"
 #include "tools/ui/icons.h"
 
 namespace neuvv::headset {
@@ -14,49 +15,6 @@ namespace neuvv::headset {
 namespace {
 
 constexpr double kTimeShift_s = 0.5, kSpin_deg_per_s = 30;
-
-// What the functions that draw the panel's rows need, and what they return.
-struct Rows {
-    HeadsetState& state;
-    Interaction& interaction;
-    const PanelStatus& status;
-    PanelResult result;
-
-    // Records the position of the last ImGui item under this name.
-    void record_item(const char* name) {
-        const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax(), size = ImGui::GetIO().DisplaySize;
-        result.items[name] = {0.5 * (low.x + high.x) / size.x, 0.5 * (low.y + high.y) / size.y};
-    }
-    bool button(const char* name, const char* label, float width, bool is_on = false) {
-        ImGui::PushID(name);
-        if (is_on) {
-            ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-            ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-        }
-        const bool pressed = ImGui::Button(label, {width, ImGui::GetFrameHeight() * 1.2f});
-        if (is_on) ImGui::PopStyleColor(2);
-        ImGui::PopID();
-        record_item(name);
-        return pressed;
-    }
-    // A button with an icon alone; a tooltip explains it.
-    bool icon_button(const char* name, const char* label, const char* tooltip, float width, bool is_on = false) {
-        const bool pressed = button(name, label, width, is_on);
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tooltip);
-        return pressed;
-    }
-    bool checkbox(const char* name, const char* label, bool* value) {
-        const bool changed = ImGui::Checkbox(label, value);
-        record_item(name);
-        return changed;
-    }
-};
-
-// The width of each of so many columns, which fill the rest of the row.
-float column_width(int columns) {
-    const float gap = ImGui::GetStyle().ItemSpacing.x;
-    return (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(columns - 1)) / static_cast<float>(columns);
-}
 
 void time_rows(Rows& rows) {
     editor::StageClock& clock = rows.state.clock;
@@ -81,15 +39,17 @@ void time_rows(Rows& rows) {
                            fmt::format("%.2f of {:.2f} s", clock.duration_s()).c_str()))
         clock.scrub(seconds);
     rows.record_item("time");
+    ImGui::BeginDisabled(rows.training.is_running());  // which has a speed of its own
     auto speed = static_cast<float>(std::abs(clock.speed));
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##speed", &speed, 0.1f, 4, "speed %.2f", ImGuiSliderFlags_Logarithmic))
         clock.speed = std::copysign(speed, clock.speed);
+    ImGui::EndDisabled();
     rows.record_item("speed");
 }
 
 void tool_row(Rows& rows) {
-    const float one = column_width(3);
+    const float one = column_width(4);
     const auto tool = [&](const char* name, const char* label, HandTool which) {
         if (rows.button(name, label, one, rows.state.tool == which)) rows.state.tool = which;
     };
@@ -98,6 +58,8 @@ void tool_row(Rows& rows) {
     tool("paint", ICON_BRUSH " Paint", HandTool::kPaint);
     ImGui::SameLine();
     tool("region", ICON_BOX " Region", HandTool::kRegion);
+    ImGui::SameLine();
+    tool("train", ICON_PERSON " Train", HandTool::kTrain);
 }
 
 const stage::StagePerformer* selected(const HeadsetState& state) {
@@ -295,8 +257,8 @@ void notice_rows(const Rows& rows) {
 
 }  // namespace
 
-PanelResult draw_panel(HeadsetState& state, Interaction& interaction, const PanelStatus& status) {
-    Rows rows{state, interaction, status, {}};
+PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& training, const PanelStatus& status) {
+    Rows rows{state, interaction, training, status, {}};
     ImGui::SetNextWindowPos({0, 0});
     ImGui::SetNextWindowSize(ImGui::GetIO().DisplaySize);
     ImGui::SetNextWindowBgAlpha(1);
@@ -318,6 +280,7 @@ PanelResult draw_panel(HeadsetState& state, Interaction& interaction, const Pane
     }
     ImGui::EndDisabled();
     if (state.tool == HandTool::kArrange) comfort_rows(rows);
+    if (state.tool == HandTool::kTrain) training_rows(rows);
     // This row is always in the same place, with two lines for notices below.
     const float line = ImGui::GetTextLineHeightWithSpacing(), row = 1.2f * ImGui::GetFrameHeightWithSpacing();
     ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), ImGui::GetWindowHeight() - row - 2.6f * line));

@@ -1,4 +1,4 @@
-// The content of the panel: time, the tools, the selected performer, lights, comfort.
+// The content of the panel: time, the tools, the selected performer, lights, comfort, training.
 #pragma once
 
 #include <map>
@@ -8,6 +8,8 @@
 #include "tools/headset/interaction.h"
 
 namespace neuvv::headset {
+
+class Training;
 
 // What the user pressed that the panel does not do itself, and where its items are.
 struct PanelResult {
@@ -23,6 +25,6 @@ struct PanelStatus {
 };
 
 // To be called between ImGui::NewFrame() and Render(). The panel fills the whole display of ImGui.
-PanelResult draw_panel(HeadsetState& state, Interaction& interaction, const PanelStatus& status);
+PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& training, const PanelStatus& status);
 
 }  // namespace neuvv::headset

@@ -1,0 +1,46 @@
+#include "tools/headset/panel_rows.h"
+
+namespace neuvv::headset {
+
+void Rows::record_item(const char* name) {
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax(), size = ImGui::GetIO().DisplaySize;
+    result.items[name] = {0.5 * (low.x + high.x) / size.x, 0.5 * (low.y + high.y) / size.y};
+}
+
+bool Rows::button(const char* name, const char* label, float width, bool is_on) {
+    ImGui::PushID(name);
+    if (is_on) {
+        ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+        ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+    }
+    const bool pressed = ImGui::Button(label, {width, ImGui::GetFrameHeight() * 1.2f});
+    if (is_on) ImGui::PopStyleColor(2);
+    ImGui::PopID();
+    record_item(name);
+    return pressed;
+}
+
+bool Rows::icon_button(const char* name, const char* label, const char* tooltip, float width, bool is_on) {
+    const bool pressed = button(name, label, width, is_on);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tooltip);
+    return pressed;
+}
+
+bool Rows::toggle(const char* name, const char* label, float width, bool& value) {
+    const bool pressed = button(name, label, width, value);
+    if (pressed) value = !value;
+    return pressed;
+}
+
+bool Rows::checkbox(const char* name, const char* label, bool* value) {
+    const bool changed = ImGui::Checkbox(label, value);
+    record_item(name);
+    return changed;
+}
+
+float column_width(int columns) {
+    const float gap = ImGui::GetStyle().ItemSpacing.x;
+    return (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(columns - 1)) / static_cast<float>(columns);
+}
+
+}  // namespace neuvv::headset

@@ -1,0 +1,109 @@
+// The panel's page of training with a performer: how the clip plays, what is shown, what counts, and what is off.
+#include <fmt/format.h>
+
+#include "tools/headset/panel_rows.h"
+#include "tools/headset/training.h"
+#include "tools/ui/icons.h"
+
+namespace neuvv::headset {
+
+namespace {
+
+constexpr ImU32 kWrong = IM_COL32(255, 102, 77, 255);
+constexpr const char* kModeLabels[] = {"Watch", "Follow", "Perform"};
+struct ClipSpeed {
+    double speed;
+    const char *name, *label;
+};
+constexpr ClipSpeed kClipSpeeds[] = {
+    {1, "speed 1", "speed 1"}, {0.75, "speed 0.75", "0.75"}, {0.5, "speed 0.5", "0.5"}, {0.25, "speed 0.25", "0.25"}};
+
+void session_row(Rows& rows) {
+    Training& training = rows.training;
+    const float one = column_width(4);
+    if (!training.is_running()) {
+        if (rows.button("begin training", ICON_PLAY " Begin", one)) training.begin(rows.state);
+    } else if (rows.button("end training", ICON_STOP " End", one)) {
+        training.end(rows.state);
+    }
+    for (size_t i = 0; i < std::size(kModeLabels); i++) {
+        const auto mode = static_cast<coach::Mode>(i);
+        ImGui::SameLine();
+        if (rows.button(coach::kModeNames[i], kModeLabels[i], one, training.settings.mode == mode))
+            training.settings.mode = mode;
+    }
+}
+
+void clip_speed_row(Rows& rows) {
+    const float one = column_width(static_cast<int>(std::size(kClipSpeeds)));
+    double& speed = rows.training.settings.speed;
+    for (const ClipSpeed& each : kClipSpeeds) {
+        if (&each != kClipSpeeds) ImGui::SameLine();
+        if (rows.button(each.name, each.label, one, speed == each.speed)) speed = each.speed;
+    }
+}
+
+void view_row(Rows& rows) {
+    Training& training = rows.training;
+    coach::CoachSettings& settings = training.settings;
+    const float one = column_width(5);
+    ImGui::BeginDisabled(!training.is_running() || !training.session().coach().last_mistake_s());
+    if (rows.button("again", ICON_LOOP " Again", one)) training.repeat_mistake(rows.state);
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!training.session().best_view());
+    if (rows.button("show me", ICON_EYE " Show me", one)) training.show_best_view();
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    rows.toggle("mirror image", "Mirrored", one, settings.mirrored);
+    ImGui::SameLine();
+    rows.toggle("ghost", "Ghost", one, settings.ghost);
+    ImGui::SameLine();
+    rows.toggle("arrows", "Arrows", one, settings.arrows);
+}
+
+// Which limbs count; those that are wrong are red.
+void limb_row(Rows& rows) {
+    const Training& training = rows.training;
+    const coach::LimbValues red = training.is_running() ? training.session().coach().red() : coach::LimbValues{};
+    const float one = column_width(static_cast<int>(motion::kLimbs));
+    for (size_t i = 0; i < motion::kLimbs; i++) {
+        if (i > 0) ImGui::SameLine();
+        bool counts = rows.training.settings.compare.counted[i];
+        const bool wrong = red[i] > 0.5;
+        if (wrong) ImGui::PushStyleColor(ImGuiCol_Text, kWrong);
+        if (rows.toggle(motion::kLimbNames[i], motion::kLimbNames[i], one, counts))
+            rows.training.settings.compare.counted[i] = counts;
+        if (wrong) ImGui::PopStyleColor();
+    }
+}
+
+void feedback_text(const Training& training) {
+    if (!training.is_running())
+        return ImGui::TextWrapped(
+            "Select a performer with a skeleton by the tool Arrange, or take the first one, and perform along with "
+            "it.");
+    const coach::Coach& coach = training.session().coach();
+    ImGui::Text("%s", training.session().trainer_name().c_str());
+    ImGui::SameLine();
+    if (coach.settings().mode == coach::Mode::kWatch) return ImGui::TextDisabled("nothing is compared");
+    if (!coach.ghost()) return ImGui::TextDisabled("nobody is seen");
+    if (coach.feedback().score < 0) return ImGui::TextDisabled("too little of the body is seen to be compared");
+    ImGui::Text("%s", fmt::format("score {:.0f} of 100", coach.feedback().score).c_str());
+    const std::string remarks = fmt::format("{}", fmt::join(coach.remarks(), ", "));
+    ImGui::PushStyleColor(ImGuiCol_Text, kWrong);
+    ImGui::TextWrapped("%s", remarks.c_str());
+    ImGui::PopStyleColor();
+}
+
+}  // namespace
+
+void training_rows(Rows& rows) {
+    session_row(rows);
+    clip_speed_row(rows);
+    view_row(rows);
+    limb_row(rows);
+    feedback_text(rows.training);
+}
+
+}  // namespace neuvv::headset
