@@ -37,8 +37,9 @@ void Session::update(const stage::Stage& stage, const stage::EvaluatedStage& eva
     const stage::EvaluatedPerformer& performer = evaluated.performers[*performer_];
     world_from_performer_ = performer.world_from_performer;
     const double clip_s = clip_time_of(stage, performer);
-    // A recorded trainee jumps with the clip.
-    if (source_ && (!clip_s_ || clip_s < *clip_s_ - 1e-9 || clip_s > *clip_s_ + kJump_s))
+    // A recorded trainee jumps with the clip. A part of a frame is no jump (Coach::update).
+    const double frame_s = 1 / stage.clips[performer.clip].fps;
+    if (source_ && (!clip_s_ || clip_s < *clip_s_ - frame_s || clip_s > *clip_s_ + kJump_s))
         source_->rewind(now_s, clip_s);
     clip_s_ = clip_s;
     coach_->update(source_ ? source_->newest(now_s) : body, now_s, clip_s);
