@@ -9,7 +9,7 @@ namespace neuvv::headset {
 
 namespace {
 
-constexpr ImU32 kWrong = IM_COL32(255, 102, 77, 255);
+constexpr ImU32 kWrong = IM_COL32(200, 60, 45, 255), kRemark = IM_COL32(255, 102, 77, 255);
 constexpr const char* kModeLabels[] = {"Watch", "Follow", "Perform"};
 struct ClipSpeed {
     double speed;
@@ -69,11 +69,10 @@ void limb_row(Rows& rows) {
     const float one = column_width(static_cast<int>(motion::kLimbs));
     for (size_t i = 0; i < motion::kLimbs; i++) {
         if (i > 0) ImGui::SameLine();
-        bool counts = rows.training.settings.compare.counted[i];
-        const bool wrong = red[i] > 0.5;
-        if (wrong) ImGui::PushStyleColor(ImGuiCol_Text, kWrong);
-        if (rows.toggle(motion::kLimbNames[i], motion::kLimbNames[i], one, counts))
-            rows.training.settings.compare.counted[i] = counts;
+        const bool counts = rows.training.settings.compare.counted[i], wrong = red[i] > 0.5;
+        if (wrong) ImGui::PushStyleColor(ImGuiCol_Button, kWrong);
+        if (rows.button(motion::kLimbNames[i], motion::kLimbNames[i], one, counts && !wrong))
+            rows.training.settings.compare.counted[i] = !counts;
         if (wrong) ImGui::PopStyleColor();
     }
 }
@@ -91,7 +90,7 @@ void feedback_text(const Training& training) {
     if (coach.feedback().score < 0) return ImGui::TextDisabled("too little of the body is seen to be compared");
     ImGui::Text("%s", fmt::format("score {:.0f} of 100", coach.feedback().score).c_str());
     const std::string remarks = fmt::format("{}", fmt::join(coach.remarks(), ", "));
-    ImGui::PushStyleColor(ImGuiCol_Text, kWrong);
+    ImGui::PushStyleColor(ImGuiCol_Text, kRemark);
     ImGui::TextWrapped("%s", remarks.c_str());
     ImGui::PopStyleColor();
 }
