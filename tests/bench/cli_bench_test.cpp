@@ -1,4 +1,7 @@
 // neuvv-bench: that each measurement runs, prints what it promises, and refuses what it cannot do.
+#include "motion/detector.h"
+#include "motion/skeleton_file.h"
+#include "support/body_tree.h"
 #include "tests/tools/cli_gpu.h"
 
 namespace neuvv {
@@ -22,7 +25,7 @@ nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::
 TEST(Bench, EveryVerbHelpsWithExamples) {
     const std::string overview = run_neuvv({"--help"}).out;
     for (const char* verb :
-         {"open", "render", "walk", "slice", "stereo", "instances", "stage", "xr", "train", "edit"}) {
+         {"open", "render", "walk", "slice", "stereo", "instances", "stage", "xr", "train", "edit", "coach"}) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
@@ -166,6 +169,30 @@ TEST_F(CliGpu, BenchStageComparesLightsAndCopies) {
     EXPECT_EQ(media::read_png(file("stage.png")).width, 64u);
     expect_refused({"stage", scene, "--copies", "0"}, 2, {"--copies"});
     expect_refused({"stage", file("none.nvv")}, 2, {"none.nvv"});
+}
+
+TEST_F(CliGpu, BenchCoachTimesEachStepFromThePacketToTheRedLimb) {
+    const motion::SkeletonClip dancer = test::performer_motion(75);
+    voctree::write_nvv(scene, test::body_tree(dancer, 25, 25));
+    const std::vector<std::string> command = {"coach", scene, "--size", "64x48", "--frames", "24"};
+    expect_refused(command, 2, {"no performer with a skeleton"});
+    motion::write_skeleton(file("scene.skeleton.glb"), dancer);
+    expect_words(command, {"read a packet", "update the coach", "filter and compare", "choose the view",
+                           "ghost and arrows", "without highlight", "a frame with it", "bind bones", "tint",
+                           "added beside the render", "at most 20 ms"});
+    const nlohmann::json mirrored = json_of(command, {"--packets", "500"});
+    EXPECT_EQ(mirrored["frames"], 24);
+    EXPECT_GT(mirrored["red_frames"], 5);
+    for (const char* step : {"packet_ms", "update_ms", "compare_ms", "view_ms", "show_ms", "plain_ms", "red_ms"})
+        EXPECT_GT(mirrored[step], 0.0) << step;
+    EXPECT_GE(mirrored["added_p99_ms"], mirrored["added_ms"]);
+    EXPECT_EQ(mirrored["packets"], 500);
+    EXPECT_LT(mirrored["heap_late_bytes"].get<double>() - mirrored["heap_early_bytes"].get<double>(), 1e6);
+    // The trainer's own motion arrives as it was sent: nothing is red.
+    EXPECT_EQ(json_of(command, {"--against", file("scene.skeleton.glb")})["red_frames"], 0);
+    expect_refused({"coach", scene, "--packets", "3"}, 2, {"--packets"});
+    expect_refused({"coach", scene, "--against", file("none.bvh")}, 2, {"none.bvh"});
+    expect_refused({"coach", scene, "--performer", "nobody"}, 2, {"nobody"});
 }
 
 }  // namespace
