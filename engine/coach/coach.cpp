@@ -132,7 +132,7 @@ LimbValues Coach::red() const {
 }
 
 std::shared_ptr<const render::Highlight> Coach::highlight() const {
-    if (!compares()) return nullptr;
+    if (std::ranges::max(red()) == 0) return nullptr;
     return std::make_shared<const render::Highlight>(highlight_of(body(), red()));
 }
 

@@ -54,7 +54,7 @@ class Coach {
     glm::dvec3 middle() const;   // of the trainer: what a view looks at
     std::vector<BodyBone> body() const;
     LimbValues red() const;
-    // Null where nobody is compared.
+    // Null where nothing is red.
     std::shared_ptr<const render::Highlight> highlight() const;
     // Nothing where the trainee was not seen for a second, or in Mode::kWatch.
     std::optional<motion::Pose> ghost() const;

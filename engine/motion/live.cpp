@@ -10,11 +10,12 @@ namespace neuvv::motion {
 
 namespace {
 
-constexpr double kWindow_s = 1;     // in which lags are looked for
-constexpr double kPhrase_s = 6;     // over which the trainee's direction is the median
-constexpr double kReddens_s = 0.3;  // before a limb turns red, or back
-constexpr double kRelease = 0.85;   // of the tolerance: what a limb that is wrong must come back to
-constexpr size_t kLagFrames = 5;    // between two searches for lags, which take milliseconds
+constexpr double kWindow_s = 1;         // in which lags are looked for
+constexpr double kPhrase_s = 6;         // over which the trainee's direction is the median
+constexpr double kReddens_s = 0.3;      // before a limb turns red, or back
+constexpr double kRelease = 0.85;       // of the tolerance: what a limb that is wrong must come back to
+constexpr double kLongestStep_s = 0.5;  // of the clip between two images, that are filled with poses
+constexpr size_t kLagFrames = 5;        // between two searches for lags, which take milliseconds
 
 // Keeps the newest `size` values.
 template <typename T>
@@ -43,10 +44,17 @@ const Feedback& LiveComparison::add(const Pose& trainee, double now_s, double cl
     const double frame_s = 1 / trainer_.fps;
     if (last_clip_s_ >= 0 && clip_time_s - last_clip_s_ < 0.999 * frame_s && clip_time_s >= last_clip_s_)
         return feedback_;
-    const double step_s = last_clip_s_ < 0 ? frame_s : std::clamp(clip_time_s - last_clip_s_, 0.0, 4 * frame_s);
+    // The warp and the window want a pose for each frame of the clip. Where images are fewer, poses between are mixed.
+    const double passed_s = last_clip_s_ < 0 ? frame_s : std::clamp(clip_time_s - last_clip_s_, 0.0, kLongestStep_s);
+    const auto steps = std::max(1, static_cast<int>(std::lround(passed_s / frame_s)));
+    for (int i = 1; i <= steps; ++i) {
+        const double share = static_cast<double>(i) / steps;
+        const Pose between = last_clip_s_ < 0 ? filtered : mixed(last_pose_, filtered, share);
+        follow(between, clip_time_s - (1 - share) * passed_s);
+    }
     last_clip_s_ = clip_time_s;
-    follow(filtered, clip_time_s);
-    judge(step_s);
+    last_pose_ = filtered;
+    judge(passed_s);
     return feedback_;
 }
 

@@ -78,6 +78,28 @@ TEST(Live, ACorrectPerformanceIsNeverRed) {
     }
 }
 
+// A slow camera or a busy machine: every third frame of the clip is seen.
+TEST(Live, FewImagesAreEnough) {
+    const auto judged = [](const motion::SkeletonClip& trainee) {
+        motion::LiveComparison live(dancer(), {});
+        std::array<double, motion::kLimbs> red_s{};
+        for (double t = 0; t < 2.9; t += 0.12) {
+            const motion::Feedback& said = live.add(motion::pose_at(trainee, t * trainee.fps), t, t);
+            for (size_t i = 0; i < motion::kLimbs; ++i) red_s[i] += said.limbs[i].wrong ? 0.12 : 0;
+        }
+        return std::pair(red_s, live.feedback().score);
+    };
+    const auto [never, score] = judged(elsewhere(dancer()));
+    for (const double each : never) EXPECT_EQ(each, 0);
+    EXPECT_GE(score, 95);
+    const auto [red_s, less] = judged(elsewhere(test::with_arm_off(dancer(), Limb::kLeftArm, 30, 1, 2)));
+    for (size_t i = 0; i < motion::kLimbs; ++i)
+        if (i == motion::index_of(Limb::kLeftArm))
+            EXPECT_GT(red_s[i], 0.4);
+        else
+            EXPECT_EQ(red_s[i], 0) << motion::kLimbNames[i];
+}
+
 TEST(Live, AnArmThatIsOffTurnsRedAndBack) {
     const auto samples = perform(elsewhere(test::with_arm_off(dancer(), Limb::kRightArm, 25, 1, 2)));
     expect_wrong(samples, Limb::kRightArm, 1, 2);
