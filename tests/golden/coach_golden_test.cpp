@@ -1,16 +1,22 @@
 // A trainer with red limbs against the committed images.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "golden/golden.h"
+#include "motion/compare.h"
 #include "motion/detector.h"
+#include "motion/skeleton_file.h"
 #include "motion/trainee.h"
 #include "render/frame.h"
 #include "support/body_tree.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
+#include "support/temporary_folder.h"
 #include "tools/coach_drawing.h"
+#include "tools/motion_page.h"
 
 namespace neuvv::test {
 namespace {
@@ -91,6 +97,24 @@ TEST_F(CoachGolden, ATraineesGhostArrowsAndRemarks) {
     EXPECT_FALSE(compare_with_golden(drawn(nullptr), shown).passes()) << "the arm is not red";
     coach.change({.mode = coach::Mode::kPerform, .ghost = false, .arrows = false});
     EXPECT_FALSE(compare_with_golden(drawn(coach.highlight()), shown).passes()) << "no lines are drawn";
+}
+
+// The report of the recorded trainee of tools/performer: its text, curves and stick figures, character by character.
+TEST(CoachReport, SaysAndDrawsWhatItDid) {
+    const motion::SkeletonClip dancer = performer_motion(75);
+    const motion::SkeletonClip trainee = motion::read_skeleton(NEUVV_SOURCE_DIR "/tools/performer/trainee.glb");
+    const motion::CompareOptions options;
+    const std::string page = tools::motion_page({"dancer", "trainee"}, dancer, trainee,
+                                                motion::compare(dancer, trainee, options), options.tolerances);
+    const std::filesystem::path golden = NEUVV_GOLDEN_DIR "/coach_report.html";
+    const char* accept = std::getenv("NEUVV_ACCEPT_GOLDEN");
+    if (accept && (std::string(accept) == "coach_report" || std::string(accept) == "all")) write_text(golden, page);
+    const std::string truth = read_text(golden);
+    const auto [differs, expected] = std::ranges::mismatch(page, truth);
+    const auto at = differs - page.begin();
+    EXPECT_EQ(page, truth) << "from character " << at << ": "
+                           << page.substr(static_cast<size_t>(std::max<std::ptrdiff_t>(0, at - 40)), 80)
+                           << "\nNEUVV_ACCEPT_GOLDEN=coach_report accepts the new page; look at it in a browser first";
 }
 
 }  // namespace
