@@ -1,4 +1,4 @@
-// neuvv coach: a recorded trainee against the trainer of a stage, as a video of what the window and the headset show.
+// neuvv coach: a recorded trainee against the trainer of a stage, as a video.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -113,6 +113,8 @@ CoachScene read_coach_scene(const CoachOptions& options) {
                          "write out.mp4, or numbered images as out_%04d.png");
     if (!options.html.empty() && options.mode.value_or(coach::Mode::kPerform) != coach::Mode::kPerform)
         throw InputError("--html", options.html, "is a report of a performance", "leave --mode out");
+    if (options.json && options.mode.value_or(coach::Mode::kPerform) != coach::Mode::kPerform)
+        throw InputError("--json", "", "is about a performance", "leave --mode out");
     prepare_output_file("--output", scene.output.path);
     if (!options.html.empty()) prepare_output_file("--html", options.html);
     scene.size = parse_size(options.size);
@@ -121,7 +123,7 @@ CoachScene read_coach_scene(const CoachOptions& options) {
     return scene;
 }
 
-// Renders the performance until the stage or the trainee has ended; returns the number of images.
+// Renders the performance until the stage has ended; returns the number of images.
 uint32_t render_performance(const CoachScene& scene, const CoachOptions& options, coach::Coach& coach,
                             motion::PoseSource& trainee, const gpu::Device& device) {
     const double fps = scene.stage.fps, step_s = 1 / fps;
@@ -162,14 +164,16 @@ void run_coach(const CoachOptions& options, const CommonOptions& common) {
     const gpu::Device device(common.device);
     const uint32_t images = render_performance(scene, options, coach, *trainee, device);
     if (coach.recorded().frames.empty()) {
+        if (coach.settings().mode == coach::Mode::kPerform)
+            throw InputError(options.against, "", "has no pose while the stage lasts", "name a longer motion");
         fmt::print("{}: {} images\n", options.output, images);
         return;
     }
     const motion::CompareOptions& compare = coach.settings().compare;
-    const motion::Comparison found = motion::compare(coach.trainer(), coach.recorded(), compare);
+    const motion::Comparison found = motion::compare(coach.shown_to_recorded(), coach.recorded(), compare);
     if (!options.html.empty())
-        write_text_file(options.html, motion_page({options.stage, options.against}, coach.trainer(), coach.recorded(),
-                                                  found, compare.tolerances));
+        write_text_file(options.html, motion_page({options.stage, options.against}, coach.shown_to_recorded(),
+                                                  coach.recorded(), found, compare.tolerances));
     if (options.json) {
         fmt::print("{}", json_text(comparison_json(found)));
         return;

@@ -15,6 +15,7 @@ constexpr double kSlowest = 0.2;      // of the clip's speed, while it waits for
 constexpr double kLateFree_s = 0.15;  // by which a trainee may be late before the clip slows down
 constexpr double kLateWhole_s = 0.6;  // by which it is as slow as it gets
 constexpr double kWhole = 0.9;        // of the clip: a performance of as much counts as whole
+constexpr double kGap_s = 0.25;       // of the clip between two images, that the record bridges
 constexpr double kRunUp_s = 1;        // before a mistake that is repeated
 
 std::string text_of(motion::Limb limb, const motion::LimbFeedback& feedback) {
@@ -44,6 +45,7 @@ void Coach::change(const CoachSettings& settings) {
     live_ = std::make_unique<motion::LiveComparison>(trainer_, settings_.compare);
     recorded_.frames.clear();
     performed_.frames.clear();
+    performed_frames_ = 0;
     was_wrong_ = {};
 }
 
@@ -55,12 +57,11 @@ bool Coach::compares() const {
 void Coach::update(const std::optional<motion::TimedPose>& pose, double now_s, double clip_s) {
     const double step_s = std::max(0.0, now_s - now_s_);
     now_s_ = now_s;
-    // A clock that changes its speed may show a part of a frame again.
-    if (clip_s < clip_s_ && clip_s > clip_s_ - 0.999 / trainer_.fps) clip_s = clip_s_;
-    if (clip_s_ >= 0 && (clip_s < clip_s_ - 1e-9 || clip_s > clip_s_ + kJump_s)) {
+    if (clip_s_ >= 0 && has_jumped(clip_s_, clip_s, 1 / trainer_.fps)) {
         live_->jump();
-        was_wrong_ = {};
         if (clip_s < clip_s_) begin_record();
+    } else {
+        clip_s = std::max(clip_s, clip_s_);
     }
     clip_s_ = clip_s;
     if (pose) {
@@ -78,16 +79,23 @@ void Coach::update(const std::optional<motion::TimedPose>& pose, double now_s, d
 void Coach::note_mistakes(double clip_s) {
     for (size_t i = 0; i < motion::kLimbs; ++i) {
         const bool wrong = feedback().limbs[i].wrong;
-        if (wrong && !was_wrong_[i]) last_ = Remark{static_cast<motion::Limb>(i), clip_s};
+        if (wrong && !was_wrong_[i]) last_mistake_s_ = clip_s;
         was_wrong_[i] = wrong;
     }
 }
 
 // Keeps the record where it reached the clip's end.
 void Coach::begin_record() {
-    if (static_cast<double>(recorded_.frames.size()) > kWhole * static_cast<double>(trainer_.frames.size()))
+    if (static_cast<double>(performed_frames_) > kWhole * static_cast<double>(trainer_.frames.size()))
         std::swap(performed_, recorded_);
     recorded_.frames.clear();
+    performed_frames_ = 0;
+}
+
+motion::SkeletonClip Coach::shown_to_recorded() const {
+    motion::SkeletonClip shown = trainer_;
+    shown.frames.resize(std::clamp<size_t>(recorded().frames.size(), 1, trainer_.frames.size()));
+    return shown;
 }
 
 // A frame of the record for each frame that the clip has advanced.
@@ -96,7 +104,10 @@ void Coach::record(double clip_s) {
     recorded_.fps = trainer_.fps;
     const auto frames =
         static_cast<size_t>(std::clamp(clip_s * trainer_.fps + 1, 0.0, double{motion::kMaxSkeletonFrames}));
-    while (recorded_.frames.size() < frames) recorded_.frames.push_back(trainee_->pose);
+    // A gap is nobody's performance: the clip has jumped, or the trainee was away.
+    const auto gap = static_cast<size_t>(kGap_s * trainer_.fps) + 1;
+    if (frames > recorded_.frames.size() + gap) recorded_.frames.resize(frames - 1);
+    for (; recorded_.frames.size() < frames; ++performed_frames_) recorded_.frames.push_back(trainee_->pose);
 }
 
 void Coach::choose_view(double step_s) {
@@ -156,8 +167,8 @@ std::vector<std::string> Coach::remarks() const {
 }
 
 std::optional<double> Coach::last_mistake_s() const {
-    if (!last_) return std::nullopt;
-    return std::max(0.0, last_->clip_s - kRunUp_s);
+    if (!last_mistake_s_) return std::nullopt;
+    return std::max(0.0, *last_mistake_s_ - kRunUp_s);
 }
 
 }  // namespace neuvv::coach

@@ -27,12 +27,6 @@ struct CoachSettings {
     motion::CompareOptions compare;  // which limbs count, and their tolerances
 };
 
-// A limb that was wrong.
-struct Remark {
-    motion::Limb limb = motion::Limb::kTrunk;
-    double clip_s = 0;  // when it turned wrong
-};
-
 class Coach {
   public:
     // The trainer's skeleton is in the performer's space, and has a frame (assert).
@@ -66,9 +60,12 @@ class Coach {
     // Where to begin again to repeat the last mistake: a second before it, clip time; nothing where there was none.
     std::optional<double> last_mistake_s() const;
 
-    // What was recorded in Mode::kPerform, at the trainer's rate: the last performance that reached the clip's end,
-    // else the one that is under way; empty: nothing.
+    // What was recorded in Mode::kPerform, at the trainer's rate from the clip's beginning: the last performance of
+    // nearly the whole clip that the clip's next round has ended, else the one that is under way; empty: nothing.
+    // Joints are unknown in frames that nobody performed.
     const motion::SkeletonClip& recorded() const { return performed_.frames.empty() ? recorded_ : performed_; }
+    // The trainer in the same frames, to compare with.
+    motion::SkeletonClip shown_to_recorded() const;
     const motion::SkeletonClip& trainer() const { return trainer_; }
     double height() const { return height_; }  // of the trainer, metres
 
@@ -89,14 +86,19 @@ class Coach {
     std::optional<motion::TimedPose> trainee_;  // the newest
     motion::SkeletonClip recorded_, performed_;
     std::array<bool, motion::kLimbs> was_wrong_{};
-    std::optional<Remark> last_;
+    std::optional<double> last_mistake_s_;  // when a limb last turned wrong, clip time
+    size_t performed_frames_ = 0;           // of recorded_: those in which the trainee was seen
     ViewChooser chooser_;
     std::optional<glm::dvec3> best_eye_;
     double now_s_ = 0, clip_s_ = -1;
 };
 
-// What a clip advances between two images at most; where it does more, it has jumped.
+// Whether a clip has jumped between two images: by more than half a second, or back by a frame of the skeleton. A clock
+// that changes its speed divides frames anew, and may show a part of one again.
 constexpr double kJump_s = 0.5;
+inline bool has_jumped(double before_s, double now_s, double frame_s) {
+    return now_s <= before_s - 0.999 * frame_s || now_s > before_s + kJump_s;
+}
 // The distance, in heights of the body, from which a trainer is looked at.
 constexpr double kViewDistance = 1.6;
 

@@ -7,13 +7,11 @@
 
 namespace neuvv::coach {
 
-void Session::begin(const stage::Stage& stage, const std::string& performer, std::unique_ptr<motion::PoseSource> source,
-                    const CoachSettings& settings) {
-    begin(read_trainer(stage, performer), std::move(source), settings);
-}
-
 void Session::begin(Trainer trainer, std::unique_ptr<motion::PoseSource> source, const CoachSettings& settings) {
-    coach_ = std::make_unique<Coach>(std::move(trainer.skeleton), settings);
+    // A recorded trainee does not wait for a clip that waits for it.
+    CoachSettings begun = settings;
+    if (source && source->is_recorded() && begun.mode == Mode::kFollow) begun.mode = Mode::kPerform;
+    coach_ = std::make_unique<Coach>(std::move(trainer.skeleton), begun);
     name_ = trainer.name;
     source_ = std::move(source);
     performer_ = trainer.performer;
@@ -37,18 +35,25 @@ void Session::update(const stage::Stage& stage, const stage::EvaluatedStage& eva
     const stage::EvaluatedPerformer& performer = evaluated.performers[*performer_];
     world_from_performer_ = performer.world_from_performer;
     const double clip_s = clip_time_of(stage, performer);
-    // A recorded trainee jumps with the clip. A part of a frame is no jump (Coach::update).
-    const double frame_s = 1 / stage.clips[performer.clip].fps;
-    if (source_ && (!clip_s_ || clip_s < *clip_s_ - frame_s || clip_s > *clip_s_ + kJump_s))
-        source_->rewind(now_s, clip_s);
-    clip_s_ = clip_s;
+    follow_clip(now_s, clip_s);
     coach_->update(source_ ? source_->newest(now_s) : body, now_s, clip_s);
     if (source_) note_source();
 }
 
+// A recorded trainee jumps with the clip, and goes on with it after a pause.
+void Session::follow_clip(double now_s, double clip_s) {
+    constexpr double kPause_s = 0.3;
+    const bool goes_on = clip_s_ && clip_s != *clip_s_ && now_s - moved_s_ > kPause_s;
+    if (source_ && (!clip_s_ || goes_on || has_jumped(*clip_s_, clip_s, 1 / coach_->trainer().fps)))
+        source_->rewind(now_s, clip_s);
+    if (clip_s_ != clip_s) moved_s_ = now_s;
+    clip_s_ = clip_s;
+}
+
+// The end of a recorded motion is no news.
 void Session::note_source() {
     const motion::PoseSourceState state = source_->state();
-    if (state.stopped != was_stopped_)
+    if (state.stopped != was_stopped_ && !source_->is_recorded())
         notices_.push_back(
             fmt::format("{}: the trainee's motion {}", source_->name(), state.stopped ? "has stopped" : "goes on"));
     was_stopped_ = state.stopped;

@@ -10,11 +10,8 @@ namespace neuvv::coach {
 
 class Session {
   public:
-    // Begins with the performer of this name, or, for an empty one, the first that has a skeleton. Poses come from
-    // `source`, or, where it is null, with update(). Throws InputError, and then leaves the session as it was.
-    void begin(const stage::Stage& stage, const std::string& performer, std::unique_ptr<motion::PoseSource> source,
-               const CoachSettings& settings);
-    // The same with what read_trainer returned, for programs that read files on another thread.
+    // Begins with what read_trainer returned. Poses come from `source`, or, where it is null, with update(). With a
+    // recorded motion, Mode::kFollow becomes kPerform.
     void begin(Trainer trainer, std::unique_ptr<motion::PoseSource> source, const CoachSettings& settings);
     void end();
     bool is_running() const { return coach_ != nullptr; }
@@ -50,6 +47,7 @@ class Session {
     std::vector<std::string> take_notices();
 
   private:
+    void follow_clip(double now_s, double clip_s);
     void note_source();
     std::string name_;
     std::unique_ptr<motion::PoseSource> source_;
@@ -57,6 +55,7 @@ class Session {
     std::optional<uint32_t> performer_;  // of the displayed stage
     glm::dmat4 world_from_performer_{1};
     std::optional<double> clip_s_;  // at the last update
+    double moved_s_ = 0;            // when the clip last moved
     bool was_stopped_ = false, said_error_ = false;
     std::vector<std::string> notices_;
 };

@@ -29,7 +29,6 @@ class ViewChooser {
     // yet.
     std::optional<glm::dvec3> choose(std::span<const JointError> errors, std::span<const BodyBone> body,
                                      const glm::dvec3& middle, double distance, double step_s);
-    void reset() { *this = {}; }
 
   private:
     std::optional<glm::dvec3> direction_;  // unit, from the middle to the chosen eye

@@ -40,6 +40,7 @@ void LiveComparison::jump() {
 const Feedback& LiveComparison::add(const Pose& trainee, double now_s, double clip_time_s) {
     if (now_s <= last_now_s_) return feedback_;
     last_now_s_ = now_s;
+    if (!std::isfinite(last_judged_s_)) last_judged_s_ = now_s - 1 / trainer_.fps;
     const Pose filtered = filter_.filter(trainee, now_s);
     const double frame_s = 1 / trainer_.fps;
     if (last_clip_s_ >= 0 && clip_time_s - last_clip_s_ < 0.999 * frame_s && clip_time_s >= last_clip_s_)
@@ -54,7 +55,8 @@ const Feedback& LiveComparison::add(const Pose& trainee, double now_s, double cl
     }
     last_clip_s_ = clip_time_s;
     last_pose_ = filtered;
-    judge(passed_s);
+    judge(std::clamp(now_s - last_judged_s_, 0.0, kLongestStep_s));
+    last_judged_s_ = now_s;
     return feedback_;
 }
 

@@ -54,6 +54,7 @@ class LiveComparison {
     std::vector<double> yaws_;              // of the phrase so far
     std::array<double, kLimbs> since_s_{};  // how long each limb contradicts its `wrong`
     Pose last_pose_;                        // filtered, at last_clip_s_
+    double last_judged_s_ = -INFINITY;
     double last_now_s_ = -INFINITY, last_clip_s_ = -1, sum_ = 0, count_ = 0;
     size_t frames_ = 0;
 };

@@ -35,6 +35,7 @@ class PoseReplay : public PoseSource {
         next_ = 0;
         state_.stopped = false;
     }
+    bool is_recorded() const override { return true; }
     PoseSourceState state() const override { return state_; }
     std::string name() const override { return name_; }
 

@@ -27,6 +27,7 @@ class PoseSource {
     virtual std::optional<TimedPose> newest(double now_s) = 0;
     // A recorded motion goes on from to_s, in seconds from its beginning; live motion is not affected.
     virtual void rewind(double /*now_s*/, double /*to_s*/) {}
+    virtual bool is_recorded() const { return false; }
     virtual PoseSourceState state() const = 0;
     virtual std::string name() const = 0;  // "VMC on 127.0.0.1:39539"
 };

@@ -185,6 +185,47 @@ TEST(Coach, APerformanceIsRecordedAsLongAsTheClipAndNoLonger) {
     EXPECT_EQ(found.mistakes[0].limb, Limb::kLeftArm);
 }
 
+TEST(Coach, WhatNobodyPerformedIsNoPerformance) {
+    coach::CoachSettings settings;
+    settings.mode = coach::Mode::kPerform;
+    coach::Coach coach(dancer(), settings);
+    const motion::SkeletonClip trainee = elsewhere(dancer());
+    double now_s = 0;
+    const auto play = [&](double from_s, double to_s) {
+        for (double t = from_s; t <= to_s; t += 1 / kRate, now_s += 1 / kRate) {
+            motion::TimedPose pose = pose_of(trainee, t);
+            pose.time_s = now_s;
+            coach.update(pose, now_s, t);
+        }
+    };
+    const auto wrist = [](const motion::Pose& pose) { return motion::at(pose, motion::Joint::kLeftWrist); };
+    play(0, 2.95);
+    play(1.8, 2.95);  // back to a mistake, and on from there
+    play(0, 0.2);
+    ASSERT_GT(coach.recorded().frames.size(), 70u);
+    EXPECT_LT(glm::distance(wrist(coach.recorded().frames[25]).position, wrist(trainee.frames[25]).position), 0.05)
+        << "the whole performance is kept";
+    coach::Coach late(dancer(), settings);
+    late.update(pose_of(trainee, 2), 2, 2);
+    ASSERT_GT(late.recorded().frames.size(), 50u);
+    EXPECT_EQ(wrist(late.recorded().frames[10]).confidence, 0) << "nobody was there";
+    EXPECT_EQ(late.shown_to_recorded().frames.size(), late.recorded().frames.size());
+}
+
+TEST(Coach, AgainLeadsBackToTheSameMistake) {
+    coach::Coach coach(dancer(), {});
+    const auto trainee = elsewhere(with_arm_off(dancer(), Limb::kLeftArm, 40, 1, 3));
+    perform(coach, trainee, 2, [](double) {});
+    ASSERT_TRUE(coach.last_mistake_s());
+    const double first = *coach.last_mistake_s();
+    motion::TimedPose pose = pose_of(trainee, first);
+    pose.time_s = 2.5;
+    coach.update(pose, 2.5, first);  // again
+    pose.time_s = 2.52;
+    coach.update(pose, 2.52, first + 0.04);
+    EXPECT_EQ(*coach.last_mistake_s(), first);
+}
+
 TEST(Coach, ThreePointsAloneAreAGhostOfTwoHands) {
     coach::Coach coach(dancer(), {});
     motion::SkeletonClip points = elsewhere(dancer());

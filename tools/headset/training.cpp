@@ -61,6 +61,7 @@ void Training::begin(HeadsetState& state) {
 void Training::begin(HeadsetState& state, coach::Trainer trainer, std::unique_ptr<motion::PoseSource> source) {
     if (!is_running()) own_speed_ = state.clock.speed;
     session_.begin(std::move(trainer), std::move(source), settings);
+    settings.mode = session_.coach().settings().mode;
     turn_ = {};
     state.tool = HandTool::kTrain;
     if (settings.mode == coach::Mode::kPerform) state.clock.scrub(state.clock.in_s());
@@ -89,8 +90,10 @@ void Training::turn_trainer(HeadsetState& state, double dt_s) {
 void Training::update(HeadsetState& state, const std::optional<motion::Pose>& body, const glm::dvec3& head) {
     if (!is_running()) return;
     head_ = head;
-    if (settings.mode == coach::Mode::kPerform && session_.coach().settings().mode != settings.mode)
-        state.clock.scrub(state.clock.in_s());  // a performance begins at the beginning
+    if (settings.mode == coach::Mode::kPerform && session_.coach().settings().mode != settings.mode) {
+        session_.coach().change(settings);
+        return state.clock.scrub(state.clock.in_s());  // a performance begins at the beginning
+    }
     session_.coach().change(settings);
     std::optional<motion::TimedPose> pose;
     if (body) pose = motion::TimedPose{now_s_, *body};

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -46,28 +47,30 @@ void Coaching::begin(Context& context) {
         auto source = motion::open_pose_source(from);
         return std::pair(coach::read_trainer(*stage, name), std::move(source));
     };
-    context.jobs.start("Reading the trainer's skeleton", [this, &context, read]() -> JobQueue::Then {
-        using Read = std::pair<coach::Trainer, std::unique_ptr<motion::PoseSource>>;
-        std::shared_ptr<Read> found;
-        std::string problem;
-        try {
-            found = std::make_shared<Read>(read());
-        } catch (const std::runtime_error& error) {
-            problem = error.what();
-        }
-        return [this, &context, found, problem] {
-            begins_ = false;
-            if (!found) return context.editor.notify(problem, true);
-            if (!is_running()) own_speed_ = context.view.clock.speed;
-            // A recorded trainee does not wait for a clip that waits for it.
-            const bool live = motion::is_port_address(address) || address == "-";
-            if (!live && settings.mode == coach::Mode::kFollow) settings.mode = coach::Mode::kPerform;
-            session_.begin(std::move(found->first), std::move(found->second), settings);
-            opened_ = context.editor.open_count();
-            if (settings.mode == coach::Mode::kPerform) context.view.clock.scrub(context.view.clock.in_s());
-            if (!context.view.clock.playing) context.view.clock.play_or_pause();
-        };
-    });
+    context.jobs.start("Reading the trainer's skeleton",
+                       [this, &context, read, opened = context.editor.open_count()]() -> JobQueue::Then {
+                           using Read = std::pair<coach::Trainer, std::unique_ptr<motion::PoseSource>>;
+                           std::shared_ptr<Read> found;
+                           std::string problem;
+                           try {
+                               found = std::make_shared<Read>(read());
+                           } catch (const std::exception& error) {
+                               problem = error.what();
+                           }
+                           return [this, &context, found, problem, opened] {
+                               begins_ = false;
+                               if (opened != context.editor.open_count())
+                                   return;  // another document has been opened meanwhile
+                               if (!found) return context.editor.notify(problem, true);
+                               if (!is_running()) own_speed_ = context.view.clock.speed;
+                               session_.begin(std::move(found->first), std::move(found->second), settings);
+                               settings.mode = session_.coach().settings().mode;
+                               opened_ = opened;
+                               if (settings.mode == coach::Mode::kPerform)
+                                   context.view.clock.scrub(context.view.clock.in_s());
+                               if (!context.view.clock.playing) context.view.clock.play_or_pause();
+                           };
+                       });
 }
 
 void Coaching::end(Context& context) {
@@ -84,8 +87,10 @@ void Coaching::tick(Context& context) {
     }
     if (!is_running() || !context.frame.stage) return;
     if (opened_ != context.editor.open_count()) return end(context);  // another document
-    if (settings.mode == coach::Mode::kPerform && session_.coach().settings().mode != settings.mode)
-        context.view.clock.scrub(context.view.clock.in_s());  // a performance begins at the beginning
+    if (settings.mode == coach::Mode::kPerform && session_.coach().settings().mode != settings.mode) {
+        session_.coach().change(settings);
+        return context.view.clock.scrub(context.view.clock.in_s());  // a performance begins at the beginning
+    }
     session_.coach().change(settings);
     session_.update(*context.frame.stage, context.frame.evaluated, context.frame.now_s);
     context.view.clock.speed = session_.coach().clip_speed();
@@ -126,13 +131,13 @@ void Coaching::write_report(Context& context) const {
     std::filesystem::path page = context.editor.file().path;
     page.replace_filename(page.stem().string() + "-report.html");
     const tools::MotionFacts facts{session_.trainer_name(), session_.source() ? session_.source()->name() : ""};
-    context.jobs.start(
-        "Writing " + page.filename().string(), [page, facts, trainer = coach.trainer(), trainee = coach.recorded(),
-                                                options = coach.settings().compare, &context] {
-            const motion::Comparison found = motion::compare(trainer, trainee, options);
-            write_text_file(page, tools::motion_page(facts, trainer, trainee, found, options.tolerances));
-            return [page, &context] { context.editor.notify("wrote " + page.string()); };
-        });
+    context.jobs.start("Writing " + page.filename().string(), [page, facts, trainer = coach.shown_to_recorded(),
+                                                               trainee = coach.recorded(),
+                                                               options = coach.settings().compare, &context] {
+        const motion::Comparison found = motion::compare(trainer, trainee, options);
+        write_text_file(page, tools::motion_page(facts, trainer, trainee, found, options.tolerances));
+        return [page, &context] { context.editor.notify("wrote " + page.string()); };
+    });
 }
 
 nlohmann::json Coaching::facts() const {

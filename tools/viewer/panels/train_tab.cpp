@@ -27,7 +27,9 @@ bool text_button(Context& context, const char* name, const char* text, bool enab
 
 void source_fields(Context& context, FieldGroup& fields, Coaching& coaching) {
     fields.text("motion from", coaching.address);
-    explain("vmc, vmc:PORT, vmc:HOST:PORT: the VMC protocol\nudp:PORT: lines of JSON\nor a recorded file");
+    explain(
+        "vmc, vmc:PORT, vmc:HOST:PORT: the VMC protocol\nudp:PORT, udp:HOST:PORT: lines of JSON; -: the same from "
+        "stdin\nor a recorded file");
     fields.label("");
     if (!coaching.is_running()) {
         if (text_button(context, "train/begin", ICON_PLAY " Begin")) coaching.begin(context);
