@@ -15,26 +15,20 @@ constexpr double kClothes = 0.3;  // of a bone's radius: how far clothes stand o
 constexpr double kGain = 1.25, kPatience_s = 0.5;
 constexpr double kLevel = 0.15;  // of what is seen, that an eye straight above or below loses against a level one
 
-// The distance from a point of the line from `eye` to `end`, at which the line comes nearest to a bone, to the bone's
-// surface; and the share of the line there.
-struct Approach {
-    double distance = 0, share = 0;
-};
-
-// The nearest approach of two segments (Ericson, Real-Time Collision Detection, 5.1.9).
-Approach approach(const glm::dvec3& eye, const glm::dvec3& end, const render::Bone& bone) {
+// The least distance between the segment from `eye` to `end` and a bone's surface, metres; negative where the segment
+// enters the bone. It is that of two segments (Ericson, Real-Time Collision Detection, 5.1.9), less the bone's radius.
+double segment_distance(const glm::dvec3& eye, const glm::dvec3& end, const render::Bone& bone) {
     const glm::dvec3 from(bone.from), d1 = end - eye, d2 = glm::dvec3(bone.to) - from, r = eye - from;
     const double a = glm::dot(d1, d1), e = std::max(glm::dot(d2, d2), 1e-12), f = glm::dot(d2, r);
     const double c = glm::dot(d1, r), b = glm::dot(d1, d2), across = a * e - b * b;
     double s = across > 1e-12 ? std::clamp((b * f - c * e) / across, 0.0, 1.0) : 0;
     const double t = std::clamp((b * s + f) / e, 0.0, 1.0);
     s = a > 0 ? std::clamp((b * t - c) / a, 0.0, 1.0) : 0;
-    const double distance = glm::distance(eye + s * d1, from + t * d2);
-    return {distance - static_cast<double>(bone.radius), s};
+    return glm::distance(eye + s * d1, from + t * d2) - static_cast<double>(bone.radius);
 }
 
 double distance_to(const glm::dvec3& point, const render::Bone& bone) {
-    return approach(point, point, bone).distance;
+    return segment_distance(point, point, bone);
 }
 
 double clothes_of(const BodyBone& each) {
@@ -56,7 +50,7 @@ bool is_hidden(const glm::dvec3& point, std::span<const BodyBone> body, const gl
     if (distance <= own) return false;
     const glm::dvec3 before = point + own / distance * (eye - point);
     return std::ranges::any_of(
-        body, [&](const BodyBone& each) { return approach(eye, before, each.bone).distance < clothes_of(each); });
+        body, [&](const BodyBone& each) { return segment_distance(eye, before, each.bone) < clothes_of(each); });
 }
 
 double seen_error(std::span<const JointError> errors, std::span<const BodyBone> body, const glm::dvec3& eye) {
