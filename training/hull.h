@@ -25,9 +25,17 @@ inline size_t hull_words(const Dataset& dataset) {
     return (dataset.times.size() + 31) / 32;
 }
 
-// The box (min, max in the world, metres) around all cells that carving leaves. The search begins with dataset.box, or
-// else where the cameras look. Throws InputError where nothing is left, as mattes and poses then do not fit together,
-// and where all cameras look in the same direction and there is no dataset.box.
+constexpr uint32_t kBoxGrid = 48;  // cells along each side of the grid with which a box is searched
+
+// The cells of a grid over a box, `side` along each axis, each with the ball that encloses it.
+std::vector<HullCell> grid_cells(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t side);
+
+// The box with which a search begins: dataset.box, or else where the cameras look. Throws InputError where all cameras
+// look in the same direction and there is no dataset.box.
+std::pair<glm::dvec3, glm::dvec3> first_box(const Dataset& dataset);
+
+// The box (min, max in the world, metres) around all cells that carving leaves. Throws InputError as first_box does,
+// and where nothing is left, as mattes and poses then do not fit together.
 std::pair<glm::dvec3, glm::dvec3> hull_box(const Dataset& dataset);
 
 }  // namespace neuvv::training

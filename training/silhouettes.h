@@ -1,0 +1,64 @@
+// What the matte of an image says about a cell of space.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "training/dataset.h"
+#include "training/hull.h"
+
+namespace neuvv::training {
+
+// The lowest alpha that counts as foreground in carving.
+constexpr uint8_t kMatteThreshold = 32;
+
+struct PixelRectangle {
+    uint32_t x0, y0, x1, y1;  // x1 and y1 lie beyond the last pixel
+};
+
+// How many pixels of a kind lie above and to the left of each corner of pixels: the count in any rectangle takes four
+// reads.
+struct PixelSums {
+    size_t stride = 0;
+    std::vector<uint32_t> sums;  // (width+1) × (height+1); empty: no pixel is of the kind
+
+    template <typename IsOfKind>
+    PixelSums(uint32_t width, uint32_t height, const IsOfKind& is_of_kind) : stride(size_t{width} + 1) {
+        sums.resize(stride * (size_t{height} + 1));
+        for (uint32_t y = 0; y < height; y++) {
+            uint32_t row = 0;
+            for (uint32_t x = 0; x < width; x++) {
+                row += is_of_kind(x, y) ? 1 : 0;
+                sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + row;
+            }
+        }
+    }
+    PixelSums() = default;
+
+    uint32_t count(const PixelRectangle& r) const {
+        if (sums.empty()) return 0;
+        return sums[r.y1 * stride + r.x1] - sums[r.y0 * stride + r.x1] - sums[r.y1 * stride + r.x0] +
+               sums[r.y0 * stride + r.x0];
+    }
+};
+
+struct Silhouette {
+    uint32_t view = 0;  // index into Dataset::views
+    glm::dmat4 camera_from_world{1};
+    const stage::Camera* camera = nullptr;
+    PixelSums foreground, ignored;
+};
+
+// Those of all images of a time.
+std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time);
+
+// The pixels in which matter in the cell's ball may be visible; nothing where the ball is too near, or partly outside
+// the image.
+std::optional<PixelRectangle> image_of(const Silhouette& silhouette, const HullCell& cell);
+
+// What an image shows of a cell; kUnseen: nothing can be said.
+enum class Verdict { kUnseen, kBackground, kMatter };
+
+Verdict judge(const Silhouette& silhouette, const HullCell& cell);
+
+}  // namespace neuvv::training
