@@ -217,10 +217,14 @@ void run(const DatasetOptions& options) {
                            options.format);
     const training::Rig& rig = *requested.found;
     const training::Rig sample = sample_of(rig);
-    const training::Dataset images = training::read_images(sample, {.mattes_needed = false});
+    training::Dataset images = training::read_images(sample, {.mattes_needed = false});
     const std::optional<double> matte = matte_share(images);
-    const auto hull =
-        matte ? try_to_find([&] { return training::hull_box(images); }) : Finding<Box>{{}, "not known without mattes"};
+    std::vector<training::DoubtfulMatte> doubtful;
+    const auto find_hull = [&] {
+        doubtful = training::ignore_doubtful_mattes(images);
+        return training::hull_box(images);
+    };
+    const auto hull = matte ? try_to_find(find_hull) : Finding<Box>{{}, "not known without mattes"};
     fmt::print("{}: {}, calibrated by {}\n", options.folder, rig.format, rig.file);
     for (const auto& [name, split] : {std::pair("train", &train), std::pair("test", &test)})
         print_field(name, split->found ? fmt::format("{} cameras:{}", split->found->cameras.size(),
@@ -232,6 +236,7 @@ void run(const DatasetOptions& options) {
     print_layers(rig, options, matte);
     print_box(rig.box, hull);
     print_memory(rig);
+    fmt::print("{}", doubtful_mattes_text(images, doubtful));
     if (options.output.empty()) return;
     const auto cameras = [](const Finding<training::Rig>& split) {
         return split.found ? split.found->cameras : std::vector<training::RigCamera>();

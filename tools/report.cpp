@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -96,6 +97,20 @@ std::string pass_times_text(const std::vector<gpu::PassTime>& times) {
         sum += pass.milliseconds;
     }
     return text + fmt::format("together {:.2f} ms", sum);
+}
+
+std::string doubtful_mattes_text(const training::Dataset& dataset, const std::vector<training::DoubtfulMatte>& mattes) {
+    constexpr size_t kMaxLines = 10;
+    std::string text;
+    for (size_t i = 0; i < std::min(mattes.size(), kMaxLines); ++i)
+        text += fmt::format("doubtful matte: {} lacks {:.1f} % of the body that the other images of its time show\n",
+                            dataset.views[mattes[i].view].name, 100 * mattes[i].share);
+    if (mattes.size() > kMaxLines) text += fmt::format("doubtful mattes: {} more\n", mattes.size() - kMaxLines);
+    if (!mattes.empty())
+        text +=
+            "what doubtful mattes lack is not used; repair them (`neuvv matte`, or by hand in mattes/), or leave these "
+            "images out\n";
+    return text;
 }
 
 }  // namespace neuvv::tools

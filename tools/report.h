@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gpu/commands.h"
+#include "training/doubtful_mattes.h"
 
 namespace neuvv::tools {
 
@@ -75,5 +76,8 @@ constexpr const char* kDeviceHelp =
 constexpr const char* kExamplesHead =
     "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer` and\n"
     "`neuvv train build/performer -o build/performer.nvv`:\n";
+
+// A line for each doubtful matte, at most ten, and what to do about them; empty where there are none.
+std::string doubtful_mattes_text(const training::Dataset& dataset, const std::vector<training::DoubtfulMatte>& mattes);
 
 }  // namespace neuvv::tools

@@ -167,7 +167,7 @@ training::LoadOptions load_options(const TrainOptions& options) {
             .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
 
-// Prints what memory the images will take before it reads them.
+// Prints what memory the images will take before it reads them, and afterwards which mattes are doubtful.
 training::Dataset load_images(const TrainOptions& options, const training::LoadOptions& load) {
     const uint64_t budget = load.memory_bytes;
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
@@ -175,7 +175,10 @@ training::Dataset load_images(const TrainOptions& options, const training::LoadO
     fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}, budget {}{}\n", options.dataset.string(),
                need.cameras, need.frames, need.images, need.width, need.height, size_text(need.bytes),
                size_text(budget), need.bytes > budget ? ": streamed from disk" : "");
-    return training::read_images(rig, load);
+    training::Dataset dataset = training::read_images(rig, load);
+    const std::vector<training::DoubtfulMatte> doubtful = training::ignore_doubtful_mattes(dataset);
+    fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
+    return dataset;
 }
 
 void run_train(const TrainOptions& options, const CommonOptions& common) {

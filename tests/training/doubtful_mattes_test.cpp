@@ -1,0 +1,176 @@
+// Mattes that contradict all others are found and do not carve; right mattes are left as they are.
+#include "training/doubtful_mattes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <set>
+
+#include "support/sphere_capture.h"
+#include "training/hull.h"
+
+namespace neuvv::test {
+namespace {
+
+// A ball with an arm, a row of small balls, which turns over the clip.
+constexpr float kBodyRadius = 0.35f, kArmRadius = 0.09f;
+constexpr uint32_t kArmBalls = 8, kFigureFrames = 4;
+
+glm::vec3 arm_ball(uint32_t frame, uint32_t i) {
+    const float angle = 0.4f * static_cast<float>(frame), along = 0.4f + 0.06f * static_cast<float>(i);
+    return along * glm::vec3(std::cos(angle), 0.5f, std::sin(angle));
+}
+
+bool meets(glm::vec3 eye, glm::vec3 ray, glm::vec3 centre, float radius) {
+    const glm::vec3 across = glm::cross(centre - eye, ray);
+    return glm::dot(across, across) < radius * radius * glm::dot(ray, ray);
+}
+
+bool sees_arm(glm::vec3 eye, glm::vec3 ray, uint32_t frame) {
+    bool seen = false;
+    for (uint32_t i = 0; i < kArmBalls; i++) seen |= meets(eye, ray, arm_ball(frame, i), kArmRadius);
+    return seen;
+}
+
+// Calls paint(pixel, sees the body, sees the arm) for each pixel of a view.
+template <typename Paint>
+void paint_view(training::Dataset& dataset, size_t index, const Paint& paint) {
+    training::View& view = dataset.views[index];
+    const stage::Camera& camera = dataset.cameras[view.camera];
+    const glm::mat4 pose(camera.world_from_camera);
+    const auto frame = static_cast<uint32_t>(std::lround(view.time * (kFigureFrames - 1)));
+    for (uint32_t y = 0; y < camera.height; y++)
+        for (uint32_t x = 0; x < camera.width; x++) {
+            const glm::vec3 at((x + 0.5 - camera.cx) / camera.fx, -(y + 0.5 - camera.cy) / camera.fy, -1);
+            const glm::vec3 eye(pose[3]), ray = glm::mat3(pose) * at;
+            paint(view.image.at(x, y), meets(eye, ray, glm::vec3(0), kBodyRadius), sees_arm(eye, ray, frame));
+        }
+}
+
+void set_alpha(uint8_t* pixel, bool opaque) {
+    std::fill_n(pixel, 4, uint8_t{0});
+    if (opaque) std::fill_n(pixel, 4, uint8_t{255});
+}
+
+training::Dataset figure(uint32_t cameras) {
+    training::Dataset dataset = sphere_dataset({.cameras = cameras, .frames = kFigureFrames, .size = 64});
+    for (size_t i = 0; i < dataset.views.size(); i++)
+        paint_view(dataset, i, [](uint8_t* pixel, bool body, bool arm) { set_alpha(pixel, body || arm); });
+    return dataset;
+}
+
+void cut_arm(training::Dataset& dataset, size_t view) {
+    paint_view(dataset, view, [](uint8_t* pixel, bool body, bool) { set_alpha(pixel, body); });
+}
+
+void fill(training::Dataset& dataset, size_t view, bool opaque) {
+    paint_view(dataset, view, [&](uint8_t* pixel, bool, bool) { set_alpha(pixel, opaque); });
+}
+
+std::set<size_t> doubted(const std::vector<training::DoubtfulMatte>& mattes) {
+    std::set<size_t> views;
+    for (const training::DoubtfulMatte& matte : mattes) views.insert(matte.view);
+    return views;
+}
+
+std::vector<uint32_t> hull_of(const training::Dataset& dataset) {
+    return training::carve(dataset, training::grid_cells({glm::dvec3(-1), glm::dvec3(1)}, training::kBoxGrid));
+}
+
+// The bits of `a` that are not set in `b`.
+int bits_beyond(const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) {
+    int count = 0;
+    for (size_t i = 0; i < a.size(); i++) count += std::popcount(a[i] & ~b[i]);
+    return count;
+}
+
+void expect_untouched(training::Dataset dataset) {
+    const training::Dataset before = dataset;
+    EXPECT_TRUE(training::ignore_doubtful_mattes(dataset).empty());
+    for (size_t i = 0; i < dataset.views.size(); i++) {
+        EXPECT_TRUE(dataset.views[i].ignored.empty()) << i;
+        EXPECT_EQ(dataset.views[i].image.rgba, before.views[i].image.rgba) << i;
+    }
+    EXPECT_EQ(hull_of(dataset), hull_of(before));
+}
+
+// The doubtful mattes are those given. The true hull stays, and it is nowhere larger than that of the other images.
+void expect_repaired(training::Dataset spoilt, const training::Dataset& truth, const std::set<size_t>& wrong) {
+    training::Dataset others = spoilt;
+    others.views.clear();
+    for (size_t i = 0; i < spoilt.views.size(); i++)
+        if (!wrong.contains(i)) others.views.push_back(spoilt.views[i]);
+    EXPECT_GT(bits_beyond(hull_of(truth), hull_of(spoilt)), 100) << "were the mattes left as they are";
+    EXPECT_EQ(doubted(training::ignore_doubtful_mattes(spoilt)), wrong);
+    EXPECT_EQ(bits_beyond(hull_of(truth), hull_of(spoilt)), 0);
+    EXPECT_EQ(bits_beyond(hull_of(spoilt), hull_of(others)), 0);
+}
+
+TEST(DoubtfulMattes, RightMattesAreLeftAsTheyAre) {
+    for (const uint32_t cameras : {5u, 8u, 13u, 24u}) {
+        SCOPED_TRACE(cameras);
+        expect_untouched(figure(cameras));
+    }
+}
+
+TEST(DoubtfulMattes, AnEmptyMatteDoesNotCarve) {
+    const training::Dataset truth = figure(13);
+    training::Dataset spoilt = truth;
+    fill(spoilt, 6 * kFigureFrames + 1, false);
+    expect_repaired(spoilt, truth, {6 * kFigureFrames + 1});
+    const std::vector<training::DoubtfulMatte> found = training::ignore_doubtful_mattes(spoilt);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_GT(found[0].share, 0.99f) << "all of the body but cells at the image's edge";
+}
+
+// Five of 52 images, two of them of the same time.
+TEST(DoubtfulMattes, ATenthOfTheImagesLackAnArm) {
+    const training::Dataset truth = figure(13);
+    training::Dataset spoilt = truth;
+    const std::set<size_t> wrong = {3 * kFigureFrames, 2 * kFigureFrames, 5 * kFigureFrames + 1, 9 * kFigureFrames + 2,
+                                    12 * kFigureFrames + 3};
+    for (const size_t view : wrong) cut_arm(spoilt, view);
+    expect_repaired(spoilt, truth, wrong);
+}
+
+// What the matte lacks teaches nothing; what it has stays.
+TEST(DoubtfulMattes, ThePixelsOfTheArmAreIgnored) {
+    training::Dataset dataset = figure(13);
+    cut_arm(dataset, 3 * kFigureFrames);
+    const training::Dataset spoilt = dataset;
+    ASSERT_EQ(training::ignore_doubtful_mattes(dataset).size(), 1u);
+    const training::View& view = dataset.views[3 * kFigureFrames];
+    size_t pixel = 0, arm_pixels = 0, ignored_pixels = 0;
+    paint_view(dataset, 3 * kFigureFrames, [&](const uint8_t*, bool body, bool arm) {
+        const bool ignored = view.ignored[pixel++];
+        ignored_pixels += ignored ? 1 : 0;
+        arm_pixels += arm && !body ? 1 : 0;
+        EXPECT_EQ(ignored || !(arm && !body), true);
+        EXPECT_FALSE(ignored && body);
+    });
+    EXPECT_GT(arm_pixels, 20u);
+    EXPECT_LT(ignored_pixels, view.ignored.size() / 4) << "the background far from the body is known";
+    EXPECT_EQ(view.image.rgba, spoilt.views[3 * kFigureFrames].image.rgba) << "what is ignored was transparent";
+}
+
+TEST(DoubtfulMattes, MattesThatAreAllForegroundCastNoDoubtOnOthers) {
+    training::Dataset dataset = figure(13);
+    for (const size_t view : {size_t{0}, size_t{4 * kFigureFrames}, size_t{7 * kFigureFrames + 2}})
+        fill(dataset, view, true);
+    expect_untouched(dataset);
+}
+
+TEST(DoubtfulMattes, FewImagesAreNoEvidence) {
+    for (const uint32_t cameras : {3u, 4u}) {
+        SCOPED_TRACE(cameras);
+        training::Dataset dataset = figure(cameras);
+        fill(dataset, 0, false);
+        cut_arm(dataset, kFigureFrames + 2);
+        expect_untouched(dataset);
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test
