@@ -109,6 +109,7 @@ struct TrainOptions {
     double max_megabytes = 0, image_gigabytes = 0;
     bool uniform = false;
     LiveOptions live;
+    std::string refine;
     std::string init = "hull";
     double psi_minutes = 2;
     uint64_t psi_steps = 0;
@@ -168,9 +169,9 @@ training::LoadOptions load_options(const TrainOptions& options) {
 }
 
 // Prints what memory the images will take before it reads them, and afterwards which mattes are doubtful.
-training::Dataset load_images(const TrainOptions& options, const training::LoadOptions& load) {
+training::Dataset load_images(const TrainOptions& options, const training::Rig& rig,
+                              const training::LoadOptions& load) {
     const uint64_t budget = load.memory_bytes;
-    const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
     const training::ImageMemory need = training::image_memory(rig);
     fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}, budget {}{}\n", options.dataset.string(),
                need.cameras, need.frames, need.images, need.width, need.height, size_text(need.bytes),
@@ -181,16 +182,44 @@ training::Dataset load_images(const TrainOptions& options, const training::LoadO
     return dataset;
 }
 
+// Sets what --refine names: "colour", more names after commas.
+void apply_refine(const std::string& text, training::TrainSettings& settings) {
+    if (text.empty()) return;
+    for (size_t begin = 0, end; begin <= text.size(); begin = end + 1) {
+        end = std::min(text.find(',', begin), text.size());
+        const std::string name = text.substr(begin, end - begin);
+        if (name != "colour")
+            throw InputError("--refine", name, "is nothing that training can refine", "write: --refine colour");
+        settings.refine_colour = true;
+    }
+}
+
+constexpr float kEqualGains = 0.02f;  // gains that differ less from 1 are not worth a line
+
+void print_colours(const std::vector<CameraColour>& colours, const std::vector<training::RigCamera>& cameras) {
+    if (colours.empty()) return;
+    bool agree = true;
+    for (size_t i = 0; i < colours.size(); i++) {
+        const glm::vec3 gains = training::gains(colours[i]);
+        if (glm::all(glm::lessThanEqual(glm::abs(gains - 1.0f), glm::vec3(kEqualGains)))) continue;
+        fmt::print("camera {}: gains of R, G, B {:.3f} {:.3f} {:.3f}\n", cameras[i].name, gains.r, gains.g, gains.b);
+        agree = false;
+    }
+    if (agree) fmt::print("the gains of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
+}
+
 void run_train(const TrainOptions& options, const CommonOptions& common) {
     prepare_output(options.output);
     prepare_live_outputs(options.live);
+    training::TrainSettings settings = options.settings;
+    apply_refine(options.refine, settings);
     catch_stop_signals();
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
     const training::LoadOptions load = load_options(options);
-    const training::Dataset dataset = load_images(options, load);
+    const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
+    const training::Dataset dataset = load_images(options, rig, load);
     LiveReport live(device, dataset, load, options.live);
-    training::TrainSettings settings = options.settings;
     settings.program = "NeuVV " NEUVV_VERSION;
     settings.adaptive = !options.uniform;
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
@@ -209,6 +238,7 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     line.end();
     fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                last.step, last.epochs, format_duration(last.elapsed_s));
+    print_colours(last.colours, rig.cameras);
     if (settings.resume && last.step == last.began_at_step)
         fmt::print("the run had spent its budget; more --minutes or --steps go on from there\n");
     if (stop_requested() && last.fraction < 1)
@@ -222,8 +252,8 @@ std::string weight_option(const training::NamedLossWeight& weight) {
 // Names the given options that a resumed run ignores, because it keeps its own values.
 void warn_of_ignored_options(const Command& verb) {
     std::string given;
-    std::vector<std::string> names{"--resolution", "--bases",      "--hh-degree", "--init",
-                                   "--max-leaves", "--max-memory", "--uniform",   "--seed"};
+    std::vector<std::string> names{"--resolution", "--bases",   "--hh-degree", "--init",  "--max-leaves",
+                                   "--max-memory", "--uniform", "--seed",      "--refine"};
     for (const training::NamedLossWeight& weight : training::kLossWeights) names.push_back(weight_option(weight));
     for (const std::string& name : names)
         if (verb.count(name) > 0) given += fmt::format("{}{}", given.empty() ? "" : ", ", name);
@@ -273,13 +303,16 @@ void add_train(Command app, CommonOptions& common) {
         verb.add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
             .number_between(0.0, 100.0)
             .show_default();
+    verb.add_option(
+        "--refine", options->refine,
+        "What is learnt of the cameras, too, after commas; colour: gains and white balance (default: nothing)");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);
     verb.add_option("--seed", options->settings.seed, "Same seed, same batches").not_negative().show_default();
-    verb.add_flag(
-        "--resume", options->settings.resume,
-        "Go on from OUTPUT.state; shape, bounds, losses and seed are the run's, --minutes or --steps its whole budget");
+    verb.add_flag("--resume", options->settings.resume,
+                  "Go on from OUTPUT.state; shape, bounds, losses, seed and --refine are the run's, --minutes or "
+                  "--steps its whole budget");
     verb.add_option("--preview", options->live.preview,
                     "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
     verb.add_option("--metrics", options->live.metrics,

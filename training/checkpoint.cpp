@@ -101,6 +101,28 @@ std::vector<uint16_t> read_bfloats(const std::filesystem::path& path, const std:
     return values;
 }
 
+// The numbers of `cameras` cameras' colours.
+std::vector<CameraColour> read_colours(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
+                                       const char* name, size_t cameras) {
+    const std::vector<float> numbers = read_floats(path, chunks, name, 12 * cameras);
+    std::vector<CameraColour> colours(cameras);
+    std::memcpy(colours.data(), numbers.data(), numbers.size() * sizeof(float));
+    return colours;
+}
+
+// Colours are stored where a run refines them.
+CameraColours read_all_colours(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks) {
+    CameraColours colours;
+    for (const voctree::NvvChunk& found : chunks) {
+        if (found.name != "camc") continue;
+        const size_t cameras = found.bytes.size() / sizeof(CameraColour);
+        colours.values = read_colours(path, chunks, "camc", cameras);
+        colours.first = read_colours(path, chunks, "cam1", cameras);
+        colours.second = read_colours(path, chunks, "cam2", cameras);
+    }
+    return colours;
+}
+
 std::string weight_key(const NamedLossWeight& one) {
     return std::string("lambda_") + one.name;
 }
@@ -185,8 +207,9 @@ std::filesystem::path state_path(const std::filesystem::path& nvv) {
     return nvv.string() + ".state";
 }
 
-Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run) {
-    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}};
+Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run,
+                           const CameraColours& colours) {
+    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}, colours};
     step.download(checkpoint.tree);
     const gpu::Device& device = *step.field().weights.device;
     checkpoint.use = read_use(device, step.tally(), tree);
@@ -200,13 +223,21 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
 }
 
 uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
-    voctree::write_nvv(
-        state_path(nvv), checkpoint.tree,
-        {run_chunk(checkpoint.run), chunk("wf32", checkpoint.tree.weights), chunk("mom1", checkpoint.first),
-         chunk("mom2", checkpoint.second), chunk("row1", checkpoint.rows_first), chunk("row2", checkpoint.rows_second),
-         chunk("rech", checkpoint.use.max_weight), chunk("pull", checkpoint.use.opacity_sensitivity),
-         chunk("frms", checkpoint.use.frames)},
-        1);
+    std::vector<voctree::NvvChunk> chunks{run_chunk(checkpoint.run),
+                                          chunk("wf32", checkpoint.tree.weights),
+                                          chunk("mom1", checkpoint.first),
+                                          chunk("mom2", checkpoint.second),
+                                          chunk("row1", checkpoint.rows_first),
+                                          chunk("row2", checkpoint.rows_second),
+                                          chunk("rech", checkpoint.use.max_weight),
+                                          chunk("pull", checkpoint.use.opacity_sensitivity),
+                                          chunk("frms", checkpoint.use.frames)};
+    if (!checkpoint.colours.values.empty()) {
+        chunks.push_back(chunk("camc", checkpoint.colours.values));
+        chunks.push_back(chunk("cam1", checkpoint.colours.first));
+        chunks.push_back(chunk("cam2", checkpoint.colours.second));
+    }
+    voctree::write_nvv(state_path(nvv), checkpoint.tree, chunks, 1);
     return save_compact(nvv, checkpoint.tree);
 }
 
@@ -234,6 +265,7 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     checkpoint.use.opacity_sensitivity = read_floats(path, chunks, "pull", tree.leaf_count);
     checkpoint.use.frames =
         read_chunk<uint32_t>(path, chunks, "frms", size_t{(tree.frames + 31) / 32} * tree.leaf_count);
+    checkpoint.colours = read_all_colours(path, chunks);
     return checkpoint;
 }
 

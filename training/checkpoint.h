@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "training/camera_colour.h"
 #include "training/step.h"
 
 namespace neuvv::training {
@@ -36,12 +37,14 @@ struct Checkpoint {
     std::vector<uint16_t> first, second;         // moments of the weights, bfloat16, in planes
     std::vector<float> rows_first, rows_second;  // moments of A, then those of B
     LeafUse use;
+    CameraColours colours;  // empty where the run does not refine them
 };
 
 std::filesystem::path state_path(const std::filesystem::path& nvv);
 
 // Downloads weights, bases, moments and use of the leaves. `tree` has the run's topology.
-Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run);
+Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run,
+                           const CameraColours& colours = {});
 
 // Replaces the checkpoint file, then the .nvv, each atomically: at any moment each file is the old or the new one, and
 // wherever there is a .nvv, its run can be resumed. Returns how many leaves the .nvv has. Throws RuntimeFailure.

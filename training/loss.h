@@ -31,11 +31,16 @@ struct LossBatch {
     gpu::Buffer background;  // per ray: linear RGB; host-mapped
     gpu::Buffer adjoint;     // per ray: ∂L/∂(R, G, B, alpha)
     gpu::Buffer sums;        // per tile: (Σ rgb, Σ grad, pixels, unused)
+    // Per tile a CameraColour: that of its camera (host-mapped), and the derivative by it. Only where colours are
+    // refined.
+    gpu::Buffer colours, colour_gradients;
 };
 
 // Writes cameras, tiles, targets and backgrounds of a batch into the buffers that the next step reads. No step may be
-// running. The batch must fit (assert).
-void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch);
+// running. The batch must fit (assert). `colours`: by camera, or none; where there are some, they are written too, and
+// the targets become what a camera with the identity for its colour would see.
+void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch,
+                const std::vector<CameraColour>& colours = {});
 
 struct Loss {
     Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBatch& batch);
@@ -45,8 +50,8 @@ struct Loss {
 };
 
 // A pixel is the mean of samples² neighbouring rays, all of which have the pixel's target and background. `samples`
-// must divide kTile (assert).
+// must divide kTile (assert). With `colours`, the batch must have been loaded with colours.
 void record_loss(gpu::Commands& commands, const Loss& loss, uint32_t tiles, const LossWeights& weights,
-                 uint32_t samples = 1);
+                 uint32_t samples = 1, bool colours = false);
 
 }  // namespace neuvv::training

@@ -64,7 +64,8 @@ constexpr float kTrainingStop = 1.0f / 256;  // the transmittance below which ra
 // A and B move in every eighth step: their sums take as long as moving the weights of leaves.
 constexpr uint32_t kStepsPerRows = 8;
 
-// Falls exponentially with progress.
+// These fall exponentially with progress.
 LearningRates learning_rates(double progress);
+float camera_colour_rate(double progress);
 
 }  // namespace neuvv::training

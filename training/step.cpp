@@ -15,8 +15,8 @@ void TrainingStep::record_step(const StepSettings& settings) {
     if (settings.learn_rows) sliced_frame_.reset();
     // field_ top, nodes, children; slice_ node_live, head, sh; rays_ cameras, tiles → rays_ radiance, depth
     render::record_trace(commands_, tracer_, settings.tiles, settings.stop);
-    // rays_ radiance; batch_ target, background → batch_ adjoint, sums
-    record_loss(commands_, loss_, settings.tiles, settings.weights, settings.samples);
+    // rays_ radiance; batch_ target, background, colours → batch_ adjoint, sums, colour_gradients
+    record_loss(commands_, loss_, settings.tiles, settings.weights, settings.samples, settings.colours);
     // what trace reads; rays_ radiance; batch_ adjoint, target → adds to gradients_ gradients, max_weight
     record_trace_adjoint(commands_, trace_adjoint_, settings.tiles, settings.stop, settings.weights,
                          settings.pixel_share());
@@ -28,8 +28,10 @@ void TrainingStep::record_step(const StepSettings& settings) {
     // slice_ head and sh of the moved weights; clears gradients and max_weight. Where rows learn, also gradients_
     // partials, and then gradients_ partials → field_ sigma_basis, gamma_basis, moments_ rows_first, rows_second
     record_slice_adjoint(commands_, slice_adjoint_, settings.frame, settings.rates, settings.adam, settings.learn_rows);
-    // batch_ sums, slice_ live, gradients_ touched_count → the host
+    // batch_ sums, colour_gradients, slice_ live, gradients_ touched_count → the host
     gpu::copy(commands_, batch_.sums, sums_readback_, uint64_t{16} * settings.tiles);
+    if (settings.colours)
+        gpu::copy(commands_, batch_.colour_gradients, colours_readback_, sizeof(CameraColour) * settings.tiles);
     gpu::copy(commands_, slice_.live, live_readback_, sizeof(LiveCount));
     gpu::copy(commands_, gradients_.touched_count, touched_readback_, sizeof(LiveCount));
     gpu::host_barrier(commands_);
@@ -51,6 +53,7 @@ TrainingStep::TrainingStep(const gpu::Device& device, const voctree::VOctree& tr
       moments_(device, field_),
       tally_(device, tree),
       sums_readback_(device, "loss sums readback", uint64_t{16} * tiles, gpu::MemoryKind::kReadback),
+      colours_readback_(device, "colour gradients readback", sizeof(CameraColour) * tiles, gpu::MemoryKind::kReadback),
       live_readback_(device, "live count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
       touched_readback_(device, "touched count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
       slicer_(device, field_, slice_),

@@ -16,6 +16,7 @@ struct StepSettings {
     uint32_t tiles = 0;
     LossWeights weights = kLossWeightsWithoutSmoothness;
     uint32_t samples = 1;  // rays a pixel, per side
+    bool colours = false;  // the batch was loaded with colours of cameras; computes the derivatives by them
     float stop = render::kStopTransmittance;
     LearningRates rates;
     AdamSettings adam;
@@ -58,6 +59,8 @@ class TrainingStep {
 
     void submit(const StepSettings& settings);
     StepResult wait();
+    // Per tile of the last step that had `colours`: the derivative of its loss by its camera's colour. After wait().
+    const CameraColour* colour_gradients() const { return colours_readback_.as<CameraColour>(); }
     std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
 
     // Writes the current weights, A and B into `tree`, which must have the same topology (assert).
@@ -76,7 +79,7 @@ class TrainingStep {
     SliceGradients gradients_;
     Moments moments_;
     LeafTally tally_;
-    gpu::Buffer sums_readback_, live_readback_, touched_readback_;
+    gpu::Buffer sums_readback_, colours_readback_, live_readback_, touched_readback_;
     render::Slicer slicer_;
     render::Tracer tracer_;
     Loss loss_;

@@ -90,6 +90,7 @@ class Run {
     double began_;
     RunState run_;
     voctree::VOctree tree_;
+    CameraColours colours_;
     uint32_t finest_ = 0;  // octree depth of the tree's finest leaves
     uint64_t saved_step_ = 0;
     uint64_t file_bytes_ = 0;      // size of the last .nvv
@@ -114,7 +115,14 @@ const Dataset& Run::begin() {
                              fmt::format("has {} frames, {} has {}", checkpoint.tree.frames, dataset_.folder.string(),
                                          dataset_.times.size()),
                              "resume with the data set that the run began with");
+        const size_t cameras = checkpoint.colours.values.size();
+        if (cameras > 0 && cameras != dataset_.cameras.size())
+            throw InputError(state_path(output_).string(), "",
+                             fmt::format("has colours of {} cameras, {} has {}", cameras, dataset_.folder.string(),
+                                         dataset_.cameras.size()),
+                             "resume with the data set that the run began with");
         run_ = checkpoint.run;
+        colours_ = checkpoint.colours;
         tree_ = std::move(checkpoint.tree);
         make_step();
         checkpoint.tree = {};
@@ -127,6 +135,7 @@ const Dataset& Run::begin() {
         run_.tiles_per_step = settings_.tiles_per_step;
         run_.weights = settings_.weights;
         run_.program = settings_.program;
+        if (settings_.refine_colour) colours_ = CameraColours(dataset_.cameras.size());
         tree_ =
             settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
         if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
@@ -214,7 +223,7 @@ void Run::save() {
     const double start = seconds_now();
     RunState now = run_;
     now.elapsed_s = elapsed();
-    written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now));
+    written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now, colours_));
     file_bytes_ = std::filesystem::file_size(output_);
     saved_step_ = run_.step;
     saved_at_ = seconds_now();
@@ -252,6 +261,7 @@ StepSettings Run::step_settings(double time) const {
     settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
+    settings.colours = !colours_.values.empty();
     // With as many bases as frames, the first bases can give a leaf any values over time, so they need not learn.
     settings.learn_rows = tree_.bases < tree_.frames && run_.adam_step % kStepsPerRows == 0;
     return settings;
@@ -280,6 +290,7 @@ TrainProgress Run::progress() const {
     now.depth = finest_;
     now.epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
     now.passes = step_->pass_times();
+    now.colours = colours_.values;
     now.field = &step_->field();
     return now;
 }
@@ -292,26 +303,27 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     reported_at_ = seconds_now();
     while (go_on && fraction() < 1) {
         begin_phase_if_due();
-        load_batch(dataset_, batch, step_->rays(), step_->batch());
+        load_batch(dataset_, batch, step_->rays(), step_->batch(), colours_.values);
         run_.step++;
         run_.adam_step++;
         StepSettings settings = step_settings(batch.time);
         settings.tiles = static_cast<uint32_t>(batch.tiles.size());
         settings.samples = batch.samples;
         step_->submit(settings);
-        const double time = batch.time;
+        const Batch trained = std::move(batch);
         batch = next_batch(run_.step + 1);
         const StepResult result = step_->wait();
         if (!std::isfinite(result.rgb_loss))
             throw RuntimeFailure(
                 fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number; {} "
                             "holds step {}, from which --resume goes on",
-                            run_.step, settings.tiles, time, state_path(output_).string(), saved_step_));
+                            run_.step, settings.tiles, trained.time, state_path(output_).string(), saved_step_));
         if (result.overflow > 0)
             throw RuntimeFailure(
                 fmt::format("{} of {} live leaves found no slot on this device; choose a lower "
                             "--resolution or --hh-degree",
                             result.overflow, result.overflow + result.slots));
+        colours_.learn(trained, step_->colour_gradients(), camera_colour_rate(fraction()), run_.step);
         rays_sum_ += static_cast<double>(result.pixels);
         run_.rays += static_cast<double>(result.pixels);
         run_.phase_rays += result.pixels;

@@ -20,6 +20,7 @@ struct TrainSettings {
     bool adaptive = true;     // false: all leaves end at the depth of `shape`; none is removed or becomes finer
     uint32_t tiles_per_step = 512;
     LossWeights weights = kDefaultLossWeights;
+    bool refine_colour = false;     // learn the colour of each camera (camera_colour.h); a resumed run does what it did
     std::string program = "NeuVV";  // RunState::program
     bool resume = false;
     // The tree with which a run begins, in place of initial_tree. All its leaves must lie kLevelsAbovePixel levels
@@ -42,6 +43,7 @@ struct TrainProgress {
     uint32_t leaves = 0, depth = 0;
     double epochs = 0;
     std::vector<gpu::PassTime> passes;     // of the last step
+    std::vector<CameraColour> colours;     // by camera, where they are refined
     const render::Field* field = nullptr;  // the current model; the callback may use it until it returns
 };
 

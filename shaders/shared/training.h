@@ -13,16 +13,25 @@ struct LossWeights {
     float smoothness;  // of the smoothness of opacity (smooth.comp)
 };
 
+// The colour of a camera: it sees the premultiplied linear foreground (C, α) as A C + α b, before the background is
+// added.
+struct CameraColour {
+    vec4 rows[3];  // for R, G, B: a row of A, and b
+};
+
 // loss.comp
 CONSTEXPR uint kLossRadiance = 0u;
 CONSTEXPR uint kLossTarget = 1u;  // per ray: premultiplied linear RGB and alpha of the foreground; alpha −1: no pixel
-CONSTEXPR uint kLossBackground = 2u;  // per ray: linear RGB
-CONSTEXPR uint kLossAdjoint = 3u;     // per ray: ∂L/∂(R, G, B, alpha)
-CONSTEXPR uint kLossSums = 4u;        // per tile: (Σ rgb, Σ grad, pixels, unused)
+CONSTEXPR uint kLossBackground = 2u;       // per ray: linear RGB
+CONSTEXPR uint kLossAdjoint = 3u;          // per ray: ∂L/∂(R, G, B, alpha)
+CONSTEXPR uint kLossSums = 4u;             // per tile: (Σ rgb, Σ grad, pixels, unused)
+CONSTEXPR uint kLossColours = 5u;          // per tile: the CameraColour of its camera
+CONSTEXPR uint kLossColourGradients = 6u;  // per tile: ∂L/∂(its CameraColour)
 
 struct LossPush {
     LossWeights weights;
     uint samples;  // a pixel is the mean of samples × samples neighbouring rays; must divide kTile
+    uint colours;  // 1: cameras have colours of their own; else the two bindings are not used
 };
 
 // trace_adjoint.comp and direct_adjoint.comp have the bindings of trace.comp and direct.comp up to kTraceRadiance, and:
@@ -130,7 +139,7 @@ struct RowsAdjointPush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::LossPush) == 16);
+static_assert(sizeof(neuvv::LossPush) == 20);
 static_assert(sizeof(neuvv::SmoothPush) == 28);
 static_assert(sizeof(neuvv::TraceAdjointPush) == 60);
 static_assert(sizeof(neuvv::SliceAdjointPush) == 60);

@@ -7,6 +7,7 @@
 #include "reference/loss.h"
 #include "support/gpu_test.h"
 #include "support/random_tree.h"
+#include "training/camera_colour.h"
 
 namespace neuvv::test {
 namespace {
@@ -16,6 +17,7 @@ constexpr double kLambda = 0.1;
 
 struct LossScene {
     std::vector<glm::vec4> radiance, target, background;  // per ray
+    std::vector<CameraColour> colours;                    // per tile; none: all cameras agree
 };
 
 // Tile 0 is whole, tile 1 lies at the right edge of an image, tile 2 at its bottom right corner. No error is near the
@@ -57,6 +59,7 @@ reference::Patch patch_of(const LossScene& scene, uint32_t tile) {
 
 struct DeviceLoss {
     std::vector<glm::vec4> adjoint, sums;
+    std::vector<CameraColour> colour_gradients;
 };
 
 DeviceLoss loss_on(const gpu::Device& device, const LossScene& scene, uint32_t samples = 1) {
@@ -65,13 +68,22 @@ DeviceLoss loss_on(const gpu::Device& device, const LossScene& scene, uint32_t s
     const training::Loss loss(device, rays, batch);
     const uint64_t bytes = scene.radiance.size() * sizeof(glm::vec4);
     gpu::upload(device, rays.radiance, scene.radiance.data(), bytes);
-    std::copy(scene.target.begin(), scene.target.end(), batch.target.as<glm::vec4>());
+    for (size_t i = 0; i < scene.target.size(); i++) {
+        glm::vec4 target = scene.target[i];
+        if (!scene.colours.empty() && target.a >= 0)
+            target = glm::vec4(training::seen(training::inverse(scene.colours[i / kTilePixels]), target), target.a);
+        batch.target.as<glm::vec4>()[i] = target;
+    }
+    std::copy(scene.colours.begin(), scene.colours.end(), batch.colours.as<CameraColour>());
     std::copy(scene.background.begin(), scene.background.end(), batch.background.as<glm::vec4>());
     gpu::run_once(device, "loss", [&](gpu::Commands& commands) {
-        training::record_loss(commands, loss, kTiles, LossWeights{static_cast<float>(kLambda), 0, 0}, samples);
+        training::record_loss(commands, loss, kTiles, LossWeights{static_cast<float>(kLambda), 0, 0}, samples,
+                              !scene.colours.empty());
     });
-    DeviceLoss result{std::vector<glm::vec4>(scene.radiance.size()), std::vector<glm::vec4>(kTiles)};
+    DeviceLoss result{std::vector<glm::vec4>(scene.radiance.size()), std::vector<glm::vec4>(kTiles),
+                      std::vector<CameraColour>(kTiles)};
     gpu::download(device, batch.adjoint, result.adjoint.data(), bytes);
+    gpu::download(device, batch.colour_gradients, result.colour_gradients.data(), kTiles * sizeof(CameraColour));
     gpu::download(device, batch.sums, result.sums.data(), kTiles * sizeof(glm::vec4));
     return result;
 }
@@ -127,6 +139,56 @@ TEST_P(LossOfSamples, AdjointIsTheDerivative) {
     }
     expect_gradients("colour", colours);
     expect_gradients("alpha", alphas);
+}
+
+// A camera with a gain, some mixing of channels and an offset. All add light, so that no colour is negative.
+CameraColour random_colour(Random& random) {
+    CameraColour colour = training::kNeutralColour;
+    for (glm::vec4& row : colour.rows)
+        for (int i = 0; i < 4; i++) row[i] += static_cast<float>(random.uniform(0, 0.04));
+    return colour;
+}
+
+reference::CameraColour exact(const CameraColour& colour) {
+    reference::CameraColour result;
+    for (int row = 0; row < 3; row++) {
+        for (int c = 0; c < 3; c++) result.matrix[c][row] = double{colour.rows[row][c]};
+        result.offset[row] = double{colour.rows[row].a};
+    }
+    return result;
+}
+
+TEST_P(LossOfSamples, AdjointThroughACamerasColourIsTheDerivative) {
+    LossScene scene = random_loss_scene(5, GetParam());
+    Random random(6);
+    for (uint32_t tile = 0; tile < kTiles; tile++) scene.colours.push_back(random_colour(random));
+    const DeviceLoss found = loss_on(device(), scene, GetParam());
+    std::vector<GradientPair> rays, cameras;
+    for (uint32_t tile = 0; tile < kTiles; tile++) {
+        const reference::CameraColour camera = exact(scene.colours[tile]);
+        const reference::Patch patch = patch_of(scene, tile);
+        reference::Patch pixels = reference::pixel_means(patch, GetParam());
+        const reference::PatchLoss truth = reference::patch_loss(reference::seen_by(camera, pixels), 1);
+        EXPECT_NEAR(found.sums[tile].x, truth.rgb, 1e-4 * truth.rgb);
+        const reference::ColourGradient gradient = reference::seen_by_adjoint(
+            camera, pixels, reference::patch_loss_adjoint(reference::seen_by(camera, pixels), kLambda, 1));
+        for (int row = 0; row < 3; row++) {
+            const glm::vec4 sums = found.colour_gradients[tile].rows[row];
+            for (int c = 0; c < 3; c++) cameras.push_back({sums[c], gradient.camera.matrix[c][row]});
+            cameras.push_back({sums.a, gradient.camera.offset[row]});
+        }
+        for (uint32_t i = 0; i < kTilePixels; i++) {
+            if (!patch[i].inside) continue;
+            const uint32_t pixel = i / kTile / GetParam() * kTile + i % kTile / GetParam();
+            const reference::PixelGradient& d = gradient.pixels[pixel];
+            const glm::vec4 adjoint = found.adjoint[size_t{tile} * kTilePixels + i];
+            const double rays_a_pixel = GetParam() * GetParam();
+            for (int c = 0; c < 3; c++) rays.push_back({adjoint[c] * rays_a_pixel, d.colour[c]});
+            rays.push_back({adjoint.a * rays_a_pixel, d.alpha});
+        }
+    }
+    expect_gradients("rays", rays);
+    expect_gradients("cameras", cameras);
 }
 
 INSTANTIATE_TEST_SUITE_P(RaysAPixel, LossOfSamples, ::testing::Values(1, 2, 4));

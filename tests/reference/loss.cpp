@@ -71,6 +71,11 @@ Patch pixel_means(const Patch& rays, size_t samples) {
     return pixels;
 }
 
+Patch seen_by(const CameraColour& camera, Patch patch) {
+    for (PatchPixel& p : patch) p.colour = camera.matrix * p.colour + p.alpha * camera.offset;
+    return patch;
+}
+
 PatchLoss patch_loss(const Patch& patch, double batch_pixels) {
     const auto difference = differences(patch);
     PatchLoss loss;
@@ -117,6 +122,19 @@ std::array<PixelGradient, kPatchPixels> patch_loss_adjoint(const Patch& patch, d
         const glm::dvec3 d_display = 2.0 / batch_pixels * difference[i] + glm::sign(difference[i]) * d_error[i];
         gradient[i].colour = d_display * slope;
         gradient[i].alpha = -glm::dot(gradient[i].colour, p.background);
+    }
+    return gradient;
+}
+
+ColourGradient seen_by_adjoint(const CameraColour& camera, const Patch& patch,
+                               const std::array<PixelGradient, kPatchPixels>& seen) {
+    ColourGradient gradient{seen};
+    for (size_t i = 0; i < kPatchPixels; ++i) {
+        const glm::dvec3 d = seen[i].colour;
+        gradient.pixels[i].colour = glm::transpose(camera.matrix) * d;
+        gradient.pixels[i].alpha = seen[i].alpha + glm::dot(camera.offset, d);
+        gradient.camera.matrix += glm::outerProduct(d, patch[i].colour);
+        gradient.camera.offset += patch[i].alpha * d;
     }
     return gradient;
 }

@@ -36,6 +36,14 @@ using Patch = std::array<PatchPixel, kPatchPixels>;  // row-major
 // at the top left of the patch; the rest of it is not inside.
 Patch pixel_means(const Patch& rays, size_t samples);
 
+// The colour of a camera: it sees the foreground (C, α) as A C + α b.
+struct CameraColour {
+    glm::dmat3 matrix{1};  // A; glm's first index is the column
+    glm::dvec3 offset{0};  // b
+};
+// The patch with its C as the camera sees it. C* is what the camera has seen, and stays.
+Patch seen_by(const CameraColour& camera, Patch patch);
+
 struct PatchLoss {
     double rgb = 0;
     double grad = 0;
@@ -55,5 +63,13 @@ struct PixelGradient {
 };
 // Derivatives of total() by each pixel's C and α. |·| has subgradient 0 at 0.
 std::array<PixelGradient, kPatchPixels> patch_loss_adjoint(const Patch& patch, double lambda_grad, double batch_pixels);
+
+// From the derivatives by C and α of seen_by(camera, patch): those by the patch's own, and those by A and b.
+struct ColourGradient {
+    std::array<PixelGradient, kPatchPixels> pixels;
+    CameraColour camera{glm::dmat3(0), glm::dvec3(0)};
+};
+ColourGradient seen_by_adjoint(const CameraColour& camera, const Patch& patch,
+                               const std::array<PixelGradient, kPatchPixels>& seen);
 
 }  // namespace neuvv::reference

@@ -89,6 +89,25 @@ TEST(Loss, AdjointIsTheGradient) {
     }
 }
 
+TEST(Loss, AdjointOfACamerasColourIsTheGradient) {
+    Random random(7);
+    Patch patch = random_patch(random, false);
+    CameraColour camera{glm::dmat3(1.1, 0.03, -0.02, 0.04, 0.95, 0.01, -0.03, 0.02, 1.02), {0.01, 0.02, -0.01}};
+    const auto loss = [&] { return patch_loss(seen_by(camera, patch), 256).total(0.1); };
+    const ColourGradient gradient =
+        seen_by_adjoint(camera, patch, patch_loss_adjoint(seen_by(camera, patch), 0.1, 256));
+    for (size_t i = 0; i < kPatchPixels; ++i) {
+        for (int c = 0; c < 3; ++c)
+            EXPECT_LT(gradient_error(gradient.pixels[i].colour[c], patch[i].colour[c], loss, 1e-4), 1e-6) << i;
+        EXPECT_LT(gradient_error(gradient.pixels[i].alpha, patch[i].alpha, loss, 1e-4), 1e-6) << i;
+    }
+    for (int c = 0; c < 3; ++c) {
+        for (int row = 0; row < 3; ++row)
+            EXPECT_LT(gradient_error(gradient.camera.matrix[c][row], camera.matrix[c][row], loss, 1e-4), 1e-6);
+        EXPECT_LT(gradient_error(gradient.camera.offset[c], camera.offset[c], loss, 1e-4), 1e-6);
+    }
+}
+
 TEST(Loss, APerfectPixelPullsNowhere) {
     Random random(3);
     Patch patch = random_patch(random, false);

@@ -363,6 +363,18 @@ TEST_F(KilledRun, ShowsItselfWhileItRuns) {
     EXPECT_NE(read_text(log_).find("--preview"), std::string::npos) << read_text(log_);
 }
 
+TEST_F(KilledRun, RefinesOnlyWhatItKnows) {
+    std::vector<std::string> words = command(3, false);
+    words.insert(words.end(), {"--refine", "colour"});
+    ChildProcess known(words, log_);
+    EXPECT_EQ(known.wait(), 0);
+    EXPECT_NE(read_text(log_).find("gains of"), std::string::npos) << read_text(log_);
+    words.back() = "colour,lens";
+    ChildProcess unknown(words, log_);
+    EXPECT_EQ(unknown.wait(), 2);
+    EXPECT_NE(read_text(log_).find("lens"), std::string::npos) << read_text(log_);
+}
+
 TEST_F(KilledRun, ResumeWithoutAStateIsBadInput) {
     ChildProcess child(command(3, true), log_);
     EXPECT_EQ(child.wait(), 2);

@@ -1,6 +1,9 @@
 // The loss of traced tiles, and its derivative by the colour and alpha of every ray (errata 10, 16).
 //   P = srgb(mean over the pixel's rays of C + (1−α) B),  I = srgb(C* + (1−α*) B),  e = |P − I|
 //   L = Σ_pixels Σ_channels (P − I)² + λ ((e_right − e)² + (e_below − e)²), where neighbours lie in the same tile
+// Where cameras have colours of their own, C is what the tile's camera makes of the traced colour. The targets are then
+// as the reference camera would see them, for the point loss, and the tile's camera makes C* of them.
+// Where what a camera sees is below 0, the slope of srgb is that at 0, which pulls it back.
 // The losses are sums, not means, as Adam does not depend on their scale; the host divides them by the number of pixels
 // for display. One workgroup per tile, one thread per ray; reads 48 bytes and writes 16 bytes per ray.
 #version 460
@@ -13,12 +16,35 @@ layout(binding = kLossTarget) uniform textureBuffer target;
 layout(binding = kLossBackground) uniform textureBuffer background;
 layout(binding = kLossAdjoint, rgba32f) writeonly uniform imageBuffer adjoint;
 layout(binding = kLossSums, std430) writeonly buffer Sums { vec4 sums[]; };
+layout(binding = kLossColours, std430) readonly buffer Colours { CameraColour colours[]; };
+layout(binding = kLossColourGradients, std430) writeonly buffer Gradients { CameraColour colour_gradients[]; };
 layout(push_constant) uniform Push { LossPush push; };
 #include "srgb.glsl"
 
 shared vec3 composited[kTilePixels];  // per ray: its colour over its background, linear
 shared vec4 error[kTilePixels];       // per ray: e of its pixel, and 1 where there is a pixel
 shared vec2 losses[kTilePixels];      // per ray: its share in the pixel's (L_rgb, L_grad)
+shared vec4 foreground[kTilePixels];  // per ray: its traced (C, α)
+shared vec3 d_seen[kTilePixels];      // per ray: ∂L/∂C as the tile's camera sees it
+
+// The colour of a foreground (C, α) as the tile's camera sees it.
+vec3 seen(uint tile, vec4 c) {
+    if (push.colours == 0u) return c.rgb;
+    return vec3(dot(colours[tile].rows[0], c), dot(colours[tile].rows[1], c), dot(colours[tile].rows[2], c));
+}
+
+// The derivative by the foreground (C, α), from the derivative by the colour that the tile's camera sees.
+vec4 seen_adjoint(uint tile, vec3 d) {
+    if (push.colours == 0u) return vec4(d, 0.0);
+    return d.r * colours[tile].rows[0] + d.g * colours[tile].rows[1] + d.b * colours[tile].rows[2];
+}
+
+// The derivative by a row of the camera's colour, summed over the tile.
+vec4 row_gradient(uint row) {
+    vec4 sum = vec4(0.0);
+    for (uint i = 0u; i < kTilePixels; i++) sum += d_seen[i][row] * foreground[i];
+    return sum;
+}
 
 // The difference of e between two pixels, the far one minus the near one; 0 where one of them lies beyond the image.
 vec3 difference(uint near, uint far) {
@@ -41,10 +67,11 @@ void main() {
     const vec4 traced = texelFetch(radiance, ray), truth = texelFetch(target, ray);
     const vec3 behind = texelFetch(background, ray).rgb;
     const bool inside = truth.a >= 0.0;
-    composited[lane] = traced.rgb + (1.0 - traced.a) * behind;
+    foreground[lane] = traced;
+    composited[lane] = seen(group, traced) + (1.0 - traced.a) * behind;
     barrier();
     const vec3 linear = pixel_mean(x, y);
-    const vec3 wrong = inside ? srgb_encode(linear) - srgb_encode(truth.rgb + (1.0 - truth.a) * behind) : vec3(0.0);
+    const vec3 wrong = inside ? srgb_encode(linear) - srgb_encode(seen(group, truth) + (1.0 - truth.a) * behind) : vec3(0.0);
     error[lane] = vec4(abs(wrong), inside ? 1.0 : 0.0);
     barrier();
 
@@ -57,10 +84,13 @@ void main() {
     const vec3 d_error = 2.0 * push.weights.grad * (left + above - right - below);
     const float share = 1.0 / float(push.samples * push.samples);  // of a ray in its pixel
     const vec3 d_colour = share * (2.0 * wrong + sign(wrong) * d_error) * srgb_encode_adjoint(linear);
-    imageStore(adjoint, ray, inside ? vec4(d_colour, -dot(d_colour, behind)) : vec4(0.0));
+    const vec4 d_ray = seen_adjoint(group, d_colour) - vec4(vec3(0.0), dot(d_colour, behind));
+    imageStore(adjoint, ray, inside ? d_ray : vec4(0.0));
+    d_seen[lane] = inside ? d_colour : vec3(0.0);
 
     losses[lane] = share * vec2(dot(wrong, wrong), dot(right, right) + dot(below, below));
     barrier();
+    if (push.colours != 0u && lane < 3u) colour_gradients[group].rows[lane] = row_gradient(lane);
     if (lane != 0u) return;
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < kTilePixels; i++) sum += vec4(losses[i], share * error[i].a, 0.0);

@@ -23,7 +23,7 @@ void main() {
     const vec4 d_ray = texelFetch(adjoint, int(ray.index)), traced = texelFetch(radiance, int(ray.index));
     const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
     const vec4 truth = texelFetch(target, int(ray.index));
-    const vec3 root = truth.a > 0.0 ? sqrt(truth.rgb / truth.a) : vec3(0.0);
+    const vec3 root = truth.a > 0.0 ? sqrt(max(truth.rgb, vec3(0.0)) / truth.a) : vec3(0.0);
     const float point_strength = push.weights.point * push.pixel_share * max(truth.a, 0.0);
     sample_begin(ray.direction, ray.view);
     Composite sum = composite_begin();
