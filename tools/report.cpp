@@ -103,8 +103,9 @@ std::string doubtful_mattes_text(const training::Dataset& dataset, const std::ve
     constexpr size_t kMaxLines = 10;
     std::string text;
     for (size_t i = 0; i < std::min(mattes.size(), kMaxLines); ++i)
-        text += fmt::format("doubtful matte: {} lacks {:.1f} % of the body that the other images of its time show\n",
-                            dataset.views[mattes[i].view].name, 100 * mattes[i].share);
+        text +=
+            fmt::format("doubtful matte: {} lacks about {:.1f} % of the body that the other images of its time show\n",
+                        dataset.views[mattes[i].view].name, 100 * mattes[i].share);
     if (mattes.size() > kMaxLines) text += fmt::format("doubtful mattes: {} more\n", mattes.size() - kMaxLines);
     if (!mattes.empty())
         text +=

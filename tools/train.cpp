@@ -303,9 +303,8 @@ void add_train(Command app, CommonOptions& common) {
         verb.add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
             .number_between(0.0, 100.0)
             .show_default();
-    verb.add_option(
-        "--refine", options->refine,
-        "What is learnt of the cameras, too, after commas; colour: gains and white balance (default: nothing)");
+    verb.add_option("--refine", options->refine,
+                    "What else is learnt, of the cameras; colour: gains and white balance (default: nothing)");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);

@@ -15,7 +15,7 @@ using Box = std::pair<glm::dvec3, glm::dvec3>;
 constexpr size_t kMinImages = 5;
 constexpr uint32_t kCoarseGrid = 20, kFineGrid = 40;  // cells along each side
 
-// How many of the images that see a cell may be wrong about it.
+// How many of the images that see a cell may be wrong about it: fewer than a quarter.
 size_t allowed_errors(size_t seen) {
     return (seen - 1) / 4;
 }
@@ -118,7 +118,7 @@ std::vector<bool> MatteComparison::covered_by_hull(const Silhouette& silhouette)
     std::vector<int32_t> differences(stride * (size_t{height} + 1));
     for (const Candidate& candidate : candidates_) {
         if (!in_hull(candidate)) continue;
-        const std::optional<PixelRectangle> r = image_of(silhouette, candidate.cell);
+        const std::optional<PixelRectangle> r = visible_part_of(silhouette, candidate.cell);
         if (!r) continue;
         differences[r->y0 * stride + r->x0]++;
         differences[r->y0 * stride + r->x1]--;

@@ -10,7 +10,7 @@ namespace neuvv::training {
 
 struct DoubtfulMatte {
     uint32_t view = 0;  // index into Dataset::views
-    float share = 0;    // of the cells that the other images call matter: those that this matte alone would empty
+    float share = 0;    // of the body's cells: those that this matte empties, perhaps with a few others
 };
 
 // Finds the images whose mattes lack a part of the body, and ignores their background pixels (View::ignored) wherever
@@ -19,8 +19,8 @@ struct DoubtfulMatte {
 // A right matte often is the only one to empty a cell, but all images' foreground still has matter of the hull behind
 // it. Where a part is missing in one matte, the other images show foreground behind which no matter is left. A matte is
 // doubtful if it empties at least kDoubtfulShare of the body's cells behind such unexplained foreground. In each cell
-// at most a quarter of the images that see it can be wrong, and more images than that must show unexplained foreground
-// there. A time with fewer than five images is left as it is.
+// fewer than a quarter of the images that see it can be wrong, and more images than can be wrong must show unexplained
+// foreground there. A time with fewer than five images is left as it is.
 std::vector<DoubtfulMatte> ignore_doubtful_mattes(Dataset& dataset);
 
 constexpr float kDoubtfulShare = 0.01f;

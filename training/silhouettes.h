@@ -32,6 +32,7 @@ struct PixelSums {
                 sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + row;
             }
         }
+        if (sums.back() == 0) sums = {};
     }
     PixelSums() = default;
 
@@ -55,6 +56,9 @@ std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time);
 // The pixels in which matter in the cell's ball may be visible; nothing where the ball is too near, or partly outside
 // the image.
 std::optional<PixelRectangle> image_of(const Silhouette& silhouette, const HullCell& cell);
+
+// The same pixels, but of a ball that is partly outside the image those in the image; nothing where there are none.
+std::optional<PixelRectangle> visible_part_of(const Silhouette& silhouette, const HullCell& cell);
 
 // What an image shows of a cell; kUnseen: nothing can be said.
 enum class Verdict { kUnseen, kBackground, kMatter };

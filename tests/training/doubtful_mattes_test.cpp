@@ -54,8 +54,10 @@ void set_alpha(uint8_t* pixel, bool opaque) {
     if (opaque) std::fill_n(pixel, 4, uint8_t{255});
 }
 
-training::Dataset figure(uint32_t cameras) {
+// `lowered`: by how many pixels the figure lies lower in all images than in their middle.
+training::Dataset figure(uint32_t cameras, double lowered = 0) {
     training::Dataset dataset = sphere_dataset({.cameras = cameras, .frames = kFigureFrames, .size = 64});
+    for (stage::Camera& camera : dataset.cameras) camera.cy += lowered;
     for (size_t i = 0; i < dataset.views.size(); i++)
         paint_view(dataset, i, [](uint8_t* pixel, bool body, bool arm) { set_alpha(pixel, body || arm); });
     return dataset;
@@ -112,6 +114,22 @@ TEST(DoubtfulMattes, RightMattesAreLeftAsTheyAre) {
     for (const uint32_t cameras : {5u, 8u, 13u, 24u}) {
         SCOPED_TRACE(cameras);
         expect_untouched(figure(cameras));
+    }
+}
+
+TEST(DoubtfulMattes, ImagesMayCutTheFigure) {
+    for (const double lowered : {12.0, 20.0, 28.0}) {
+        SCOPED_TRACE(lowered);
+        expect_untouched(figure(13, lowered));
+    }
+}
+
+TEST(DoubtfulMattes, TheBoxMayLeaveOutAPart) {
+    training::Dataset dataset = figure(13);
+    for (const double half : {0.5, 0.3}) {
+        SCOPED_TRACE(half);
+        dataset.box = {glm::dvec3(-half), glm::dvec3(half)};
+        expect_untouched(dataset);
     }
 }
 
