@@ -1,5 +1,7 @@
 #include "training/camera_colour.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace neuvv::training {
@@ -8,9 +10,17 @@ namespace {
 
 constexpr float kBeta1 = 0.9f, kBeta2 = 0.99f, kEpsilon = 1e-8f;
 
-// The prior's weight, per pixel: λ Σ (number − neutral)². Gains differ more often than channels mix, and where all
-// colours are alike, images cannot tell the one from the other.
+// The prior's weight, per pixel: λ Σ (number − neutral)². Gains differ more often than channels mix or light is added,
+// and where all colours are alike, images cannot tell the one from the other.
 constexpr float kGainPrior = 1e-5f, kMixPrior = 0.1f;
+
+// Within these bounds, each element of A's diagonal is larger than the others of its row together, so A has an inverse.
+// A camera whose images are black has no gains that could be found; without bounds its inverse would grow without end.
+constexpr float kMinGain = 0.5f, kMaxGain = 2, kMaxMix = 0.2f;
+
+glm::vec2 bounds_of(int row, int column) {
+    return row == column ? glm::vec2(kMinGain, kMaxGain) : glm::vec2(-kMaxMix, kMaxMix);
+}
 
 float prior_of(int row, int column) {
     return row == column ? kGainPrior : kMixPrior;
@@ -26,7 +36,26 @@ void centre(std::vector<CameraColour>& colours) {
     }
 }
 
+void keep_in_bounds(std::vector<CameraColour>& colours) {
+    for (CameraColour& colour : colours)
+        for (int row = 0; row < 3; row++)
+            for (int i = 0; i < 4; i++) {
+                const glm::vec2 bounds = bounds_of(row, i);
+                colour.rows[row][i] = std::clamp(colour.rows[row][i], bounds.x, bounds.y);
+            }
+}
+
 }  // namespace
+
+bool is_bounded(const CameraColour& camera) {
+    bool bounded = true;
+    for (int row = 0; row < 3; row++)
+        for (int i = 0; i < 4; i++) {
+            const glm::vec2 bounds = bounds_of(row, i);
+            bounded &= camera.rows[row][i] >= bounds.x && camera.rows[row][i] <= bounds.y;
+        }
+    return bounded;
+}
 
 glm::vec3 seen(const CameraColour& camera, glm::vec4 foreground) {
     return {glm::dot(camera.rows[0], foreground), glm::dot(camera.rows[1], foreground),
@@ -34,6 +63,7 @@ glm::vec3 seen(const CameraColour& camera, glm::vec4 foreground) {
 }
 
 CameraColour inverse(const CameraColour& camera) {
+    assert(is_bounded(camera) && "a colour that can be inverted");
     glm::dmat4 affine(1);  // its columns are the rows of the camera
     for (int row = 0; row < 3; row++) affine[row] = camera.rows[row];
     const glm::dmat4 inverted = glm::inverse(affine);
@@ -74,6 +104,7 @@ void CameraColours::learn(const Batch& batch, const CameraColour* tile_gradients
             }
     }
     centre(values);
+    keep_in_bounds(values);
 }
 
 }  // namespace neuvv::training

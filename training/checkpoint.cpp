@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -68,21 +69,22 @@ const voctree::NvvChunk& find_chunk(const std::filesystem::path& path, const std
                      "train without --resume");
 }
 
+[[noreturn]] void fail_chunk(const std::filesystem::path& path, const char* name, const char* problem) {
+    throw InputError(path.string(), "chunk " + std::string(name), problem, "train without --resume");
+}
+
+[[noreturn]] void fail_finite(const std::filesystem::path& path, const char* name) {
+    fail_chunk(path, name, "holds a number that is not finite");
+}
+
 template <typename T>
 std::vector<T> read_chunk(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
                           const char* name, size_t count) {
     const voctree::NvvChunk& found = find_chunk(path, chunks, name);
-    if (found.bytes.size() != count * sizeof(T))
-        throw InputError(path.string(), "chunk " + std::string(name), "does not fit the tree",
-                         "train without --resume");
+    if (found.bytes.size() != count * sizeof(T)) fail_chunk(path, name, "does not fit the tree");
     std::vector<T> values(count);
     std::memcpy(values.data(), found.bytes.data(), found.bytes.size());
     return values;
-}
-
-[[noreturn]] void fail_finite(const std::filesystem::path& path, const char* name) {
-    throw InputError(path.string(), "chunk " + std::string(name), "holds a number that is not finite",
-                     "train without --resume");
 }
 
 std::vector<float> read_floats(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
@@ -112,14 +114,17 @@ std::vector<CameraColour> read_colours(const std::filesystem::path& path, const 
 
 // Colours are stored where a run refines them.
 CameraColours read_all_colours(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks) {
+    const auto found = std::ranges::find(chunks, std::string("camc"), &voctree::NvvChunk::name);
+    if (found == chunks.end()) return {};
+    const size_t cameras = std::max<size_t>(found->bytes.size() / sizeof(CameraColour), 1);
     CameraColours colours;
-    for (const voctree::NvvChunk& found : chunks) {
-        if (found.name != "camc") continue;
-        const size_t cameras = found.bytes.size() / sizeof(CameraColour);
-        colours.values = read_colours(path, chunks, "camc", cameras);
-        colours.first = read_colours(path, chunks, "cam1", cameras);
-        colours.second = read_colours(path, chunks, "cam2", cameras);
-    }
+    colours.values = read_colours(path, chunks, "camc", cameras);
+    colours.first = read_colours(path, chunks, "cam1", cameras);
+    colours.second = read_colours(path, chunks, "cam2", cameras);
+    if (!std::ranges::all_of(colours.values, is_bounded)) fail_chunk(path, "camc", "has colours out of bounds");
+    for (const CameraColour& second : colours.second)
+        for (const glm::vec4& row : second.rows)
+            if (glm::any(glm::lessThan(row, glm::vec4(0)))) fail_chunk(path, "cam2", "has numbers below 0");
     return colours;
 }
 

@@ -38,7 +38,7 @@ struct LossBatch {
 
 // Writes cameras, tiles, targets and backgrounds of a batch into the buffers that the next step reads. No step may be
 // running. The batch must fit (assert). `colours`: by camera, or none; where there are some, they are written too, and
-// the targets become what a camera with the identity for its colour would see.
+// the targets become what the mean camera would see.
 void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch,
                 const std::vector<CameraColour>& colours = {});
 

@@ -55,6 +55,22 @@ double mean_gain_error(const std::vector<CameraColour>& found, const std::vector
     return sum / static_cast<double>(truth.size());
 }
 
+// The images of the second camera are black, so that every step asks for lower gains.
+TEST(CameraColours, StayWithinBounds) {
+    training::CameraColours colours(2);
+    training::Batch batch;
+    batch.tiles = {Tile{1, 0, 0, 0}};
+    std::vector<CameraColour> gradients(1, CameraColour{});
+    for (glm::vec4& row : gradients[0].rows) row = glm::vec4(10);
+    for (uint64_t step = 1; step <= 500; step++) colours.learn(batch, gradients.data(), 0.01f, step);
+    for (const CameraColour& colour : colours.values) EXPECT_TRUE(training::is_bounded(colour));
+    EXPECT_EQ(training::gains(colours.values[1]), glm::vec3(0.5f));
+    const CameraColour back = training::inverse(colours.values[1]);
+    const glm::vec4 light(0.2f, 0.4f, 0.6f, 1);
+    const glm::vec4 seen(training::seen(colours.values[1], light), 1);
+    EXPECT_LT(glm::distance(training::seen(back, seen), glm::vec3(light)), 1e-5f);
+}
+
 TEST_F(CameraColourTest, FindsTheGainsOfCameras) {
     const TemporaryFolder folder;
     std::vector<glm::vec3> gains;

@@ -157,6 +157,10 @@ struct StateFile {
         checkpoint.use.max_weight.resize(tree.leaf_count);
         checkpoint.use.opacity_sensitivity.resize(tree.leaf_count);
         checkpoint.use.frames.resize(size_t{(tree.frames + 31) / 32} * tree.leaf_count);
+        checkpoint.colours = training::CameraColours(2);
+        checkpoint.colours.values[1].rows[0].r = 1.25f;
+        checkpoint.colours.first[0].rows[2].a = -0.5f;
+        checkpoint.colours.second[1].rows[1].g = 0.25f;
         training::save_checkpoint(nvv, checkpoint);
     }
     // Writes the state again with one chunk replaced, or removed where `bytes` is null.
@@ -212,7 +216,7 @@ TEST(CheckpointFile, RefusesFilesOfAnotherKind) {
 }
 
 TEST(CheckpointFile, RefusesChunksThatAreMissingOrDoNotFit) {
-    for (const char* name : {"wf32", "mom1", "mom2", "row1", "row2", "rech"}) {
+    for (const char* name : {"wf32", "mom1", "mom2", "row1", "row2", "rech", "cam1", "cam2"}) {
         const std::vector<uint8_t> short_bytes(12);
         const StateFile file;
         file.rewrite(name, &short_bytes);
@@ -222,8 +226,35 @@ TEST(CheckpointFile, RefusesChunksThatAreMissingOrDoNotFit) {
     }
 }
 
+TEST(CheckpointFile, KeepsTheColoursOfCameras) {
+    const StateFile file;
+    const training::CameraColours read = training::load_checkpoint(file.nvv).colours;
+    ASSERT_EQ(read.values.size(), 2u);
+    EXPECT_EQ(read.values[1].rows[0], glm::vec4(1.25f, 0, 0, 0));
+    EXPECT_EQ(read.first[0].rows[2], glm::vec4(0, 0, 0, -0.5f));
+    EXPECT_EQ(read.second[1].rows[1], glm::vec4(0, 0.25f, 0, 0));
+}
+
+TEST(CheckpointFile, RefusesColoursThatNoRunCanLearn) {
+    for (const size_t bytes : {size_t{0}, size_t{12}, sizeof(CameraColour)}) {
+        const StateFile file;
+        const std::vector<uint8_t> zeros(bytes);
+        file.rewrite("camc", &zeros);
+        file.refused({"scene.nvv.state", "cam"});
+    }
+    const StateFile file;
+    const std::vector<uint8_t> black(sizeof(CameraColour) * 2);
+    file.rewrite("camc", &black);
+    file.refused({"scene.nvv.state", "camc", "out of bounds"});
+    const StateFile other;
+    std::vector<uint8_t> negative(sizeof(CameraColour) * 2);
+    negative[3] = 0xbf;  // −0.5
+    other.rewrite("cam2", &negative);
+    other.refused({"scene.nvv.state", "cam2", "below 0"});
+}
+
 TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
-    for (const char* name : {"wf32", "row1", "row2", "rech", "mom1", "mom2"}) {
+    for (const char* name : {"wf32", "row1", "row2", "rech", "mom1", "mom2", "camc", "cam1", "cam2"}) {
         const StateFile file;
         std::vector<voctree::NvvChunk> chunks;
         voctree::read_nvv(file.state, &chunks);

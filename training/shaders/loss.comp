@@ -2,8 +2,8 @@
 //   P = srgb(mean over the pixel's rays of C + (1−α) B),  I = srgb(C* + (1−α*) B),  e = |P − I|
 //   L = Σ_pixels Σ_channels (P − I)² + λ ((e_right − e)² + (e_below − e)²), where neighbours lie in the same tile
 // Where cameras have colours of their own, C is what the tile's camera makes of the traced colour. The targets are then
-// as the reference camera would see them, for the point loss, and the tile's camera makes C* of them.
-// Where what a camera sees is below 0, the slope of srgb is that at 0, which pulls it back.
+// as the mean camera would see them, for the point loss, and the tile's camera makes C* of them.
+// Where what a camera sees is below 0, the slope of srgb is taken as that at 0, so that a brighter target pulls it back.
 // The losses are sums, not means, as Adam does not depend on their scale; the host divides them by the number of pixels
 // for display. One workgroup per tile, one thread per ray; reads 48 bytes and writes 16 bytes per ray.
 #version 460
