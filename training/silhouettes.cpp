@@ -72,9 +72,9 @@ std::optional<PixelRectangle> image_of(const Silhouette& silhouette, const HullC
 std::optional<PixelRectangle> visible_part_of(const Silhouette& silhouette, const HullCell& cell) {
     const std::optional<Extent> whole = extent_of(silhouette, cell);
     if (!whole) return {};
-    const Extent part{std::max(whole->left, 0.0), std::max(whole->top, 0.0),
-                      std::min(whole->right, double{silhouette.camera->width}),
-                      std::min(whole->bottom, double{silhouette.camera->height})};
+    const double width = silhouette.camera->width, height = silhouette.camera->height;
+    const Extent part{std::max(whole->left, 0.0), std::max(whole->top, 0.0), std::min(whole->right, width),
+                      std::min(whole->bottom, height)};
     if (!(part.left < part.right && part.top < part.bottom)) return {};
     return rectangle_of(part);
 }

@@ -59,10 +59,10 @@ class Run {
           // Braces evaluate from left to right: begin() sets seed and tree, which the arguments after it read.
           sampler_{begin(), run_.tiles_per_step, run_.seed, batches_in_a_row(tree_)} {
         if (settings_.resume && run_.dataset_hash != hash_of(dataset))
-            throw InputError(
-                state_path(output_).string(), "",
-                fmt::format("is of a run on other images, mattes or cameras than those of {}", dataset_.folder.string()),
-                "resume with the data set that the run began with");
+            throw InputError(state_path(output_).string(), "",
+                             fmt::format("is of a run on other images, mattes or cameras than those of {}",
+                                         dataset_.folder.string()),
+                             "resume with the data set that the run began with");
         run_.dataset_hash = hash_of(dataset);
         for (uint64_t step = 1; step <= run_.step; step++) sampler_.skip(samples_of(step));
     }

@@ -21,9 +21,10 @@ bool to_the_end(const training::TrainProgress&) {
 
 // A small capture of the performer. On the sphere, few gains are found (RESULTS.md).
 training::Dataset performer_capture(const std::filesystem::path& folder) {
-    ChildProcess capture({NEUVV_PROGRAM, "capture", NEUVV_SOURCE_DIR "/tools/performer/performer.glb", "-o",
-                          folder.string(), "--cameras", "14", "--frames", "2", "--size", "96x96"},
-                         folder / "log.txt");
+    const std::string model = std::string(NEUVV_SOURCE_DIR) + "/tools/performer/performer.glb";
+    ChildProcess capture(
+        {NEUVV_PROGRAM, "capture", model, "-o", folder.string(), "--cameras", "14", "--frames", "2", "--size", "96x96"},
+        folder / "log.txt");
     EXPECT_EQ(capture.wait(), 0) << read_text(folder / "log.txt");
     return training::load_dataset(folder, training::Split::kTrain);
 }
