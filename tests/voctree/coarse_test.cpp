@@ -1,4 +1,4 @@
-// Tests that the coarse tree has the density and colour of the leaves that it replaces, and that files store it
+// Tests that the coarse tree has the coverage and colour of the leaves that it replaces, and that files store it
 // correctly.
 #include "voctree/coarse.h"
 
@@ -16,17 +16,40 @@
 namespace neuvv::test {
 namespace {
 
-// ∫ σ(t) over the box, divided by the box's volume.
-double mass(const voctree::VOctree& tree, uint32_t frame) {
-    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-    const auto entries = voctree::basis_entries(tree.sigma_basis, tree.bases);
-    std::vector<float> sigma(tree.frames);
-    double sum = 0;
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-        voctree::density_of_frames(tree.leaf(leaf), entries, sigma);
-        sum += std::ldexp(sigma[frame], -3 * static_cast<int>(positions[leaf].depth));
+// σ of a leaf in a frame.
+double density(const voctree::VOctree& tree, uint32_t leaf, uint32_t frame) {
+    double sigma = 0;
+    for (uint32_t c = 0; c < tree.bases; c++)
+        sigma += double{tree.sigma_basis[frame * tree.bases + c]} * double{tree.leaf(leaf)[c]};
+    return std::max(sigma, 0.0);
+}
+
+// The density that passes as much light along an edge of a cell of `tree` as its octants, the leaves of `fine`, do in
+// the mean over its faces, along the axis on which they pass most.
+double density_of_octants(const voctree::VOctree& fine, const voctree::LeafPosition& cell, uint32_t frame) {
+    const double edge_m = double{voctree::leaf_edge_m(fine, cell.depth)};
+    double optical_depth[2][2][2] = {}, most = 0;
+    for (uint32_t i = 0; i < 8; i++) {
+        const glm::dvec3 octant(i & 1, i >> 1 & 1, i >> 2);
+        const glm::dvec3 at =
+            (glm::dvec3(cell.x, cell.y, cell.z) + 0.5 * octant + 0.25) * std::ldexp(1.0, -static_cast<int>(cell.depth));
+        const uint32_t leaf = voctree::find_leaf(fine, at);
+        if (leaf != UINT32_MAX) optical_depth[i & 1][i >> 1 & 1][i >> 2] = density(fine, leaf, frame) * edge_m / 2;
     }
-    return sum;
+    for (int axis = 0; axis < 3; axis++) {
+        double through = 0;
+        for (int a = 0; a < 2; a++)
+            for (int b = 0; b < 2; b++) {
+                double depth = 0;
+                for (int c = 0; c < 2; c++)
+                    depth += axis == 0   ? optical_depth[c][a][b]
+                             : axis == 1 ? optical_depth[a][c][b]
+                                         : optical_depth[a][b][c];
+                through += std::exp(-depth) / 4;
+            }
+        most = std::max(most, through);
+    }
+    return -std::log(most) / edge_m;
 }
 
 void give_own_bases(voctree::VOctree& tree) {
@@ -42,17 +65,54 @@ voctree::VOctree five_frames_tree() {
     return tree;
 }
 
-TEST(Coarse, OpticalDepthIsKept) {
-    const voctree::VOctree tree = five_frames_tree();
-    for (uint32_t depth = 1; depth <= 5; depth++) {
-        const voctree::VOctree cut = voctree::cut_tree(tree, depth);
+TEST(Coarse, CellsPassAsMuchLightAsTheirOctants) {
+    voctree::VOctree fine = five_frames_tree();
+    for (float& row : fine.sigma_basis) row *= 20;  // so that leaves are nearly opaque
+    for (uint32_t depth = voctree::finest_depth(fine) - 1; depth >= 1; depth--) {
+        const voctree::VOctree cut = voctree::cut_tree(fine, depth);
         EXPECT_EQ(voctree::defect_of(cut), "");
-        EXPECT_LT(cut.leaf_count, tree.leaf_count);
-        for (const voctree::LeafPosition& position : voctree::leaf_positions(cut)) EXPECT_LE(position.depth, depth);
-        for (uint32_t frame = 0; frame < tree.frames; frame++)
-            EXPECT_NEAR(mass(cut, frame) / mass(tree, frame), 1, 1e-4) << depth;
+        EXPECT_LT(cut.leaf_count, fine.leaf_count);
+        const std::vector<voctree::LeafPosition> cells = voctree::leaf_positions(cut);
+        double largest = 0;
+        for (uint32_t leaf = 0; leaf < cut.leaf_count; leaf++) {
+            ASSERT_LE(cells[leaf].depth, depth);
+            for (uint32_t frame = 0; frame < fine.frames; frame++) {
+                const double truth = density_of_octants(fine, cells[leaf], frame), found = density(cut, leaf, frame);
+                if (cells[leaf].depth == depth) {
+                    EXPECT_NEAR(found, truth, 1e-4 * truth + 1e-4) << depth;
+                }
+                largest = std::max(largest, truth);
+            }
+        }
+        EXPECT_GT(largest, 1);
+        fine = cut;
     }
-    EXPECT_EQ(voctree::cut_tree(tree, 6).weights.size(), tree.weights.size());
+}
+
+TEST(Coarse, CutsAtOnceAreCutsDepthByDepth) {
+    const voctree::VOctree tree = five_frames_tree();
+    EXPECT_EQ(voctree::cut_tree(tree, 6).weights, tree.weights);
+    EXPECT_EQ(voctree::cut_tree(tree, 3).weights,
+              voctree::cut_tree(voctree::cut_tree(voctree::cut_tree(tree, 5), 4), 3).weights);
+}
+
+// Opaque leaves that fill one half of a cell, a quarter, or an eighth of it.
+TEST(Coarse, OpaqueLeavesCoverWhatTheyCover) {
+    const auto light_through = [](const std::vector<uint32_t>& octants) {
+        voctree::VOctree tree = random_tree({.leaves = 1, .bases = 1, .hh_degree = 0, .frames = 1});
+        give_own_bases(tree);
+        tree.node_levels = 1;
+        std::vector<voctree::LeafPosition> positions;
+        for (const uint32_t i : octants) positions.push_back({i & 1, i >> 1 & 1, i >> 2, 2});
+        voctree::build_topology(tree, positions);
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.leaf(leaf)[0] = 1e4f;
+        const voctree::VOctree cut = voctree::cut_tree(tree, 1);
+        return std::exp(-density(cut, 0, 0) * double{voctree::leaf_edge_m(cut, 1)});
+    };
+    EXPECT_NEAR(light_through({0, 2, 4, 6}), 0.5, 1e-5);  // a wall of one leaf, as seen along it
+    EXPECT_NEAR(light_through({0, 1}), 0.75, 1e-5);
+    EXPECT_NEAR(light_through({5}), 0.75, 1e-5);
+    EXPECT_NEAR(light_through({0, 1, 2, 3, 4, 5, 6, 7}), 0, 1e-5);
 }
 
 // Every point inside a leaf of the tree is inside a leaf of the coarse tree, and the coarse tree adds only whole cells.
@@ -81,7 +141,8 @@ TEST(Coarse, WhatShowsGivesTheColour) {
     }
     const voctree::VOctree cut = voctree::cut_tree(tree, 1);
     ASSERT_EQ(cut.leaf_count, 1u);
-    EXPECT_NEAR(cut.leaf(0)[0], 10, 0.01);
+    EXPECT_NEAR(cut.leaf(0)[0], density_of_octants(tree, {0, 0, 0, 1}, 0), 1e-4);
+    EXPECT_GT(cut.leaf(0)[0], 0.1f);
     EXPECT_EQ(cut.leaf(0)[1], 0);  // empty in frame 1
     EXPECT_NEAR(cut.leaf(0)[2], 2, 0.05);
     EXPECT_EQ(cut.leaf(0)[3], 0);
