@@ -23,7 +23,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// The memory of a clip on the device: of its field, and of the slices that are kept of it.
+// The memory of a clip on the device: of its field with its far levels, and of the slices that are kept of it.
 struct ClipMemory {
     uint64_t field_bytes = 0, slice_bytes = 0;
 };
@@ -35,8 +35,7 @@ std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInf
     std::vector<ClipMemory> all;
     for (const stage::StageClip& clip : stage.clips) {
         const uint64_t before = device.buffer_bytes();
-        const render::Field field =
-            render::upload_field(device, voctree::read_clip(clip.path), render::WeightPrecision::kHalf);
+        const render::Field field = render::upload_levels(device, voctree::read_clip(clip.path));
         const uint64_t with_field = device.buffer_bytes();
         const render::Paints paints(device, field);
         const render::Performer performer(device, field, paints, render::slice_share(budget, stage.clips.size()));

@@ -27,7 +27,8 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
     // nothing → blank_ (where the layout or the resolve settings are not those of blank_)
     if (!set_) record_blank(settings);
     // Field weights, bases and nodes, Paint → SliceTrees nodes, entries, entry_leaf, counts
-    for (const auto& performer : performers_) record_slices(commands_, *performer);
+    for (const auto& performer : performers_)
+        if (performer) record_slices(commands_, *performer);
     if (set_) {
         // SliceTrees → the shadows' own ranges and rays → SetRaster performer_shadows
         record_performer_shadows(commands_, *shadows_, performers_, kLightTarget);
@@ -50,15 +51,18 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
     const Resolver& whole = set_ ? resolver_ : listed_resolver_;
     record_resolve(commands_, layout_.upscaled() ? *upscaler_ : whole, layout_, settings.resolve);
     // Field, Paint → SliceTrees of the next frames, in parts; counts → counts_readback_
-    for (const auto& performer : performers_) record_prefetch(commands_, *performer, settings.prefetch_parts);
+    for (const auto& performer : performers_)
+        if (performer) record_prefetch(commands_, *performer, settings.prefetch_parts);
 }
 
 // An inspection shows the walks of rays in place of light, and leaves out the set.
 void FrameRenderer::record_inspected(const FrameSettings& settings) {
-    for (const auto& performer : performers_) record_slices(commands_, *performer);
+    for (const auto& performer : performers_)
+        if (performer) record_slices(commands_, *performer);
     record_rays(settings);
     record_inspect(commands_, *inspector_, layout_, settings.resolve);
-    for (const auto& performer : performers_) record_prefetch(commands_, *performer, settings.prefetch_parts);
+    for (const auto& performer : performers_)
+        if (performer) record_prefetch(commands_, *performer, settings.prefetch_parts);
 }
 
 // Draws blank_ for this layout and these settings, unless it was drawn for them before.

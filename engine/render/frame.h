@@ -6,6 +6,7 @@
 
 #include "media/image.h"
 #include "render/draw_order.h"
+#include "render/field_levels.h"
 #include "render/image_list.h"
 #include "render/inspect.h"
 #include "render/performer_shadows.h"
@@ -45,6 +46,9 @@ struct FrameSettings {
     Blend blend = Blend::kExact;
     bool lit = true;  // whether the set's lights shine on performers; else they have the light of their capture
     float stop = kStopTransmittance;
+    // Whether performers whose leaves look smaller than a pixel are drawn from Field::coarser, where the fields have
+    // it. Painted ones never are, as paint refers to leaves.
+    bool far_levels = true;
 };
 
 constexpr uint32_t kMaxInstances = 512;
@@ -57,7 +61,8 @@ struct FrameCapacity {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;
     uint32_t views = 1;
-    // Bytes of slices, in equal shares for all fields. 0: no slices; the direct path draws all that is not painted.
+    // Bytes of slices, in equal shares for all fields; coarser levels that are drawn take up to a third more. 0: no
+    // slices; the direct path draws all that is not painted.
     uint64_t slice_budget = kSliceBudget;
     uint64_t segment_budget = UINT64_MAX;  // bytes of segments that are merged at once
 };
@@ -102,7 +107,8 @@ class FrameRenderer {
     std::vector<glm::vec4> radiance(uint32_t view = 0) const;
     std::vector<float> depth(uint32_t view = 0) const;
 
-    // What the last image left on the device. Null before the first image.
+    // What the last image left on the device, of a field that was given, without its coarser levels. Null before the
+    // first image.
     const Performer* performer(uint32_t field = 0) const {
         return field < performers_.size() ? performers_[field].get() : nullptr;
     }
@@ -134,6 +140,7 @@ class FrameRenderer {
     void record_rays(const FrameSettings& settings);
     void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
     enum class Destination { kDevice, kHost };
+    FrameSettings with_far_levels(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
     void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
     void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
     void make_grids(const FrameSettings& settings, uint32_t views);
@@ -142,18 +149,19 @@ class FrameRenderer {
     void write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     std::vector<std::vector<uint32_t>> instance_order(std::span<const stage::Camera> cameras,
                                                       const FrameSettings& settings) const;
+    void make_performers();
     void prepare(const FrameSettings& settings);
     bool enlarge();
     const gpu::Device& device_;
-    std::vector<const Field*> fields_;
+    FieldLevels levels_;
     FrameCapacity capacity_;
     SetRaster* set_;
     RayTarget target_;
     gpu::Buffer image_, readback_;
     gpu::Buffer blank_;  // the images of a frame without visible instances
     std::optional<std::pair<ViewLayout, ResolveSettings>> blank_key_;  // for which blank_ was drawn
-    std::vector<std::unique_ptr<Paints>> paints_;                      // by field
-    std::vector<std::unique_ptr<Performer>> performers_;               // by field; created when first needed
+    std::vector<std::unique_ptr<Paints>> paints_;                      // by field of levels_.all
+    std::vector<std::unique_ptr<Performer>> performers_;               // likewise; created when first needed
     std::unique_ptr<Segments> segments_;
     ImageLister lister_;
     Resolver resolver_, listed_resolver_;        // of all tiles; of the listed tiles

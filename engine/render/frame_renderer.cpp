@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "base/error.h"
 
@@ -44,7 +45,7 @@ constexpr uint32_t kMaxMerges = 4 * kMaxInstances;  // groups of instances, time
 FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*> fields, const FrameCapacity& capacity,
                              SetRaster* set)
     : device_(device),
-      fields_(std::move(fields)),
+      levels_(std::move(fields)),
       capacity_(capacity),
       set_(set),
       target_(device, capacity.views * (kMaxInstances + 1), checked_ray_tiles(device, largest(capacity)),
@@ -56,7 +57,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, set),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges),
       commands_(device, "frame", kMaxScopes) {
-    for (const Field* field : fields_) paints_.push_back(std::make_unique<Paints>(device, *field));
+    for (const Field* field : levels_.all) paints_.push_back(std::make_unique<Paints>(device, *field));
     if (!set) return;
     assert(set->views() >= capacity.views);
     shadows_ = std::make_unique<PerformerShadows>(device, *set, kMaxInstances);
@@ -64,7 +65,8 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
 }
 
 FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity)
-    : FrameRenderer(other.device_, other.fields_, capacity, other.set_) {
+    : FrameRenderer(other.device_, {other.levels_.all.begin(), other.levels_.all.begin() + other.levels_.given()},
+                    capacity, other.set_) {
     paints_ = std::move(other.paints_);
     shadows_ = std::move(other.shadows_);
     performers_ = std::move(other.performers_);
@@ -74,25 +76,26 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
 
 // Where the number of fields changes, each field's share of the budget changes too, and slices are created again.
 void FrameRenderer::change_fields(std::vector<const Field*> fields) {
-    if (fields == fields_) return;
-    std::vector<std::unique_ptr<Paints>> paints(fields.size());
-    std::vector<std::unique_ptr<Performer>> performers(fields.size());
-    performers_.resize(fields_.size());
-    for (size_t i = 0; i < fields.size(); i++) {
-        const auto before = std::find(fields_.begin(), fields_.end(), fields[i]);
-        if (before == fields_.end()) {
-            paints[i] = std::make_unique<Paints>(device_, *fields[i]);
+    if (std::ranges::equal(fields, std::span(levels_.all).first(levels_.given()))) return;
+    FieldLevels next(std::move(fields));
+    std::vector<std::unique_ptr<Paints>> paints(next.all.size());
+    std::vector<std::unique_ptr<Performer>> performers(next.all.size());
+    performers_.resize(levels_.all.size());
+    for (size_t i = 0; i < next.all.size(); i++) {
+        const auto before = std::find(levels_.all.begin(), levels_.all.end(), next.all[i]);
+        if (before == levels_.all.end()) {
+            paints[i] = std::make_unique<Paints>(device_, *next.all[i]);
             continue;
         }
-        const auto at = static_cast<size_t>(before - fields_.begin());
+        const auto at = static_cast<size_t>(before - levels_.all.begin());
         paints[i] = std::move(paints_[at]);
-        if (fields.size() == fields_.size()) performers[i] = std::move(performers_[at]);
+        if (next.given() == levels_.given()) performers[i] = std::move(performers_[at]);
     }
     inspector_.reset();
     drawn_.clear();
     performers_ = std::move(performers);  // before the paints that they refer to
     paints_ = std::move(paints);
-    fields_ = std::move(fields);
+    levels_ = std::move(next);
 }
 
 void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
@@ -120,7 +123,7 @@ void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const
             throw RuntimeFailure(fmt::format("instance {}: its frame is not finite", i));
         if (!std::isfinite(volume) || volume == 0)
             throw RuntimeFailure(fmt::format("instance {}: its transform cannot be inverted", i));
-        if (settings.instances[i].field >= fields_.size())
+        if (settings.instances[i].field >= levels_.given())
             throw RuntimeFailure(fmt::format("instance {}: there is no field {}", i, settings.instances[i].field));
     }
 }
@@ -162,7 +165,7 @@ std::vector<std::vector<uint32_t>> FrameRenderer::instance_order(std::span<const
     for (const stage::Camera& camera : cameras) eyes.emplace_back(camera.world_from_camera[3]);
     std::vector<TransformedBox> boxes;
     for (const Instance& instance : settings.instances) {
-        const Field& field = *fields_[instance.field];
+        const Field& field = *levels_.all[instance.field];
         boxes.push_back(transformed_box(field.leaves_min, field.leaves_max, instance.world_from_performer));
     }
     if (settings.blend == Blend::kExact) return draw_order(boxes, eyes);
@@ -184,7 +187,8 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
         std::vector<DrawnInstance> drawn;
         for (const uint32_t i : group) {
             const Instance& instance = settings.instances[i];
-            auto one = write_instance_cameras(views_of(cameras, settings), *fields_[instance.field], instance, placed);
+            auto one =
+                write_instance_cameras(views_of(cameras, settings), *levels_.all[instance.field], instance, placed);
             if (!one) continue;
             if (settings.mode == TraceMode::kTree) one->shading = Shading::kPerRay;
             if (settings.mode == TraceMode::kShaded) one->shading = Shading::kPerLeaf;
@@ -204,21 +208,35 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
             for (DrawnInstance& instance : drawn) instance.output = RayOutput::kSegments;
         if (!drawn.empty()) drawn_.push_back(std::move(drawn));
     }
-    if (shadows_) shadows_->prepare(fields_, settings.instances);
+    if (shadows_) shadows_->prepare(levels_.all, settings.instances);
+}
+
+// Creates the performers of the given fields, and of the coarser levels that this frame draws: each of these has a
+// quarter of the slice budget of the level before it, as it has about a quarter of its leaves.
+void FrameRenderer::make_performers() {
+    std::vector<bool> needed(levels_.all.size());
+    std::fill_n(needed.begin(), levels_.given(), true);
+    for (const auto& group : drawn_)
+        for (const DrawnInstance& instance : group) needed[instance.field] = true;
+    if (shadows_)
+        for (const DrawnInstance& instance : shadows_->drawn) needed[instance.field] = true;
+    performers_.resize(levels_.all.size());
+    for (size_t i = 0; i < needed.size(); i++) {
+        if (performers_[i] || !needed[i]) continue;
+        const uint64_t share = slice_share(capacity_.slice_budget, levels_.given());
+        const uint64_t level_share = share == 0 ? 0 : std::max<uint64_t>(share >> 2 * levels_.level_of[i], 1);
+        performers_[i] = std::make_unique<Performer>(device_, *levels_.all[i], *paints_[i], level_share);
+        performers_[i]->add_target(target_, capacity_.views);
+        if (shadows_) performers_[i]->add_target(shadows_->target, kMaxShadows);
+    }
 }
 
 void FrameRenderer::prepare(const FrameSettings& settings) {
     if (is_inspection(settings.resolve.show) && !inspector_)
-        inspector_ = std::make_unique<Inspector>(device_, target_.rays, image_, fields_);
-    performers_.resize(fields_.size());
-    for (size_t i = 0; i < fields_.size(); i++) {
-        if (performers_[i]) continue;
-        performers_[i] = std::make_unique<Performer>(device_, *fields_[i], *paints_[i],
-                                                     slice_share(capacity_.slice_budget, fields_.size()));
-        performers_[i]->add_target(target_, capacity_.views);
-        if (shadows_) performers_[i]->add_target(shadows_->target, kMaxShadows);
-    }
-    std::vector<std::vector<SliceKey>> slices(fields_.size()), next(fields_.size());
+        inspector_ =
+            std::make_unique<Inspector>(device_, target_.rays, image_, std::span(levels_.all).first(levels_.given()));
+    make_performers();
+    std::vector<std::vector<SliceKey>> slices(levels_.all.size()), next(levels_.all.size());
     for (const bool highlighted : {true, false})  // a highlight needs a slice
         for (const auto& group : drawn_)
             for (const DrawnInstance& instance : group)
@@ -226,8 +244,9 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
     if (shadows_)  // after those of the views, as a missing slice matters less in a shadow
         for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
     for (const NextSlice& one : settings.next_slices)
-        if (one.field < fields_.size()) next[one.field].push_back(one.slice);
-    for (size_t i = 0; i < fields_.size(); i++) performers_[i]->prepare(slices[i], next[i]);
+        if (one.field < next.size()) next[one.field].push_back(one.slice);
+    for (size_t i = 0; i < performers_.size(); i++)
+        if (performers_[i]) performers_[i]->prepare(slices[i], next[i]);
     if (shadows_)
         for (const DrawnInstance& instance : shadows_->drawn)
             performers_[instance.field]->prepare(kLightTarget, instance, nullptr);
@@ -242,9 +261,10 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
 // Returns whether the image needed more room on the device than there was. Then there is more room now.
 bool FrameRenderer::enlarge() {
     bool any = false;
-    for (const auto& performer : performers_) any |= performer->enlarge_slices();
+    for (const auto& performer : performers_) any |= performer && performer->enlarge_slices();
     if (segments_ && segments_->overflowed()) {
-        for (const auto& performer : performers_) performer->forget_segments();
+        for (const auto& performer : performers_)
+            if (performer) performer->forget_segments();
         segments_->enlarge();
         any = true;
     }
@@ -263,8 +283,36 @@ uint64_t FrameRenderer::live_entries() const {
     return entries;
 }
 
-void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings) {
-    check_settings(cameras, settings);
+// The settings with the level at which each performer is drawn as its field. Slices to be prefetched are those of the
+// levels at which performers of their field are drawn now; of a field without any, those of its finest leaves.
+FrameSettings FrameRenderer::with_far_levels(std::span<const stage::Camera> cameras,
+                                             const FrameSettings& settings) const {
+    FrameSettings chosen = settings;
+    if (!settings.far_levels) return chosen;
+    std::vector<std::set<uint32_t>> drawn(levels_.given());  // by field: the levels of performers without paint
+    for (Instance& instance : chosen.instances) {
+        if (instance.paint != 0) continue;
+        std::vector<LevelView> views;
+        for (const stage::Camera& camera : cameras)
+            views.push_back({in_performer(camera, instance.world_from_performer), settings.samples * settings.scale});
+        const uint32_t level = level_for(*levels_.all[instance.field], views);
+        drawn[instance.field].insert(level);
+        instance.field = levels_.index(instance.field, level);
+    }
+    chosen.next_slices.clear();
+    for (const NextSlice& next : settings.next_slices) {
+        if (next.slice.paint != 0 || next.field >= drawn.size() || drawn[next.field].empty())
+            chosen.next_slices.push_back(next);
+        else
+            for (const uint32_t level : drawn[next.field])
+                chosen.next_slices.push_back({next.slice, levels_.index(next.field, level)});
+    }
+    return chosen;
+}
+
+void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given) {
+    check_settings(cameras, given);
+    const FrameSettings settings = with_far_levels(cameras, given);
     write_rays(cameras, settings);
     write_instances(cameras, settings);
     do {

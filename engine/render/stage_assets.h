@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/file_stamp.h"
-#include "render/field.h"
+#include "render/field_levels.h"
 #include "render/paint_files.h"
 #include "render/set_raster.h"
 #include "stage/stage.h"

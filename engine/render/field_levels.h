@@ -1,0 +1,41 @@
+// Far levels: coarser copies of a clip's tree on the device, from which performers that are far away are drawn. There
+// one ray a pixel would meet one of many leaves by chance, so that the performer shimmers as it moves.
+#pragma once
+
+#include <span>
+
+#include "render/field.h"
+#include "stage/camera.h"
+
+namespace neuvv::render {
+
+// A field to be played, with its Field::coarser. They take about a third of its memory more. The tree must be sound.
+Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree);
+
+// How a performer is seen: a camera in the performer's space (metres), and its rays per pixel along each side.
+struct LevelView {
+    stage::Camera camera;
+    double pixel_rays = 1;
+};
+
+// The level at which a field should be drawn for all of these views: 0 is the field itself, k is coarser[k − 1]. It is
+// the coarsest whose finest cells look no larger than the distance between two rays, at the point of the field's box
+// that is nearest to an eye. It depends on nothing else, so that images do not depend on those before them, and that
+// parts of an image have the level of the whole.
+uint32_t level_for(const Field& field, std::span<const LevelView> views);
+
+// Fields with all of their levels in one list.
+struct FieldLevels {
+    explicit FieldLevels(std::vector<const Field*> given);
+    // The index of a level of the field that was given as number `field`.
+    uint32_t index(uint32_t field, uint32_t level) const {
+        return level == 0 ? field : first_coarser[field] + level - 1;
+    }
+
+    std::vector<const Field*> all;        // those given, then the coarser levels of each
+    std::vector<uint32_t> first_coarser;  // by given field
+    std::vector<uint32_t> level_of;       // of each of `all`
+    uint32_t given() const { return static_cast<uint32_t>(first_coarser.size()); }
+};
+
+}  // namespace neuvv::render

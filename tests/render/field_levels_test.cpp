@@ -1,0 +1,163 @@
+// Far levels: which level a performer is drawn at, that images of far performers come nearer to those of many rays, and
+// that what is near or painted is drawn as without levels.
+#include "render/field_levels.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "render/frame.h"
+#include "support/gpu_test.h"
+#include "support/look_at.h"
+#include "support/waver_tree.h"
+
+namespace neuvv::test {
+namespace {
+
+constexpr double kLeafM = 0.03;  // of waver_tree
+constexpr uint32_t kSide = 96;   // of images
+constexpr uint32_t kTruthSamples = 8;
+
+// The waver before the camera, so far away that neighbouring rays are `rays_m` apart where they meet its box.
+stage::Camera camera_at(const render::Field& field, double rays_m) {
+    stage::Camera camera = look_at(glm::dvec3(0, 0.96, 5), glm::dvec3(0, 0.96, 0), kSide, kSide);
+    camera.world_from_camera[3] = glm::dvec4(0, 0.96, double{field.leaves_max.z} + rays_m * kSide, 1);
+    return camera;
+}
+
+double squared_error(const media::Image& a, const media::Image& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.rgba.size(); i++) sum += std::pow(a.rgba[i] - b.rgba[i], 2);
+    return sum / static_cast<double>(a.rgba.size());
+}
+
+struct FieldLevelsTest : GpuTest {
+    media::Image image(const stage::Camera& camera, bool far_levels, uint32_t paint = 0) {
+        settings.instances[0].paint = paint;
+        settings.far_levels = far_levels;
+        return renderer.render(camera, settings);
+    }
+    FieldLevelsTest() {
+        settings.width = settings.height = kSide;
+        settings.mode = render::TraceMode::kPlay;
+        settings.resolve.background = {1, 1, 1, 1};
+    }
+    bool builds_slices() const {
+        for (const gpu::PassTime& pass : renderer.pass_times())
+            if (pass.name.starts_with("slice")) return true;
+        return false;
+    }
+
+    voctree::VOctree tree = waver_tree();
+    render::Field field = render::upload_levels(device(), tree);
+    render::FrameRenderer renderer{device(), field, {kSide, kSide}};
+    render::FrameSettings settings;
+};
+
+TEST_F(FieldLevelsTest, LeavesLookNoLargerThanTheDistanceOfRays) {
+    ASSERT_EQ(field.coarser.size(), 3u);  // of leaves at depths 5, 4, 3
+    EXPECT_LT(field.coarser[0].leaf_count, field.leaf_count / 3);
+    EXPECT_LT(field.coarser[1].leaf_count, field.coarser[0].leaf_count / 3);
+    const auto level = [&](double rays_m, double pixel_rays = 1) {
+        return render::level_for(field, std::vector{render::LevelView{camera_at(field, rays_m), pixel_rays}});
+    };
+    for (uint32_t k = 1; k <= 3; k++) {
+        const double edge_m = kLeafM * std::exp2(k);
+        EXPECT_EQ(level(0.99 * edge_m), k - 1);
+        EXPECT_EQ(level(1.01 * edge_m), k);
+        EXPECT_EQ(level(1.01 * edge_m, 2), k - 1) << "more rays a pixel";
+    }
+    EXPECT_EQ(level(100), 3u);
+    EXPECT_EQ(level(-0.001), 0u) << "an eye in the box";
+    const render::LevelView near{camera_at(field, 1.1 * kLeafM), 1}, far{camera_at(field, 9 * kLeafM), 1};
+    EXPECT_EQ(render::level_for(field, std::vector{far, near}), 0u) << "all eyes see the same level";
+    EXPECT_EQ(render::level_for(field.coarser[0], std::vector{far}), 0u) << "without levels of its own";
+}
+
+// Over several positions of the camera, as one ray a pixel may meet the right leaves by chance.
+TEST_F(FieldLevelsTest, FarPerformersComeNearerToManyRays) {
+    render::FrameRenderer many(device(), field, {kSide, kSide, kTruthSamples});
+    render::FrameSettings truth_settings = settings;
+    truth_settings.samples = kTruthSamples;
+    truth_settings.far_levels = false;
+    for (uint32_t level = 1; level <= 3; level++) {
+        double without = 0, with = 0;
+        for (int position = 0; position < 5; position++) {
+            stage::Camera camera = camera_at(field, 1.2 * kLeafM * std::exp2(level));
+            camera.world_from_camera[3].x += 0.013 * position;
+            const media::Image truth = many.render(camera, truth_settings);
+            without += squared_error(truth, image(camera, false));
+            with += squared_error(truth, image(camera, true));
+            ASSERT_EQ(renderer.drawn().size(), 1u);
+            EXPECT_EQ(renderer.drawn()[0][0].field, level);
+        }
+        EXPECT_LT(with, 0.8 * without) << level;
+    }
+}
+
+TEST_F(FieldLevelsTest, NearPerformersAreDrawnAsWithoutLevels) {
+    const render::Field alone = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer plain(device(), alone, {kSide, kSide});
+    const stage::Camera near = camera_at(field, 1.5 * kLeafM), far = camera_at(field, 5 * kLeafM);
+    const media::Image near_truth = plain.render(near, settings), far_truth = plain.render(far, settings);
+    EXPECT_EQ(image(near, true).rgba, near_truth.rgba);
+    EXPECT_EQ(image(far, false).rgba, far_truth.rgba) << "switched off";
+    EXPECT_NE(image(far, true).rgba, far_truth.rgba);
+    EXPECT_EQ(image(near, true).rgba, near_truth.rgba) << "with slices of both levels in the cache";
+}
+
+TEST_F(FieldLevelsTest, PaintIsDrawnOnTheLeavesThatItRefersTo) {
+    voctree::EditLayer layer{voctree::painted_field(tree), {}};
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 2) {
+        voctree::LeafEdit edit;
+        edit.leaf = leaf;
+        edit.last = static_cast<float>(tree.frames - 1);
+        edit.colour = {1, 0, 0};
+        edit.alpha = 1;
+        layer.edits.push_back(edit);
+    }
+    ASSERT_EQ(voctree::defect_of(layer), "");
+    const uint32_t paint = renderer.paints().add(std::vector{render::PaintUse{&layer, stage::PaintBlend::kNormal, 1}});
+    const stage::Camera far = camera_at(field, 5 * kLeafM);
+    const media::Image truth = image(far, false, paint);
+    EXPECT_EQ(image(far, true, paint).rgba, truth.rgba);
+    EXPECT_NE(truth.rgba, image(far, false).rgba);
+}
+
+TEST_F(FieldLevelsTest, SlicesArePrefetchedAtTheLevelThatIsDrawn) {
+    const stage::Camera far = camera_at(field, 5 * kLeafM);
+    settings.next_slices = {{{1, 0}, 0}};
+    settings.prefetch_parts = render::kSliceParts;
+    image(far, true);
+    settings.next_slices.clear();
+    settings.instances[0].frame = 1;
+    image(far, true);
+    EXPECT_FALSE(builds_slices());
+    image(far, false);
+    EXPECT_TRUE(builds_slices()) << "the finest level's was not prefetched";
+    const std::vector<render::Instance> shown = settings.instances;
+    settings.instances.clear();
+    settings.next_slices = {{{2, 0}, 0}};
+    renderer.render(far, settings);
+    settings.instances = shown;
+    settings.instances[0].frame = 2;
+    settings.next_slices.clear();
+    image(far, false);
+    EXPECT_FALSE(builds_slices()) << "of a field that no performer shows yet, the finest is";
+}
+
+TEST_F(FieldLevelsTest, OtherFieldsComeAndGoWithTheirLevels) {
+    const stage::Camera far = camera_at(field, 5 * kLeafM);
+    const media::Image alone = image(far, true);
+    const render::Field other = render::upload_levels(device(), tree);
+    renderer.change_fields({&other, &field});
+    settings.instances[0].field = 1;
+    EXPECT_EQ(image(far, true).rgba, alone.rgba);
+    EXPECT_EQ(renderer.drawn()[0][0].field, 2u + 3u + 1u) << "the second level of the second field";
+    renderer.change_fields({&field});
+    settings.instances[0].field = 0;
+    EXPECT_EQ(image(far, true).rgba, alone.rgba);
+}
+
+}  // namespace
+}  // namespace neuvv::test
