@@ -70,6 +70,9 @@ void add_run_options(Command verb, RenderOptions& options) {
                "Of a stage: performers that stand in each other exactly, or as layers as in the paper");
     add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
     add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
+    add_switch(verb, "--far-levels", options.far_levels,
+               "Whether performers whose leaves look smaller than a pixel are drawn from coarser levels of their tree, "
+               "so that they do not shimmer");
     verb.add_flag("--resume", options.resume,
                   "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
@@ -202,6 +205,7 @@ media::RenderFacts render_facts(const RenderOptions& options, double fps, media:
             {"--background", options.background.empty() ? "default" : options.background},
             {"--samples", fmt::format("{}", options.samples)},
             {"--scale", fmt::format("{}", options.scale)},
+            {"--far-levels", fmt::format("{}", options.far_levels.value_or(true))},
             {"--slice-budget", fmt::format("{}", options.slice_budget_mb)},
             {"--depth", fmt::format("{}", options.depth)},
             {"--alpha", fmt::format("{}", options.alpha)},

@@ -20,6 +20,7 @@ struct RenderOptions {
     uint32_t samples = kDefaultSamples;
     double scale = 1;
     double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);
+    std::optional<bool> far_levels;  // nothing: on
     bool orbit = false, depth = false, alpha = false, level = false, cost = false;
     double cost_max = double{render::ResolveSettings{}.cost_max};
     bool direct = false, resume = false, json = false;

@@ -167,6 +167,7 @@ FrameTimes render_image(render::FrameRenderer& renderer, const RenderOptions& op
     settings.scale = options.scale;
     settings.resolve = plan.resolve;
     settings.mode = render::TraceMode::kPlay;
+    settings.far_levels = options.far_levels.value_or(true);
     const media::Image image = renderer.render(plan.path[i].camera, settings);
     return add_image(renderer, options.pass.empty() ? image : pass_image(options, renderer, i), plan, i, sink);
 }
@@ -210,7 +211,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     facts["--direct"] = fmt::format("{}", options.direct);
     media::ImageSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
     const gpu::Device device(common.device);
-    const render::Field field = render::upload_field(device, plan.tree, render::WeightPrecision::kHalf);
+    const render::Field field = render::upload_levels(device, plan.tree);
     const auto render_all = [&](const std::function<FrameTimes(uint32_t)>& render) {
         return render_images(options, plan.output, size, plan.playback.output_fps, images, sink, device, render);
     };

@@ -214,6 +214,7 @@ void render_image(render::StageRenderer& renderer, const RenderOptions& options,
     renderer.show(evaluated, options.background.empty());
     render::FrameSettings settings = renderer.settings_at(evaluated);
     settings.scale = options.scale;
+    settings.far_levels = options.far_levels.value_or(true);
     settings.resolve = plan.resolve;
     const media::Image image = renderer.frames().render(camera, settings);
     if (sink.exr())

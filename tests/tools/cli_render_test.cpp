@@ -6,6 +6,7 @@
 #include "media/video.h"
 #include "support/child_process.h"
 #include "support/stage_on_disk.h"
+#include "support/waver_tree.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/camera_path_file.h"
 #include "voctree/nvpaint.h"
@@ -72,6 +73,25 @@ TEST_F(CliRender, PathsAreFollowed) {
 }
 
 // A path of nerfstudio has its own rate; a clip and a stage show both ends of a path.
+TEST_F(CliRender, FarPerformersAreDrawnFromCoarserLevelsUnlessThatIsOff) {
+    voctree::write_nvv(scene, test::waver_tree());
+    test::write_stage(file("show.gltf"), scene, "anna");
+    for (const std::string& shown : {scene, file("show.gltf")}) {
+        const auto image = [&](const char* name, const std::vector<std::string>& more) {
+            std::vector<std::string> words = {"render", shown, "-o", file(name), "--size", "20x20", "--samples", "1"};
+            words.insert(words.end(), more.begin(), more.end());
+            const ProgramResult result = run_neuvv(words);
+            EXPECT_EQ(result.code, 0) << result.err;
+            return media::read_png(file(name)).rgba;
+        };
+        const std::string range = shown == scene ? "--frames" : "--time";
+        const auto without = image("off.png", {range, "0", "--far-levels", "off"});
+        EXPECT_NE(image("default.png", {range, "0"}), without);
+        EXPECT_EQ(image("on.png", {range, "0", "--far-levels", "on"}), image("default.png", {range, "0"}));
+    }
+    expect_refused(command("o.png", {"--far-levels", "sideways"}), 2, {"--far-levels"});
+}
+
 TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
     nlohmann::json path = {{"camera_type", "perspective"},
                            {"render_width", 48},
