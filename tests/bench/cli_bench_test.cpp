@@ -25,7 +25,7 @@ nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::
 TEST(Bench, EveryVerbHelpsWithExamples) {
     const std::string overview = run_neuvv({"--help"}).out;
     for (const char* verb :
-         {"open", "render", "walk", "slice", "stereo", "instances", "stage", "xr", "train", "edit", "coach"}) {
+         {"open", "render", "walk", "slice", "stereo", "instances", "far", "stage", "xr", "train", "edit", "coach"}) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
@@ -75,6 +75,18 @@ TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     expect_refused({"render", scene, "--size", "0x9"}, 2, {"--size"});
     expect_refused({"render", scene, "--views", "0"}, 2, {"--views"});
     expect_refused({"render", file("none.nvv")}, 2, {"none.nvv"});
+}
+
+TEST_F(CliGpu, BenchFarComparesLevels) {
+    const std::vector<std::string> command = {"far", scene,     "--size", "48x48",     "--views",
+                                              "1",   "--count", "4",      "--repeats", "1"};
+    expect_words(command, {"PSNR", "flicker", "a step with a switch", "4 performers", "upload"});
+    const nlohmann::json json = json_of(command);
+    ASSERT_EQ(json["footprints"].size(), 4u);
+    EXPECT_GE(json["footprints"][3]["level"], json["footprints"][0]["level"]);
+    EXPECT_GT(json["footprints"][0]["psnr"][0], 5.0);
+    EXPECT_GE(json["bytes"][1], json["bytes"][0]);
+    expect_refused({"far", scene, "--count", "0"}, 2, {"--count"});
 }
 
 TEST_F(CliGpu, BenchRenderHasARivalWhereItIsAskedFor) {
