@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "voctree/coarse.h"
+#include "voctree/leaf_density.h"
 
 namespace neuvv::render {
 
@@ -18,12 +19,18 @@ double finest_edge_m(const Field& field) {
     return std::ldexp(box_m, -static_cast<int>(field.finest_level + field.levels_above));
 }
 
+// Then a cell has a density for each frame, which can cover what its leaves cover there. Where frames share bases it
+// cannot, and levels look worse than the finest leaves (engine/README.md).
+bool has_basis_for_each_frame(const voctree::VOctree& tree) {
+    return voctree::basis_entries(tree.sigma_basis, tree.bases).size() <= tree.frames;
+}
+
 }  // namespace
 
 Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree) {
     Field field = upload_field(device, tree, WeightPrecision::kHalf);
     uint32_t depth = voctree::finest_depth(tree);
-    if (depth <= kCoarsestDepth) return field;
+    if (depth <= kCoarsestDepth || !has_basis_for_each_frame(tree)) return field;
     voctree::VOctree cut = voctree::cut_tree(tree, --depth);
     field.coarser.push_back(upload_field(device, cut, WeightPrecision::kHalf));
     while (depth > kCoarsestDepth) {

@@ -9,7 +9,8 @@
 
 namespace neuvv::render {
 
-// A field to be played, with its Field::coarser. They take about a third of its memory more. The tree must be sound.
+// A field to be played, with its Field::coarser where each frame of the clip has a basis of its own. They take about a
+// third of its memory more. The tree must be sound.
 Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree);
 
 // How a performer is seen: a camera in the performer's space (metres), and its rays per pixel along each side.

@@ -74,6 +74,11 @@ TEST_F(FieldLevelsTest, LeavesLookNoLargerThanTheDistanceOfRays) {
     EXPECT_EQ(render::level_for(field.coarser[0], std::vector{far}), 0u) << "without levels of its own";
 }
 
+TEST_F(FieldLevelsTest, ClipsWhoseFramesShareBasesHaveNone) {
+    tree.sigma_basis[1] = 0.5f;
+    EXPECT_TRUE(render::upload_levels(device(), tree).coarser.empty());
+}
+
 // Over several positions of the camera, as one ray a pixel may meet the right leaves by chance.
 TEST_F(FieldLevelsTest, FarPerformersComeNearerToManyRays) {
     render::FrameRenderer many(device(), field, {kSide, kSide, kTruthSamples});
