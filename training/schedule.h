@@ -61,11 +61,16 @@ inline uint32_t batches_in_a_row(const voctree::VOctree& tree) {
 
 constexpr float kTrainingStop = 1.0f / 256;  // the transmittance below which rays end
 
+// The last rates of runs of so many epochs; those of longer runs are lower in proportion, down to the least share.
+constexpr double kShortRunEpochs = 9, kLeastLastRate = 0.2;
+
 // A and B move in every eighth step: their sums take as long as moving the weights of leaves.
 constexpr uint32_t kStepsPerRows = 8;
 
-// These fall exponentially with progress.
-LearningRates learning_rates(double progress);
+// These fall exponentially with progress. `epochs`: how many the whole run will have. A run of many epochs sees every
+// pixel so often that low rates at its end still reach it, and then renders have less noise; a short one needs higher
+// rates to get anywhere (RESULTS.md, "Rates at the end of a run").
+LearningRates learning_rates(double progress, double epochs);
 float camera_colour_rate(double progress);
 
 }  // namespace neuvv::training

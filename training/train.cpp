@@ -73,6 +73,8 @@ class Run {
     const Dataset& begin();
     double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
     double fraction() const;
+    double epochs_done() const { return run_.rays / static_cast<double>(sampler_.rays_per_epoch()); }
+    double epochs_of_run() const { return fraction() > 0 ? epochs_done() / fraction() : 0; }
     uint32_t max_leaves() const;
     uint32_t samples_of(uint64_t step) const { return step < run_.several_rays_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
@@ -246,8 +248,7 @@ void Run::fit_to_max_bytes() {
 }
 
 Batch Run::next_batch(uint64_t step) {
-    const double epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
-    if (run_.several_rays_from == UINT64_MAX && fraction() >= kSeveralRaysFrom && epochs >= kSeveralRaysEpochs)
+    if (run_.several_rays_from == UINT64_MAX && fraction() >= kSeveralRaysFrom && epochs_done() >= kSeveralRaysEpochs)
         run_.several_rays_from = step;
     return sampler_.next(samples_of(step));
 }
@@ -255,7 +256,7 @@ Batch Run::next_batch(uint64_t step) {
 StepSettings Run::step_settings(double time) const {
     StepSettings settings;
     settings.frame = static_cast<float>(frame_of_time(time, tree_.frames));
-    settings.rates = learning_rates(fraction());
+    settings.rates = learning_rates(fraction(), epochs_of_run());
     if (run_.phase < kLevelsAbovePixel) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
     settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
@@ -288,7 +289,7 @@ TrainProgress Run::progress() const {
     now.began_at_step = began_at_step_;
     now.leaves = tree_.leaf_count;
     now.depth = finest_;
-    now.epochs = run_.rays / static_cast<double>(sampler_.rays_per_epoch());
+    now.epochs = epochs_done();
     now.passes = step_->pass_times();
     now.colours = colours_.values;
     now.field = &step_->field();

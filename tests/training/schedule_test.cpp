@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace neuvv::test {
 namespace {
 
@@ -11,17 +13,30 @@ std::vector<float> numbers_of(const training::LearningRates& r) {
 }
 
 TEST(Schedule, RatesFallFromStartToEndAndStayThere) {
-    std::vector<float> before = numbers_of(training::learning_rates(0));
+    std::vector<float> before = numbers_of(training::learning_rates(0, 9));
     for (int i = 1; i <= 10; i++) {
-        const std::vector<float> now = numbers_of(training::learning_rates(0.1 * i));
+        const std::vector<float> now = numbers_of(training::learning_rates(0.1 * i, 9));
         for (size_t j = 0; j < now.size(); j++) {
             EXPECT_GT(now[j], 0);
             EXPECT_LT(now[j], before[j]);
         }
         before = now;
     }
-    EXPECT_EQ(numbers_of(training::learning_rates(2)), numbers_of(training::learning_rates(1)));
-    EXPECT_EQ(numbers_of(training::learning_rates(-1)), numbers_of(training::learning_rates(0)));
+    EXPECT_EQ(numbers_of(training::learning_rates(2, 9)), numbers_of(training::learning_rates(1, 9)));
+    EXPECT_EQ(numbers_of(training::learning_rates(-1, 9)), numbers_of(training::learning_rates(0, 9)));
+}
+
+TEST(Schedule, LongRunsEndWithLowerRates) {
+    const auto last = [](double epochs) { return training::learning_rates(1, epochs); };
+    EXPECT_EQ(numbers_of(last(0)), numbers_of(last(training::kShortRunEpochs)));
+    const training::LearningRates once = last(9), twice = last(18);
+    EXPECT_FLOAT_EQ(twice.colour, once.colour / 2);
+    EXPECT_FLOAT_EQ(twice.detail, once.detail / 2);
+    EXPECT_FLOAT_EQ(twice.gamma, once.gamma / 2);
+    EXPECT_FLOAT_EQ(twice.sigma, once.sigma / std::sqrt(2.0f));
+    EXPECT_EQ(numbers_of(last(1e3)), numbers_of(last(1e9)));  // not lower than the least share
+    EXPECT_FLOAT_EQ(last(1e9).colour, static_cast<float>(training::kLeastLastRate) * once.colour);
+    EXPECT_EQ(numbers_of(training::learning_rates(0, 1e9)), numbers_of(training::learning_rates(0, 0)));
 }
 
 TEST(Schedule, StagesBeginInOrder) {
