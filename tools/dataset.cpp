@@ -16,7 +16,7 @@
 #include "tools/rig_drawing.h"
 #include "training/contact_sheet.h"
 #include "training/formats.h"
-#include "training/hull.h"
+#include "training/hull_box.h"
 #include "training/images.h"
 
 namespace neuvv::tools {

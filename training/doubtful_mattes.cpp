@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "training/hull_box.h"
 #include "training/silhouettes.h"
 
 namespace neuvv::training {
@@ -112,30 +113,10 @@ class MatteComparison {
 };
 
 std::vector<bool> MatteComparison::covered_by_hull(const Silhouette& silhouette) const {
-    const uint32_t width = silhouette.camera->width, height = silhouette.camera->height;
-    const size_t stride = size_t{width} + 1;
-    // Each rectangle adds 1 to its pixels, as differences to the pixel on the left and to the row above.
-    std::vector<int32_t> differences(stride * (size_t{height} + 1));
-    for (const Candidate& candidate : candidates_) {
-        if (!in_hull(candidate)) continue;
-        const std::optional<PixelRectangle> r = visible_part_of(silhouette, candidate.cell);
-        if (!r) continue;
-        differences[r->y0 * stride + r->x0]++;
-        differences[r->y0 * stride + r->x1]--;
-        differences[r->y1 * stride + r->x0]--;
-        differences[r->y1 * stride + r->x1]++;
-    }
-    std::vector<bool> covered(size_t{width} * height);
-    std::vector<int32_t> counts(width);
-    for (uint32_t y = 0; y < height; y++) {
-        int32_t row = 0;
-        for (uint32_t x = 0; x < width; x++) {
-            row += differences[y * stride + x];
-            counts[x] += row;
-            covered[size_t{y} * width + x] = counts[x] > 0;
-        }
-    }
-    return covered;
+    std::vector<HullCell> hull;
+    for (const Candidate& candidate : candidates_)
+        if (in_hull(candidate)) hull.push_back(candidate.cell);
+    return covered_pixels(silhouette, hull);
 }
 
 // Of each image, the foreground pixels behind which the hull has no matter.

@@ -11,6 +11,7 @@
 #include "training/bases.h"
 #include "training/first_colours.h"
 #include "training/hull.h"
+#include "training/hull_box.h"
 
 namespace neuvv::training {
 
@@ -46,6 +47,15 @@ struct Carved {
     std::vector<uint32_t> bits;     // as carve() returns them, one bit per time of the data set
     std::vector<uint32_t> parents;  // per position: the index of its group of `group` positions given to keep_allowed
 };
+
+// Removes the cells in which the grid has no matter.
+void remove_empty(const MatterGrid& grid, const voctree::VOctree& tree, std::vector<voctree::LeafPosition>& positions) {
+    std::erase_if(positions, [&](const voctree::LeafPosition& p) {
+        const double edge = static_cast<double>(tree.box_size.x) / (1u << p.depth);
+        const glm::dvec3 low = glm::dvec3(tree.box_min) + edge * glm::dvec3(p.x, p.y, p.z);
+        return !grid.overlaps({low, low + edge});
+    });
+}
 
 Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
                     const std::vector<voctree::LeafPosition>& positions, uint32_t group, uint32_t finest) {
@@ -218,7 +228,8 @@ uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, 
 }
 
 voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above) {
-    const auto box = hull_box(dataset);
+    const MatterGrid grid = find_matter(dataset);
+    const auto& box = grid.tight_box;
     const uint32_t resolution = shape.resolution > 0 ? shape.resolution : natural_resolution(dataset, box);
     const uint32_t depth = depth_of_resolution(resolution);
     voctree::VOctree tree;
@@ -240,10 +251,12 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
     for (uint32_t z = 0; z < 1u << start; z++)
         for (uint32_t y = 0; y < 1u << start; y++)
             for (uint32_t x = 0; x < 1u << start; x++) positions.push_back({x, y, z, start});
+    remove_empty(grid, tree, positions);
     Carved carved = keep_allowed(dataset, tree, positions, 1, depth);
     for (uint32_t at = start; at < target; at++) {
         std::vector<voctree::LeafPosition> finer;
         for (const voctree::LeafPosition& position : carved.positions) append_children(finer, position);
+        remove_empty(grid, tree, finer);
         carved = keep_allowed(dataset, tree, finer, 8, depth);
     }
     if (carved.positions.empty())

@@ -16,7 +16,7 @@ struct HullCell {
 // For each cell one bit per time of the data set: hull_words() words per cell, low bit first. A bit is set where the
 // cell may hold matter at that time: at least two cameras (one, where only one has an image) see foreground in the
 // image of the cell's ball, and no camera that sees the whole ball finds only background there (matte below 1/8). An
-// image says nothing about a ball that lies partly outside it, or that shows no foreground and some ignored pixels.
+// image never empties a ball that lies partly outside it, or in which it has ignored pixels.
 // Runs on all cores, one time after the other.
 std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells);
 
@@ -29,13 +29,5 @@ constexpr uint32_t kBoxGrid = 48;  // cells along each side of the grid with whi
 
 // The cells of a grid over a box, `side` along each axis, each with the ball that encloses it.
 std::vector<HullCell> grid_cells(const std::pair<glm::dvec3, glm::dvec3>& box, uint32_t side);
-
-// The box with which a search begins: dataset.box, or else where the cameras look. Throws InputError where all cameras
-// look in the same direction and there is no dataset.box.
-std::pair<glm::dvec3, glm::dvec3> first_box(const Dataset& dataset);
-
-// The box (min, max in the world, metres) around all cells that carving leaves. Throws InputError as first_box does,
-// and where nothing is left, as mattes and poses then do not fit together.
-std::pair<glm::dvec3, glm::dvec3> hull_box(const Dataset& dataset);
 
 }  // namespace neuvv::training

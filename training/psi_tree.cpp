@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "base/seconds.h"
 #include "training/batch.h"
-#include "training/hull.h"
+#include "training/hull_box.h"
 
 namespace neuvv::training {
 

@@ -79,11 +79,49 @@ std::optional<PixelRectangle> visible_part_of(const Silhouette& silhouette, cons
     return rectangle_of(part);
 }
 
+std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector<HullCell>& cells) {
+    const uint32_t width = silhouette.camera->width, height = silhouette.camera->height;
+    const size_t stride = size_t{width} + 1;
+    // Each rectangle adds 1 to its pixels, as differences to the pixel on the left and to the row above.
+    std::vector<int32_t> differences(stride * (size_t{height} + 1));
+    for (const HullCell& cell : cells) {
+        const std::optional<PixelRectangle> r = visible_part_of(silhouette, cell);
+        if (!r) continue;
+        differences[r->y0 * stride + r->x0]++;
+        differences[r->y0 * stride + r->x1]--;
+        differences[r->y1 * stride + r->x0]--;
+        differences[r->y1 * stride + r->x1]++;
+    }
+    std::vector<bool> covered(size_t{width} * height);
+    std::vector<int32_t> counts(width);
+    for (uint32_t y = 0; y < height; y++) {
+        int32_t row = 0;
+        for (uint32_t x = 0; x < width; x++) {
+            row += differences[y * stride + x];
+            counts[x] += row;
+            covered[size_t{y} * width + x] = counts[x] > 0;
+        }
+    }
+    return covered;
+}
+
 Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
-    const std::optional<PixelRectangle> image = image_of(silhouette, cell);
-    if (!image) return Verdict::kUnseen;
-    if (silhouette.foreground.count(*image) > 0) return Verdict::kMatter;
-    return silhouette.ignored.count(*image) > 0 ? Verdict::kUnseen : Verdict::kBackground;
+    const std::optional<PixelRectangle> seen = visible_part_of(silhouette, cell);
+    if (!seen) return Verdict::kUnseen;
+    const bool whole = image_of(silhouette, cell).has_value();
+    if (silhouette.foreground.count(*seen) > 0) return whole ? Verdict::kMatter : Verdict::kMatterInPart;
+    return !whole || silhouette.ignored.count(*seen) > 0 ? Verdict::kUnseen : Verdict::kBackground;
+}
+
+Witnesses count_witnesses(const std::vector<Silhouette>& silhouettes, const HullCell& cell) {
+    Witnesses witnesses;
+    for (const Silhouette& silhouette : silhouettes) {
+        const Verdict verdict = judge(silhouette, cell);
+        if (verdict == Verdict::kBackground) return {};
+        if (verdict == Verdict::kMatter) witnesses.whole++;
+        if (verdict != Verdict::kUnseen) witnesses.all++;
+    }
+    return witnesses;
 }
 
 }  // namespace neuvv::training

@@ -1,6 +1,7 @@
 // What the matte of an image says about a cell of space.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -60,9 +61,25 @@ std::optional<PixelRectangle> image_of(const Silhouette& silhouette, const HullC
 // The same pixels, but of a ball that is partly outside the image those in the image; nothing where there are none.
 std::optional<PixelRectangle> visible_part_of(const Silhouette& silhouette, const HullCell& cell);
 
-// What an image shows of a cell; kUnseen: nothing can be said.
-enum class Verdict { kUnseen, kBackground, kMatter };
+// For each pixel of the image, row by row, whether one of the cells may be visible in it.
+std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector<HullCell>& cells);
+
+// What an image shows of a cell. kUnseen: nothing can be said. kMatterInPart: the cell is partly outside the image, and
+// matter is seen in what is inside.
+enum class Verdict { kUnseen, kBackground, kMatterInPart, kMatter };
 
 Verdict judge(const Silhouette& silhouette, const HullCell& cell);
+
+// The images that show matter in a cell, and those of them that show the whole cell. Both are 0 where an image shows
+// only background there.
+struct Witnesses {
+    uint16_t all = 0, whole = 0;
+};
+Witnesses count_witnesses(const std::vector<Silhouette>& silhouettes, const HullCell& cell);
+
+// The witnesses that a cell of the hull needs: two, or one where a time has a single image.
+inline size_t min_witnesses(const std::vector<Silhouette>& silhouettes) {
+    return std::clamp<size_t>(silhouettes.size(), 1, 2);
+}
 
 }  // namespace neuvv::training

@@ -1,5 +1,6 @@
 // Carving keeps matter and removes what no matte allows.
 #include "training/hull.h"
+#include "training/hull_box.h"
 
 #include <gtest/gtest.h>
 
@@ -115,6 +116,17 @@ TEST(Hull, ACellAtTheImagesEdgeIsNotCarvedByIt) {
     EXPECT_EQ(training::carve(dataset, centre)[0], 0u) << "the third camera sees background there";
     dataset.cameras[2].cx += capture.size / 2.0;
     EXPECT_EQ(training::carve(dataset, centre)[0], 1u);
+}
+
+// Cells of a coarse grid may be larger than close-ups; the matter that these show in them must not be lost.
+TEST(Hull, KeepsACellThatExceedsAllImages) {
+    const SphereCapture capture{.cameras = 3, .frames = 1, .radius_m = 0.1};
+    training::Dataset dataset = sphere_dataset(capture);
+    const training::HullCell cell{glm::vec3(capture.centre(0)), 1.0f};
+    for (stage::Camera& camera : dataset.cameras) camera.fx = camera.fy = 3.0 * camera.width;
+    EXPECT_EQ(training::carve(dataset, {cell})[0], 1u);
+    for (training::View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    EXPECT_EQ(training::carve(dataset, {cell})[0], 0u) << "nobody sees matter";
 }
 
 TEST(Hull, BoxEnclosesTheSphereInAllFrames) {
