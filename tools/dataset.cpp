@@ -93,13 +93,14 @@ std::optional<double> matte_share(const training::Dataset& dataset) {
     double opaque = 0, pixels = 0;
     bool clear = false;
     for (const training::View& view : dataset.views)
-        for (size_t i = 0; i < view.image.rgba.size() / 4; ++i) {
-            if (!view.ignored.empty() && view.ignored[i]) continue;
-            const uint8_t alpha = view.image.rgba[4 * i + 3];
-            clear |= alpha != 255;
-            opaque += alpha / 255.0;
-            pixels += 1;
-        }
+        for (uint32_t y = 0; y < view.image.height(); ++y)
+            for (uint32_t x = 0; x < view.image.width(); ++x) {
+                if (view.ignores(x, y)) continue;
+                const uint8_t alpha = view.image.at(x, y)[3];
+                clear |= alpha != 255;
+                opaque += alpha / 255.0;
+                pixels += 1;
+            }
     if (!clear || pixels == 0) return {};
     return opaque / pixels;
 }
@@ -179,10 +180,15 @@ void print_box(const std::optional<Box>& given, const Finding<Box>& hull) {
     print_field("hull", hull.found ? text(*hull.found) + ", what the mattes leave at the sampled times" : hull.missing);
 }
 
-void print_memory(const training::Rig& rig) {
-    print_field("memory",
-                fmt::format("{} for these images in training, next to the model; half of what is free is {}",
-                            size_text(training::image_memory(rig).bytes), size_text(training::image_budget())));
+// The sampled images stand for all.
+void print_memory(const training::Rig& rig, const training::Rig& sample, const training::Dataset& images) {
+    const double kept = static_cast<double>(training::image_bytes(images)) /
+                        static_cast<double>(std::max<uint64_t>(training::image_count(sample).bytes, 1));
+    const uint64_t all = training::image_count(rig).bytes;
+    print_field("memory", fmt::format("about {} for these images in training ({} with all background), next to the "
+                                      "model; half of what is free is {}",
+                                      size_text(static_cast<uint64_t>(kept * static_cast<double>(all))), size_text(all),
+                                      size_text(training::image_budget())));
 }
 
 void draw(const std::filesystem::path& folder, const training::Rig& rig, const std::vector<training::RigCamera>& train,
@@ -193,7 +199,7 @@ void draw(const std::filesystem::path& folder, const training::Rig& rig, const s
     std::vector<std::string> names;
     for (const training::View& view : sample.views) {
         if (view.camera != images.size()) continue;  // only the first image of each camera
-        images.push_back(view.image);
+        images.push_back(view.image.whole());
         names.push_back(rig.cameras[view.camera].name);
     }
     const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(images.size()))));
@@ -235,7 +241,7 @@ void run(const DatasetOptions& options) {
     print_frames(rig);
     print_layers(rig, options, matte);
     print_box(rig.box, hull);
-    print_memory(rig);
+    print_memory(rig, sample, images);
     fmt::print("{}", doubtful_mattes_text(images, doubtful));
     if (options.output.empty()) return;
     const auto cameras = [](const Finding<training::Rig>& split) {

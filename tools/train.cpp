@@ -168,15 +168,17 @@ training::LoadOptions load_options(const TrainOptions& options) {
             .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
 
-// Prints what memory the images will take before it reads them, and afterwards which mattes are doubtful.
+// Prints how many images there are before it reads them, and afterwards what they take and which mattes are doubtful.
 training::Dataset load_images(const TrainOptions& options, const training::Rig& rig,
                               const training::LoadOptions& load) {
-    const uint64_t budget = load.memory_bytes;
-    const training::ImageMemory need = training::image_memory(rig);
-    fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}, budget {}{}\n", options.dataset.string(),
-               need.cameras, need.frames, need.images, need.width, need.height, size_text(need.bytes),
-               size_text(budget), need.bytes > budget ? ": streamed from disk" : "");
+    const training::ImageCount count = training::image_count(rig);
+    fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}\n", options.dataset.string(), count.cameras,
+               count.frames, count.images, count.width, count.height, size_text(count.bytes));
     training::Dataset dataset = training::read_images(rig, load);
+    const uint64_t on_disk = dataset.spool->bytes_on_disk();
+    fmt::print(stderr, "the tiles with foreground are {}, budget {}{}\n", size_text(training::image_bytes(dataset)),
+               size_text(load.memory_bytes),
+               on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
     const std::vector<training::DoubtfulMatte> doubtful = training::ignore_doubtful_mattes(dataset);
     fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
     return dataset;

@@ -4,18 +4,12 @@
 #include <glm/gtc/packing.hpp>
 #include <numeric>
 
-#include "base/parallel.h"
-
 namespace neuvv::training {
 
 namespace {
 
 constexpr float kBackgroundShare = 0.2f;
 constexpr double kMaxShareInARow = 0.125;  // of a time's epoch; larger shares make the field forget other times
-
-uint32_t tiles_across(uint32_t pixels) {
-    return (pixels + kTile - 1) / kTile;
-}
 
 glm::vec4 linear_rgb(const uint8_t* srgb) {
     return {media::linear_from_srgb_byte(srgb[0]), media::linear_from_srgb_byte(srgb[1]),
@@ -26,36 +20,21 @@ float uniform(std::mt19937_64& random) {
     return static_cast<float>(random() >> 40) * 0x1p-24f;
 }
 
-std::vector<bool> find_foreground(const media::Image& image) {
-    const uint32_t across = tiles_across(image.width);
-    std::vector<bool> found(size_t{across} * tiles_across(image.height));
-    for (uint32_t y = 0; y < image.height; y++)
-        for (uint32_t x = 0; x < image.width; x++)
-            if (image.at(x, y)[3] > 0) found[size_t{y / kTile} * across + x / kTile] = true;
-    return found;
-}
+static_assert(TiledImage::kSide == kTile, "the tiles of a batch are those of the images");
 
 }  // namespace
 
 BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row)
-    : dataset_(dataset),
-      tiles_per_batch_(tiles_per_batch),
-      seed_(seed),
-      in_a_row_(1),
-      random_(seed),
-      has_foreground_(dataset.views.size()) {
-    parallel_for(dataset.views.size(), 8, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) has_foreground_[i] = find_foreground(dataset.views[i].image);
-    });
+    : dataset_(dataset), tiles_per_batch_(tiles_per_batch), seed_(seed), in_a_row_(1), random_(seed) {
     frames_.resize(dataset.times.size());
     double tiles = 0;
     for (uint32_t i = 0; i < dataset.views.size(); i++) {
         const auto time = std::lower_bound(dataset.times.begin(), dataset.times.end(), dataset.views[i].time);
         frames_[static_cast<size_t>(time - dataset.times.begin())].views.push_back(i);
-        const auto foreground = std::count(has_foreground_[i].begin(), has_foreground_[i].end(), true);
-        tiles += static_cast<double>(foreground) +
-                 double{kBackgroundShare} *
-                     (static_cast<double>(has_foreground_[i].size()) - static_cast<double>(foreground));
+        const TiledImage& image = dataset.views[i].image;
+        const auto foreground = static_cast<double>(image.tile_count());
+        const auto all = static_cast<double>(size_t{image.tiles_across()} * image.tiles_down());
+        tiles += foreground + double{kBackgroundShare} * (all - foreground);
     }
     rays_per_epoch_ = static_cast<uint64_t>(tiles * kTilePixels);
     const double batches = tiles / static_cast<double>(frames_.size()) / std::max(tiles_per_batch, 1u);
@@ -70,11 +49,11 @@ void BatchSampler::shuffle(std::vector<T>& values) {
 
 void BatchSampler::refill(FrameViews& frame) {
     for (const uint32_t view : frame.views) {
-        const uint32_t across = tiles_across(dataset_.views[view].image.width);
-        const std::vector<bool>& foreground = has_foreground_[view];
-        for (size_t i = 0; i < foreground.size(); i++)
-            if (foreground[i] || uniform(random_) < kBackgroundShare)
-                frame.queue.push_back({view, static_cast<uint16_t>(i % across), static_cast<uint16_t>(i / across)});
+        const TiledImage& image = dataset_.views[view].image;
+        for (uint32_t y = 0; y < image.tiles_down(); y++)
+            for (uint32_t x = 0; x < image.tiles_across(); x++)
+                if (image.has_tile(x, y) || uniform(random_) < kBackgroundShare)
+                    frame.queue.push_back({view, static_cast<uint16_t>(x), static_cast<uint16_t>(y)});
     }
     if (frame.queue.empty()) frame.queue.push_back({frame.views[0], 0, 0});
     shuffle(frame.queue);
@@ -133,7 +112,7 @@ void BatchSampler::append_rays(Batch& batch, const View& view, glm::vec4 colour)
     for (uint32_t i = 0; i < kTilePixels; i++) {
         const uint32_t x = (tile.x + i % kTile) / batch.samples, y = (tile.y + i / kTile) / batch.samples;
         glm::vec4 target(0, 0, 0, -1), background = colour;
-        if (x < view.image.width && y < view.image.height && !view.ignores(x, y)) {
+        if (x < view.image.width() && y < view.image.height() && !view.ignores(x, y)) {
             target = foreground(dataset_, view, x, y);
             if (plate.width > 0) background = linear_rgb(plate.at(x, y));
         }

@@ -66,9 +66,8 @@ class BatchSampler {
     uint32_t in_a_row_;
     std::mt19937_64 random_;
     std::vector<FrameViews> frames_;
-    std::vector<uint32_t> times_left_;               // frames whose turn is still to come; the last one is drawn from
-    uint32_t left_of_time_ = 0;                      // batches still to come of that frame
-    std::vector<std::vector<bool>> has_foreground_;  // per view, per tile
+    std::vector<uint32_t> times_left_;  // frames whose turn is still to come; the last one is drawn from
+    uint32_t left_of_time_ = 0;         // batches still to come of that frame
     uint64_t rays_per_epoch_ = 0;
 };
 

@@ -22,6 +22,12 @@ double frame_of_time(double time, uint32_t frames) {
     return std::abs(frame - whole) < 1e-3 ? whole : frame;
 }
 
+uint64_t image_bytes(const Dataset& dataset) {
+    uint64_t bytes = 0;
+    for (const View& view : dataset.views) bytes += view.image.bytes();
+    return bytes;
+}
+
 glm::vec4 foreground(const Dataset& dataset, const View& view, uint32_t x, uint32_t y) {
     const auto rgb = [](const uint8_t* at) {
         return glm::vec3(media::linear_from_srgb_byte(at[0]), media::linear_from_srgb_byte(at[1]),

@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "media/image.h"
+#include "base/platform.h"
 #include "stage/camera.h"
+#include "training/tiled_image.h"
 
 namespace neuvv::training {
 
@@ -19,17 +20,17 @@ struct View {
     std::string name;     // unique in the data set ("c00_f003")
     uint32_t camera = 0;  // index into Dataset::cameras
     double time = 0;      // [0,1] over the clip
-    media::Image image;   // alpha, straight, is the matte; Dataset::plates says what RGB means
+    TiledImage image;     // alpha, straight, is the matte; Dataset::plates says what RGB means
     // The pixels about which nothing is known, row by row (empty: none): masked out, or outside what the lens saw. They
     // are 0 0 0 0 in `image`, which means nothing: training, carving and measuring leave them out.
     std::vector<bool> ignored = {};
 
-    bool ignores(uint32_t x, uint32_t y) const { return !ignored.empty() && ignored[size_t{y} * image.width + x]; }
+    bool ignores(uint32_t x, uint32_t y) const { return !ignored.empty() && ignored[size_t{y} * image.width() + x]; }
 };
 
 struct Dataset {
-    // Where the views' pixels lie on disk (null: plain memory). The first member, so that it is destroyed last.
-    std::shared_ptr<std::pmr::memory_resource> spool;
+    // Where the views' pixels lie (null: plain memory). The first member, so that it is destroyed last.
+    std::shared_ptr<SpooledMemory> spool;
     std::filesystem::path folder;
     std::vector<stage::Camera> cameras;  // distinct poses and intrinsics, in order of first use
     std::vector<View> views;
@@ -46,7 +47,7 @@ enum class Split { kTrain, kTest, kVal };  // only some layouts have kVal
 struct LoadOptions {
     std::string format = "auto";  // one of format_names()
     bool mattes_needed = true;    // false: images without a matte are taken as they are
-    uint64_t memory_bytes = 0;    // memory that images may take (0: image_budget()); larger data sets stay on disk
+    uint64_t memory_bytes = 0;    // memory that images may take (0: image_budget()); those beyond it lie on disk
 };
 
 // The default of LoadOptions::memory_bytes: half of the free memory, as the model needs memory, too.
@@ -60,6 +61,9 @@ Dataset load_dataset(const std::filesystem::path& folder, Split split, const Loa
 // The frame, 0..frames−1, of a time in [0,1], possibly between two frames. A time very near a whole frame gives that
 // frame: files write times with few digits, and an image should not also train the frames beside its own.
 double frame_of_time(double time, uint32_t frames);
+
+// What the images of all views take, in memory and on disk.
+uint64_t image_bytes(const Dataset& dataset);
 
 // Premultiplied linear RGB and alpha of the foreground at a pixel of a view. A captured background (the plate) is
 // removed.

@@ -103,7 +103,7 @@ class MatteComparison {
     bool in_hull(const Candidate& candidate) const {
         return std::all_of(candidate.against.begin(), candidate.against.end(), [&](uint32_t i) { return doubted_[i]; });
     }
-    std::vector<PixelSums> find_unexplained() const;
+    std::vector<HullCell> hull() const;
     bool is_missed(const Candidate& candidate, const std::vector<PixelSums>& unexplained) const;
 
     const Dataset& dataset_;
@@ -112,26 +112,15 @@ class MatteComparison {
     std::vector<bool> doubted_;  // by image
 };
 
-std::vector<bool> MatteComparison::covered_by_hull(const Silhouette& silhouette) const {
-    std::vector<HullCell> hull;
+std::vector<HullCell> MatteComparison::hull() const {
+    std::vector<HullCell> cells;
     for (const Candidate& candidate : candidates_)
-        if (in_hull(candidate)) hull.push_back(candidate.cell);
-    return covered_pixels(silhouette, hull);
+        if (in_hull(candidate)) cells.push_back(candidate.cell);
+    return cells;
 }
 
-// Of each image, the foreground pixels behind which the hull has no matter.
-std::vector<PixelSums> MatteComparison::find_unexplained() const {
-    std::vector<PixelSums> unexplained(silhouettes_.size());
-    parallel_for(silhouettes_.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
-            const std::vector<bool> covered = covered_by_hull(silhouettes_[i]);
-            const media::Image& image = dataset_.views[silhouettes_[i].view].image;
-            unexplained[i] = PixelSums(image.width, image.height, [&](uint32_t x, uint32_t y) {
-                return !covered[size_t{y} * image.width + x] && image.at(x, y)[3] >= kMatteThreshold;
-            });
-        }
-    });
-    return unexplained;
+std::vector<bool> MatteComparison::covered_by_hull(const Silhouette& silhouette) const {
+    return covered_pixels(silhouette, hull());
 }
 
 bool MatteComparison::explains_nearly_all() const {
@@ -139,9 +128,10 @@ bool MatteComparison::explains_nearly_all() const {
     parallel_for(silhouettes_.size(), 1, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             const std::vector<bool> covered = covered_by_hull(silhouettes_[i]);
-            const media::Image& image = dataset_.views[silhouettes_[i].view].image;
-            for (size_t k = 0; k < covered.size() && !unexplained[i]; k++)
-                unexplained[i] = image.rgba[4 * k + 3] >= kMatteThreshold && !covered[k];
+            const TiledImage& image = dataset_.views[silhouettes_[i].view].image;
+            image.for_each_kept([&](uint32_t x, uint32_t y, const uint8_t* rgba) {
+                if (rgba[3] >= kMatteThreshold && !covered[size_t{y} * image.width() + x]) unexplained[i] = 1;
+            });
         }
     });
     return std::count(unexplained.begin(), unexplained.end(), uint8_t{1}) <= 1;
@@ -158,7 +148,7 @@ bool MatteComparison::is_missed(const Candidate& candidate, const std::vector<Pi
 }
 
 std::optional<DoubtfulMatte> MatteComparison::doubt_next() {
-    const std::vector<PixelSums> unexplained = find_unexplained();
+    const std::vector<PixelSums> unexplained = unexplained_pixels(dataset_, silhouettes_, hull());
     std::vector<size_t> emptied(silhouettes_.size());  // missed cells, by the images that emptied them
     size_t body = 0;
     for (const Candidate& candidate : candidates_) {
@@ -179,12 +169,14 @@ std::optional<DoubtfulMatte> MatteComparison::doubt_next() {
 
 void ignore_background(View& view, const std::vector<bool>& covered) {
     view.ignored.resize(covered.size());
+    media::Image image = view.image.whole();
     for (size_t i = 0; i < covered.size(); i++) {
-        uint8_t* pixel = &view.image.rgba[4 * i];
-        if (!covered[i] || pixel[3] >= kMatteThreshold) continue;
+        uint8_t& alpha = image.rgba[4 * i + 3];
+        if (!covered[i] || alpha >= kMatteThreshold) continue;
         view.ignored[i] = true;
-        std::fill_n(pixel, 4, uint8_t{0});
+        alpha = 0;
     }
+    view.image.store(image);
 }
 
 std::vector<DoubtfulMatte> ignore_doubtful_mattes_at(Dataset& dataset, double time, const Box& first) {

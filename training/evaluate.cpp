@@ -100,8 +100,8 @@ std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
 }
 
 media::Image truth_over_white(const Dataset& dataset, const View& view) {
-    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image, media::kWhite);
-    media::Image clear(view.image.width, view.image.height);
+    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image.whole(), media::kWhite);
+    media::Image clear(view.image.width(), view.image.height());
     for (uint32_t y = 0; y < clear.height; ++y)
         for (uint32_t x = 0; x < clear.width; ++x) {
             const glm::vec4 light = foreground(dataset, view, x, y);

@@ -85,17 +85,7 @@ std::vector<PixelSums> find_unexplained(const Dataset& dataset, const std::vecto
     for (size_t p = 0; p < parts.cells.size(); p++)
         if (parts.sure[p])
             for (const uint32_t cell : parts.cells[p]) sure.push_back(cells[cell]);
-    std::vector<PixelSums> unexplained(silhouettes.size());
-    parallel_for(silhouettes.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
-            const std::vector<bool> covered = covered_pixels(silhouettes[i], sure);
-            const media::Image& image = dataset.views[silhouettes[i].view].image;
-            unexplained[i] = PixelSums(image.width, image.height, [&](uint32_t x, uint32_t y) {
-                return !covered[size_t{y} * image.width + x] && image.at(x, y)[3] >= kMatteThreshold;
-            });
-        }
-    });
-    return unexplained;
+    return unexplained_pixels(dataset, silhouettes, sure);
 }
 
 // Whether an image that shows all of a cell has a pixel there that is not explained without it.

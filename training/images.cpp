@@ -126,22 +126,34 @@ class CameraLoader {
     }
 
     void load_view(const Shot& shot, View& view) {
-        view.image = read(images_, shot.image);
+        media::Image image = read(images_, shot.image);
         if (!shot.mask.path.empty()) {
             const media::Image mask = read(masks_, shot.mask);
             if (rig_.masks == MaskMeaning::kMatte || rig_.masks == MaskMeaning::kLabels)
-                set_alpha(view.image, mask, rig_.masks);
+                set_alpha(image, mask, rig_.masks);
             else
                 view.ignored = ignored_by(mask, rig_.masks);
         }
-        apply_matte_file(shot, view.image);
+        apply_matte_file(shot, image);
         if (map_) {
             const bool captured = dataset_.plates[camera_].width > 0;
-            view.image = undistort(view.image, *map_, captured ? ColourOf::kCapture : ColourOf::kForeground);
+            image = undistort(image, *map_, captured ? ColourOf::kCapture : ColourOf::kForeground);
             view.ignored = undistort_ignored(view.ignored, *map_);
         }
         for (size_t i = 0; i < view.ignored.size(); ++i)
-            if (view.ignored[i]) std::fill_n(&view.image.rgba[4 * i], 4, uint8_t{0});
+            if (view.ignored[i]) image.rgba[4 * i + 3] = 0;
+        store(view, image);
+    }
+
+    static void store(View& view, const media::Image& image) {
+        try {
+            view.image.store(image);
+        } catch (const RuntimeFailure& failure) {
+            throw RuntimeFailure(
+                fmt::format("{}; point XDG_CACHE_HOME to a folder on a disk with room for these images, or "
+                            "take fewer or smaller ones",
+                            failure.what()));
+        }
     }
 
     // Uses the image's file in the folder of mattes. Where that folder exists and has no such file, an opaque image is
@@ -185,29 +197,27 @@ uint64_t bytes_of(const Rig& rig, const std::vector<stage::Camera>& cameras) {
     return bytes;
 }
 
-// Memory in a file on disk, from which the system pages, for images that do not fit into memory; null where they fit.
-std::shared_ptr<std::pmr::memory_resource> make_spool(const Rig& rig, uint64_t bytes, const LoadOptions& options) {
-    if (bytes <= (options.memory_bytes > 0 ? options.memory_bytes : image_budget())) return nullptr;
+// Memory for the images of a rig, of which the part that exceeds the budget lies on disk.
+std::shared_ptr<SpooledMemory> make_spool(const Rig& rig, const std::vector<stage::Camera>& cameras,
+                                          const LoadOptions& options) {
+    constexpr uint64_t kRounding = 2 * SpooledMemory::kRounding;  // an image has two arrays
+    uint64_t most = 0;
+    for (const Shot& shot : rig.shots)
+        most += TiledImage::max_bytes(cameras[shot.camera].width, cameras[shot.camera].height) + kRounding;
     const std::filesystem::path cache = cache_folder();
-    constexpr uint64_t kRounding = 64;  // bytes per image, for alignment
-    try {
-        return spooled_memory(cache.empty() ? "/var/tmp" : cache, bytes + kRounding * rig.shots.size());
-    } catch (const RuntimeFailure& failure) {
-        throw RuntimeFailure(
-            fmt::format("{}; point XDG_CACHE_HOME to a folder on a disk with room for these images, or "
-                        "take fewer or smaller ones",
-                        failure.what()));
-    }
+    return std::make_shared<SpooledMemory>(options.memory_bytes > 0 ? options.memory_bytes : image_budget(),
+                                           cache.empty() ? "/var/tmp" : cache, most);
 }
 
 void expect_matte(const Rig& rig, const Dataset& dataset) {
     bool clear = false, solid = false;
     for (const View& view : dataset.views)
-        for (size_t i = 0; i < view.image.rgba.size() / 4 && !(clear && solid); ++i) {
-            if (!view.ignored.empty() && view.ignored[i]) continue;
-            clear |= view.image.rgba[4 * i + 3] != 255;
-            solid |= view.image.rgba[4 * i + 3] != 0;
-        }
+        for (uint32_t y = 0; y < view.image.height() && !(clear && solid); ++y)
+            for (uint32_t x = 0; x < view.image.width(); ++x) {
+                if (view.ignores(x, y)) continue;
+                clear |= view.image.at(x, y)[3] != 255;
+                solid |= view.image.at(x, y)[3] != 0;
+            }
     const std::string folder = rig.folder.string();
     if (!clear)
         throw InputError(folder, "", "no image has a matte: every alpha is 255",
@@ -221,17 +231,17 @@ void expect_matte(const Rig& rig, const Dataset& dataset) {
 
 }  // namespace
 
-ImageMemory image_memory(const Rig& rig) {
+ImageCount image_count(const Rig& rig) {
     const std::vector<stage::Camera> cameras = cameras_of(rig);
-    ImageMemory memory{.images = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
+    ImageCount count{.images = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
     std::set<double> times;
     for (const Shot& shot : rig.shots) times.insert(shot.time);
-    memory.frames = times.size();
+    count.frames = times.size();
     for (const stage::Camera& camera : cameras) {
-        memory.width = std::max(memory.width, camera.width);
-        memory.height = std::max(memory.height, camera.height);
+        count.width = std::max(count.width, camera.width);
+        count.height = std::max(count.height, camera.height);
     }
-    return memory;
+    return count;
 }
 
 Dataset read_images(const Rig& rig, const LoadOptions& options) {
@@ -247,10 +257,9 @@ Dataset read_images(const Rig& rig, const LoadOptions& options) {
     }
     dataset.times.assign(times.begin(), times.end());
     dataset.cameras = cameras_of(rig);
-    dataset.spool = make_spool(rig, bytes_of(rig, dataset.cameras), options);
+    dataset.spool = make_spool(rig, dataset.cameras, options);
     for (const Shot& shot : rig.shots)
-        dataset.views.push_back({shot.name, shot.camera, shot.time,
-                                 media::Image(dataset.spool ? dataset.spool.get() : std::pmr::get_default_resource())});
+        dataset.views.push_back({shot.name, shot.camera, shot.time, TiledImage(dataset.spool.get())});
     dataset.plates.resize(rig.cameras.size());
     parallel_for(rig.cameras.size(), 1, [&](size_t begin, size_t end) {
         for (size_t c = begin; c < end; ++c) CameraLoader(rig, static_cast<uint32_t>(c), dataset).load(shots[c]);

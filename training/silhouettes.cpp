@@ -16,10 +16,17 @@ Silhouette make_silhouette(const Dataset& dataset, uint32_t index) {
     silhouette.camera = &dataset.cameras[view.camera];
     silhouette.camera_from_world = glm::inverse(silhouette.camera->world_from_camera);
     const uint32_t width = silhouette.camera->width, height = silhouette.camera->height;
-    silhouette.foreground =
-        PixelSums(width, height, [&](uint32_t x, uint32_t y) { return view.image.at(x, y)[3] >= kMatteThreshold; });
-    if (!view.ignored.empty())
-        silhouette.ignored = PixelSums(width, height, [&](uint32_t x, uint32_t y) { return view.ignores(x, y); });
+    silhouette.foreground = PixelSums(width, height, [&](const auto& add) {
+        view.image.for_each_kept([&](uint32_t x, uint32_t y, const uint8_t* rgba) {
+            if (rgba[3] >= kMatteThreshold) add(x, y);
+        });
+    });
+    if (view.ignored.empty()) return silhouette;
+    silhouette.ignored = PixelSums(width, height, [&](const auto& add) {
+        for (uint32_t y = 0; y < height; y++)
+            for (uint32_t x = 0; x < width; x++)
+                if (view.ignores(x, y)) add(x, y);
+    });
     return silhouette;
 }
 
@@ -103,6 +110,23 @@ std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector
         }
     }
     return covered;
+}
+
+std::vector<PixelSums> unexplained_pixels(const Dataset& dataset, const std::vector<Silhouette>& silhouettes,
+                                          const std::vector<HullCell>& cells) {
+    std::vector<PixelSums> unexplained(silhouettes.size());
+    parallel_for(silhouettes.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) {
+            const std::vector<bool> covered = covered_pixels(silhouettes[i], cells);
+            const TiledImage& image = dataset.views[silhouettes[i].view].image;
+            unexplained[i] = PixelSums(image.width(), image.height(), [&](const auto& add) {
+                image.for_each_kept([&](uint32_t x, uint32_t y, const uint8_t* rgba) {
+                    if (rgba[3] >= kMatteThreshold && !covered[size_t{y} * image.width() + x]) add(x, y);
+                });
+            });
+        }
+    });
+    return unexplained;
 }
 
 Verdict judge(const Silhouette& silhouette, const HullCell& cell) {

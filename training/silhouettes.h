@@ -23,14 +23,16 @@ struct PixelSums {
     size_t stride = 0;
     std::vector<uint32_t> sums;  // (width+1) × (height+1); empty: no pixel is of the kind
 
-    template <typename IsOfKind>
-    PixelSums(uint32_t width, uint32_t height, const IsOfKind& is_of_kind) : stride(size_t{width} + 1) {
+    // visit(add) calls add(x, y) for each pixel of the kind, once.
+    template <typename Visit>
+    PixelSums(uint32_t width, uint32_t height, const Visit& visit) : stride(size_t{width} + 1) {
         sums.resize(stride * (size_t{height} + 1));
-        for (uint32_t y = 0; y < height; y++) {
+        visit([this](uint32_t x, uint32_t y) { sums[(y + size_t{1}) * stride + x + 1] = 1; });
+        for (uint32_t y = 1; y <= height; y++) {
             uint32_t row = 0;
-            for (uint32_t x = 0; x < width; x++) {
-                row += is_of_kind(x, y) ? 1 : 0;
-                sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + row;
+            for (uint32_t x = 1; x <= width; x++) {
+                row += sums[y * stride + x];
+                sums[y * stride + x] = sums[(y - 1) * stride + x] + row;
             }
         }
         if (sums.back() == 0) sums = {};
@@ -63,6 +65,10 @@ std::optional<PixelRectangle> visible_part_of(const Silhouette& silhouette, cons
 
 // For each pixel of the image, row by row, whether one of the cells may be visible in it.
 std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector<HullCell>& cells);
+
+// By image the foreground pixels in which none of the cells may be visible.
+std::vector<PixelSums> unexplained_pixels(const Dataset& dataset, const std::vector<Silhouette>& silhouettes,
+                                          const std::vector<HullCell>& cells);
 
 // What an image shows of a cell. kUnseen: nothing can be said. kMatterInPart: the cell is partly outside the image, and
 // matter is seen in what is inside.

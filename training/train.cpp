@@ -22,15 +22,16 @@ namespace {
 constexpr double kCheckpointShare = 0.05;                       // of the time, at most
 constexpr double kFirstCheckpoint = 10, kCheckpointEvery = 60;  // seconds
 
-// XXH3-64 of cameras, sizes, times and every 101st byte of all images and plates: enough to tell data sets apart.
+// XXH3-64 of cameras, sizes, times, which tiles hold foreground, and every 101st byte of these tiles and of plates:
+// enough to tell data sets apart. What lies under alpha 0 does not count.
 uint64_t hash_of(const Dataset& dataset) {
     const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
     XXH3_64bits_reset(state.get());
     const auto add = [&](uint64_t value) { XXH3_64bits_update(state.get(), &value, sizeof(value)); };
-    const auto add_image = [&](const media::Image& image) {
-        add(image.width);
-        add(image.height);
-        for (size_t i = 0; i < image.rgba.size(); i += 101) add(image.rgba[i]);
+    const auto add_image = [&](uint32_t width, uint32_t height, const std::pmr::vector<uint8_t>& rgba) {
+        add(width);
+        add(height);
+        for (size_t i = 0; i < rgba.size(); i += 101) add(rgba[i]);
     };
     const auto add_number = [&](double value) { add(std::bit_cast<uint64_t>(value)); };
     for (const stage::Camera& camera : dataset.cameras) {
@@ -40,10 +41,11 @@ uint64_t hash_of(const Dataset& dataset) {
     for (const View& view : dataset.views) {
         add(view.camera);
         add_number(view.time);
-        add_image(view.image);
+        add_image(view.image.width(), view.image.height(), view.image.kept_rgba());
+        for (const TiledImage::Group& group : view.image.groups()) add(group.kept);
         for (size_t i = 0; i < view.ignored.size(); i += 101) add(view.ignored[i]);
     }
-    for (const media::Image& plate : dataset.plates) add_image(plate);
+    for (const media::Image& plate : dataset.plates) add_image(plate.width, plate.height, plate.rgba);
     return XXH3_64bits_digest(state.get());
 }
 

@@ -16,7 +16,7 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
-#include <mutex>
+#include <utility>
 
 #include "base/error.h"
 
@@ -40,38 +40,9 @@ struct FileDescriptor {
     throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path.string(), what, std::strerror(errno)));
 }
 
-// Allocates from one mapping, front to back, and reuses nothing.
-class SpooledMemory : public std::pmr::memory_resource {
-  public:
-    SpooledMemory(const std::filesystem::path& folder, uint64_t bytes) : bytes_(std::max<uint64_t>(bytes, 1)) {
-        std::string name = (folder / "neuvv-spool-XXXXXX").string();
-        const FileDescriptor file(mkstemp(name.data()));
-        if (file.fd < 0) fail_write(name, "create");
-        unlink(name.c_str());
-        // Reserves the space: a page without space on the disk would kill the process when it is first written to.
-        errno = posix_fallocate(file.fd, 0, static_cast<off_t>(bytes_));
-        if (errno != 0) fail_write(folder, fmt::format("keep {} MB", (bytes_ + 999'999) / 1'000'000).c_str());
-        void* mapped = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file.fd, 0);
-        if (mapped == MAP_FAILED) fail_write(folder, "map a file");
-        base_ = static_cast<std::byte*>(mapped);
-    }
-    ~SpooledMemory() override { munmap(base_, bytes_); }
-
-  private:
-    void* do_allocate(size_t bytes, size_t) override {
-        const std::lock_guard lock(mutex_);
-        const uint64_t room = (uint64_t{bytes} + 63) / 64 * 64;
-        if (room > bytes_ - used_) throw std::bad_alloc();
-        used_ += room;
-        return base_ + (used_ - room);
-    }
-    void do_deallocate(void*, size_t, size_t) override {}
-    bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
-
-    uint64_t bytes_, used_ = 0;
-    std::byte* base_ = nullptr;
-    std::mutex mutex_;
-};
+uint64_t rounded_up(uint64_t bytes) {
+    return (bytes + SpooledMemory::kRounding - 1) / SpooledMemory::kRounding * SpooledMemory::kRounding;
+}
 
 // The number after a label in a file of /proc or /sys, times `unit`; `fallback` where there is none.
 uint64_t number_after(const char* path, const std::string& label, uint64_t unit, uint64_t fallback) {
@@ -190,8 +161,63 @@ uint64_t available_memory_bytes() {
     return std::min(system, group == UINT64_MAX ? group : group - std::min(group, used));
 }
 
-std::unique_ptr<std::pmr::memory_resource> spooled_memory(const std::filesystem::path& folder, uint64_t bytes) {
-    return std::make_unique<SpooledMemory>(folder, bytes);
+SpooledMemory::SpooledMemory(uint64_t memory_budget, std::filesystem::path folder, uint64_t disk_budget)
+    : folder_(std::move(folder)), memory_left_(memory_budget), disk_budget_(std::max<uint64_t>(disk_budget, 1)) {}
+
+SpooledMemory::~SpooledMemory() {
+    if (mapped_) munmap(mapped_, disk_budget_);
+    if (file_ >= 0) close(file_);
+}
+
+uint64_t SpooledMemory::bytes_on_disk() const {
+    const std::lock_guard lock(mutex_);
+    return on_disk_;
+}
+
+void SpooledMemory::open_file() {
+    std::string name = (folder_ / "neuvv-spool-XXXXXX").string();
+    FileDescriptor file(mkostemp(name.data(), O_CLOEXEC));
+    if (file.fd < 0) fail_write(name, "create");
+    unlink(name.c_str());
+    // The mapping is larger than the file, which grows under it.
+    void* mapped = mmap(nullptr, disk_budget_, PROT_READ | PROT_WRITE, MAP_SHARED, file.fd, 0);
+    if (mapped == MAP_FAILED) fail_write(folder_, "map a file");
+    mapped_ = static_cast<std::byte*>(mapped);
+    file_ = std::exchange(file.fd, -1);
+}
+
+// Gives the file room for this many bytes: a page without space on the disk would kill the process when it is first
+// written to.
+void SpooledMemory::reserve(uint64_t bytes) {
+    constexpr uint64_t kStep = uint64_t{16} << 20;
+    if (bytes <= reserved_) return;
+    const uint64_t wanted = std::min(std::max(bytes, reserved_ + kStep), disk_budget_);
+    errno = posix_fallocate(file_, static_cast<off_t>(reserved_), static_cast<off_t>(wanted - reserved_));
+    if (errno != 0) fail_write(folder_, fmt::format("keep {} MB", (wanted + 999'999) / 1'000'000).c_str());
+    reserved_ = wanted;
+}
+
+void* SpooledMemory::do_allocate(size_t bytes, size_t alignment) {
+    const uint64_t room = rounded_up(bytes);
+    const std::lock_guard lock(mutex_);
+    if (room <= memory_left_) {
+        void* at = std::pmr::new_delete_resource()->allocate(bytes, alignment);
+        memory_left_ -= room;
+        return at;
+    }
+    if (room > disk_budget_ - on_disk_) throw std::bad_alloc();
+    if (!mapped_) open_file();
+    reserve(on_disk_ + room);
+    on_disk_ += room;
+    return mapped_ + (on_disk_ - room);
+}
+
+void SpooledMemory::do_deallocate(void* at, size_t bytes, size_t alignment) {
+    const std::lock_guard lock(mutex_);
+    const auto address = reinterpret_cast<uintptr_t>(at), first = reinterpret_cast<uintptr_t>(mapped_);
+    if (mapped_ && address >= first && address < first + disk_budget_) return;
+    std::pmr::new_delete_resource()->deallocate(at, bytes, alignment);
+    memory_left_ += rounded_up(bytes);
 }
 
 void catch_stop_signals() {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <memory_resource>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -40,10 +41,32 @@ uint64_t peak_memory_bytes();
 // its control group leaves.
 uint64_t available_memory_bytes();
 
-// Memory for up to `bytes` (each allocation is rounded up to 64), backed by a file without a name in `folder`: what
-// does not fit into RAM stays on disk. All of it is freed with the resource. Throws RuntimeFailure where the disk has
-// no room.
-std::unique_ptr<std::pmr::memory_resource> spooled_memory(const std::filesystem::path& folder, uint64_t bytes);
+// The first allocations are plain memory. Those that would take more of it than a budget lie in a file without a name,
+// from which the system pages; the file grows with them. Space in the file is not used again; all of it is freed with
+// the resource. May be used by several threads.
+class SpooledMemory : public std::pmr::memory_resource {
+  public:
+    static constexpr uint64_t kRounding = 64;  // bytes; each allocation is rounded up to a multiple of these
+
+    // The file is made in `folder` when it is first needed, and holds at most `disk_budget` bytes. An allocation throws
+    // RuntimeFailure where the disk has no room.
+    SpooledMemory(uint64_t memory_budget, std::filesystem::path folder, uint64_t disk_budget);
+    ~SpooledMemory() override;
+    uint64_t bytes_on_disk() const;
+
+  private:
+    void* do_allocate(size_t bytes, size_t alignment) override;
+    void do_deallocate(void* at, size_t bytes, size_t alignment) override;
+    bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
+    void open_file();
+    void reserve(uint64_t bytes);
+
+    mutable std::mutex mutex_;
+    std::filesystem::path folder_;
+    uint64_t memory_left_, disk_budget_, on_disk_ = 0, reserved_ = 0;  // reserved_: bytes that the file has
+    int file_ = -1;
+    std::byte* mapped_ = nullptr;
+};
 
 // After this call, SIGINT and SIGTERM set a flag instead of ending the program. A second signal more than half a second
 // later ends it.

@@ -66,8 +66,9 @@ inline training::Dataset sphere_dataset(const SphereCapture& capture) {
     for (uint32_t camera = 0; camera < capture.cameras; camera++) {
         dataset.cameras.push_back(sphere_camera(capture, camera));
         for (uint32_t frame = 0; frame < capture.frames; frame++)
-            dataset.views.push_back({fmt::format("c{:02}_f{:03}", camera, frame), camera, capture.time(frame),
-                                     sphere_image(capture, dataset.cameras.back(), capture.time(frame))});
+            dataset.views.push_back(
+                {fmt::format("c{:02}_f{:03}", camera, frame), camera, capture.time(frame),
+                 training::TiledImage(sphere_image(capture, dataset.cameras.back(), capture.time(frame)))});
     }
     for (uint32_t frame = 0; frame < capture.frames; frame++) dataset.times.push_back(capture.time(frame));
     return dataset;
@@ -86,7 +87,7 @@ inline void write_capture(const std::filesystem::path& folder, const training::D
         frames += fmt::format(R"({}{{"file_path":"{}.png","time":{},"fl_x":{},"w":{},"h":{},"transform_matrix":[{}]}})",
                               frames.empty() ? "" : ",\n", view.name, view.time, camera.fx, camera.width, camera.height,
                               rows);
-        media::write_png(folder / (view.name + ".png"), view.image);
+        media::write_png(folder / (view.name + ".png"), view.image.whole());
     }
     write_text(folder / "transforms_train.json", "{\"frames\":[" + frames + "]}");
 }

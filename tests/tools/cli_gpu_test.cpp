@@ -6,6 +6,7 @@
 #include "media/video.h"
 #include "motion/skeleton_file.h"
 #include "motion/triangulate.h"
+#include "support/edit_image.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/metrics.h"
@@ -132,8 +133,8 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
     EXPECT_LT(training::evaluate(device(), other, dataset, 1).mean.psnr, 30);
     training::Dataset blind = dataset;  // pixels that are ignored do not count
     for (training::View& view : blind.views) {
-        view.ignored.assign(view.image.rgba.size() / 4, true);
-        std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+        view.ignored.assign(size_t{view.image.width()} * view.image.height(), true);
+        test::clear_image(view);
     }
     EXPECT_EQ(training::evaluate(device(), other, blind, 1).mean.psnr, 99);
     EXPECT_EQ(training::evaluate(device(), tree, dataset, 1, [](auto...) { return false; }).views.size(), 1u);
@@ -322,7 +323,7 @@ TEST_F(CliGpu, SkeletonViewsAreADataSetOfTheWholeClip) {
     for (const training::View& view : views.views) {
         settings.instances[0].frame = static_cast<float>(view.time * (tree.frames - 1));
         const media::Image expected = renderer.render(views.cameras[view.camera], settings);
-        EXPECT_EQ(view.image.rgba, expected.rgba) << view.name;
+        EXPECT_EQ(view.image.whole().rgba, expected.rgba) << view.name;
     }
     // The whole clip is in every image.
     const auto box = voctree::occupied_box(tree);

@@ -8,6 +8,7 @@
 
 #include <map>
 
+#include "support/edit_image.h"
 #include "support/sphere_capture.h"
 
 namespace neuvv::test {
@@ -33,8 +34,8 @@ const training::View& view_of(const training::Dataset& dataset, double time, uin
 }
 
 bool holds_foreground(const training::View& view, uint32_t x0, uint32_t y0) {
-    for (uint32_t y = y0; y < std::min(y0 + kTile, view.image.height); y++)
-        for (uint32_t x = x0; x < std::min(x0 + kTile, view.image.width); x++)
+    for (uint32_t y = y0; y < std::min(y0 + kTile, view.image.height()); y++)
+        for (uint32_t x = x0; x < std::min(x0 + kTile, view.image.width()); x++)
             if (view.image.at(x, y)[3] > 0) return true;
     return false;
 }
@@ -251,7 +252,7 @@ TEST(Batch, IgnoredPixelsTeachNothing) {
 
 TEST(Batch, AnInstantWithoutMatterStillGivesABatch) {
     training::Dataset dataset = batch_capture();
-    for (training::View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    for (training::View& view : dataset.views) clear_image(view);
     training::BatchSampler sampler(dataset, 3, 9);
     for (int i = 0; i < 50; i++) {
         const size_t tiles = sampler.next().tiles.size();

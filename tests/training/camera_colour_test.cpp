@@ -6,6 +6,7 @@
 #include <array>
 
 #include "support/child_process.h"
+#include "support/edit_image.h"
 #include "support/gpu_test.h"
 #include "support/sphere_capture.h"
 #include "training/train.h"
@@ -40,12 +41,14 @@ training::Dataset spoilt(training::Dataset dataset, std::vector<glm::vec3>& gain
             gains[i][c] += 0.15f * (2 * static_cast<float>(place) / static_cast<float>(cameras - 1) - 1);
         }
     for (training::View& view : dataset.views)
-        for (size_t i = 0; i < view.image.rgba.size(); i++) {
-            uint8_t& value = view.image.rgba[i];
-            if (i % 4 == 3) continue;
-            const float light = media::linear_from_srgb_byte(value) * gains[view.camera][static_cast<int>(i % 4)];
-            value = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(std::min(light, 1.0f))));
-        }
+        edit_image(view, [&](media::Image& image) {
+            for (size_t i = 0; i < image.rgba.size(); i++) {
+                uint8_t& value = image.rgba[i];
+                if (i % 4 == 3) continue;
+                const float light = media::linear_from_srgb_byte(value) * gains[view.camera][static_cast<int>(i % 4)];
+                value = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(std::min(light, 1.0f))));
+            }
+        });
     return dataset;
 }
 

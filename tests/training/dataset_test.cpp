@@ -318,7 +318,7 @@ TEST_F(DatasetTest, APlateIsTakenOutOfTheImage) {
         if (frame["transform_matrix"][0][3] == 1) frame["background_path"] = "plate.png";
     for (const training::View& view : clear.views) {
         if (view.camera != 1) continue;
-        media::Image captured = view.image;
+        media::Image captured = view.image.whole();
         for (uint32_t y = 0; y < 4; ++y)
             for (uint32_t x = 0; x < 6; ++x)
                 for (int c = 0; c < 3; ++c) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "support/edit_image.h"
 #include "support/sphere_capture.h"
 #include "training/hull.h"
 
@@ -41,12 +42,14 @@ void paint_view(training::Dataset& dataset, size_t index, const Paint& paint) {
     const stage::Camera& camera = dataset.cameras[view.camera];
     const glm::mat4 pose(camera.world_from_camera);
     const auto frame = static_cast<uint32_t>(std::lround(view.time * (kFigureFrames - 1)));
-    for (uint32_t y = 0; y < camera.height; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
-            const glm::vec3 at((x + 0.5 - camera.cx) / camera.fx, -(y + 0.5 - camera.cy) / camera.fy, -1);
-            const glm::vec3 eye(pose[3]), ray = glm::mat3(pose) * at;
-            paint(view.image.at(x, y), meets(eye, ray, glm::vec3(0), kBodyRadius), sees_arm(eye, ray, frame));
-        }
+    edit_image(view, [&](media::Image& image) {
+        for (uint32_t y = 0; y < camera.height; y++)
+            for (uint32_t x = 0; x < camera.width; x++) {
+                const glm::vec3 at((x + 0.5 - camera.cx) / camera.fx, -(y + 0.5 - camera.cy) / camera.fy, -1);
+                const glm::vec3 eye(pose[3]), ray = glm::mat3(pose) * at;
+                paint(image.at(x, y), meets(eye, ray, glm::vec3(0), kBodyRadius), sees_arm(eye, ray, frame));
+            }
+    });
 }
 
 void set_alpha(uint8_t* pixel, bool opaque) {
@@ -93,7 +96,7 @@ void expect_untouched(training::Dataset dataset) {
     EXPECT_TRUE(training::ignore_doubtful_mattes(dataset).empty());
     for (size_t i = 0; i < dataset.views.size(); i++) {
         EXPECT_TRUE(dataset.views[i].ignored.empty()) << i;
-        EXPECT_EQ(dataset.views[i].image.rgba, before.views[i].image.rgba) << i;
+        EXPECT_EQ(dataset.views[i].image, before.views[i].image) << i;
     }
     EXPECT_EQ(hull_of(dataset), hull_of(before));
 }
@@ -170,7 +173,7 @@ TEST(DoubtfulMattes, ThePixelsOfTheArmAreIgnored) {
     });
     EXPECT_GT(arm_pixels, 20u);
     EXPECT_LT(ignored_pixels, view.ignored.size() / 4) << "the background far from the body is known";
-    EXPECT_EQ(view.image.rgba, spoilt.views[3 * kFigureFrames].image.rgba) << "what is ignored was transparent";
+    EXPECT_EQ(view.image, spoilt.views[3 * kFigureFrames].image) << "what is ignored was transparent";
 }
 
 TEST(DoubtfulMattes, MattesThatAreAllForegroundCastNoDoubtOnOthers) {

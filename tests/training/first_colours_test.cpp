@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/edit_image.h"
 #include "support/sphere_capture.h"
 
 namespace neuvv::test {
@@ -13,8 +14,10 @@ training::Dataset painted(const SphereCapture& capture, const std::vector<std::a
     training::Dataset dataset = sphere_dataset(capture);
     for (training::View& view : dataset.views) {
         const auto& colour = colours[static_cast<size_t>(std::lround(view.time * (capture.frames - 1.0)))];
-        for (uint32_t i = 0; i < capture.size * capture.size; i++)
-            std::copy(colour.begin(), colour.end(), &view.image.rgba[size_t{4} * i]);
+        edit_image(view, [&](media::Image& image) {
+            for (uint32_t i = 0; i < capture.size * capture.size; i++)
+                std::copy(colour.begin(), colour.end(), &image.rgba[size_t{4} * i]);
+        });
     }
     return dataset;
 }

@@ -52,7 +52,7 @@ training::Dataset two_balls(uint32_t hand_cameras) {
                 for (const glm::dvec3& ball : {kBody, kHand})
                     if (is_hit(dataset.cameras[c], x + 0.5, y + 0.5, ball))
                         std::fill_n(image.at(x, y), 4, uint8_t{255});
-        dataset.views.push_back({"c" + std::to_string(c), c, 0, std::move(image)});
+        dataset.views.push_back({"c" + std::to_string(c), c, 0, training::TiledImage(image)});
     }
     return dataset;
 }

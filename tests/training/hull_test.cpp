@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "support/edit_image.h"
 #include "support/input_error.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
@@ -111,8 +112,7 @@ TEST(Hull, ACellAtTheImagesEdgeIsNotCarvedByIt) {
     const SphereCapture capture{.cameras = 3, .frames = 1};
     training::Dataset dataset = sphere_dataset(capture);
     const std::vector<training::HullCell> centre = {{glm::vec3(capture.centre(0)), 0.1f}};
-    media::Image& image = dataset.views[2].image;
-    std::fill(image.rgba.begin(), image.rgba.end(), uint8_t{0});
+    clear_image(dataset.views[2]);
     EXPECT_EQ(training::carve(dataset, centre)[0], 0u) << "the third camera sees background there";
     dataset.cameras[2].cx += capture.size / 2.0;
     EXPECT_EQ(training::carve(dataset, centre)[0], 1u);
@@ -125,7 +125,7 @@ TEST(Hull, KeepsACellThatExceedsAllImages) {
     const training::HullCell cell{glm::vec3(capture.centre(0)), 1.0f};
     for (stage::Camera& camera : dataset.cameras) camera.fx = camera.fy = 3.0 * camera.width;
     EXPECT_EQ(training::carve(dataset, {cell})[0], 1u);
-    for (training::View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    for (training::View& view : dataset.views) clear_image(view);
     EXPECT_EQ(training::carve(dataset, {cell})[0], 0u) << "nobody sees matter";
 }
 
@@ -147,14 +147,13 @@ TEST(Hull, BoxEnclosesTheSphereInAllFrames) {
 TEST(Hull, RefusesMattesThatFitNowhere) {
     training::Dataset dataset = sphere_dataset({.frames = 1});
     training::Dataset mirrored = dataset;
-    for (training::View& view : mirrored.views) {
-        const media::Image image = view.image;
-        for (uint32_t y = 0; y < image.height;
-             y++)  // mattes at the left edge for some cameras, at the right for others
-            for (uint32_t x = 0; x < image.width; x++)
-                view.image.at(x, y)[3] = (view.camera % 2 ? x < 3 : x + 3 >= image.width) ? 255 : 0;
-    }
-    for (training::View& view : dataset.views) std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    for (training::View& view : mirrored.views)  // mattes at the left edge for some cameras, at the right for others
+        edit_image(view, [&](media::Image& image) {
+            for (uint32_t y = 0; y < image.height; y++)
+                for (uint32_t x = 0; x < image.width; x++)
+                    image.at(x, y)[3] = (view.camera % 2 ? x < 3 : x + 3 >= image.width) ? 255 : 0;
+        });
+    for (training::View& view : dataset.views) clear_image(view);
     for (const training::Dataset* bad : {&dataset, &mirrored})
         expect_input_error([&] { training::hull_box(*bad); }, {"sphere", "mattes", "alpha"});
 }
@@ -174,7 +173,7 @@ TEST(Hull, IgnoredPixelsDoNotCarve) {
     const training::Dataset truth = sphere_dataset(capture);
     training::Dataset dataset = truth;
     training::View& view = dataset.views[2];
-    std::fill(view.image.rgba.begin(), view.image.rgba.end(), uint8_t{0});
+    clear_image(view);
     const std::vector<training::HullCell> cells = grid(16);
     const auto count = [](const std::vector<uint32_t>& bits) {
         return std::count_if(bits.begin(), bits.end(), [](uint32_t word) { return word != 0; });

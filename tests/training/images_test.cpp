@@ -70,29 +70,68 @@ struct ImagesTest : testing::Test {
 TEST_F(ImagesTest, WithoutMattesTheMendIsNamed) {
     expect_input_error([&] { load(); }, {folder.path.string(), "no image has a matte", "neuvv matte"});
     const training::Dataset data = load(false);
-    EXPECT_EQ(data.views.at(1).image.rgba, plain(150).rgba);
+    EXPECT_EQ(data.views.at(1).image.whole().rgba, plain(150).rgba);
     EXPECT_EQ(data.cameras.at(1).fx, 20);
     EXPECT_TRUE(data.views[0].ignored.empty());
 }
 
+// Only what the budget cannot hold goes to disk.
 TEST_F(ImagesTest, BeyondTheBudgetPixelsWaitOnDisk) {
-    const training::Dataset inside = training::read_images(rig, {.mattes_needed = false, .memory_bytes = 1 << 20});
-    const training::Dataset outside = training::read_images(rig, {.mattes_needed = false, .memory_bytes = 1});
-    EXPECT_EQ(inside.spool, nullptr);
-    ASSERT_NE(outside.spool, nullptr);
-    ASSERT_EQ(outside.views.size(), 2u);
-    for (size_t i = 0; i < 2; ++i) {
-        EXPECT_EQ(outside.views[i].image.rgba.get_allocator().resource(), outside.spool.get());
-        EXPECT_EQ(outside.views[i].image.rgba, inside.views[i].image.rgba);
+    const auto read = [&](uint64_t bytes) {
+        return training::read_images(rig, {.mattes_needed = false, .memory_bytes = bytes});
+    };
+    const training::Dataset inside = read(1 << 20);
+    EXPECT_EQ(inside.spool->bytes_on_disk(), 0u);
+    const uint64_t all = training::image_bytes(inside), one = inside.views[0].image.bytes();
+    EXPECT_EQ(all, 2 * one);
+    for (const auto& [budget, on_disk] : {std::pair(all + 128, uint64_t{0}), {one + 128, one}, {uint64_t{1}, all}}) {
+        const training::Dataset outside = read(budget);
+        EXPECT_NEAR(static_cast<double>(outside.spool->bytes_on_disk()), static_cast<double>(on_disk), 128) << budget;
+        ASSERT_EQ(outside.views.size(), 2u);
+        for (size_t i = 0; i < 2; ++i) {
+            EXPECT_EQ(outside.views[i].image.kept_rgba().get_allocator().resource(), outside.spool.get());
+            EXPECT_EQ(outside.views[i].image, inside.views[i].image);
+        }
     }
 }
 
+TEST_F(ImagesTest, BackgroundTakesNoMemory) {
+    constexpr uint64_t kGroup = sizeof(training::TiledImage::Group);
+    mask_all(half_mask(false), training::MaskMeaning::kMatte);
+    for (const training::View& view : load().views) {  // 2×2 tiles, of which those on the left are foreground
+        EXPECT_EQ(view.image.bytes(), 2 * training::TiledImage::kTileBytes + kGroup);
+        EXPECT_EQ(view.image.at(9, 3)[0], 0);
+    }
+    mask_all(half_mask(false), training::MaskMeaning::kIgnore);
+    for (const training::View& view : load(false).views)
+        EXPECT_EQ(view.image.bytes(), 2 * training::TiledImage::kTileBytes + kGroup) << "nor do ignored pixels";
+}
+
 TEST_F(ImagesTest, ASpoolThatTheDiskCannotHoldIsRefused) {
-    EXPECT_THROW(spooled_memory(folder.path, uint64_t{1} << 60), RuntimeFailure);
-    EXPECT_THROW(spooled_memory(folder.path / "nowhere", 64), RuntimeFailure);
-    const auto memory = spooled_memory(folder.path, 128);
-    EXPECT_NE(memory->allocate(1), memory->allocate(64));
-    EXPECT_THROW((void)memory->allocate(1), std::bad_alloc);
+    SpooledMemory large(0, folder.path, uint64_t{1} << 60), nowhere(0, folder.path / "nowhere", 64);
+    EXPECT_THROW((void)large.allocate(uint64_t{1} << 59), RuntimeFailure);
+    EXPECT_THROW((void)nowhere.allocate(64), RuntimeFailure);
+    SpooledMemory memory(0, folder.path, 128);
+    EXPECT_NE(memory.allocate(1), memory.allocate(64));
+    EXPECT_THROW((void)memory.allocate(1), std::bad_alloc);
+}
+
+TEST_F(ImagesTest, ASpoolFillsMemoryFirst) {
+    constexpr size_t kBytes = 20 << 20;  // more than the step in which the file grows
+    SpooledMemory memory(2 * kBytes, folder.path, 2 * kBytes);
+    std::vector<uint8_t*> parts;
+    for (size_t i = 0; i < 4; ++i) {
+        parts.push_back(static_cast<uint8_t*>(memory.allocate(kBytes)));
+        std::fill_n(parts.back(), kBytes, static_cast<uint8_t>(1 + i));
+        EXPECT_EQ(memory.bytes_on_disk(), i < 2 ? 0 : (i - 1) * kBytes);
+    }
+    EXPECT_THROW((void)memory.allocate(1), std::bad_alloc);
+    for (size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(std::count(parts[i], parts[i] + kBytes, 1 + i), static_cast<ptrdiff_t>(kBytes));
+        memory.deallocate(parts[i], kBytes);
+    }
+    memory.deallocate(memory.allocate(2 * kBytes), 2 * kBytes);  // plain memory is free again
+    EXPECT_EQ(memory.bytes_on_disk(), 2 * kBytes);
 }
 
 TEST_F(ImagesTest, AMatteMaskBecomesAlpha) {

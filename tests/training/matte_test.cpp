@@ -71,7 +71,7 @@ Agreement agreement(const std::vector<uint8_t>& matte, const media::Image& truth
 training::Dataset opaque_capture(const training::Dataset& truth, double sigma) {
     training::Dataset dataset = truth;
     for (size_t i = 0; i < dataset.views.size(); i++)
-        dataset.views[i].image = seen(truth.views[i].image, wall(kCapture.size), sigma, 0, i);
+        dataset.views[i].image.store(seen(truth.views[i].image.whole(), wall(kCapture.size), sigma, 0, i));
     return dataset;
 }
 
@@ -80,7 +80,7 @@ TEST(Matte, FindsThePerformerBeforeACleanPlate) {
     for (const double sigma : {0.0, 1.0, 3.0})
         for (const size_t view : {0, 4, 12}) {
             SCOPED_TRACE(sigma);
-            const media::Image& performer = truth.views[view].image;
+            const media::Image performer = truth.views[view].image.whole();
             const media::Image plate = seen(media::Image(96, 96), wall(96), sigma, 0, 100);
             const media::Image image = seen(performer, wall(96), sigma, 0, view);
             const Agreement found = agreement(training::difference_matte(image, plate, {}), performer);
@@ -91,7 +91,7 @@ TEST(Matte, FindsThePerformerBeforeACleanPlate) {
 
 TEST(Matte, ADriftOfTheExposureIsNoPerformer) {
     const training::Dataset truth = sphere_dataset(kCapture);
-    const media::Image& performer = truth.views[3].image;
+    const media::Image performer = truth.views[3].image.whole();
     const media::Image image = seen(performer, wall(96), 1, 15, 5),
                        plate = seen(media::Image(96, 96), wall(96), 1, 0, 6);
     EXPECT_GT(agreement(training::difference_matte(image, plate, {}), performer).iou, 0.95);
@@ -137,7 +137,7 @@ TEST(Matte, SpecksAreDroppedAndHolesClosed) {
 TEST(Matte, TheMedianForgetsWhoPassesBy) {
     const training::Dataset truth = sphere_dataset(kCapture);
     std::vector<media::Image> frames;
-    for (size_t i = 0; i < 9; i++) frames.push_back(seen(truth.views[i].image, wall(96), 0, 0, i));
+    for (size_t i = 0; i < 9; i++) frames.push_back(seen(truth.views[i].image.whole(), wall(96), 0, 0, i));
     EXPECT_EQ(training::median_background(frames).rgba, wall(96).rgba);
     EXPECT_NE(training::median_background({frames[0], frames[0], frames[1]}).rgba, wall(96).rgba);
 }
@@ -159,9 +159,9 @@ struct MatteFiles : ::testing::Test {
         EXPECT_EQ(loaded.views.size(), truth.views.size());
         for (size_t i = 0; i < loaded.views.size(); i++) {
             std::vector<uint8_t> alpha;
-            for (size_t k = 3; k < loaded.views[i].image.rgba.size(); k += 4)
-                alpha.push_back(loaded.views[i].image.rgba[k]);
-            const Agreement found = agreement(alpha, truth.views[i].image);
+            const media::Image image = loaded.views[i].image.whole();
+            for (size_t k = 3; k < image.rgba.size(); k += 4) alpha.push_back(image.rgba[k]);
+            const Agreement found = agreement(alpha, truth.views[i].image.whole());
             worst = {std::min(worst.iou, found.iou), std::max(worst.mae, found.mae)};
         }
         return worst;
@@ -195,7 +195,8 @@ TEST_F(MatteFiles, AreTakenFromAnotherProgram) {
     job.from = folder.path / "foreign";
     std::filesystem::create_directories(job.from);
     expect_input_error([&] { training::make_mattes(job, {}); }, {"foreign", "c00_f000"});
-    for (const training::View& view : truth.views) media::write_png(job.from / (view.name + ".png"), view.image);
+    for (const training::View& view : truth.views)
+        media::write_png(job.from / (view.name + ".png"), view.image.whole());
     training::make_mattes(job, {});
     EXPECT_EQ(loaded_agreement().iou, 1);
     EXPECT_EQ(loaded_agreement().mae, 0);

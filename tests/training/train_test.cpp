@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "render/frame.h"
 #include "support/child_process.h"
+#include "support/edit_image.h"
 #include "support/gpu_test.h"
 #include "support/sphere_capture.h"
 #include "training/checkpoint.h"
@@ -232,8 +233,9 @@ TEST_F(TrainTest, AnotherDataSetIsRefused) {
     training::train(device(), capture(), small_run(2), nvv, go_on);
     training::Dataset other = capture();
     for (training::View& view : other.views)
-        for (size_t i = 3; i < view.image.rgba.size() / 2; i += 4)
-            view.image.rgba[i] = 0;  // half of the matte is clear
+        edit_image(view, [](media::Image& image) {
+            for (size_t i = 3; i < image.rgba.size() / 2; i += 4) image.rgba[i] = 0;  // half of the matte is clear
+        });
     training::TrainSettings settings = small_run(4);
     settings.resume = true;
     try {
