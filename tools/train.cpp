@@ -12,6 +12,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "training/find_poses.h"
 #include "training/formats.h"
 #include "training/images.h"
 #include "training/metrics_log.h"
@@ -155,6 +156,31 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
     return tree;
 }
 
+std::string progress_text(const training::PoseSearchProgress& now) {
+    return fmt::format("poses {} eta {} | round {} | images moved by {:.2f} pixels, {:.2f} of them in the last round",
+                       format_duration(now.elapsed_s), format_duration(now.eta_s), now.rounds, now.motion_px,
+                       now.last_motion_px);
+}
+
+// Finds the poses with which `settings` train, and takes the time that this took off their budget in minutes. False
+// where Ctrl-C stopped it.
+bool refine_poses(const gpu::Device& device, const training::Dataset& dataset, training::TrainSettings& settings) {
+    const double began = seconds_now();
+    StatusLine line(true);
+    const auto found = training::find_poses(device, dataset, settings, [&](const training::PoseSearchProgress& now) {
+        if (line.is_due()) line.print(progress_text(now));
+        return !stop_requested();
+    });
+    line.end();
+    if (!found) return false;
+    settings.poses = *found;
+    if (settings.steps == 0) {
+        if (settings.minutes == 0) settings.minutes = training::kDefaultMinutes;
+        settings.minutes = std::max(settings.minutes - (seconds_now() - began) / 60, 0.01);
+    }
+    return true;
+}
+
 // Throws InputError, before any work is done, where the result could not be written.
 void prepare_output(const std::filesystem::path& output) {
     if (output.extension() != ".nvv" || std::filesystem::is_directory(output))
@@ -184,16 +210,24 @@ training::Dataset load_images(const TrainOptions& options, const training::Rig& 
     return dataset;
 }
 
-// Sets what --refine names: "colour", more names after commas.
-void apply_refine(const std::string& text, training::TrainSettings& settings) {
-    if (text.empty()) return;
+// What of the cameras is learnt.
+struct Refine {
+    bool colour = false, poses = false;
+};
+
+// Reads names after commas: "colour,poses".
+Refine refine_of(const std::string& text) {
+    Refine refine;
+    if (text.empty()) return refine;
     for (size_t begin = 0, end; begin <= text.size(); begin = end + 1) {
         end = std::min(text.find(',', begin), text.size());
         const std::string name = text.substr(begin, end - begin);
-        if (name != "colour")
-            throw InputError("--refine", name, "is nothing that training can refine", "write: --refine colour");
-        settings.refine_colour = true;
+        if (name != "colour" && name != "poses")
+            throw InputError("--refine", name, "is nothing that training can refine",
+                             "write: --refine colour, --refine poses, or --refine colour,poses");
+        (name == "colour" ? refine.colour : refine.poses) = true;
     }
+    return refine;
 }
 
 constexpr float kEqualGains = 0.02f;  // gains that differ less from 1 are not worth a line
@@ -210,21 +244,49 @@ void print_colours(const std::vector<CameraColour>& colours, const std::vector<t
     if (agree) fmt::print("the gains of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
 }
 
+constexpr double kStillPixels = 0.25;  // poses that move images less are not worth a line
+
+void print_poses(const std::vector<training::RefinedPose>& poses, const std::vector<training::RigCamera>& cameras) {
+    if (poses.empty()) return;
+    bool still = true;
+    for (size_t i = 0; i < poses.size(); i++) {
+        const training::PoseChange& change = poses[i].change;
+        if (poses[i].motion_px < kStillPixels && !poses[i].at_bound) continue;
+        const glm::dvec3 turn(change[training::kTurnX], change[training::kTurnY], change[training::kTurnZ]);
+        const glm::dvec3 shift(change[training::kShiftX], change[training::kShiftY], change[training::kShiftZ]);
+        fmt::print(
+            "camera {}: its image moved by {:.2f} pixels (turned by {:.2f}°, shifted by {:.1f} mm, focal length "
+            "{:+.2f} %){}\n",
+            cameras[i].name, poses[i].motion_px, glm::degrees(glm::length(turn)), 1000 * glm::length(shift),
+            100 * std::expm1(change[training::kZoom]),
+            poses[i].at_bound ? ": as far as a pose may move; its calibration is probably wrong" : "");
+        still = false;
+    }
+    if (still) fmt::print("the poses of all cameras are right within {} pixels\n", kStillPixels);
+}
+
 void run_train(const TrainOptions& options, const CommonOptions& common) {
     prepare_output(options.output);
     prepare_live_outputs(options.live);
     training::TrainSettings settings = options.settings;
-    apply_refine(options.refine, settings);
+    const Refine refine = refine_of(options.refine);
+    settings.refine_colour = refine.colour;
+    if (refine.poses && options.init == "psi")
+        throw InputError("--refine", "poses", "cannot be combined with --init psi", "leave out one of the two");
     catch_stop_signals();
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
     const training::LoadOptions load = load_options(options);
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
-    const training::Dataset dataset = load_images(options, rig, load);
+    training::Dataset dataset = load_images(options, rig, load);
     LiveReport live(device, dataset, load, options.live);
     settings.program = "NeuVV " NEUVV_VERSION;
     settings.adaptive = !options.uniform;
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
+    if (refine.poses && !settings.resume && !refine_poses(device, dataset, settings)) {
+        fmt::print("interrupted while the poses of cameras were found: nothing was written\n");
+        return;
+    }
     voctree::VOctree first_tree;
     if (options.init == "psi" && !settings.resume) {
         first_tree = train_psi_tree(options, device, dataset);
@@ -241,6 +303,7 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                last.step, last.epochs, format_duration(last.elapsed_s));
     print_colours(last.colours, rig.cameras);
+    print_poses(last.poses, rig.cameras);
     if (settings.resume && last.step == last.began_at_step)
         fmt::print("the run had spent its budget; more --minutes or --steps go on from there\n");
     if (stop_requested() && last.fraction < 1)
@@ -306,7 +369,9 @@ void add_train(Command app, CommonOptions& common) {
             .number_between(0.0, 100.0)
             .show_default();
     verb.add_option("--refine", options->refine,
-                    "What else is learnt, of the cameras; colour: gains and white balance (default: nothing)");
+                    "What else is learnt, of the cameras; colour: gains and white balance; poses: corrections of poses "
+                    "and focal lengths, found before the run in a fifth of its minutes at most; colour,poses: both "
+                    "(default: nothing)");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);
@@ -329,6 +394,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
          "  neuvv train build/performer -o build/live.nvv --preview build/live.png --metrics build/live.jsonl\n"
          "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
+         "  neuvv train build/performer -o build/rig.nvv --refine colour,poses\n"
          "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {

@@ -91,6 +91,24 @@ Batch BatchSampler::next(uint32_t samples) {
     return batch;
 }
 
+Batch BatchSampler::sample(size_t frame, uint32_t tiles_per_view, uint64_t seed) const {
+    Batch batch;
+    batch.time = dataset_.times[frame];
+    std::mt19937_64 random(seed);
+    for (const uint32_t view : frames_[frame].views) {
+        const TiledImage& image = dataset_.views[view].image;
+        std::vector<ViewTile> tiles;
+        for (uint16_t y = 0; y < image.tiles_down(); y++)
+            for (uint16_t x = 0; x < image.tiles_across(); x++)
+                if (image.has_tile(x, y)) tiles.push_back({view, x, y});
+        for (uint32_t i = 0; i < tiles_per_view && i < tiles.size(); i++) {
+            std::swap(tiles[i], tiles[i + random() % (tiles.size() - i)]);
+            append(batch, tiles[i], random);
+        }
+    }
+    return batch;
+}
+
 void BatchSampler::append(Batch& batch, const ViewTile& tile, std::mt19937_64& random) const {
     const uint64_t bits = random();
     const uint8_t random_rgb[3] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8),

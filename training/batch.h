@@ -37,6 +37,10 @@ class BatchSampler {
     // Draws a batch without building it. A resumed run skips the batches that it has trained on before.
     void skip(uint32_t samples = 1) { draw(samples); }
 
+    // A batch of up to so many tiles with foreground of each image of a time, one image after the other, drawn apart from
+    // those of next(). The same seed gives the same tiles.
+    Batch sample(size_t frame, uint32_t tiles_per_view, uint64_t seed) const;
+
     // Pixels of one epoch, all times together.
     uint64_t rays_per_epoch() const { return rays_per_epoch_; }
 

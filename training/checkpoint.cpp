@@ -128,6 +128,18 @@ CameraColours read_all_colours(const std::filesystem::path& path, const std::vec
     return colours;
 }
 
+// Changes of poses are stored where a run refined them.
+std::vector<PoseChange> read_poses(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks) {
+    const auto found = std::ranges::find(chunks, std::string("pose"), &voctree::NvvChunk::name);
+    if (found == chunks.end()) return {};
+    const size_t cameras = std::max<size_t>(found->bytes.size() / sizeof(PoseChange), 1);
+    const std::vector<PoseChange> poses = read_chunk<PoseChange>(path, chunks, "pose", cameras);
+    for (const PoseChange& pose : poses)
+        if (!std::ranges::all_of(pose, [](double number) { return std::abs(number) <= kMaxPoseNumber; }))
+            fail_chunk(path, "pose", "holds a number that no run can find");
+    return poses;
+}
+
 std::string weight_key(const NamedLossWeight& one) {
     return std::string("lambda_") + one.name;
 }
@@ -213,8 +225,8 @@ std::filesystem::path state_path(const std::filesystem::path& nvv) {
 }
 
 Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run,
-                           const CameraColours& colours) {
-    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}, colours};
+                           const CameraColours& colours, const std::vector<PoseChange>& poses) {
+    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}, colours, poses};
     step.download(checkpoint.tree);
     const gpu::Device& device = *step.field().weights.device;
     checkpoint.use = read_use(device, step.tally(), tree);
@@ -242,6 +254,7 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
         chunks.push_back(chunk("cam1", checkpoint.colours.first));
         chunks.push_back(chunk("cam2", checkpoint.colours.second));
     }
+    if (!checkpoint.poses.empty()) chunks.push_back(chunk("pose", checkpoint.poses));
     voctree::write_nvv(state_path(nvv), checkpoint.tree, chunks, 1);
     return save_compact(nvv, checkpoint.tree);
 }
@@ -271,6 +284,7 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     checkpoint.use.frames =
         read_chunk<uint32_t>(path, chunks, "frms", size_t{(tree.frames + 31) / 32} * tree.leaf_count);
     checkpoint.colours = read_all_colours(path, chunks);
+    checkpoint.poses = read_poses(path, chunks);
     return checkpoint;
 }
 

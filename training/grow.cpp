@@ -25,10 +25,12 @@ constexpr uint32_t kFirstDepth = 4;  // octree depth of the grid with which carv
 // The ball by which a leaf is carved. That of a coarse leaf encloses it, so that no child is lost. That of a leaf of
 // the finest depth is smaller: a hull that misses matter in corners of leaves is better than one with a fringe of empty
 // leaves, which training would have to clear.
-HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t finest) {
+HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPosition& position, uint32_t finest,
+                   double margin = 0) {
     const float edge = tree.box_size.x / static_cast<float>(1u << position.depth);
     const glm::vec3 centre = tree.box_min + edge * (glm::vec3(position.x, position.y, position.z) + 0.5f);
-    return {centre, edge * (position.depth < finest ? 0.5f * std::sqrt(3.0f) : 0.25f)};
+    const float radius = edge * (position.depth < finest ? 0.5f * std::sqrt(3.0f) : 0.25f);
+    return {centre, radius + static_cast<float>(margin)};
 }
 
 void append_children(std::vector<voctree::LeafPosition>& positions, const voctree::LeafPosition& position) {
@@ -58,10 +60,11 @@ void remove_empty(const MatterGrid& grid, const voctree::VOctree& tree, std::vec
 }
 
 Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
-                    const std::vector<voctree::LeafPosition>& positions, uint32_t group, uint32_t finest) {
+                    const std::vector<voctree::LeafPosition>& positions, uint32_t group, uint32_t finest,
+                    double margin) {
     const size_t words = hull_words(dataset);
     std::vector<HullCell> cells(positions.size());
-    for (size_t i = 0; i < positions.size(); i++) cells[i] = hull_cell(tree, positions[i], finest);
+    for (size_t i = 0; i < positions.size(); i++) cells[i] = hull_cell(tree, positions[i], finest, margin);
     const std::vector<uint32_t> bits = carve(dataset, cells);
     Carved kept;
     for (size_t i = 0; i < positions.size(); i++) {
@@ -252,12 +255,12 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
         for (uint32_t y = 0; y < 1u << start; y++)
             for (uint32_t x = 0; x < 1u << start; x++) positions.push_back({x, y, z, start});
     remove_empty(grid, tree, positions);
-    Carved carved = keep_allowed(dataset, tree, positions, 1, depth);
+    Carved carved = keep_allowed(dataset, tree, positions, 1, depth, shape.hull_margin);
     for (uint32_t at = start; at < target; at++) {
         std::vector<voctree::LeafPosition> finer;
         for (const voctree::LeafPosition& position : carved.positions) append_children(finer, position);
         remove_empty(grid, tree, finer);
-        carved = keep_allowed(dataset, tree, finer, 8, depth);
+        carved = keep_allowed(dataset, tree, finer, 8, depth, shape.hull_margin);
     }
     if (carved.positions.empty())
         throw InputError(dataset.folder.string(), "", "the mattes leave no matter at this resolution",
@@ -285,7 +288,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
         }
     }
     const size_t kept = grown.size();
-    const Carved carved = keep_allowed(dataset, tree, children, 8, settings.max_depth);
+    const Carved carved = keep_allowed(dataset, tree, children, 8, settings.max_depth, settings.hull_margin);
     grown.insert(grown.end(), carved.positions.begin(), carved.positions.end());
     for (const uint32_t group : carved.parents) parents.push_back(dividing[group]);
     if (grown.empty()) return tree;  // rays saw nothing: an unchanged tree is better than none

@@ -11,6 +11,8 @@ struct TreeShape {
     uint32_t resolution = 0;  // finest leaves along the longest side of the hull's box; 0: natural_resolution
     uint32_t bases = 31;      // C; no more than one per frame are used
     uint32_t hh_degree = 1;
+    // Metres by which the hull is wider than the mattes say, for cameras whose poses are not trusted.
+    double hull_margin = 0;
 };
 
 constexpr uint32_t kMaxResolution = 2048;
@@ -42,6 +44,7 @@ struct GrowSettings {
     // Where dividing would exceed it, those of highest opacity sensitivity (with divide_share 1: of highest maximum
     // weight) divide.
     uint32_t max_leaves = 0;
+    double hull_margin = 0;  // TreeShape::hull_margin
 };
 
 // The tree after pruning and division. Children inherit their parent's weights, but are empty in the frames in which

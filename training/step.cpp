@@ -56,6 +56,7 @@ TrainingStep::TrainingStep(const gpu::Device& device, const voctree::VOctree& tr
       colours_readback_(device, "colour gradients readback", sizeof(CameraColour) * tiles, gpu::MemoryKind::kReadback),
       live_readback_(device, "live count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
       touched_readback_(device, "touched count readback", sizeof(LiveCount), gpu::MemoryKind::kReadback),
+      radiance_readback_(device, "radiance readback", uint64_t{16} * kTilePixels * tiles, gpu::MemoryKind::kReadback),
       slicer_(device, field_, slice_),
       tracer_(device, field_, slice_, rays_),
       loss_(device, rays_, batch_),
@@ -96,6 +97,19 @@ StepResult TrainingStep::wait() {
     result.overflow = live.overflow;
     result.touched = touched_readback_.as<LiveCount>()->slots;
     return result;
+}
+
+const glm::vec4* TrainingStep::trace(float frame, uint32_t tiles, float stop) {
+    assert(tiles <= rays_.tile_capacity && "more tiles than the step was made for");
+    commands_.begin();
+    if (sliced_frame_ != frame) render::record_slice(commands_, slicer_, frame);
+    sliced_frame_ = frame;
+    render::record_trace(commands_, tracer_, tiles, stop);
+    gpu::copy(commands_, rays_.radiance, radiance_readback_, uint64_t{16} * kTilePixels * tiles);
+    gpu::host_barrier(commands_);
+    commands_.submit();
+    commands_.wait();
+    return radiance_readback_.as<glm::vec4>();
 }
 
 void TrainingStep::download(voctree::VOctree& tree) const {

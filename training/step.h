@@ -63,6 +63,10 @@ class TrainingStep {
     const CameraColour* colour_gradients() const { return colours_readback_.as<CameraColour>(); }
     std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
 
+    // Traces the first `tiles` tiles of rays() at a frame, forwards only. Returns by ray the premultiplied linear RGB
+    // and alpha, valid until the next call. Not between submit() and wait().
+    const glm::vec4* trace(float frame, uint32_t tiles, float stop);
+
     // Writes the current weights, A and B into `tree`, which must have the same topology (assert).
     void download(voctree::VOctree& tree) const;
     // How rays used the leaves since construction.
@@ -79,7 +83,7 @@ class TrainingStep {
     SliceGradients gradients_;
     Moments moments_;
     LeafTally tally_;
-    gpu::Buffer sums_readback_, colours_readback_, live_readback_, touched_readback_;
+    gpu::Buffer sums_readback_, colours_readback_, live_readback_, touched_readback_, radiance_readback_;
     render::Slicer slicer_;
     render::Tracer tracer_;
     Loss loss_;

@@ -11,7 +11,9 @@
 #include "base/error.h"
 #include "base/seconds.h"
 #include "training/batch.h"
+#include "training/hull_box.h"
 #include "training/merge.h"
+#include "training/pose_probe.h"
 #include "training/revive.h"
 #include "training/schedule.h"
 
@@ -52,20 +54,21 @@ uint64_t hash_of(const Dataset& dataset) {
 // One run: the tree on the host (for its topology), the step on the device, and how far they have come.
 class Run {
   public:
-    Run(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings, std::filesystem::path output)
+    Run(const gpu::Device& device, Dataset& dataset, const TrainSettings& settings, std::filesystem::path output)
         : device_(device),
           dataset_(dataset),
           settings_(settings),
           output_(std::move(output)),
           began_(seconds_now()),
+          given_hash_(hash_of(dataset)),
           // Braces evaluate from left to right: begin() sets seed and tree, which the arguments after it read.
           sampler_{begin(), run_.tiles_per_step, run_.seed, batches_in_a_row(tree_)} {
-        if (settings_.resume && run_.dataset_hash != hash_of(dataset))
+        if (settings_.resume && run_.dataset_hash != given_hash_)
             throw InputError(state_path(output_).string(), "",
                              fmt::format("is of a run on other images, mattes or cameras than those of {}",
                                          dataset_.folder.string()),
                              "resume with the data set that the run began with");
-        run_.dataset_hash = hash_of(dataset);
+        run_.dataset_hash = given_hash_;
         for (uint64_t step = 1; step <= run_.step; step++) sampler_.skip(samples_of(step));
     }
 
@@ -81,20 +84,24 @@ class Run {
     uint32_t samples_of(uint64_t step) const { return step < run_.several_rays_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
     void fit_to_max_bytes();
+    void move_cameras(const std::vector<PoseChange>& changes);
     void make_step();
     void begin_phase_if_due();
+    bool may_go_on();
     void save();
     StepSettings step_settings(double time) const;
     TrainProgress progress() const;
 
     const gpu::Device& device_;
-    const Dataset& dataset_;
+    Dataset& dataset_;
     TrainSettings settings_;
     std::filesystem::path output_;
     double began_;
+    uint64_t given_hash_;  // before poses moved the cameras
     RunState run_;
     voctree::VOctree tree_;
     CameraColours colours_;
+    std::vector<RefinedPose> poses_;
     uint32_t finest_ = 0;  // octree depth of the tree's finest leaves
     uint64_t saved_step_ = 0;
     uint64_t file_bytes_ = 0;      // size of the last .nvv
@@ -119,14 +126,15 @@ const Dataset& Run::begin() {
                              fmt::format("has {} frames, {} has {}", checkpoint.tree.frames, dataset_.folder.string(),
                                          dataset_.times.size()),
                              "resume with the data set that the run began with");
-        const size_t cameras = checkpoint.colours.values.size();
-        if (cameras > 0 && cameras != dataset_.cameras.size())
-            throw InputError(state_path(output_).string(), "",
-                             fmt::format("has colours of {} cameras, {} has {}", cameras, dataset_.folder.string(),
-                                         dataset_.cameras.size()),
-                             "resume with the data set that the run began with");
+        for (const size_t cameras : {checkpoint.colours.values.size(), checkpoint.poses.size()})
+            if (cameras > 0 && cameras != dataset_.cameras.size())
+                throw InputError(state_path(output_).string(), "",
+                                 fmt::format("has colours or poses of {} cameras, {} has {}", cameras,
+                                             dataset_.folder.string(), dataset_.cameras.size()),
+                                 "resume with the data set that the run began with");
         run_ = checkpoint.run;
         colours_ = checkpoint.colours;
+        move_cameras(checkpoint.poses);
         tree_ = std::move(checkpoint.tree);
         make_step();
         checkpoint.tree = {};
@@ -140,6 +148,7 @@ const Dataset& Run::begin() {
         run_.weights = settings_.weights;
         run_.program = settings_.program;
         if (settings_.refine_colour) colours_ = CameraColours(dataset_.cameras.size());
+        move_cameras(settings_.poses);
         tree_ =
             settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
         if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
@@ -179,9 +188,22 @@ uint32_t Run::max_leaves() const {
 }
 
 double Run::fraction() const {
-    const double share = run_.steps > 0 ? static_cast<double>(run_.step) / static_cast<double>(run_.steps)
-                                        : elapsed() / (60 * run_.minutes);
+    double share = 0;
+    if (run_.steps > 0) share = static_cast<double>(run_.step) / static_cast<double>(run_.steps);
+    if (run_.minutes > 0) share = std::max(share, elapsed() / (60 * run_.minutes));
     return std::min(share, 1.0);
+}
+
+void Run::move_cameras(const std::vector<PoseChange>& changes) {
+    if (changes.empty()) return;
+    const auto [low, high] = first_box(dataset_);
+    for (size_t i = 0; i < changes.size(); i++) {
+        const stage::Camera& given = dataset_.cameras[i];
+        const glm::dvec3 centre = 0.5 * (low + high);
+        poses_.push_back(
+            {changes[i], image_motion(given, changes[i], centre), is_at_bound(changes[i], pose_bounds(given, centre))});
+    }
+    dataset_.cameras = moved(dataset_.cameras, changes);
 }
 
 void Run::make_step() {
@@ -189,8 +211,9 @@ void Run::make_step() {
     for (const voctree::LeafPosition& position : voctree::leaf_positions(tree_))
         finest_ = std::max(finest_, position.depth);
     step_.reset();  // frees its memory before the next one takes some
-    step_ = std::make_unique<TrainingStep>(device_, tree_, static_cast<uint32_t>(dataset_.cameras.size()),
-                                           run_.tiles_per_step);
+    // find_poses() also traces variants of a camera.
+    const uint32_t cameras = std::max(static_cast<uint32_t>(dataset_.cameras.size()), kPoseVariants);
+    step_ = std::make_unique<TrainingStep>(device_, tree_, cameras, run_.tiles_per_step);
 }
 
 void Run::begin_phase_if_due() {
@@ -204,6 +227,7 @@ void Run::begin_phase_if_due() {
     step_->download(tree_);
     GrowSettings settings;
     settings.max_leaves = max_leaves();
+    settings.hull_margin = settings_.shape.hull_margin;
     settings.prune_below = covered && run_.adaptive ? phase.prune_below : 0;
     settings.empty_unused = epochs > kMinEpochsForFrameUse && !coarse;
     settings.divide_share = phase.divide_share;
@@ -223,11 +247,20 @@ void Run::begin_phase_if_due() {
     run_.phase_rays = 0;
 }
 
+// Asks TrainSettings::between_steps.
+bool Run::may_go_on() {
+    if (!settings_.between_steps) return true;
+    return settings_.between_steps({*step_, sampler_, fraction(), run_.phase, colours_.values});
+}
+
 void Run::save() {
+    if (output_.empty()) return;
     const double start = seconds_now();
     RunState now = run_;
     now.elapsed_s = elapsed();
-    written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now, colours_));
+    std::vector<PoseChange> poses;
+    for (const RefinedPose& pose : poses_) poses.push_back(pose.change);
+    written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now, colours_, poses));
     file_bytes_ = std::filesystem::file_size(output_);
     saved_step_ = run_.step;
     saved_at_ = seconds_now();
@@ -294,6 +327,7 @@ TrainProgress Run::progress() const {
     now.epochs = epochs_done();
     now.passes = step_->pass_times();
     now.colours = colours_.values;
+    now.poses = poses_;
     now.field = &step_->field();
     return now;
 }
@@ -306,6 +340,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     reported_at_ = seconds_now();
     while (go_on && fraction() < 1) {
         begin_phase_if_due();
+        if (!may_go_on()) break;
         load_batch(dataset_, batch, step_->rays(), step_->batch(), colours_.values);
         run_.step++;
         run_.adam_step++;
@@ -341,7 +376,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
             reported_at_ = seconds_now();
         }
         const double wait = std::max(first_saved ? kCheckpointEvery : kFirstCheckpoint, save_took_ / kCheckpointShare);
-        if (seconds_now() - saved_at_ > wait) {
+        if (!output_.empty() && seconds_now() - saved_at_ > wait) {
             save();
             first_saved = true;
         }
@@ -357,7 +392,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
 
 }  // namespace
 
-TrainProgress train(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
+TrainProgress train(const gpu::Device& device, Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback) {
     Run run(device, dataset, settings, output);
     return run(callback);

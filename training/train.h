@@ -9,8 +9,20 @@
 
 namespace neuvv::training {
 
+class BatchSampler;
+
+// A run between two of its steps.
+struct BetweenSteps {
+    TrainingStep& step;
+    const BatchSampler& sampler;
+    double fraction;  // of the budget
+    uint32_t phase;   // index into kPhases
+    const std::vector<CameraColour>& colours;
+};
+
 struct TrainSettings {
-    // The budget, in wall time or in steps. Where both are 0 it is kDefaultMinutes, or what a resumed run had.
+    // The budget, in wall time or in steps; where both are given, the run ends when one is spent. Where both are 0 it
+    // is kDefaultMinutes, or what a resumed run had.
     double minutes = 0;
     uint64_t steps = 0;
     TreeShape shape;
@@ -20,15 +32,26 @@ struct TrainSettings {
     bool adaptive = true;     // false: all leaves end at the depth of `shape`; none is removed or becomes finer
     uint32_t tiles_per_step = 512;
     LossWeights weights = kDefaultLossWeights;
-    bool refine_colour = false;     // learn the colour of each camera (camera_colour.h); a resumed run does what it did
+    bool refine_colour = false;  // learn the colour of each camera (camera_colour.h); a resumed run does what it did
+    // By camera: the changes that find_poses() found, kept in checkpoint files; a resumed run has its own. Empty: none.
+    std::vector<PoseChange> poses;
     std::string program = "NeuVV";  // RunState::program
     bool resume = false;
     // The tree with which a run begins, in place of initial_tree. All its leaves must lie kLevelsAbovePixel levels
     // above the finest depth of `shape`.
     const voctree::VOctree* first_tree = nullptr;
+    // Called between steps; returns false to end the run. It may move the data set's cameras, and may use the step as
+    // long as it changes no weights.
+    std::function<bool(const BetweenSteps&)> between_steps;
 };
 
 constexpr double kDefaultMinutes = 20;
+
+struct RefinedPose {
+    PoseChange change;
+    double motion_px;  // image_motion() of the change
+    bool at_bound;
+};
 
 struct TrainProgress {
     double elapsed_s = 0, eta_s = 0;
@@ -44,6 +67,7 @@ struct TrainProgress {
     double epochs = 0;
     std::vector<gpu::PassTime> passes;     // of the last step
     std::vector<CameraColour> colours;     // by camera, where they are refined
+    std::vector<RefinedPose> poses;        // the same
     const render::Field* field = nullptr;  // the current model; the callback may use it until it returns
 };
 
@@ -51,9 +75,10 @@ struct TrainProgress {
 using TrainCallback = std::function<bool(const TrainProgress&)>;
 
 // Trains until the budget is spent. The first checkpoint is written to `output` before the first step, later ones so
-// that they take at most a twentieth of the time, the last one at the end. Throws InputError (for instance for a data
-// set without matter, or a checkpoint file of another data set) and RuntimeFailure.
-TrainProgress train(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
+// that they take at most a twentieth of the time, the last one at the end; where `output` is empty, none is. The run
+// moves the data set's cameras by the poses that were refined, and leaves them there. Throws InputError (for instance
+// for a data set without matter, or a checkpoint file of another data set) and RuntimeFailure.
+TrainProgress train(const gpu::Device& device, Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback);
 
 }  // namespace neuvv::training

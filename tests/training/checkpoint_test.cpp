@@ -253,6 +253,17 @@ TEST(CheckpointFile, RefusesColoursThatNoRunCanLearn) {
     other.refused({"scene.nvv.state", "cam2", "below 0"});
 }
 
+TEST(CheckpointFile, RefusesPosesThatNoRunCanFind) {
+    const StateFile file;
+    std::vector<uint8_t> poses(sizeof(training::PoseChange) * 2);
+    poses[6] = 0xf0, poses[7] = 0x7f;  // infinity
+    file.rewrite("pose", &poses);
+    file.refused({"scene.nvv.state", "pose", "no run can find"});
+    poses.resize(9);
+    file.rewrite("pose", &poses);
+    file.refused({"scene.nvv.state", "pose"});
+}
+
 TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
     for (const char* name : {"wf32", "row1", "row2", "rech", "mom1", "mom2", "camc", "cam1", "cam2"}) {
         const StateFile file;

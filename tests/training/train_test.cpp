@@ -21,8 +21,8 @@ namespace {
 
 const SphereCapture kCapture;
 
-const training::Dataset& capture() {
-    static const training::Dataset dataset = sphere_dataset(kCapture);
+training::Dataset& capture() {
+    static training::Dataset dataset = sphere_dataset(kCapture);
     return dataset;
 }
 
@@ -371,6 +371,15 @@ TEST_F(KilledRun, RefinesOnlyWhatItKnows) {
     ChildProcess known(words, log_);
     EXPECT_EQ(known.wait(), 0);
     EXPECT_NE(read_text(log_).find("gains of"), std::string::npos) << read_text(log_);
+    words.back() = "poses";
+    ChildProcess poses(words, log_);
+    EXPECT_EQ(poses.wait(), 0);
+    EXPECT_NE(read_text(log_).find("poses of all cameras"), std::string::npos) << read_text(log_);
+    words.insert(words.end(), {"--init", "psi"});
+    ChildProcess both(words, log_);
+    EXPECT_EQ(both.wait(), 2);
+    EXPECT_NE(read_text(log_).find("--init psi"), std::string::npos) << read_text(log_);
+    words.resize(words.size() - 2);
     words.back() = "colour,lens";
     ChildProcess unknown(words, log_);
     EXPECT_EQ(unknown.wait(), 2);

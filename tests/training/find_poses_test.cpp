@@ -1,0 +1,145 @@
+// The search for poses of cameras, on a small capture of the performer whose cameras are turned and shifted.
+#include "training/find_poses.h"
+
+#include <gtest/gtest.h>
+
+#include "support/child_process.h"
+#include "support/gpu_test.h"
+#include "support/input_error.h"
+#include "support/random_tree.h"
+#include "support/sphere_capture.h"
+#include "training/hull_box.h"
+#include "training/pose_probe.h"
+
+namespace neuvv::test {
+namespace {
+
+using FindPosesTest = GpuTest;
+using training::PoseChange;
+
+training::Dataset performer_capture(const std::filesystem::path& folder) {
+    const std::string model = std::string(NEUVV_SOURCE_DIR) + "/tools/performer/performer.glb";
+    ChildProcess capture(
+        {NEUVV_PROGRAM, "capture", model, "-o", folder.string(), "--cameras", "14", "--frames", "2", "--size", "96x96"},
+        folder / "log.txt");
+    EXPECT_EQ(capture.wait(), 0) << read_text(folder / "log.txt");
+    return training::load_dataset(folder, training::Split::kTrain);
+}
+
+// Changes of cameras by about 0.3 degrees and 5 mm, without a part that all have in common.
+std::vector<PoseChange> spoiling(const std::vector<stage::Camera>& cameras, glm::dvec3 centre) {
+    Random random(11);
+    std::vector<PoseChange> changes(cameras.size());
+    for (PoseChange& change : changes)
+        for (size_t i = 0; i < training::kZoom; i++) change[i] = random.uniform(-1, 1) * 0.005;
+    // Without evidence the solver takes out the common part, and pulls the rest towards 0.
+    const std::vector<training::PoseEvidence> none(cameras.size());
+    return training::next_poses(cameras, changes, none, centre, 1);
+}
+
+double image_error(const std::vector<stage::Camera>& truth, const std::vector<stage::Camera>& cameras,
+                   glm::dvec3 centre) {
+    double sum = 0;
+    for (size_t i = 0; i < truth.size(); i++)
+        for (const glm::dvec3& point : training::scene_points(truth[i], centre)) {
+            const glm::dvec2 by = training::seen_at(cameras[i], point) - training::seen_at(truth[i], point);
+            sum += glm::dot(by, by);
+        }
+    return std::sqrt(sum / static_cast<double>(truth.size() * training::kScenePoints));
+}
+
+TEST_F(FindPosesTest, CamerasMoveBackToWhereTheyStood) {
+    const TemporaryFolder folder;
+    training::Dataset dataset = performer_capture(folder.path);
+    const std::vector<stage::Camera> truth = dataset.cameras;
+    const auto [low, high] = training::first_box(dataset);
+    const glm::dvec3 centre = 0.5 * (low + high);
+    dataset.cameras = training::moved(truth, spoiling(truth, centre));
+    training::TrainSettings settings;
+    settings.steps = 100;
+    double last_fraction = 0, motion_px = 0;
+    const auto found = training::find_poses(device(), dataset, settings, [&](const training::PoseSearchProgress& now) {
+        EXPECT_GE(now.fraction, last_fraction);
+        last_fraction = now.fraction;
+        motion_px = now.motion_px;
+        return true;
+    });
+    ASSERT_TRUE(found);
+    EXPECT_EQ(last_fraction, 1);
+    EXPECT_GT(motion_px, 0.2);
+    const double before = image_error(truth, dataset.cameras, centre);
+    EXPECT_GT(before, 0.5);
+    EXPECT_LT(image_error(truth, training::moved(dataset.cameras, *found), centre), 0.4 * before);
+}
+
+TEST_F(FindPosesTest, StopsWhereItsCallbackSaysSo) {
+    training::Dataset dataset = sphere_dataset({});
+    training::TrainSettings settings;
+    settings.shape.resolution = 40;
+    settings.steps = 1;
+    const auto stop = [](const training::PoseSearchProgress&) { return false; };
+    EXPECT_FALSE(training::find_poses(device(), dataset, settings, stop));
+}
+
+TEST_F(FindPosesTest, ARunMovesItsCamerasAndAResumedRunDoesSoAgain) {
+    const TemporaryFolder folder;
+    const std::filesystem::path nvv = folder.path / "sphere.nvv";
+    const training::Dataset given = sphere_dataset({});
+    training::TrainSettings settings;
+    settings.steps = 3;
+    settings.shape = {.resolution = 40, .bases = 3, .hh_degree = 1};
+    settings.tiles_per_step = 64;
+    settings.poses.resize(given.cameras.size());
+    settings.poses[2][training::kTurnX] = 0.01;
+    settings.poses[5][training::kShiftY] = -0.02;
+    const auto go_on = [](const training::TrainProgress&) { return true; };
+    training::Dataset first = given;
+    const training::TrainProgress trained = training::train(device(), first, settings, nvv, go_on);
+    const std::vector<stage::Camera> expected = training::moved(given.cameras, settings.poses);
+    EXPECT_EQ(training::load_checkpoint(nvv).poses, settings.poses);
+    ASSERT_EQ(trained.poses.size(), given.cameras.size());
+    EXPECT_EQ(trained.poses[2].change, settings.poses[2]);
+    EXPECT_GT(trained.poses[2].motion_px, 0.1);
+    EXPECT_EQ(trained.poses[3].motion_px, 0);
+    training::Dataset second = given;
+    settings.resume = true;
+    settings.poses.clear();
+    settings.steps = 4;
+    training::train(device(), second, settings, nvv, go_on);
+    for (const training::Dataset* dataset : {&first, &second})
+        for (size_t i = 0; i < expected.size(); i++)
+            EXPECT_EQ(dataset->cameras[i].world_from_camera, expected[i].world_from_camera);
+    // The images of a run whose cameras have moved are those of the same data set.
+    EXPECT_EQ(training::load_checkpoint(nvv).poses[5][training::kShiftY], -0.02);
+}
+
+// A field that cameras see as they stand gives evidence that they should stay; where one is turned, that it should turn
+// back.
+TEST_F(FindPosesTest, EvidencePointsTowardsTheTruth) {
+    training::Dataset dataset = sphere_dataset({.cameras = 12, .frames = 1, .size = 48});
+    const TemporaryFolder folder;
+    training::TrainSettings settings;
+    settings.shape = {.resolution = 48, .bases = 1, .hh_degree = 1};
+    settings.steps = 200;
+    std::vector<PoseChange> changes(dataset.cameras.size());
+    std::vector<training::PoseEvidence> evidence(dataset.cameras.size());
+    const glm::dvec3 centre(0);
+    settings.between_steps = [&](const training::BetweenSteps& now) {
+        if (now.fraction < 0.9) return true;
+        changes[4][training::kTurnY] = 0.01;
+        const training::PoseProbe probe{dataset.cameras, changes, now.colours, centre, 1};
+        training::add_evidence(now.step, probe, now.sampler.sample(0, 16, 3), 0, evidence);
+        return false;
+    };
+    training::train(device(), dataset, settings, {}, [](const training::TrainProgress&) { return true; });
+    ASSERT_GT(evidence[4].count, 0);
+    const auto wanted = [&](size_t camera) {
+        return evidence[camera].right[training::kTurnY] / evidence[camera].normal[training::kTurnY][training::kTurnY];
+    };
+    EXPECT_LT(wanted(4), -0.004);
+    EXPECT_LT(std::abs(wanted(5)), 0.003);
+    EXPECT_LT(evidence[5].error / evidence[5].count, evidence[4].error / evidence[4].count);
+}
+
+}  // namespace
+}  // namespace neuvv::test
