@@ -212,36 +212,59 @@ training::Dataset load_images(const TrainOptions& options, const training::Rig& 
 
 // What of the cameras is learnt.
 struct Refine {
-    bool colour = false, poses = false;
+    training::ColourRefinement colour;
+    bool poses = false;
 };
 
 // Reads names after commas: "colour,poses".
 Refine refine_of(const std::string& text) {
     Refine refine;
-    if (text.empty()) return refine;
-    for (size_t begin = 0, end; begin <= text.size(); begin = end + 1) {
+    const std::pair<const char*, bool*> known[] = {{"colour", &refine.colour.colour},
+                                                   {"exposure", &refine.colour.exposure},
+                                                   {"vignetting", &refine.colour.vignetting},
+                                                   {"poses", &refine.poses}};
+    for (size_t begin = 0, end; !text.empty() && begin <= text.size(); begin = end + 1) {
         end = std::min(text.find(',', begin), text.size());
         const std::string name = text.substr(begin, end - begin);
-        if (name != "colour" && name != "poses")
+        const auto found = std::ranges::find(known, name, [](const auto& one) { return one.first; });
+        if (found == std::end(known))
             throw InputError("--refine", name, "is nothing that training can refine",
-                             "write: --refine colour, --refine poses, or --refine colour,poses");
-        (name == "colour" ? refine.colour : refine.poses) = true;
+                             "write one or more of colour, exposure, vignetting, poses, with commas between them");
+        *found->second = true;
     }
     return refine;
 }
 
-constexpr float kEqualGains = 0.02f;  // gains that differ less from 1 are not worth a line
+constexpr float kEqualGains = 0.02f;  // factors that differ less from 1 are not worth a line
 
-void print_colours(const std::vector<CameraColour>& colours, const std::vector<training::RigCamera>& cameras) {
+// What differs from a neutral camera, in words; nothing where the camera is neutral.
+std::string colour_text(const training::CameraColours& colours, size_t camera) {
+    std::string text;
+    const glm::vec3 gains = training::gains(colours.values[camera]);
+    if (glm::any(glm::greaterThan(glm::abs(gains - 1.0f), glm::vec3(kEqualGains))))
+        text += fmt::format(", gains of R, G, B {:.3f} {:.3f} {:.3f}", gains.r, gains.g, gains.b);
+    if (const size_t frames = colours.frames(); frames > 0) {
+        const auto first = colours.exposures.values.begin() + static_cast<ptrdiff_t>(camera * frames);
+        const auto [low, high] = std::minmax_element(first, first + static_cast<ptrdiff_t>(frames));
+        if (std::max(*high, -*low) > kEqualGains)
+            text += fmt::format(", exposures of {:.3f} to {:.3f}", std::exp(*low), std::exp(*high));
+    }
+    if (const std::vector<float>& vignettes = colours.vignettes.values; !vignettes.empty()) {
+        const float corner = training::vignette_at({vignettes[2 * camera], vignettes[2 * camera + 1]}, 1);
+        if (std::abs(corner - 1) > kEqualGains) text += fmt::format(", {:.3f} of the light at the corners", corner);
+    }
+    return text;
+}
+
+void print_colours(const training::CameraColours& colours, const std::vector<training::RigCamera>& cameras) {
     if (colours.empty()) return;
     bool agree = true;
-    for (size_t i = 0; i < colours.size(); i++) {
-        const glm::vec3 gains = training::gains(colours[i]);
-        if (glm::all(glm::lessThanEqual(glm::abs(gains - 1.0f), glm::vec3(kEqualGains)))) continue;
-        fmt::print("camera {}: gains of R, G, B {:.3f} {:.3f} {:.3f}\n", cameras[i].name, gains.r, gains.g, gains.b);
-        agree = false;
+    for (size_t i = 0; i < colours.cameras(); i++) {
+        const std::string text = colour_text(colours, i);
+        if (!text.empty()) fmt::print("camera {}: {}\n", cameras[i].name, text.substr(2));
+        agree &= text.empty();
     }
-    if (agree) fmt::print("the gains of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
+    if (agree) fmt::print("the colours of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
 }
 
 constexpr double kStillPixels = 0.25;  // poses that move images less are not worth a line
@@ -270,7 +293,7 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     prepare_live_outputs(options.live);
     training::TrainSettings settings = options.settings;
     const Refine refine = refine_of(options.refine);
-    settings.refine_colour = refine.colour;
+    settings.refine = refine.colour;
     if (refine.poses && options.init == "psi")
         throw InputError("--refine", "poses", "cannot be combined with --init psi", "leave out one of the two");
     catch_stop_signals();
@@ -369,9 +392,9 @@ void add_train(Command app, CommonOptions& common) {
             .number_between(0.0, 100.0)
             .show_default();
     verb.add_option("--refine", options->refine,
-                    "What else is learnt, of the cameras; colour: gains and white balance; poses: corrections of poses "
-                    "and focal lengths, found before the run in a fifth of its minutes at most; colour,poses: both "
-                    "(default: nothing)");
+                    "What else is learnt, of the cameras, one or more after commas. colour: gains and white balance; "
+                    "exposure: of each image; vignetting: lenses that darken towards the corners; poses: corrections "
+                    "of poses and focal lengths, before the run, in a fifth of its minutes at most (default: nothing)");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);

@@ -85,6 +85,7 @@ Batch BatchSampler::next(uint32_t samples) {
     Batch batch;
     batch.samples = samples;
     batch.time = dataset_.times[drawn.frame];
+    batch.frame = drawn.frame;
     // A generator for this batch alone, so that skip() need not draw its numbers.
     std::mt19937_64 random(seed_ ^ batches_drawn_ * 0x9e3779b97f4a7c15u);
     for (const ViewTile& tile : drawn.tiles) append(batch, tile, random);
@@ -94,6 +95,7 @@ Batch BatchSampler::next(uint32_t samples) {
 Batch BatchSampler::sample(size_t frame, uint32_t tiles_per_view, uint64_t seed) const {
     Batch batch;
     batch.time = dataset_.times[frame];
+    batch.frame = static_cast<uint32_t>(frame);
     std::mt19937_64 random(seed);
     for (const uint32_t view : frames_[frame].views) {
         const TiledImage& image = dataset_.views[view].image;

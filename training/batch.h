@@ -10,7 +10,8 @@ namespace neuvv::training {
 
 // One step's tiles, all of one time.
 struct Batch {
-    double time = 0;  // [0,1]
+    double time = 0;     // [0,1]
+    uint32_t frame = 0;  // its index in Dataset::times
     std::vector<Tile> tiles;
     // Per ray: premultiplied linear RGB and alpha of the foreground. Alpha is −1 beyond the image and where the pixel
     // is ignored.
@@ -37,8 +38,8 @@ class BatchSampler {
     // Draws a batch without building it. A resumed run skips the batches that it has trained on before.
     void skip(uint32_t samples = 1) { draw(samples); }
 
-    // A batch of up to so many tiles with foreground of each image of a time, one image after the other, drawn apart from
-    // those of next(). The same seed gives the same tiles.
+    // A batch of up to so many tiles with foreground of each image of a time, one image after the other, drawn apart
+    // from those of next(). The same seed gives the same tiles.
     Batch sample(size_t frame, uint32_t tiles_per_view, uint64_t seed) const;
 
     // Pixels of one epoch, all times together.

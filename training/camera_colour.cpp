@@ -14,6 +14,9 @@ constexpr float kBeta1 = 0.9f, kBeta2 = 0.99f, kEpsilon = 1e-8f;
 // and where all colours are alike, images cannot tell the one from the other.
 constexpr float kGainPrior = 1e-5f, kMixPrior = 0.1f;
 
+// Vignettes of 30 % at corners are common; a performer who stays in the middle of an image says little of them.
+constexpr float kVignettePrior = 1e-5f;
+
 // Within these bounds, each element of A's diagonal is larger than the others of its row together, so A has an inverse.
 // A camera whose images are black has no gains that could be found; without bounds its inverse would grow without end.
 constexpr float kMinGain = 0.5f, kMaxGain = 2, kMaxMix = 0.2f;
@@ -45,6 +48,56 @@ void keep_in_bounds(std::vector<CameraColour>& colours) {
             }
 }
 
+void keep_in_bounds(LearntNumbers& numbers, float most) {
+    for (float& value : numbers.values) value = std::clamp(value, -most, most);
+}
+
+// The mean over all cameras of a frame's exposures becomes neutral.
+void centre_exposures(CameraColours& colours, size_t frame) {
+    float sum = 0;
+    for (size_t camera = 0; camera < colours.cameras(); camera++)
+        sum += colours.exposures.values[camera * colours.frames() + frame];
+    const float mean = sum / static_cast<float>(colours.cameras());
+    for (size_t camera = 0; camera < colours.cameras(); camera++)
+        colours.exposures.values[camera * colours.frames() + frame] -= mean;
+}
+
+glm::vec2 vignette_of(const LearntNumbers& vignettes, size_t camera) {
+    return {vignettes.values[2 * camera], vignettes.values[2 * camera + 1]};
+}
+
+// The squared distance of a tile's middle from the principal point; 1 at the farthest corner of the image.
+float radius_squared(const Batch& batch, size_t tile, const stage::Camera& camera) {
+    const glm::dvec2 middle =
+        (glm::dvec2(batch.tiles[tile].x, batch.tiles[tile].y) + 0.5 * kTile) / double(batch.samples);
+    const glm::dvec2 principal(camera.cx, camera.cy), size(camera.width, camera.height);
+    const glm::dvec2 corner = glm::max(principal, size - principal);
+    const glm::dvec2 from = middle - principal;
+    return static_cast<float>(glm::dot(from, from) / glm::dot(corner, corner));
+}
+
+// A step of Adam: for a number that does not move in each step, too, as both moments lag alike.
+class Adam {
+  public:
+    Adam(float rate, uint64_t step)
+        : rate_(rate),
+          bias1_(static_cast<float>(1 - std::pow(kBeta1, static_cast<double>(step)))),
+          bias2_(static_cast<float>(1 - std::pow(kBeta2, static_cast<double>(step)))) {}
+
+    void move(float& value, float& first, float& second, float gradient) const {
+        first += (1 - kBeta1) * (gradient - first);
+        second += (1 - kBeta2) * (gradient * gradient - second);
+        value -= rate_ * (first / bias1_) / (std::sqrt(second / bias2_) + kEpsilon);
+    }
+    // The same for a number that a prior of this weight pulls towards 0.
+    void move(LearntNumbers& numbers, size_t i, float gradient, float prior) const {
+        move(numbers.values[i], numbers.first[i], numbers.second[i], gradient + 2 * prior * numbers.values[i]);
+    }
+
+  private:
+    float rate_, bias1_, bias2_;
+};
+
 }  // namespace
 
 bool is_bounded(const CameraColour& camera) {
@@ -63,9 +116,9 @@ glm::vec3 seen(const CameraColour& camera, glm::vec4 foreground) {
 }
 
 CameraColour inverse(const CameraColour& camera) {
-    assert(is_bounded(camera) && "a colour that can be inverted");
     glm::dmat4 affine(1);  // its columns are the rows of the camera
     for (int row = 0; row < 3; row++) affine[row] = camera.rows[row];
+    assert(glm::determinant(affine) != 0 && "a colour that can be inverted");
     const glm::dmat4 inverted = glm::inverse(affine);
     return {{glm::vec4(inverted[0]), glm::vec4(inverted[1]), glm::vec4(inverted[2])}};
 }
@@ -74,37 +127,70 @@ glm::vec3 gains(const CameraColour& camera) {
     return {camera.rows[0].r, camera.rows[1].g, camera.rows[2].b};
 }
 
-CameraColours::CameraColours(size_t cameras)
-    : values(cameras, kNeutralColour), first(cameras, CameraColour{}), second(cameras, CameraColour{}) {}
+float vignette_at(glm::vec2 vignette, float r2) {
+    return 1 + vignette.x * r2 + vignette.y * r2 * r2;
+}
 
-void CameraColours::learn(const Batch& batch, const CameraColour* tile_gradients, float rate, uint64_t step) {
-    if (values.empty()) return;
-    std::vector<CameraColour> gradients(values.size(), CameraColour{});
-    std::vector<float> pixels(values.size());
+CameraColours::CameraColours(size_t cameras, size_t frames, ColourRefinement what)
+    : values(what.any() ? cameras : 0, kNeutralColour),
+      first(what.colour ? cameras : 0, CameraColour{}),
+      second(what.colour ? cameras : 0, CameraColour{}),
+      exposures(what.exposure ? cameras * frames : 0),
+      vignettes(what.vignetting ? 2 * cameras : 0) {}
+
+CameraColour CameraColours::of_tile(const Batch& batch, size_t tile, const stage::Camera& camera) const {
+    const uint32_t index = batch.tiles[tile].camera;
+    float scale = 1;
+    if (!exposures.values.empty()) scale *= std::exp(exposures.values[index * frames() + batch.frame]);
+    if (!vignettes.values.empty())
+        scale *= vignette_at(vignette_of(vignettes, index), radius_squared(batch, tile, camera));
+    CameraColour colour = values[index];
+    for (glm::vec4& row : colour.rows) row *= scale;
+    return colour;
+}
+
+void CameraColours::learn(const Batch& batch, const std::vector<stage::Camera>& all_cameras,
+                          const CameraColour* tile_gradients, float rate, uint64_t step) {
+    if (empty()) return;
+    std::vector<CameraColour> by_colour(cameras(), CameraColour{});
+    std::vector<float> by_exposure(cameras()), pixels(cameras());
+    std::vector<glm::vec2> by_vignette(cameras(), glm::vec2(0));
     for (size_t tile = 0; tile < batch.tiles.size(); tile++) {
         const uint32_t camera = batch.tiles[tile].camera;
-        for (int row = 0; row < 3; row++) gradients[camera].rows[row] += tile_gradients[tile].rows[row];
+        const float r2 = radius_squared(batch, tile, all_cameras[camera]);
+        const float vignette = vignettes.values.empty() ? 1 : vignette_at(vignette_of(vignettes, camera), r2);
+        const float exposure =
+            exposures.values.empty() ? 1 : std::exp(exposures.values[camera * frames() + batch.frame]);
+        float by_scale = 0;  // the tile's colour is scale × the camera's
+        for (int row = 0; row < 3; row++) {
+            by_colour[camera].rows[row] += exposure * vignette * tile_gradients[tile].rows[row];
+            by_scale += glm::dot(tile_gradients[tile].rows[row], values[camera].rows[row]);
+        }
+        by_exposure[camera] += by_scale * vignette * exposure;
+        by_vignette[camera] += by_scale * exposure * glm::vec2(r2, r2 * r2);
         pixels[camera] += static_cast<float>(kTilePixels / (batch.samples * batch.samples));
     }
-    const double steps = static_cast<double>(step);
-    const auto bias1 = static_cast<float>(1 - std::pow(kBeta1, steps));
-    const auto bias2 = static_cast<float>(1 - std::pow(kBeta2, steps));
-    for (size_t camera = 0; camera < values.size(); camera++) {
-        if (pixels[camera] == 0) continue;
-        for (int row = 0; row < 3; row++)
+    const Adam adam(rate, step);
+    for (size_t camera = 0; camera < cameras(); camera++) {
+        const float count = pixels[camera];
+        if (count == 0) continue;
+        for (int row = 0; row < 3 && !first.empty(); row++)
             for (int i = 0; i < 4; i++) {
                 float& value = values[camera].rows[row][i];
-                float& m = first[camera].rows[row][i];
-                float& v = second[camera].rows[row][i];
-                const float wrong = value - kNeutralColour.rows[row][i];
-                const float gradient = gradients[camera].rows[row][i] + 2 * pixels[camera] * prior_of(row, i) * wrong;
-                m += (1 - kBeta1) * (gradient - m);
-                v += (1 - kBeta2) * (gradient * gradient - v);
-                value -= rate * (m / bias1) / (std::sqrt(v / bias2) + kEpsilon);
+                const float pull = 2 * count * prior_of(row, i) * (value - kNeutralColour.rows[row][i]);
+                adam.move(value, first[camera].rows[row][i], second[camera].rows[row][i],
+                          by_colour[camera].rows[row][i] + pull);
             }
+        if (!exposures.values.empty())
+            adam.move(exposures, camera * frames() + batch.frame, by_exposure[camera], count * kGainPrior);
+        for (int i = 0; i < 2 && !vignettes.values.empty(); i++)
+            adam.move(vignettes, 2 * camera + static_cast<size_t>(i), by_vignette[camera][i], count * kVignettePrior);
     }
-    centre(values);
+    if (!first.empty()) centre(values);
+    if (!exposures.values.empty()) centre_exposures(*this, batch.frame);
     keep_in_bounds(values);
+    keep_in_bounds(exposures, kMaxExposure);
+    keep_in_bounds(vignettes, kMaxVignette);
 }
 
 }  // namespace neuvv::training

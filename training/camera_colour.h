@@ -1,5 +1,6 @@
-// Training learns the colour of each camera, so that cameras with different gains or white balance agree. Only what
-// they do differently can be known: the mean of all cameras' colours is the neutral one.
+// Training learns how cameras show colours, so that images agree: the colour of each camera (gains and white balance),
+// the exposure of each image, and how much a lens darkens towards the corners. Of colours and exposures, only what
+// cameras do differently can be known: their mean over all cameras is the neutral one.
 #pragma once
 
 #include "shared/training.h"
@@ -12,27 +13,56 @@ constexpr CameraColour kNeutralColour{{glm::vec4(1, 0, 0, 0), glm::vec4(0, 1, 0,
 // The colour of a premultiplied foreground (C, α) as the camera sees it.
 glm::vec3 seen(const CameraColour& camera, glm::vec4 foreground);
 
+// What of it is learnt (`--refine colour,exposure,vignetting`).
+struct ColourRefinement {
+    bool colour = false, exposure = false, vignetting = false;
+    bool any() const { return colour || exposure || vignetting; }
+};
+
 // Whether the colour lies within the bounds in which learnt colours stay: gains of 1/2 to 2, and the other numbers
 // small enough that it can be inverted. NaN does not.
 bool is_bounded(const CameraColour& camera);
 
-// The camera that takes back what `camera` did, which must be bounded (assert).
+// The camera that takes back what `camera` did, which must have an inverse, as bounded ones have.
 CameraColour inverse(const CameraColour& camera);
 
 // By how much the camera amplifies R, G, B: the diagonal of A.
 glm::vec3 gains(const CameraColour& camera);
 
-// The colours by camera with Adam's moments; all empty where colours are not refined.
+// The factor on light at a distance from the principal point; r² is 1 at the distance of the farthest corner.
+float vignette_at(glm::vec2 vignette, float r2);
+
+// Single numbers with Adam's moments.
+struct LearntNumbers {
+    explicit LearntNumbers(size_t count = 0) : values(count), first(count), second(count) {}
+    std::vector<float> values, first, second;
+};
+
+constexpr float kMaxExposure = 0.7f;  // of the logarithm: factors of 1/2 to 2
+constexpr float kMaxVignette = 0.5f;  // of both numbers
+
+// What is learnt, with Adam's moments; all empty where nothing is.
 struct CameraColours {
     CameraColours() = default;
-    explicit CameraColours(size_t cameras);  // neutral
+    CameraColours(size_t cameras, size_t frames, ColourRefinement what);  // neutral
 
-    // Moves the colours of the batch's cameras by Adam, from the derivatives by each tile's colour and a prior that
-    // pulls towards the neutral colour; then makes the mean of all cameras neutral, and all bounded. `step` counts
-    // from 1.
-    void learn(const Batch& batch, const CameraColour* tile_gradients, float rate, uint64_t step);
+    bool empty() const { return values.empty(); }
+    size_t cameras() const { return values.size(); }
+    size_t frames() const { return values.empty() ? 0 : exposures.values.size() / values.size(); }
 
-    std::vector<CameraColour> values, first, second;
+    // How a tile of the batch shows colours: its image's exposure × its place's vignette × its camera's colour.
+    // `camera` is the tile's.
+    CameraColour of_tile(const Batch& batch, size_t tile, const stage::Camera& camera) const;
+
+    // Moves what is learnt by Adam, from the derivatives by each tile's colour (of_tile) and a prior that pulls towards
+    // neutral; then makes the mean of all cameras neutral, and all bounded. `step` counts from 1.
+    void learn(const Batch& batch, const std::vector<stage::Camera>& all_cameras, const CameraColour* tile_gradients,
+               float rate, uint64_t step);
+
+    std::vector<CameraColour> values;         // by camera
+    std::vector<CameraColour> first, second;  // empty where colours are not learnt
+    LearntNumbers exposures;                  // logarithms, by camera and then frame; empty where not learnt
+    LearntNumbers vignettes;                  // two by camera, the factors of r² and r⁴; empty where not learnt
 };
 
 }  // namespace neuvv::training

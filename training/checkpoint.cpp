@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -61,6 +62,17 @@ voctree::NvvChunk chunk(const char* name, const std::vector<T>& values) {
     return result;
 }
 
+// The chunks of what is learnt of images' exposures and lenses' vignettes: numbers and their two moments.
+constexpr std::array<const char*, 3> kExposureChunks{"expo", "exp1", "exp2"}, kVignetteChunks{"vign", "vig1", "vig2"};
+
+void append_learnt(std::vector<voctree::NvvChunk>& chunks, std::array<const char*, 3> names,
+                   const LearntNumbers& numbers) {
+    if (numbers.values.empty()) return;
+    chunks.push_back(chunk(names[0], numbers.values));
+    chunks.push_back(chunk(names[1], numbers.first));
+    chunks.push_back(chunk(names[2], numbers.second));
+}
+
 const voctree::NvvChunk& find_chunk(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
                                     const char* name) {
     for (const voctree::NvvChunk& candidate : chunks)
@@ -112,19 +124,46 @@ std::vector<CameraColour> read_colours(const std::filesystem::path& path, const 
     return colours;
 }
 
-// Colours are stored where a run refines them.
-CameraColours read_all_colours(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks) {
+// Numbers with their moments, under three names; none where there is no such chunk.
+LearntNumbers read_learnt(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
+                          std::array<const char*, 3> names, float most) {
+    const auto found = std::ranges::find(chunks, std::string(names[0]), &voctree::NvvChunk::name);
+    if (found == chunks.end()) return LearntNumbers();
+    const size_t count = std::max<size_t>(found->bytes.size() / sizeof(float), 1);
+    LearntNumbers numbers;
+    numbers.values = read_floats(path, chunks, names[0], count);
+    numbers.first = read_floats(path, chunks, names[1], count);
+    numbers.second = read_floats(path, chunks, names[2], count);
+    for (const float value : numbers.values)
+        if (std::abs(value) > most) fail_chunk(path, names[0], "has numbers out of bounds");
+    for (const float second : numbers.second)
+        if (second < 0) fail_chunk(path, names[2], "has numbers below 0");
+    return numbers;
+}
+
+// What a run learns of cameras' colours is stored where it refines them.
+CameraColours read_all_colours(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks,
+                               uint32_t frames) {
     const auto found = std::ranges::find(chunks, std::string("camc"), &voctree::NvvChunk::name);
     if (found == chunks.end()) return {};
     const size_t cameras = std::max<size_t>(found->bytes.size() / sizeof(CameraColour), 1);
     CameraColours colours;
     colours.values = read_colours(path, chunks, "camc", cameras);
-    colours.first = read_colours(path, chunks, "cam1", cameras);
-    colours.second = read_colours(path, chunks, "cam2", cameras);
     if (!std::ranges::all_of(colours.values, is_bounded)) fail_chunk(path, "camc", "has colours out of bounds");
+    const auto is_moment = [](const voctree::NvvChunk& one) { return one.name == "cam1" || one.name == "cam2"; };
+    if (std::ranges::any_of(chunks, is_moment)) {
+        colours.first = read_colours(path, chunks, "cam1", cameras);
+        colours.second = read_colours(path, chunks, "cam2", cameras);
+    }
     for (const CameraColour& second : colours.second)
         for (const glm::vec4& row : second.rows)
             if (glm::any(glm::lessThan(row, glm::vec4(0)))) fail_chunk(path, "cam2", "has numbers below 0");
+    colours.exposures = read_learnt(path, chunks, kExposureChunks, kMaxExposure);
+    colours.vignettes = read_learnt(path, chunks, kVignetteChunks, kMaxVignette);
+    if (!colours.exposures.values.empty() && colours.exposures.values.size() != cameras * frames)
+        fail_chunk(path, kExposureChunks[0], "does not fit cameras and frames");
+    if (!colours.vignettes.values.empty() && colours.vignettes.values.size() != 2 * cameras)
+        fail_chunk(path, kVignetteChunks[0], "does not fit the cameras");
     return colours;
 }
 
@@ -249,11 +288,14 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
                                           chunk("rech", checkpoint.use.max_weight),
                                           chunk("pull", checkpoint.use.opacity_sensitivity),
                                           chunk("frms", checkpoint.use.frames)};
-    if (!checkpoint.colours.values.empty()) {
-        chunks.push_back(chunk("camc", checkpoint.colours.values));
-        chunks.push_back(chunk("cam1", checkpoint.colours.first));
-        chunks.push_back(chunk("cam2", checkpoint.colours.second));
+    const CameraColours& colours = checkpoint.colours;
+    if (!colours.empty()) chunks.push_back(chunk("camc", colours.values));
+    if (!colours.first.empty()) {
+        chunks.push_back(chunk("cam1", colours.first));
+        chunks.push_back(chunk("cam2", colours.second));
     }
+    append_learnt(chunks, kExposureChunks, colours.exposures);
+    append_learnt(chunks, kVignetteChunks, colours.vignettes);
     if (!checkpoint.poses.empty()) chunks.push_back(chunk("pose", checkpoint.poses));
     voctree::write_nvv(state_path(nvv), checkpoint.tree, chunks, 1);
     return save_compact(nvv, checkpoint.tree);
@@ -283,7 +325,7 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     checkpoint.use.opacity_sensitivity = read_floats(path, chunks, "pull", tree.leaf_count);
     checkpoint.use.frames =
         read_chunk<uint32_t>(path, chunks, "frms", size_t{(tree.frames + 31) / 32} * tree.leaf_count);
-    checkpoint.colours = read_all_colours(path, chunks);
+    checkpoint.colours = read_all_colours(path, chunks, tree.frames);
     checkpoint.poses = read_poses(path, chunks);
     return checkpoint;
 }

@@ -117,7 +117,7 @@ TrainSettings PoseSearch::draft_settings() const {
     draft.shape.hull_margin = hull_margin(given_, centre_);
     draft.seed = settings_.seed;
     draft.weights = settings_.weights;
-    draft.refine_colour = settings_.refine_colour;
+    draft.refine = settings_.refine;
     return draft;
 }
 

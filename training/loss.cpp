@@ -21,16 +21,15 @@ LossBatch::LossBatch(const gpu::Device& device, uint32_t tiles)
 
 namespace {
 
-void load_colours(const Batch& batch, const LossBatch& loss_batch, const std::vector<CameraColour>& colours) {
-    std::vector<CameraColour> inverses;
-    for (const CameraColour& colour : colours) inverses.push_back(inverse(colour));
+void load_colours(const Dataset& dataset, const Batch& batch, const LossBatch& loss_batch,
+                  const CameraColours& colours) {
     for (size_t tile = 0; tile < batch.tiles.size(); tile++) {
-        const uint32_t camera = batch.tiles[tile].camera;
-        loss_batch.colours.as<CameraColour>()[tile] = colours[camera];
+        const CameraColour colour = colours.of_tile(batch, tile, dataset.cameras[batch.tiles[tile].camera]);
+        const CameraColour back = inverse(colour);
+        loss_batch.colours.as<CameraColour>()[tile] = colour;
         for (size_t ray = tile * kTilePixels; ray < (tile + 1) * kTilePixels; ray++) {
             const glm::vec4 target = batch.target[ray];
-            if (target.a >= 0)
-                loss_batch.target.as<glm::vec4>()[ray] = glm::vec4(seen(inverses[camera], target), target.a);
+            if (target.a >= 0) loss_batch.target.as<glm::vec4>()[ray] = glm::vec4(seen(back, target), target.a);
         }
     }
 }
@@ -38,14 +37,14 @@ void load_colours(const Batch& batch, const LossBatch& loss_batch, const std::ve
 }  // namespace
 
 void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch,
-                const std::vector<CameraColour>& colours) {
+                const CameraColours& colours) {
     assert(batch.tiles.size() <= rays.tile_capacity && "more tiles than there is room for");
     for (size_t i = 0; i < dataset.cameras.size(); i++)
         rays.cameras.as<ShaderCamera>()[i] = render::shader_camera(stage::enlarged(dataset.cameras[i], batch.samples));
     std::memcpy(rays.tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));
     std::memcpy(loss_batch.target.mapped, batch.target.data(), batch.target.size() * sizeof(glm::vec4));
     std::memcpy(loss_batch.background.mapped, batch.background.data(), batch.background.size() * sizeof(glm::vec4));
-    if (!colours.empty()) load_colours(batch, loss_batch, colours);
+    if (!colours.empty()) load_colours(dataset, batch, loss_batch, colours);
 }
 
 Loss::Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBatch& batch)

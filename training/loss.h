@@ -3,7 +3,7 @@
 
 #include "render/trace.h"
 #include "shared/training.h"
-#include "training/batch.h"
+#include "training/camera_colour.h"
 
 namespace neuvv::training {
 
@@ -40,7 +40,7 @@ struct LossBatch {
 // running. The batch must fit (assert). `colours`: by camera, or none; where there are some, they are written too, and
 // the targets become what the mean camera would see.
 void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBatch& rays, const LossBatch& loss_batch,
-                const std::vector<CameraColour>& colours = {});
+                const CameraColours& colours = {});
 
 struct Loss {
     Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBatch& batch);

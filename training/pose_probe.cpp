@@ -82,10 +82,12 @@ void add_evidence(TrainingStep& step, const PoseProbe& probe, const Batch& batch
         while (end < batch.tiles.size() && end - first < at_once && batch.tiles[end].camera == camera) end++;
         const PoseChange steps = load_variants(step, probe, camera);
         const glm::vec4* traced = trace_variants(step, batch, first, end, frame);
-        const CameraColour& colour = probe.colours.empty() ? kNeutralColour : probe.colours[camera];
-        for (size_t tile = first; tile < end; tile++)
+        for (size_t tile = first; tile < end; tile++) {
+            const CameraColour colour =
+                probe.colours.empty() ? kNeutralColour : probe.colours.of_tile(batch, tile, probe.given[camera]);
             add_tile(batch, tile, traced + (tile - first) * kPoseVariants * kTilePixels, colour, steps,
                      evidence[camera]);
+        }
     }
 }
 

@@ -11,11 +11,11 @@ constexpr uint32_t kPoseVariants = 1 + 2 * kPoseNumbers;  // the camera as it is
 
 // What a probe compares: the field at a frame as cameras see it, with the pixels of a batch.
 struct PoseProbe {
-    const std::vector<stage::Camera>& given;   // the cameras of the data set
-    const std::vector<PoseChange>& changes;    // by camera
-    const std::vector<CameraColour>& colours;  // by camera; empty: neutral
-    glm::dvec3 centre;                         // of the scene
-    double pixels;                             // by how much the image moves for a difference
+    const std::vector<stage::Camera>& given;  // the cameras of the data set
+    const std::vector<PoseChange>& changes;   // by camera
+    const CameraColours& colours;             // empty: neutral
+    glm::dvec3 centre;                        // of the scene
+    double pixels;                            // by how much the image moves for a difference
 };
 
 // Adds to the evidence of each camera what the tiles of a batch say. The tiles of a camera must follow each other, with

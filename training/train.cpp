@@ -126,7 +126,7 @@ const Dataset& Run::begin() {
                              fmt::format("has {} frames, {} has {}", checkpoint.tree.frames, dataset_.folder.string(),
                                          dataset_.times.size()),
                              "resume with the data set that the run began with");
-        for (const size_t cameras : {checkpoint.colours.values.size(), checkpoint.poses.size()})
+        for (const size_t cameras : {checkpoint.colours.cameras(), checkpoint.poses.size()})
             if (cameras > 0 && cameras != dataset_.cameras.size())
                 throw InputError(state_path(output_).string(), "",
                                  fmt::format("has colours or poses of {} cameras, {} has {}", cameras,
@@ -147,7 +147,7 @@ const Dataset& Run::begin() {
         run_.tiles_per_step = settings_.tiles_per_step;
         run_.weights = settings_.weights;
         run_.program = settings_.program;
-        if (settings_.refine_colour) colours_ = CameraColours(dataset_.cameras.size());
+        colours_ = CameraColours(dataset_.cameras.size(), dataset_.times.size(), settings_.refine);
         move_cameras(settings_.poses);
         tree_ =
             settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
@@ -250,7 +250,7 @@ void Run::begin_phase_if_due() {
 // Asks TrainSettings::between_steps.
 bool Run::may_go_on() {
     if (!settings_.between_steps) return true;
-    return settings_.between_steps({*step_, sampler_, fraction(), run_.phase, colours_.values});
+    return settings_.between_steps({*step_, sampler_, fraction(), run_.phase, colours_});
 }
 
 void Run::save() {
@@ -297,7 +297,7 @@ StepSettings Run::step_settings(double time) const {
     settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
-    settings.colours = !colours_.values.empty();
+    settings.colours = !colours_.empty();
     // With as many bases as frames, the first bases can give a leaf any values over time, so they need not learn.
     settings.learn_rows = tree_.bases < tree_.frames && run_.adam_step % kStepsPerRows == 0;
     return settings;
@@ -326,7 +326,7 @@ TrainProgress Run::progress() const {
     now.depth = finest_;
     now.epochs = epochs_done();
     now.passes = step_->pass_times();
-    now.colours = colours_.values;
+    now.colours = colours_;
     now.poses = poses_;
     now.field = &step_->field();
     return now;
@@ -341,7 +341,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     while (go_on && fraction() < 1) {
         begin_phase_if_due();
         if (!may_go_on()) break;
-        load_batch(dataset_, batch, step_->rays(), step_->batch(), colours_.values);
+        load_batch(dataset_, batch, step_->rays(), step_->batch(), colours_);
         run_.step++;
         run_.adam_step++;
         StepSettings settings = step_settings(batch.time);
@@ -361,7 +361,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
                 fmt::format("{} of {} live leaves found no slot on this device; choose a lower "
                             "--resolution or --hh-degree",
                             result.overflow, result.overflow + result.slots));
-        colours_.learn(trained, step_->colour_gradients(), camera_colour_rate(fraction()), run_.step);
+        colours_.learn(trained, dataset_.cameras, step_->colour_gradients(), camera_colour_rate(fraction()), run_.step);
         rays_sum_ += static_cast<double>(result.pixels);
         run_.rays += static_cast<double>(result.pixels);
         run_.phase_rays += result.pixels;

@@ -17,7 +17,7 @@ struct BetweenSteps {
     const BatchSampler& sampler;
     double fraction;  // of the budget
     uint32_t phase;   // index into kPhases
-    const std::vector<CameraColour>& colours;
+    const CameraColours& colours;
 };
 
 struct TrainSettings {
@@ -32,7 +32,7 @@ struct TrainSettings {
     bool adaptive = true;     // false: all leaves end at the depth of `shape`; none is removed or becomes finer
     uint32_t tiles_per_step = 512;
     LossWeights weights = kDefaultLossWeights;
-    bool refine_colour = false;  // learn the colour of each camera (camera_colour.h); a resumed run does what it did
+    ColourRefinement refine;  // what is learnt of how cameras show colours; a resumed run does what it did
     // By camera: the changes that find_poses() found, kept in checkpoint files; a resumed run has its own. Empty: none.
     std::vector<PoseChange> poses;
     std::string program = "NeuVV";  // RunState::program
@@ -66,8 +66,8 @@ struct TrainProgress {
     uint32_t leaves = 0, depth = 0;
     double epochs = 0;
     std::vector<gpu::PassTime> passes;     // of the last step
-    std::vector<CameraColour> colours;     // by camera, where they are refined
-    std::vector<RefinedPose> poses;        // the same
+    CameraColours colours;                 // empty where they are not refined
+    std::vector<RefinedPose> poses;        // by camera, where they were refined
     const render::Field* field = nullptr;  // the current model; the callback may use it until it returns
 };
 

@@ -5,9 +5,10 @@
 
 #include <array>
 
-#include "support/child_process.h"
 #include "support/edit_image.h"
 #include "support/gpu_test.h"
+#include "support/performer_capture.h"
+#include "support/random_tree.h"
 #include "support/sphere_capture.h"
 #include "training/train.h"
 
@@ -18,16 +19,6 @@ using CameraColourTest = GpuTest;
 
 bool to_the_end(const training::TrainProgress&) {
     return true;
-}
-
-// A small capture of the performer. On the sphere, few gains are found (RESULTS.md).
-training::Dataset performer_capture(const std::filesystem::path& folder) {
-    const std::string model = std::string(NEUVV_SOURCE_DIR) + "/tools/performer/performer.glb";
-    ChildProcess capture(
-        {NEUVV_PROGRAM, "capture", model, "-o", folder.string(), "--cameras", "14", "--frames", "2", "--size", "96x96"},
-        folder / "log.txt");
-    EXPECT_EQ(capture.wait(), 0) << read_text(folder / "log.txt");
-    return training::load_dataset(folder, training::Split::kTrain);
 }
 
 // A data set with gains of −15 % to 15 % of each camera and channel, whose means over the cameras are 1.
@@ -61,12 +52,13 @@ double mean_gain_error(const std::vector<CameraColour>& found, const std::vector
 
 // The images of the second camera are black, so that every step asks for lower gains.
 TEST(CameraColours, StayWithinBounds) {
-    training::CameraColours colours(2);
+    training::CameraColours colours(2, 1, {.colour = true});
     training::Batch batch;
     batch.tiles = {Tile{1, 0, 0, 0}};
     std::vector<CameraColour> gradients(1, CameraColour{});
+    const std::vector<stage::Camera> cameras(2, sphere_camera({}, 0));
     for (glm::vec4& row : gradients[0].rows) row = glm::vec4(10);
-    for (uint64_t step = 1; step <= 500; step++) colours.learn(batch, gradients.data(), 0.01f, step);
+    for (uint64_t step = 1; step <= 500; step++) colours.learn(batch, cameras, gradients.data(), 0.01f, step);
     for (const CameraColour& colour : colours.values) EXPECT_TRUE(training::is_bounded(colour));
     EXPECT_EQ(training::gains(colours.values[1]), glm::vec3(0.5f));
     const CameraColour back = training::inverse(colours.values[1]);
@@ -78,18 +70,18 @@ TEST(CameraColours, StayWithinBounds) {
 TEST_F(CameraColourTest, FindsTheGainsOfCameras) {
     const TemporaryFolder folder;
     std::vector<glm::vec3> gains;
-    const training::Dataset dataset = spoilt(performer_capture(folder.path), gains);
+    training::Dataset dataset = spoilt(performer_capture(folder.path), gains);
     training::TrainSettings settings;
     settings.steps = 200;
     settings.shape.hh_degree = 1;
-    settings.refine_colour = true;
+    settings.refine.colour = true;
     const training::TrainProgress last =
         training::train(device(), dataset, settings, folder.path / "performer.nvv", to_the_end);
     const std::vector<CameraColour> neutral(gains.size(), training::kNeutralColour);
     EXPECT_GT(mean_gain_error(neutral, gains), 0.07);
-    EXPECT_LT(mean_gain_error(last.colours, gains), 0.035);  // 0.023 measured
+    EXPECT_LT(mean_gain_error(last.colours.values, gains), 0.035);  // 0.023 measured
     glm::vec3 sum(0);
-    for (const CameraColour& colour : last.colours) sum += training::gains(colour);
+    for (const CameraColour& colour : last.colours.values) sum += training::gains(colour);
     for (int c = 0; c < 3; c++) EXPECT_NEAR(sum[c] / static_cast<float>(gains.size()), 1, 1e-5);
 }
 
@@ -97,26 +89,134 @@ TEST_F(CameraColourTest, AResumedRunKeepsItsColours) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
     std::vector<glm::vec3> gains;
-    const training::Dataset dataset = spoilt(sphere_dataset({}), gains);
+    training::Dataset dataset = spoilt(sphere_dataset({}), gains);
     training::TrainSettings settings;
     settings.steps = 20;
     settings.shape = {.resolution = 40, .bases = 3, .hh_degree = 1};
     settings.tiles_per_step = 128;
-    settings.refine_colour = true;
+    settings.refine.colour = true;
     const training::TrainProgress first = training::train(device(), dataset, settings, nvv, to_the_end);
     const training::CameraColours saved = training::load_checkpoint(nvv).colours;
     ASSERT_EQ(saved.values.size(), dataset.cameras.size());
     for (size_t i = 0; i < saved.values.size(); i++)
-        for (int row = 0; row < 3; row++) EXPECT_EQ(saved.values[i].rows[row], first.colours[i].rows[row]);
+        for (int row = 0; row < 3; row++) EXPECT_EQ(saved.values[i].rows[row], first.colours.values[i].rows[row]);
     EXPECT_GT(saved.second[0].rows[0].r, 0);
     settings.resume = true;
-    settings.refine_colour = false;  // a resumed run keeps refining
-    EXPECT_EQ(training::train(device(), dataset, settings, nvv, to_the_end).colours[3].rows[1],
-              first.colours[3].rows[1]);
+    settings.refine.colour = false;  // a resumed run keeps refining
+    EXPECT_EQ(training::train(device(), dataset, settings, nvv, to_the_end).colours.values[3].rows[1],
+              first.colours.values[3].rows[1]);
     settings.steps = 21;
     const training::TrainProgress next = training::train(device(), dataset, settings, nvv, to_the_end);
-    ASSERT_EQ(next.colours.size(), first.colours.size());
-    EXPECT_NE(next.colours[3].rows[1], first.colours[3].rows[1]);
+    ASSERT_EQ(next.colours.cameras(), first.colours.cameras());
+    EXPECT_NE(next.colours.values[3].rows[1], first.colours.values[3].rows[1]);
+}
+
+// The derivatives of what images show by exposure and vignette, against central differences of a tile's colour.
+TEST(CameraColours, MovesExposuresAndVignettesDownhill) {
+    Random random(9);
+    const std::vector<stage::Camera> cameras{sphere_camera({}, 0), sphere_camera({}, 1)};
+    training::CameraColours colours(2, 3, {.colour = true, .exposure = true, .vignetting = true});
+    for (float& value : colours.exposures.values) value = static_cast<float>(random.uniform(-0.2, 0.2));
+    for (float& value : colours.vignettes.values) value = static_cast<float>(random.uniform(-0.2, 0.2));
+    training::Batch batch;
+    batch.frame = 2;
+    for (uint32_t i = 0; i < 6; i++) batch.tiles.push_back(Tile{i % 2, 8 * (i % 3), 8 * (i / 3), 0});
+    std::vector<CameraColour> gradients(batch.tiles.size());
+    for (CameraColour& gradient : gradients)
+        for (glm::vec4& row : gradient.rows)
+            for (int i = 0; i < 4; i++) row[i] = static_cast<float>(random.bell());
+    // What the loss would be if it were linear in the tiles' colours.
+    const auto loss = [&](const training::CameraColours& at) {
+        double sum = 0;
+        for (size_t tile = 0; tile < batch.tiles.size(); tile++) {
+            const CameraColour colour = at.of_tile(batch, tile, cameras[batch.tiles[tile].camera]);
+            for (int row = 0; row < 3; row++) sum += double{glm::dot(colour.rows[row], gradients[tile].rows[row])};
+        }
+        return sum;
+    };
+    training::CameraColours next = colours;
+    constexpr float kRate = 1e-3f;
+    next.learn(batch, cameras, gradients.data(), kRate, 1);
+    const auto expect_downhill = [&](auto member, size_t i, float stepped) {
+        training::CameraColours more = colours, less = colours;
+        constexpr float kStep = 1e-2f;
+        (more.*member).values[i] += kStep;
+        (less.*member).values[i] -= kStep;
+        const double slope = (loss(more) - loss(less)) / (2 * double{kStep});
+        // Adam's first step is the rate, against the sign of the derivative.
+        ASSERT_GT(std::abs(slope), 0.01);
+        EXPECT_NEAR(stepped, slope > 0 ? -kRate : kRate, 0.01 * kRate) << i;
+        EXPECT_NEAR((next.*member).first[i] / 0.1f, slope, 0.01 * std::abs(slope)) << i;
+    };
+    for (size_t i = 0; i < 4; i++)
+        expect_downhill(&training::CameraColours::vignettes, i, next.vignettes.values[i] - colours.vignettes.values[i]);
+    // Exposures are centred after the step, so their difference between the two cameras moves.
+    for (const size_t camera : {0u, 1u}) {
+        training::CameraColours more = colours, less = colours;
+        more.exposures.values[camera * 3 + 2] += 0.01f;
+        less.exposures.values[camera * 3 + 2] -= 0.01f;
+        const double slope = (loss(more) - loss(less)) / 0.02;
+        EXPECT_NEAR(next.exposures.first[camera * 3 + 2] / 0.1f, slope, 0.01 * std::abs(slope));
+    }
+    EXPECT_NEAR(next.exposures.values[2] + next.exposures.values[5], 0, 1e-6);
+    EXPECT_EQ(next.exposures.values[0], colours.exposures.values[0]);  // of another frame
+}
+
+TEST(CameraColours, ATileShowsExposureAndVignette) {
+    const stage::Camera camera = sphere_camera({.size = 64}, 0);
+    training::CameraColours colours(1, 2, {.exposure = true, .vignetting = true});
+    colours.exposures.values[1] = std::log(1.5f);
+    colours.vignettes.values = {-0.4f, 0.1f};
+    training::Batch batch;
+    batch.frame = 1;
+    batch.tiles = {Tile{0, 28, 28, 0}, Tile{0, 0, 0, 0}};
+    const float corner = static_cast<float>(28 * 28) / (32 * 32);  // the tile's middle is 28 pixels from the image's
+    EXPECT_NEAR(colours.of_tile(batch, 0, camera).rows[1].g, 1.5f, 1e-6f);
+    EXPECT_NEAR(colours.of_tile(batch, 1, camera).rows[1].g, 1.5f * (1 - 0.4f * corner + 0.1f * corner * corner),
+                1e-6f);
+}
+
+// Images whose exposure differs by camera and frame.
+TEST_F(CameraColourTest, FindsTheExposuresOfImages) {
+    const TemporaryFolder folder;
+    training::Dataset dataset = performer_capture(folder.path);
+    const size_t frames = dataset.times.size(), cameras = dataset.cameras.size();
+    std::vector<float> truth(cameras * frames);
+    Random random(4);
+    for (size_t frame = 0; frame < frames; frame++) {
+        float mean = 0;
+        for (size_t camera = 0; camera < cameras; camera++) {
+            truth[camera * frames + frame] = static_cast<float>(random.uniform(-0.15, 0.15));
+            mean += truth[camera * frames + frame] / static_cast<float>(cameras);
+        }
+        for (size_t camera = 0; camera < cameras; camera++) truth[camera * frames + frame] -= mean;
+    }
+    for (training::View& view : dataset.views) {
+        const auto frame = static_cast<size_t>(std::ranges::find(dataset.times, view.time) - dataset.times.begin());
+        const float gain = std::exp(truth[view.camera * frames + frame]);
+        edit_image(view, [&](media::Image& image) {
+            for (size_t i = 0; i < image.rgba.size(); i++)
+                if (i % 4 != 3) {
+                    const float light = media::linear_from_srgb_byte(image.rgba[i]) * gain;
+                    image.rgba[i] =
+                        static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(std::min(light, 1.0f))));
+                }
+        });
+    }
+    training::TrainSettings settings;
+    settings.steps = 120;
+    settings.refine.exposure = true;
+    const training::TrainProgress last =
+        training::train(device(), dataset, settings, folder.path / "performer.nvv", to_the_end);
+    double before = 0, after = 0;
+    for (size_t i = 0; i < truth.size(); i++) {
+        before += std::abs(double{truth[i]}) / static_cast<double>(truth.size());
+        after +=
+            std::abs(double{last.colours.exposures.values[i]} - double{truth[i]}) / static_cast<double>(truth.size());
+    }
+    EXPECT_GT(before, 0.06);
+    EXPECT_LT(after, 0.5 * before);
+    EXPECT_EQ(last.colours.values[3].rows[1], training::kNeutralColour.rows[1]);  // colour itself was not asked for
 }
 
 }  // namespace

@@ -157,10 +157,13 @@ struct StateFile {
         checkpoint.use.max_weight.resize(tree.leaf_count);
         checkpoint.use.opacity_sensitivity.resize(tree.leaf_count);
         checkpoint.use.frames.resize(size_t{(tree.frames + 31) / 32} * tree.leaf_count);
-        checkpoint.colours = training::CameraColours(2);
+        checkpoint.colours = training::CameraColours(2, 6, {.colour = true, .exposure = true, .vignetting = true});
         checkpoint.colours.values[1].rows[0].r = 1.25f;
         checkpoint.colours.first[0].rows[2].a = -0.5f;
         checkpoint.colours.second[1].rows[1].g = 0.25f;
+        checkpoint.colours.exposures.values[7] = 0.5f;
+        checkpoint.colours.exposures.second[11] = 0.125f;
+        checkpoint.colours.vignettes.values[3] = -0.25f;
         training::save_checkpoint(nvv, checkpoint);
     }
     // Writes the state again with one chunk replaced, or removed where `bytes` is null.
@@ -216,7 +219,8 @@ TEST(CheckpointFile, RefusesFilesOfAnotherKind) {
 }
 
 TEST(CheckpointFile, RefusesChunksThatAreMissingOrDoNotFit) {
-    for (const char* name : {"wf32", "mom1", "mom2", "row1", "row2", "rech", "cam1", "cam2"}) {
+    for (const char* name :
+         {"wf32", "mom1", "mom2", "row1", "row2", "rech", "cam1", "cam2", "exp1", "exp2", "vig1", "vig2"}) {
         const std::vector<uint8_t> short_bytes(12);
         const StateFile file;
         file.rewrite(name, &short_bytes);
@@ -233,6 +237,10 @@ TEST(CheckpointFile, KeepsTheColoursOfCameras) {
     EXPECT_EQ(read.values[1].rows[0], glm::vec4(1.25f, 0, 0, 0));
     EXPECT_EQ(read.first[0].rows[2], glm::vec4(0, 0, 0, -0.5f));
     EXPECT_EQ(read.second[1].rows[1], glm::vec4(0, 0.25f, 0, 0));
+    EXPECT_EQ(read.frames(), 6u);
+    EXPECT_EQ(read.exposures.values[7], 0.5f);
+    EXPECT_EQ(read.exposures.second[11], 0.125f);
+    EXPECT_EQ(read.vignettes.values[3], -0.25f);
 }
 
 TEST(CheckpointFile, RefusesColoursThatNoRunCanLearn) {
@@ -251,6 +259,21 @@ TEST(CheckpointFile, RefusesColoursThatNoRunCanLearn) {
     negative[3] = 0xbf;  // −0.5
     other.rewrite("cam2", &negative);
     other.refused({"scene.nvv.state", "cam2", "below 0"});
+}
+
+TEST(CheckpointFile, RefusesExposuresAndVignettesThatNoRunCanLearn) {
+    for (const auto& [name, numbers] : {std::pair{"expo", 12}, {"vign", 4}}) {
+        const StateFile file;
+        std::vector<float> bright(static_cast<size_t>(numbers), 0);
+        bright[1] = 0.75f;
+        std::vector<uint8_t> bytes(bright.size() * sizeof(float));
+        std::memcpy(bytes.data(), bright.data(), bytes.size());
+        file.rewrite(name, &bytes);
+        file.refused({"scene.nvv.state", name, "out of bounds"});
+        bytes.assign(bytes.size() - 4, 0);
+        file.rewrite(name, &bytes);
+        file.refused({"scene.nvv.state", "fit"});
+    }
 }
 
 TEST(CheckpointFile, RefusesPosesThatNoRunCanFind) {
@@ -326,7 +349,7 @@ TEST(CheckpointFile, RefusesARunOutOfRange) {
 
 TEST_F(CheckpointTest, AnotherDataSetIsRefusedOnResume) {
     const StateFile file;  // six frames
-    const training::Dataset dataset = sphere_dataset({.cameras = 3, .frames = 2, .size = 16});
+    training::Dataset dataset = sphere_dataset({.cameras = 3, .frames = 2, .size = 16});
     training::TrainSettings settings;
     settings.resume = true;
     settings.steps = 1;

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "support/child_process.h"
 #include "support/gpu_test.h"
 #include "support/input_error.h"
+#include "support/performer_capture.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
 #include "training/hull_box.h"
@@ -17,21 +17,12 @@ namespace {
 using FindPosesTest = GpuTest;
 using training::PoseChange;
 
-training::Dataset performer_capture(const std::filesystem::path& folder) {
-    const std::string model = std::string(NEUVV_SOURCE_DIR) + "/tools/performer/performer.glb";
-    ChildProcess capture(
-        {NEUVV_PROGRAM, "capture", model, "-o", folder.string(), "--cameras", "14", "--frames", "2", "--size", "96x96"},
-        folder / "log.txt");
-    EXPECT_EQ(capture.wait(), 0) << read_text(folder / "log.txt");
-    return training::load_dataset(folder, training::Split::kTrain);
-}
-
-// Changes of cameras by about 0.3 degrees and 5 mm, without a part that all have in common.
+// Changes of cameras by up to about 0.6 degrees and 8 mm, without a part that all have in common.
 std::vector<PoseChange> spoiling(const std::vector<stage::Camera>& cameras, glm::dvec3 centre) {
     Random random(11);
     std::vector<PoseChange> changes(cameras.size());
     for (PoseChange& change : changes)
-        for (size_t i = 0; i < training::kZoom; i++) change[i] = random.uniform(-1, 1) * 0.005;
+        for (size_t i = 0; i < training::kZoom; i++) change[i] = random.uniform(-1, 1) * 0.008;
     // Without evidence the solver takes out the common part, and pulls the rest towards 0.
     const std::vector<training::PoseEvidence> none(cameras.size());
     return training::next_poses(cameras, changes, none, centre, 1);
@@ -126,7 +117,7 @@ TEST_F(FindPosesTest, EvidencePointsTowardsTheTruth) {
     const glm::dvec3 centre(0);
     settings.between_steps = [&](const training::BetweenSteps& now) {
         if (now.fraction < 0.9) return true;
-        changes[4][training::kTurnY] = 0.01;
+        changes[4][training::kTurnY] = 0.02;  // 1.3 pixels
         const training::PoseProbe probe{dataset.cameras, changes, now.colours, centre, 1};
         training::add_evidence(now.step, probe, now.sampler.sample(0, 16, 3), 0, evidence);
         return false;
@@ -136,8 +127,8 @@ TEST_F(FindPosesTest, EvidencePointsTowardsTheTruth) {
     const auto wanted = [&](size_t camera) {
         return evidence[camera].right[training::kTurnY] / evidence[camera].normal[training::kTurnY][training::kTurnY];
     };
-    EXPECT_LT(wanted(4), -0.004);
-    EXPECT_LT(std::abs(wanted(5)), 0.003);
+    EXPECT_LT(wanted(4), -0.012);
+    EXPECT_LT(std::abs(wanted(5)), 0.008);
     EXPECT_LT(evidence[5].error / evidence[5].count, evidence[4].error / evidence[4].count);
 }
 

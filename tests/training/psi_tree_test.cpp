@@ -114,7 +114,7 @@ training::PsiSettings small_psi_run(uint64_t steps) {
 // The network learns a sphere at rest. The tree that is made of it looks more like the sphere than the tree of a
 // network that has not learnt.
 TEST_F(PsiTreeTest, ARunBeginsWithWhatTheNetworkLearnt) {
-    const training::Dataset still = sphere_dataset({.cameras = 8, .frames = 1, .size = 40});
+    training::Dataset still = sphere_dataset({.cameras = 8, .frames = 1, .size = 40});
     const auto tree_after = [&](uint64_t steps, double& loss) {
         return training::psi_tree(device(), still, kShape, kLevels, small_psi_run(steps),
                                   [&](const training::PsiProgress& now) {

@@ -370,7 +370,7 @@ TEST_F(KilledRun, RefinesOnlyWhatItKnows) {
     words.insert(words.end(), {"--refine", "colour"});
     ChildProcess known(words, log_);
     EXPECT_EQ(known.wait(), 0);
-    EXPECT_NE(read_text(log_).find("gains of"), std::string::npos) << read_text(log_);
+    EXPECT_NE(read_text(log_).find("colours of"), std::string::npos) << read_text(log_);
     words.back() = "poses";
     ChildProcess poses(words, log_);
     EXPECT_EQ(poses.wait(), 0);
