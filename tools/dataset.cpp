@@ -12,6 +12,7 @@
 #include "tools/commands.h"
 #include "tools/image_drawing.h"
 #include "tools/options.h"
+#include "tools/refine.h"
 #include "tools/report.h"
 #include "tools/rig_drawing.h"
 #include "training/contact_sheet.h"
@@ -29,6 +30,7 @@ constexpr uint32_t kSheetCell = 200;  // pixels a side, of the contact sheet
 
 struct DatasetOptions {
     std::string folder, format = training::kAnyFormat, split = "train", output;
+    bool search_rig = false;
 };
 
 using Box = std::pair<glm::dvec3, glm::dvec3>;
@@ -211,6 +213,25 @@ void draw(const std::filesystem::path& folder, const training::Rig& rig, const s
     fmt::print("wrote {} and contact_sheet.png\n", (folder / "rig.png").string());
 }
 
+// Trains a draft of the training images, and says what it found out about each camera.
+void report_rig(const DatasetOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    const gpu::Device device(common.device);
+    const training::Rig rig = training::read_rig(options.folder, training::Split::kTrain, options.format);
+    training::Dataset dataset = training::read_images(rig, {.format = options.format});
+    training::ignore_doubtful_mattes(dataset);
+    const auto found = search_rig(device, dataset, {.steps = 1}, {true, true, true}, true);
+    if (!found) {
+        fmt::print("interrupted\n");
+        return;
+    }
+    print_findings(*found, rig.cameras);
+    if (options.output.empty()) return;
+    const std::filesystem::path path = std::filesystem::path(options.output) / "cameras.png";
+    media::write_png(path, draw_findings(*found, rig.cameras));
+    fmt::print("wrote {}\n", path.string());
+}
+
 void run(const DatasetOptions& options) {
     if (!options.output.empty()) prepare_output_folder("--output", options.output);
     const auto read = [&](training::Split split) {
@@ -252,7 +273,7 @@ void run(const DatasetOptions& options) {
 
 }  // namespace
 
-void add_dataset(Command app, CommonOptions&) {
+void add_dataset(Command app, CommonOptions& common) {
     Command verb = app.add_verb("dataset", "Say what a data set holds, and draw its cameras and images");
     const auto options = std::make_shared<DatasetOptions>();
     verb.add_option("dataset", options->folder, "The data set's folder").required();
@@ -261,14 +282,22 @@ void add_dataset(Command app, CommonOptions&) {
     verb.add_option("-o,--output", options->output,
                     "Write rig.png (cameras and the scene's box from above and from the side; train blue, test "
                     "orange) and contact_sheet.png (an image of each camera) into this folder");
+    verb.add_flag("--rig", options->search_rig,
+                  "Also train a draft of the training images, for a minute or more, and print for each camera what it "
+                  "says: how far its images are off, its gains, exposures, vignetting, and how late it is; with -o, "
+                  "cameras.png shows it");
     verb.footer(
         {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times.\n"
          "training/README.md describes the layouts.\n\n"
          "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
          "  neuvv dataset build/performer\n"
          "  neuvv dataset build/performer -o build/look\n"
+         "  neuvv dataset build/performer --rig -o build/look\n"
          "  neuvv dataset build/performer --split test --format nerf"});
-    verb.callback([options] { run(*options); });
+    verb.callback([options, &common] {
+        run(*options);
+        if (options->search_rig) report_rig(*options, common);
+    });
 }
 
 }  // namespace neuvv::tools

@@ -11,8 +11,8 @@
 #include "base/seconds.h"
 #include "tools/commands.h"
 #include "tools/options.h"
+#include "tools/refine.h"
 #include "tools/report.h"
-#include "training/find_poses.h"
 #include "training/formats.h"
 #include "training/images.h"
 #include "training/metrics_log.h"
@@ -156,31 +156,6 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
     return tree;
 }
 
-std::string progress_text(const training::PoseSearchProgress& now) {
-    return fmt::format("poses {} eta {} | round {} | images moved by {:.2f} pixels, {:.2f} of them in the last round",
-                       format_duration(now.elapsed_s), format_duration(now.eta_s), now.rounds, now.motion_px,
-                       now.last_motion_px);
-}
-
-// Finds the poses with which `settings` train, and takes the time that this took off their budget in minutes. False
-// where Ctrl-C stopped it.
-bool refine_poses(const gpu::Device& device, const training::Dataset& dataset, training::TrainSettings& settings) {
-    const double began = seconds_now();
-    StatusLine line(true);
-    const auto found = training::find_poses(device, dataset, settings, [&](const training::PoseSearchProgress& now) {
-        if (line.is_due()) line.print(progress_text(now));
-        return !stop_requested();
-    });
-    line.end();
-    if (!found) return false;
-    settings.poses = *found;
-    if (settings.steps == 0) {
-        if (settings.minutes == 0) settings.minutes = training::kDefaultMinutes;
-        settings.minutes = std::max(settings.minutes - (seconds_now() - began) / 60, 0.01);
-    }
-    return true;
-}
-
 // Throws InputError, before any work is done, where the result could not be written.
 void prepare_output(const std::filesystem::path& output) {
     if (output.extension() != ".nvv" || std::filesystem::is_directory(output))
@@ -210,92 +185,15 @@ training::Dataset load_images(const TrainOptions& options, const training::Rig& 
     return dataset;
 }
 
-// What of the cameras is learnt.
-struct Refine {
-    training::ColourRefinement colour;
-    bool poses = false;
-};
-
-// Reads names after commas: "colour,poses".
-Refine refine_of(const std::string& text) {
-    Refine refine;
-    const std::pair<const char*, bool*> known[] = {{"colour", &refine.colour.colour},
-                                                   {"exposure", &refine.colour.exposure},
-                                                   {"vignetting", &refine.colour.vignetting},
-                                                   {"poses", &refine.poses}};
-    for (size_t begin = 0, end; !text.empty() && begin <= text.size(); begin = end + 1) {
-        end = std::min(text.find(',', begin), text.size());
-        const std::string name = text.substr(begin, end - begin);
-        const auto found = std::ranges::find(known, name, [](const auto& one) { return one.first; });
-        if (found == std::end(known))
-            throw InputError("--refine", name, "is nothing that training can refine",
-                             "write one or more of colour, exposure, vignetting, poses, with commas between them");
-        *found->second = true;
-    }
-    return refine;
-}
-
-constexpr float kEqualGains = 0.02f;  // factors that differ less from 1 are not worth a line
-
-// What differs from a neutral camera, in words; nothing where the camera is neutral.
-std::string colour_text(const training::CameraColours& colours, size_t camera) {
-    std::string text;
-    const glm::vec3 gains = training::gains(colours.values[camera]);
-    if (glm::any(glm::greaterThan(glm::abs(gains - 1.0f), glm::vec3(kEqualGains))))
-        text += fmt::format(", gains of R, G, B {:.3f} {:.3f} {:.3f}", gains.r, gains.g, gains.b);
-    if (const size_t frames = colours.frames(); frames > 0) {
-        const auto first = colours.exposures.values.begin() + static_cast<ptrdiff_t>(camera * frames);
-        const auto [low, high] = std::minmax_element(first, first + static_cast<ptrdiff_t>(frames));
-        if (std::max(*high, -*low) > kEqualGains)
-            text += fmt::format(", exposures of {:.3f} to {:.3f}", std::exp(*low), std::exp(*high));
-    }
-    if (const std::vector<float>& vignettes = colours.vignettes.values; !vignettes.empty()) {
-        const float corner = training::vignette_at({vignettes[2 * camera], vignettes[2 * camera + 1]}, 1);
-        if (std::abs(corner - 1) > kEqualGains) text += fmt::format(", {:.3f} of the light at the corners", corner);
-    }
-    return text;
-}
-
-void print_colours(const training::CameraColours& colours, const std::vector<training::RigCamera>& cameras) {
-    if (colours.empty()) return;
-    bool agree = true;
-    for (size_t i = 0; i < colours.cameras(); i++) {
-        const std::string text = colour_text(colours, i);
-        if (!text.empty()) fmt::print("camera {}: {}\n", cameras[i].name, text.substr(2));
-        agree &= text.empty();
-    }
-    if (agree) fmt::print("the colours of all cameras agree within {:.0f} %\n", 100 * kEqualGains);
-}
-
-constexpr double kStillPixels = 0.25;  // poses that move images less are not worth a line
-
-void print_poses(const std::vector<training::RefinedPose>& poses, const std::vector<training::RigCamera>& cameras) {
-    if (poses.empty()) return;
-    bool still = true;
-    for (size_t i = 0; i < poses.size(); i++) {
-        const training::PoseChange& change = poses[i].change;
-        if (poses[i].motion_px < kStillPixels && !poses[i].at_bound) continue;
-        const glm::dvec3 turn(change[training::kTurnX], change[training::kTurnY], change[training::kTurnZ]);
-        const glm::dvec3 shift(change[training::kShiftX], change[training::kShiftY], change[training::kShiftZ]);
-        fmt::print(
-            "camera {}: its image moved by {:.2f} pixels (turned by {:.2f}°, shifted by {:.1f} mm, focal length "
-            "{:+.2f} %){}\n",
-            cameras[i].name, poses[i].motion_px, glm::degrees(glm::length(turn)), 1000 * glm::length(shift),
-            100 * std::expm1(change[training::kZoom]),
-            poses[i].at_bound ? ": as far as a pose may move; its calibration is probably wrong" : "");
-        still = false;
-    }
-    if (still) fmt::print("the poses of all cameras are right within {} pixels\n", kStillPixels);
-}
-
 void run_train(const TrainOptions& options, const CommonOptions& common) {
     prepare_output(options.output);
     prepare_live_outputs(options.live);
     training::TrainSettings settings = options.settings;
     const Refine refine = refine_of(options.refine);
-    settings.refine = refine.colour;
-    if (refine.poses && options.init == "psi")
-        throw InputError("--refine", "poses", "cannot be combined with --init psi", "leave out one of the two");
+    settings.refine = refine.what.colour;
+    if (refine.needs_search() && options.init == "psi")
+        throw InputError("--refine", options.refine, "cannot be combined with --init psi, but for colours",
+                         "leave out one of the two");
     catch_stop_signals();
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
@@ -306,8 +204,8 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     settings.program = "NeuVV " NEUVV_VERSION;
     settings.adaptive = !options.uniform;
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
-    if (refine.poses && !settings.resume && !refine_poses(device, dataset, settings)) {
-        fmt::print("interrupted while the poses of cameras were found: nothing was written\n");
+    if (refine.needs_search() && !settings.resume && !correct_rig(device, dataset, refine, settings)) {
+        fmt::print("interrupted while errors of the rig were searched for: nothing was written\n");
         return;
     }
     voctree::VOctree first_tree;
@@ -325,8 +223,7 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     line.end();
     fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                last.step, last.epochs, format_duration(last.elapsed_s));
-    print_colours(last.colours, rig.cameras);
-    print_poses(last.poses, rig.cameras);
+    print_corrections(last, rig.cameras);
     if (settings.resume && last.step == last.began_at_step)
         fmt::print("the run had spent its budget; more --minutes or --steps go on from there\n");
     if (stop_requested() && last.fraction < 1)
@@ -394,7 +291,8 @@ void add_train(Command app, CommonOptions& common) {
     verb.add_option("--refine", options->refine,
                     "What else is learnt, of the cameras, one or more after commas. colour: gains and white balance; "
                     "exposure: of each image; vignetting: lenses that darken towards the corners; poses: corrections "
-                    "of poses and focal lengths, before the run, in a fifth of its minutes at most (default: nothing)");
+                    "of poses and focal lengths; time: cameras that are late; auto: those of these that are worth it. "
+                    "The last three begin with a search of a fifth of the minutes at most (default: nothing)");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);
@@ -417,7 +315,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
          "  neuvv train build/performer -o build/live.nvv --preview build/live.png --metrics build/live.jsonl\n"
          "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
-         "  neuvv train build/performer -o build/rig.nvv --refine colour,poses\n"
+         "  neuvv train build/performer -o build/rig.nvv --refine auto\n"
          "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "media/image.h"
+
 namespace neuvv::training {
 
 namespace {
@@ -52,14 +54,13 @@ void keep_in_bounds(LearntNumbers& numbers, float most) {
     for (float& value : numbers.values) value = std::clamp(value, -most, most);
 }
 
-// The mean over all cameras of a frame's exposures becomes neutral.
-void centre_exposures(CameraColours& colours, size_t frame) {
+// The mean over all cameras of one of the numbers that each camera has becomes 0.
+void centre(LearntNumbers& numbers, size_t number, size_t per_camera) {
+    if (numbers.values.empty()) return;
     float sum = 0;
-    for (size_t camera = 0; camera < colours.cameras(); camera++)
-        sum += colours.exposures.values[camera * colours.frames() + frame];
-    const float mean = sum / static_cast<float>(colours.cameras());
-    for (size_t camera = 0; camera < colours.cameras(); camera++)
-        colours.exposures.values[camera * colours.frames() + frame] -= mean;
+    for (size_t i = number; i < numbers.values.size(); i += per_camera) sum += numbers.values[i];
+    const float mean = sum * static_cast<float>(per_camera) / static_cast<float>(numbers.values.size());
+    for (size_t i = number; i < numbers.values.size(); i += per_camera) numbers.values[i] -= mean;
 }
 
 glm::vec2 vignette_of(const LearntNumbers& vignettes, size_t camera) {
@@ -113,6 +114,15 @@ bool is_bounded(const CameraColour& camera) {
 glm::vec3 seen(const CameraColour& camera, glm::vec4 foreground) {
     return {glm::dot(camera.rows[0], foreground), glm::dot(camera.rows[1], foreground),
             glm::dot(camera.rows[2], foreground)};
+}
+
+glm::dvec3 encoded(glm::vec3 linear) {
+    return {media::srgb_from_linear(double{linear.r}), media::srgb_from_linear(double{linear.g}),
+            media::srgb_from_linear(double{linear.b})};
+}
+
+glm::dvec3 shown(const CameraColour& camera, glm::vec4 foreground, glm::vec4 background) {
+    return encoded(glm::max(seen(camera, foreground) + (1 - foreground.a) * glm::vec3(background), 0.0f));
 }
 
 CameraColour inverse(const CameraColour& camera) {
@@ -187,7 +197,8 @@ void CameraColours::learn(const Batch& batch, const std::vector<stage::Camera>& 
             adam.move(vignettes, 2 * camera + static_cast<size_t>(i), by_vignette[camera][i], count * kVignettePrior);
     }
     if (!first.empty()) centre(values);
-    if (!exposures.values.empty()) centre_exposures(*this, batch.frame);
+    centre(exposures, batch.frame, frames());
+    for (const size_t number : {0u, 1u}) centre(vignettes, number, 2);
     keep_in_bounds(values);
     keep_in_bounds(exposures, kMaxExposure);
     keep_in_bounds(vignettes, kMaxVignette);

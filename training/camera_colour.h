@@ -1,6 +1,7 @@
 // Training learns how cameras show colours, so that images agree: the colour of each camera (gains and white balance),
-// the exposure of each image, and how much a lens darkens towards the corners. Of colours and exposures, only what
-// cameras do differently can be known: their mean over all cameras is the neutral one.
+// the exposure of each image, and how much a lens darkens towards the corners. Only what cameras do differently can be
+// known: the mean over all cameras is neutral. (Where all lenses darken alike and all cameras look at the performer, a
+// darker performer at the images' edges explains as much.)
 #pragma once
 
 #include "shared/training.h"
@@ -12,6 +13,12 @@ constexpr CameraColour kNeutralColour{{glm::vec4(1, 0, 0, 0), glm::vec4(0, 1, 0,
 
 // The colour of a premultiplied foreground (C, α) as the camera sees it.
 glm::vec3 seen(const CameraColour& camera, glm::vec4 foreground);
+
+// sRGB of linear light.
+glm::dvec3 encoded(glm::vec3 linear);
+
+// What a camera shows of a ray's foreground in front of a background that it does not change: encoded, 0..1.
+glm::dvec3 shown(const CameraColour& camera, glm::vec4 foreground, glm::vec4 background);
 
 // What of it is learnt (`--refine colour,exposure,vignetting`).
 struct ColourRefinement {

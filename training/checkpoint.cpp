@@ -179,6 +179,16 @@ std::vector<PoseChange> read_poses(const std::filesystem::path& path, const std:
     return poses;
 }
 
+std::vector<double> read_frames_late(const std::filesystem::path& path, const std::vector<voctree::NvvChunk>& chunks) {
+    const auto found = std::ranges::find(chunks, std::string("late"), &voctree::NvvChunk::name);
+    if (found == chunks.end()) return {};
+    const std::vector<double> late =
+        read_chunk<double>(path, chunks, "late", std::max<size_t>(found->bytes.size() / sizeof(double), 1));
+    for (const double frames : late)
+        if (!(std::abs(frames) <= kMostFramesLate)) fail_chunk(path, "late", "holds a number that no run can find");
+    return late;
+}
+
 std::string weight_key(const NamedLossWeight& one) {
     return std::string("lambda_") + one.name;
 }
@@ -264,8 +274,8 @@ std::filesystem::path state_path(const std::filesystem::path& nvv) {
 }
 
 Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run,
-                           const CameraColours& colours, const std::vector<PoseChange>& poses) {
-    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}, colours, poses};
+                           const CameraColours& colours, const RigChanges& rig) {
+    Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}, colours, rig};
     step.download(checkpoint.tree);
     const gpu::Device& device = *step.field().weights.device;
     checkpoint.use = read_use(device, step.tally(), tree);
@@ -296,7 +306,8 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
     }
     append_learnt(chunks, kExposureChunks, colours.exposures);
     append_learnt(chunks, kVignetteChunks, colours.vignettes);
-    if (!checkpoint.poses.empty()) chunks.push_back(chunk("pose", checkpoint.poses));
+    if (!checkpoint.rig.poses.empty()) chunks.push_back(chunk("pose", checkpoint.rig.poses));
+    if (!checkpoint.rig.frames_late.empty()) chunks.push_back(chunk("late", checkpoint.rig.frames_late));
     voctree::write_nvv(state_path(nvv), checkpoint.tree, chunks, 1);
     return save_compact(nvv, checkpoint.tree);
 }
@@ -326,7 +337,7 @@ Checkpoint load_checkpoint(const std::filesystem::path& nvv) {
     checkpoint.use.frames =
         read_chunk<uint32_t>(path, chunks, "frms", size_t{(tree.frames + 31) / 32} * tree.leaf_count);
     checkpoint.colours = read_all_colours(path, chunks, tree.frames);
-    checkpoint.poses = read_poses(path, chunks);
+    checkpoint.rig = {read_poses(path, chunks), read_frames_late(path, chunks)};
     return checkpoint;
 }
 

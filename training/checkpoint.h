@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "training/camera_colour.h"
-#include "training/camera_pose.h"
+#include "training/rig_changes.h"
 #include "training/step.h"
 
 namespace neuvv::training {
@@ -38,15 +38,15 @@ struct Checkpoint {
     std::vector<uint16_t> first, second;         // moments of the weights, bfloat16, in planes
     std::vector<float> rows_first, rows_second;  // moments of A, then those of B
     LeafUse use;
-    CameraColours colours;          // empty where the run does not refine them
-    std::vector<PoseChange> poses;  // by camera; empty where the run did not refine them
+    CameraColours colours;  // empty where the run does not refine them
+    RigChanges rig;         // empty where the run did not correct the rig
 };
 
 std::filesystem::path state_path(const std::filesystem::path& nvv);
 
 // Downloads weights, bases, moments and use of the leaves. `tree` has the run's topology.
 Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run,
-                           const CameraColours& colours = {}, const std::vector<PoseChange>& poses = {});
+                           const CameraColours& colours = {}, const RigChanges& rig = {});
 
 // Replaces the checkpoint file, then the .nvv, each atomically: at any moment each file is the old or the new one, and
 // wherever there is a .nvv, its run can be resumed. Returns how many leaves the .nvv has. Throws RuntimeFailure.

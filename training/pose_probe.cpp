@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "media/image.h"
 #include "training/camera_colour.h"
 #include "training/schedule.h"
 
@@ -25,16 +24,6 @@ PoseChange load_variants(const TrainingStep& step, const PoseProbe& probe, uint3
         step.rays().cameras.as<ShaderCamera>()[variant] = render::shader_camera(moved(given, change));
     }
     return steps;
-}
-
-glm::dvec3 encoded(glm::vec3 linear) {
-    return {media::srgb_from_linear(double{linear.r}), media::srgb_from_linear(double{linear.g}),
-            media::srgb_from_linear(double{linear.b})};
-}
-
-// What a camera shows of a ray's foreground in front of the ray's background.
-glm::dvec3 shown(const CameraColour& colour, glm::vec4 foreground, glm::vec4 background) {
-    return encoded(glm::max(seen(colour, foreground) + (1 - foreground.a) * glm::vec3(background), 0.0f));
 }
 
 // What one tile says. `rendered`: the radiance of the tile's variants, one after the other.

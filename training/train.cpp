@@ -84,7 +84,7 @@ class Run {
     uint32_t samples_of(uint64_t step) const { return step < run_.several_rays_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
     void fit_to_max_bytes();
-    void move_cameras(const std::vector<PoseChange>& changes);
+    void correct_rig(const RigChanges& changes);
     void make_step();
     void begin_phase_if_due();
     bool may_go_on();
@@ -97,10 +97,11 @@ class Run {
     TrainSettings settings_;
     std::filesystem::path output_;
     double began_;
-    uint64_t given_hash_;  // before poses moved the cameras
+    uint64_t given_hash_;  // before the rig was corrected
     RunState run_;
     voctree::VOctree tree_;
     CameraColours colours_;
+    RigChanges rig_;
     std::vector<RefinedPose> poses_;
     uint32_t finest_ = 0;  // octree depth of the tree's finest leaves
     uint64_t saved_step_ = 0;
@@ -126,15 +127,16 @@ const Dataset& Run::begin() {
                              fmt::format("has {} frames, {} has {}", checkpoint.tree.frames, dataset_.folder.string(),
                                          dataset_.times.size()),
                              "resume with the data set that the run began with");
-        for (const size_t cameras : {checkpoint.colours.cameras(), checkpoint.poses.size()})
+        for (const size_t cameras :
+             {checkpoint.colours.cameras(), checkpoint.rig.poses.size(), checkpoint.rig.frames_late.size()})
             if (cameras > 0 && cameras != dataset_.cameras.size())
                 throw InputError(state_path(output_).string(), "",
-                                 fmt::format("has colours or poses of {} cameras, {} has {}", cameras,
-                                             dataset_.folder.string(), dataset_.cameras.size()),
+                                 fmt::format("is of a rig of {} cameras, {} has {}", cameras, dataset_.folder.string(),
+                                             dataset_.cameras.size()),
                                  "resume with the data set that the run began with");
         run_ = checkpoint.run;
         colours_ = checkpoint.colours;
-        move_cameras(checkpoint.poses);
+        correct_rig(checkpoint.rig);
         tree_ = std::move(checkpoint.tree);
         make_step();
         checkpoint.tree = {};
@@ -148,7 +150,7 @@ const Dataset& Run::begin() {
         run_.weights = settings_.weights;
         run_.program = settings_.program;
         colours_ = CameraColours(dataset_.cameras.size(), dataset_.times.size(), settings_.refine);
-        move_cameras(settings_.poses);
+        correct_rig(settings_.rig);
         tree_ =
             settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
         if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
@@ -194,16 +196,17 @@ double Run::fraction() const {
     return std::min(share, 1.0);
 }
 
-void Run::move_cameras(const std::vector<PoseChange>& changes) {
+void Run::correct_rig(const RigChanges& changes) {
+    rig_ = changes;
     if (changes.empty()) return;
     const auto [low, high] = first_box(dataset_);
-    for (size_t i = 0; i < changes.size(); i++) {
+    const glm::dvec3 centre = 0.5 * (low + high);
+    for (size_t i = 0; i < changes.poses.size(); i++) {
         const stage::Camera& given = dataset_.cameras[i];
-        const glm::dvec3 centre = 0.5 * (low + high);
-        poses_.push_back(
-            {changes[i], image_motion(given, changes[i], centre), is_at_bound(changes[i], pose_bounds(given, centre))});
+        poses_.push_back({changes.poses[i], image_motion(given, changes.poses[i], centre),
+                          is_at_bound(changes.poses[i], pose_bounds(given, centre))});
     }
-    dataset_.cameras = moved(dataset_.cameras, changes);
+    apply(changes, dataset_);
 }
 
 void Run::make_step() {
@@ -211,7 +214,7 @@ void Run::make_step() {
     for (const voctree::LeafPosition& position : voctree::leaf_positions(tree_))
         finest_ = std::max(finest_, position.depth);
     step_.reset();  // frees its memory before the next one takes some
-    // find_poses() also traces variants of a camera.
+    // search_rig() also traces variants of a camera.
     const uint32_t cameras = std::max(static_cast<uint32_t>(dataset_.cameras.size()), kPoseVariants);
     step_ = std::make_unique<TrainingStep>(device_, tree_, cameras, run_.tiles_per_step);
 }
@@ -258,9 +261,7 @@ void Run::save() {
     const double start = seconds_now();
     RunState now = run_;
     now.elapsed_s = elapsed();
-    std::vector<PoseChange> poses;
-    for (const RefinedPose& pose : poses_) poses.push_back(pose.change);
-    written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now, colours_, poses));
+    written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now, colours_, rig_));
     file_bytes_ = std::filesystem::file_size(output_);
     saved_step_ = run_.step;
     saved_at_ = seconds_now();
@@ -328,6 +329,7 @@ TrainProgress Run::progress() const {
     now.passes = step_->pass_times();
     now.colours = colours_;
     now.poses = poses_;
+    now.frames_late = rig_.frames_late;
     now.field = &step_->field();
     return now;
 }

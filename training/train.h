@@ -6,6 +6,7 @@
 
 #include "training/checkpoint.h"
 #include "training/grow.h"
+#include "training/rig_changes.h"
 
 namespace neuvv::training {
 
@@ -33,8 +34,8 @@ struct TrainSettings {
     uint32_t tiles_per_step = 512;
     LossWeights weights = kDefaultLossWeights;
     ColourRefinement refine;  // what is learnt of how cameras show colours; a resumed run does what it did
-    // By camera: the changes that find_poses() found, kept in checkpoint files; a resumed run has its own. Empty: none.
-    std::vector<PoseChange> poses;
+    // Corrections of the rig that search_rig() found, kept in checkpoint files; a resumed run has its own.
+    RigChanges rig;
     std::string program = "NeuVV";  // RunState::program
     bool resume = false;
     // The tree with which a run begins, in place of initial_tree. All its leaves must lie kLevelsAbovePixel levels
@@ -68,6 +69,7 @@ struct TrainProgress {
     std::vector<gpu::PassTime> passes;     // of the last step
     CameraColours colours;                 // empty where they are not refined
     std::vector<RefinedPose> poses;        // by camera, where they were refined
+    std::vector<double> frames_late;       // the same
     const render::Field* field = nullptr;  // the current model; the callback may use it until it returns
 };
 
@@ -76,7 +78,7 @@ using TrainCallback = std::function<bool(const TrainProgress&)>;
 
 // Trains until the budget is spent. The first checkpoint is written to `output` before the first step, later ones so
 // that they take at most a twentieth of the time, the last one at the end; where `output` is empty, none is. The run
-// moves the data set's cameras by the poses that were refined, and leaves them there. Throws InputError (for instance
+// applies the corrections of the rig to the data set, which stays so. Throws InputError (for instance
 // for a data set without matter, or a checkpoint file of another data set) and RuntimeFailure.
 TrainProgress train(const gpu::Device& device, Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback);

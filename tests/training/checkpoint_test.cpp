@@ -282,7 +282,12 @@ TEST(CheckpointFile, RefusesPosesThatNoRunCanFind) {
     poses[6] = 0xf0, poses[7] = 0x7f;  // infinity
     file.rewrite("pose", &poses);
     file.refused({"scene.nvv.state", "pose", "no run can find"});
+    file.rewrite("late", &poses);
+    file.refused({"scene.nvv.state", "pose", "no run can find"});
+    file.rewrite("pose", nullptr);
+    file.refused({"scene.nvv.state", "late", "no run can find"});
     poses.resize(9);
+    file.rewrite("late", nullptr);
     file.rewrite("pose", &poses);
     file.refused({"scene.nvv.state", "pose"});
 }

@@ -375,6 +375,10 @@ TEST_F(KilledRun, RefinesOnlyWhatItKnows) {
     ChildProcess poses(words, log_);
     EXPECT_EQ(poses.wait(), 0);
     EXPECT_NE(read_text(log_).find("poses of all cameras"), std::string::npos) << read_text(log_);
+    words.back() = "auto";
+    ChildProcess automatic(words, log_);
+    EXPECT_EQ(automatic.wait(), 0);
+    EXPECT_NE(read_text(log_).find("--refine auto: "), std::string::npos) << read_text(log_);
     words.insert(words.end(), {"--init", "psi"});
     ChildProcess both(words, log_);
     EXPECT_EQ(both.wait(), 2);

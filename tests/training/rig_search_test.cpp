@@ -1,5 +1,5 @@
 // The search for poses of cameras, on a small capture of the performer whose cameras are turned and shifted.
-#include "training/find_poses.h"
+#include "training/rig_search.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace neuvv::test {
 namespace {
 
-using FindPosesTest = GpuTest;
+using RigSearchTest = GpuTest;
 using training::PoseChange;
 
 // Changes of cameras by up to about 0.6 degrees and 8 mm, without a part that all have in common.
@@ -39,7 +39,7 @@ double image_error(const std::vector<stage::Camera>& truth, const std::vector<st
     return std::sqrt(sum / static_cast<double>(truth.size() * training::kScenePoints));
 }
 
-TEST_F(FindPosesTest, CamerasMoveBackToWhereTheyStood) {
+TEST_F(RigSearchTest, CamerasMoveBackToWhereTheyStood) {
     const TemporaryFolder folder;
     training::Dataset dataset = performer_capture(folder.path);
     const std::vector<stage::Camera> truth = dataset.cameras;
@@ -49,30 +49,31 @@ TEST_F(FindPosesTest, CamerasMoveBackToWhereTheyStood) {
     training::TrainSettings settings;
     settings.steps = 100;
     double last_fraction = 0, motion_px = 0;
-    const auto found = training::find_poses(device(), dataset, settings, [&](const training::PoseSearchProgress& now) {
-        EXPECT_GE(now.fraction, last_fraction);
-        last_fraction = now.fraction;
-        motion_px = now.motion_px;
-        return true;
-    });
+    const auto found =
+        training::search_rig(device(), dataset, settings, true, [&](const training::RigSearchProgress& now) {
+            EXPECT_GE(now.fraction, last_fraction);
+            last_fraction = now.fraction;
+            motion_px = now.motion_px;
+            return true;
+        });
     ASSERT_TRUE(found);
     EXPECT_EQ(last_fraction, 1);
     EXPECT_GT(motion_px, 0.2);
     const double before = image_error(truth, dataset.cameras, centre);
     EXPECT_GT(before, 0.5);
-    EXPECT_LT(image_error(truth, training::moved(dataset.cameras, *found), centre), 0.4 * before);
+    EXPECT_LT(image_error(truth, training::moved(dataset.cameras, found->changes.poses), centre), 0.4 * before);
 }
 
-TEST_F(FindPosesTest, StopsWhereItsCallbackSaysSo) {
+TEST_F(RigSearchTest, StopsWhereItsCallbackSaysSo) {
     training::Dataset dataset = sphere_dataset({});
     training::TrainSettings settings;
     settings.shape.resolution = 40;
     settings.steps = 1;
-    const auto stop = [](const training::PoseSearchProgress&) { return false; };
-    EXPECT_FALSE(training::find_poses(device(), dataset, settings, stop));
+    const auto stop = [](const training::RigSearchProgress&) { return false; };
+    EXPECT_FALSE(training::search_rig(device(), dataset, settings, true, stop));
 }
 
-TEST_F(FindPosesTest, ARunMovesItsCamerasAndAResumedRunDoesSoAgain) {
+TEST_F(RigSearchTest, ARunMovesItsCamerasAndAResumedRunDoesSoAgain) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
     const training::Dataset given = sphere_dataset({});
@@ -80,33 +81,33 @@ TEST_F(FindPosesTest, ARunMovesItsCamerasAndAResumedRunDoesSoAgain) {
     settings.steps = 3;
     settings.shape = {.resolution = 40, .bases = 3, .hh_degree = 1};
     settings.tiles_per_step = 64;
-    settings.poses.resize(given.cameras.size());
-    settings.poses[2][training::kTurnX] = 0.01;
-    settings.poses[5][training::kShiftY] = -0.02;
+    settings.rig.poses.resize(given.cameras.size());
+    settings.rig.poses[2][training::kTurnX] = 0.01;
+    settings.rig.poses[5][training::kShiftY] = -0.02;
     const auto go_on = [](const training::TrainProgress&) { return true; };
     training::Dataset first = given;
     const training::TrainProgress trained = training::train(device(), first, settings, nvv, go_on);
-    const std::vector<stage::Camera> expected = training::moved(given.cameras, settings.poses);
-    EXPECT_EQ(training::load_checkpoint(nvv).poses, settings.poses);
+    const std::vector<stage::Camera> expected = training::moved(given.cameras, settings.rig.poses);
+    EXPECT_EQ(training::load_checkpoint(nvv).rig, settings.rig);
     ASSERT_EQ(trained.poses.size(), given.cameras.size());
-    EXPECT_EQ(trained.poses[2].change, settings.poses[2]);
+    EXPECT_EQ(trained.poses[2].change, settings.rig.poses[2]);
     EXPECT_GT(trained.poses[2].motion_px, 0.1);
     EXPECT_EQ(trained.poses[3].motion_px, 0);
     training::Dataset second = given;
     settings.resume = true;
-    settings.poses.clear();
+    settings.rig = {};
     settings.steps = 4;
     training::train(device(), second, settings, nvv, go_on);
     for (const training::Dataset* dataset : {&first, &second})
         for (size_t i = 0; i < expected.size(); i++)
             EXPECT_EQ(dataset->cameras[i].world_from_camera, expected[i].world_from_camera);
     // The images of a run whose cameras have moved are those of the same data set.
-    EXPECT_EQ(training::load_checkpoint(nvv).poses[5][training::kShiftY], -0.02);
+    EXPECT_EQ(training::load_checkpoint(nvv).rig.poses[5][training::kShiftY], -0.02);
 }
 
 // A field that cameras see as they stand gives evidence that they should stay; where one is turned, that it should turn
 // back.
-TEST_F(FindPosesTest, EvidencePointsTowardsTheTruth) {
+TEST_F(RigSearchTest, EvidencePointsTowardsTheTruth) {
     training::Dataset dataset = sphere_dataset({.cameras = 12, .frames = 1, .size = 48});
     const TemporaryFolder folder;
     training::TrainSettings settings;
@@ -130,6 +131,49 @@ TEST_F(FindPosesTest, EvidencePointsTowardsTheTruth) {
     EXPECT_LT(wanted(4), -0.012);
     EXPECT_LT(std::abs(wanted(5)), 0.008);
     EXPECT_LT(evidence[5].error / evidence[5].count, evidence[4].error / evidence[4].count);
+}
+
+// One camera of a sphere that moves is late by half a frame: it sees the sphere where it is then.
+TEST_F(RigSearchTest, ALateCameraIsFound) {
+    const SphereCapture capture{.cameras = 12, .frames = 4, .size = 48, .travel_m = 0.3};
+    training::Dataset dataset = sphere_dataset(capture);
+    for (training::View& view : dataset.views)
+        if (view.camera == 7)
+            view.image = training::TiledImage(sphere_image(capture, dataset.cameras[7], view.time + 0.5 / 3));
+    training::TrainSettings settings;
+    settings.steps = 1;
+    settings.shape.resolution = 48;
+    const auto go_on = [](const training::RigSearchProgress&) { return true; };
+    const auto found = training::search_rig(device(), dataset, settings, false, go_on);
+    ASSERT_TRUE(found);
+    for (uint32_t camera = 0; camera < dataset.cameras.size(); camera++) {
+        EXPECT_EQ(found->changes.poses[camera], PoseChange{});
+        EXPECT_EQ(training::is_late(*found, camera), camera == 7) << found->changes.frames_late[camera];
+    }
+    EXPECT_GT(found->changes.frames_late[7], 0);
+    EXPECT_TRUE(training::worthwhile(*found).time);
+    EXPECT_TRUE(training::left_out({{}, found->changes.frames_late})[7]);
+}
+
+TEST_F(RigSearchTest, ARunLeavesOutWhoIsBetweenFramesAgainWhenItIsResumed) {
+    const TemporaryFolder folder;
+    const training::Dataset given = sphere_dataset({});
+    training::TrainSettings settings;
+    settings.steps = 3;
+    settings.shape = {.resolution = 40, .bases = 3, .hh_degree = 1};
+    settings.tiles_per_step = 64;
+    settings.rig.frames_late.resize(given.cameras.size());
+    settings.rig.frames_late[4] = 0.5;
+    const auto go_on = [](const training::TrainProgress&) { return true; };
+    for (const bool resume : {false, true}) {
+        training::Dataset dataset = given;
+        settings.resume = resume;
+        settings.steps++;
+        training::train(device(), dataset, settings, folder.path / "sphere.nvv", go_on);
+        settings.rig = {};
+        EXPECT_EQ(dataset.views.size(), given.views.size() - 3);
+        EXPECT_EQ(training::load_checkpoint(folder.path / "sphere.nvv").rig.frames_late[4], 0.5);
+    }
 }
 
 }  // namespace

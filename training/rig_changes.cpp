@@ -1,0 +1,46 @@
+#include "training/rig_changes.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace neuvv::training {
+
+namespace {
+
+constexpr size_t kMostLeftOut = 4;  // one camera in so many
+
+// The frame that a view shows; −1 beyond the clip.
+int64_t frame_shown(const Dataset& dataset, const View& view, double frames_late) {
+    const auto at = std::ranges::lower_bound(dataset.times, view.time) - dataset.times.begin();
+    const int64_t frame = at + std::lround(frames_late);
+    return frame < static_cast<int64_t>(dataset.times.size()) ? std::max<int64_t>(frame, -1) : -1;
+}
+
+}  // namespace
+
+bool is_between_frames(double frames_late) {
+    return std::abs(frames_late - std::round(frames_late)) > kMostOffFrame;
+}
+
+std::vector<bool> left_out(const RigChanges& changes) {
+    std::vector<bool> out;
+    for (const double late : changes.frames_late) out.push_back(is_between_frames(late));
+    if (static_cast<size_t>(std::ranges::count(out, true)) * kMostLeftOut > out.size()) out.assign(out.size(), false);
+    return out;
+}
+
+void apply(const RigChanges& changes, Dataset& dataset) {
+    dataset.cameras = moved(dataset.cameras, changes.poses);
+    if (changes.frames_late.empty()) return;
+    assert(changes.frames_late.size() == dataset.cameras.size() && "a number for each camera");
+    const std::vector<bool> out = left_out(changes);
+    std::erase_if(dataset.views, [&](View& view) {
+        const int64_t frame = frame_shown(dataset, view, changes.frames_late[view.camera]);
+        if (out[view.camera] || frame < 0) return true;
+        view.time = dataset.times[static_cast<size_t>(frame)];
+        return false;
+    });
+}
+
+}  // namespace neuvv::training
