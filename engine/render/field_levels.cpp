@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "voctree/coarse.h"
 #include "voctree/leaf_density.h"
@@ -17,6 +18,33 @@ constexpr uint32_t kCoarsestDepth = 3;
 double finest_edge_m(const Field& field) {
     const double box_m = double{std::max({field.box_size.x, field.box_size.y, field.box_size.z})};
     return std::ldexp(box_m, -static_cast<int>(field.finest_level + field.levels_above));
+}
+
+// The least singular value of a matrix divided by the largest: 1 where it scales all directions alike. Singular values
+// are the square roots of the eigenvalues of AᵀA, which have a closed form, as it is a symmetric 3×3 matrix.
+double evenness(const glm::dmat3& a) {
+    const glm::dmat3 m = glm::transpose(a) * a;
+    const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3;
+    const glm::dmat3 deviation = (m - glm::dmat3(mean)) / mean;
+    const double squares = glm::dot(deviation[0], deviation[0]) + glm::dot(deviation[1], deviation[1]) +
+                           glm::dot(deviation[2], deviation[2]);
+    constexpr double kRounding = 1e-12;  // of the squares, where transforms are floats
+    if (squares < kRounding) return 1;
+    const double radius = std::sqrt(squares / 6);
+    const double half_determinant = glm::determinant(deviation / radius) / 2;
+    const double angle = std::acos(std::clamp(half_determinant, -1.0, 1.0)) / 3;
+    const double largest = 1 + 2 * radius * std::cos(angle);
+    const double least = 1 + 2 * radius * std::cos(angle + 2 * std::numbers::pi / 3);
+    return std::sqrt(std::max(least, 0.0) / largest);
+}
+
+// Metres of the performer's space, at its leaves that are nearest to the eye. Where the performer is squashed, rays are
+// closer together along one direction than along another; the result is a lower bound for all directions of view.
+double between_rays_m(const Field& field, const LevelView& view) {
+    const glm::vec3 eye(view.camera.world_from_camera[3]);
+    const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
+    const double focal_rays = view.pixel_rays * std::max(view.camera.fx, view.camera.fy);
+    return evenness(glm::dmat3(view.camera.world_from_camera)) * double{glm::length(outside)} / focal_rays;
 }
 
 // Then a cell has a density for each frame, which can cover what its leaves cover there. Where frames share bases it
@@ -41,14 +69,9 @@ Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree) {
 }
 
 uint32_t level_for(const Field& field, std::span<const LevelView> views) {
-    double between_rays_m = INFINITY;
-    for (const LevelView& view : views) {
-        const glm::vec3 eye(view.camera.world_from_camera[3]);
-        const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
-        const double focal_rays = view.pixel_rays * std::max(view.camera.fx, view.camera.fy);
-        between_rays_m = std::min(between_rays_m, double{glm::length(outside)} / focal_rays);
-    }
-    const auto fits = [&](const Field& coarser) { return finest_edge_m(coarser) <= between_rays_m; };
+    double closest_m = INFINITY;
+    for (const LevelView& view : views) closest_m = std::min(closest_m, between_rays_m(field, view));
+    const auto fits = [&](const Field& coarser) { return finest_edge_m(coarser) <= closest_m; };
     return static_cast<uint32_t>(std::ranges::find_if_not(field.coarser, fits) - field.coarser.begin());
 }
 

@@ -13,7 +13,8 @@ namespace neuvv::render {
 // third of its memory more. The tree must be sound.
 Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree);
 
-// How a performer is seen: a camera in the performer's space (metres), and its rays per pixel along each side.
+// How a performer is seen: a camera in the performer's space (in_performer; metres), and its rays per pixel along each
+// side.
 struct LevelView {
     stage::Camera camera;
     double pixel_rays = 1;
@@ -21,8 +22,9 @@ struct LevelView {
 
 // The level at which a field should be drawn for all of these views: 0 is the field itself, k is coarser[k − 1]. It is
 // the coarsest whose finest cells look no larger than the distance between two rays, at the point of the field's box
-// that is nearest to an eye. It depends on nothing else, so that images do not depend on those before them, and that
-// parts of an image have the level of the whole.
+// that is nearest to an eye. Of a performer with an uneven scale it is the least distance that is possible between two
+// rays there, whatever their direction. It depends on nothing else, so that images do not depend on those before them,
+// and that parts of an image have the level of the whole.
 uint32_t level_for(const Field& field, std::span<const LevelView> views);
 
 // Fields with all of their levels in one list.

@@ -74,6 +74,33 @@ TEST_F(FieldLevelsTest, LeavesLookNoLargerThanTheDistanceOfRays) {
     EXPECT_EQ(render::level_for(field.coarser[0], std::vector{far}), 0u) << "without levels of its own";
 }
 
+// Squashed along the direction of view, a performer looks as large as before: so do its cells.
+TEST_F(FieldLevelsTest, SquashedPerformersHaveNoCoarserLevel) {
+    const auto level = [&](const glm::dmat4& world_from_performer, const stage::Camera& camera) {
+        const stage::Camera seen = render::in_performer(camera, glm::mat4(world_from_performer));
+        return render::level_for(field, std::vector{render::LevelView{seen, 1}});
+    };
+    const glm::dmat4 turned = glm::rotate(glm::dmat4(1), 0.7, glm::normalize(glm::dvec3(1, 2, 3)));
+    for (uint32_t k = 0; k <= 3; k++) {
+        const stage::Camera camera = camera_at(field, 1.01 * kLeafM * std::exp2(k));
+        ASSERT_EQ(level(glm::dmat4(1), camera), k);
+        for (const double thickness : {0.5, 0.1, 0.01}) {
+            const glm::dmat4 squashed = glm::scale(glm::dmat4(1), glm::dvec3(1, 1, thickness));
+            EXPECT_LE(level(squashed, camera), k) << thickness;
+            // Also where the axes of the camera and of the performer differ.
+            stage::Camera other = camera;
+            other.world_from_camera = turned * other.world_from_camera;
+            EXPECT_LE(level(turned * squashed, other), k) << thickness;
+        }
+        for (const double size : {0.1, 1.0, 7.0}) {
+            stage::Camera other = camera;
+            other.world_from_camera[3] = glm::dvec4(size * glm::dvec3(other.world_from_camera[3]), 1);
+            other.world_from_camera = turned * other.world_from_camera;
+            EXPECT_EQ(level(turned * glm::scale(glm::dmat4(1), glm::dvec3(-size, size, size)), other), k) << size;
+        }
+    }
+}
+
 TEST_F(FieldLevelsTest, ClipsWhoseFramesShareBasesHaveNone) {
     tree.sigma_basis[1] = 0.5f;
     EXPECT_TRUE(render::upload_levels(device(), tree).coarser.empty());
