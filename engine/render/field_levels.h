@@ -14,7 +14,7 @@ namespace neuvv::render {
 Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree);
 
 // How a performer is seen: a camera in the performer's space (in_performer; metres), and its rays per pixel along each
-// side.
+// side at full resolution. Dynamic resolution follows the time that images take, and levels must not.
 struct LevelView {
     stage::Camera camera;
     double pixel_rays = 1;

@@ -127,6 +127,17 @@ TEST_F(FieldLevelsTest, FarPerformersComeNearerToManyRays) {
     }
 }
 
+// Dynamic resolution follows the time that images take, which must not show in the level.
+TEST_F(FieldLevelsTest, FewerRaysThanPixelsDoNotChangeTheLevel) {
+    const stage::Camera camera = camera_at(field, 2.2 * kLeafM);
+    for (const double scale : {1.0, 0.7, 0.3}) {
+        settings.scale = scale;
+        image(camera, true);
+        ASSERT_EQ(renderer.drawn().size(), 1u);
+        EXPECT_EQ(renderer.drawn()[0][0].field, 1u) << scale;
+    }
+}
+
 TEST_F(FieldLevelsTest, NearPerformersAreDrawnAsWithoutLevels) {
     const render::Field alone = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     render::FrameRenderer plain(device(), alone, {kSide, kSide});
