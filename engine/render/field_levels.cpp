@@ -76,12 +76,15 @@ uint32_t level_for(const Field& field, std::span<const LevelView> views) {
 }
 
 FieldLevels::FieldLevels(std::vector<const Field*> given) : all(std::move(given)), level_of(all.size()) {
-    const size_t fields = all.size();
-    for (size_t i = 0; i < fields; i++) {
+    const auto fields = static_cast<uint32_t>(all.size());
+    for (uint32_t field = 0; field < fields; field++) given_of.push_back(field);
+    for (uint32_t field = 0; field < fields; field++) {
         first_coarser.push_back(static_cast<uint32_t>(all.size()));
-        for (const Field& coarser : all[i]->coarser) {
+        uint32_t level = 0;
+        for (const Field& coarser : all[field]->coarser) {
             all.push_back(&coarser);
-            level_of.push_back(static_cast<uint32_t>(&coarser - all[i]->coarser.data()) + 1);
+            given_of.push_back(field);
+            level_of.push_back(++level);
         }
     }
 }

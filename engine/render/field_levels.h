@@ -35,8 +35,12 @@ struct FieldLevels {
         return level == 0 ? field : first_coarser[field] + level - 1;
     }
 
+    // The field that was given, to which a level belongs.
+    const Field& finest(uint32_t level_index) const { return *all[given_of[level_index]]; }
+
     std::vector<const Field*> all;        // those given, then the coarser levels of each
     std::vector<uint32_t> first_coarser;  // by given field
+    std::vector<uint32_t> given_of;       // of each of `all`: the number of the field that was given
     std::vector<uint32_t> level_of;       // of each of `all`
     uint32_t given() const { return static_cast<uint32_t>(first_coarser.size()); }
 };

@@ -208,7 +208,7 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
             for (DrawnInstance& instance : drawn) instance.output = RayOutput::kSegments;
         if (!drawn.empty()) drawn_.push_back(std::move(drawn));
     }
-    if (shadows_) shadows_->prepare(levels_.all, settings.instances);
+    if (shadows_) shadows_->prepare(levels_, settings.instances);
 }
 
 // Creates the performers of the given fields, and of the coarser levels that this frame draws: each of these has a

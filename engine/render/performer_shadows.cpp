@@ -13,11 +13,12 @@ constexpr uint32_t kSide = kPerformerShadowSide;
 constexpr uint32_t kMapTiles = (kSide / kTile) * (kSide / kTile);
 static_assert(kSide % kTile == 0);
 
-std::optional<WorldBox> box_of_casting(std::span<const Field* const> fields, std::span<const Instance> instances) {
+// Around the finest leaves at any level, so that the maps of directional lights do not move where a level is switched.
+std::optional<WorldBox> box_of_casting(const FieldLevels& levels, std::span<const Instance> instances) {
     std::optional<WorldBox> box;
     for (const Instance& instance : instances) {
         if (!instance.casts_shadow) continue;
-        const Field& field = *fields[instance.field];
+        const Field& field = levels.finest(instance.field);
         const TransformedBox placed =
             transformed_box(field.leaves_min, field.leaves_max, instance.world_from_performer);
         const glm::dvec3 half = glm::abs(placed.half[0]) + glm::abs(placed.half[1]) + glm::abs(placed.half[2]);
@@ -45,10 +46,10 @@ PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& given_s
                                   {kBlurTo, &set.performer_shadows}}) {}
 
 // Finds the lights that cast performers' shadows, and their cameras.
-void PerformerShadows::prepare_lights(std::span<const Field* const> fields, std::span<const Instance> instances) {
+void PerformerShadows::prepare_lights(const FieldLevels& levels, std::span<const Instance> instances) {
     cameras.clear();
     maps.clear();
-    const std::optional<WorldBox> box = box_of_casting(fields, instances);
+    const std::optional<WorldBox> box = box_of_casting(levels, instances);
     set.set_shadow_casters(box);
     if (!box || !set.lights().performer_shadows) return;
     for (uint32_t i = 0; i < set.lights().count; i++) {
@@ -58,8 +59,8 @@ void PerformerShadows::prepare_lights(std::span<const Field* const> fields, std:
     }
 }
 
-void PerformerShadows::prepare(std::span<const Field* const> fields, std::span<const Instance> instances) {
-    prepare_lights(fields, instances);
+void PerformerShadows::prepare(const FieldLevels& levels, std::span<const Instance> instances) {
+    prepare_lights(levels, instances);
     drawn.clear();
     const ViewLayout before = layout;
     layout = {kSide, kSide, 1, static_cast<uint32_t>(cameras.size())};
@@ -70,7 +71,7 @@ void PerformerShadows::prepare(std::span<const Field* const> fields, std::span<c
     for (const Instance& instance : instances) {
         if (!instance.casts_shadow) continue;
         auto one =
-            write_instance_cameras(views, *fields[instance.field], instance, static_cast<uint32_t>(drawn.size()));
+            write_instance_cameras(views, *levels.all[instance.field], instance, static_cast<uint32_t>(drawn.size()));
         if (!one) continue;
         one->shading = Shading::kNone;
         one->output = RayOutput::kLayerByDepth;

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "render/field_levels.h"
 #include "render/instance_cameras.h"
 #include "render/set_lights.h"
 #include "render/set_raster.h"
@@ -14,10 +15,11 @@ struct PerformerShadows {
     // with kMaxShadows views). `instances` is the largest number of instances.
     PerformerShadows(const gpu::Device& device, SetRaster& set, uint32_t instances);
 
-    // To be called before a frame and after SetRaster::light: finds the instances that cast shadows.
-    void prepare(std::span<const Field* const> fields, std::span<const Instance> instances);
+    // To be called before a frame and after SetRaster::light: finds the instances that cast shadows. Their fields are
+    // indices into levels.all.
+    void prepare(const FieldLevels& levels, std::span<const Instance> instances);
 
-    void prepare_lights(std::span<const Field* const> fields, std::span<const Instance> instances);
+    void prepare_lights(const FieldLevels& levels, std::span<const Instance> instances);
     SetRaster& set;
     RayTarget target;
     gpu::Buffer rows;

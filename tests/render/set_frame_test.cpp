@@ -13,6 +13,7 @@
 #include "support/random_tree.h"
 #include "support/set_scene.h"
 #include "support/traced.h"
+#include "support/waver_tree.h"
 
 namespace neuvv::test::set_frame_test {
 namespace {
@@ -341,6 +342,35 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
         EXPECT_LT(below, 0.35 * below_lit);
         EXPECT_GT(below_lit, 0);
     }
+}
+
+// The map of a directional light covers all performers: the shadow of a near one must not move where another performer,
+// which is far away, is drawn from larger leaves.
+TEST_F(SetFrameTest, FarLevelsDoNotMoveShadowMaps) {
+    const render::Field field = render::upload_levels(device(), waver_tree());
+    GlbBuilder glb;
+    add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.8f, 0.8f, 1}, 0, 1));
+    OnSet stage(device(), glb, {&field}, {kWidth, kHeight});
+    render::SetLight sun = lamp({1, 4, 2}, {0, 0, 0}, 3);
+    sun.kind = render::SetLightKind::kDirectional;
+    stage.set.light(std::span(&sun, 1), {});
+    const glm::mat4 far({1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, -30, 1});
+    render::FrameSettings settings = settings_of({{0}, {0, far}});
+    const stage::Camera camera = look_at({0, 2, 3}, {0, 1.2, 0}, kWidth, kHeight, 1.1);
+    const auto light_with = [&](bool far_levels) {
+        settings.far_levels = far_levels;
+        stage.frames.render(camera, settings);
+        return std::pair(stage.set.lights().light[0].performer_clip_from_world,
+                         download_colours(device(), stage.set.colour));
+    };
+    const auto [map, colours] = light_with(true);
+    bool any_coarser = false, any_finest = false;
+    for (const auto& group : stage.frames.drawn())
+        for (const render::DrawnInstance& one : group) (one.field > 0 ? any_coarser : any_finest) = true;
+    EXPECT_TRUE(any_coarser && any_finest);
+    const auto [map_without, colours_without] = light_with(false);
+    EXPECT_EQ(map, map_without);
+    for (size_t i = 0; i < colours.size(); i++) ASSERT_NEAR(colours[i].g, colours_without[i].g, 1e-3) << i;
 }
 
 // Red glass before a performer, green glass behind it.

@@ -42,8 +42,8 @@ inline std::vector<Part> parts_at(uint32_t frame) {
 
 // The tree has leaves of 3 cm, and a basis for each frame.
 inline voctree::VOctree waver_tree() {
-    constexpr uint32_t kSide = 64, kDepth = 6;
-    constexpr double kEdge = 1.92 / kSide;
+    constexpr uint32_t kCellsAcross = 64, kDepth = 6;
+    constexpr double kEdge = 1.92 / kCellsAcross;
     voctree::VOctree tree;
     tree.box_min = {-0.96f, 0, -0.96f};
     tree.box_size = glm::vec3(1.92f);
@@ -56,8 +56,9 @@ inline voctree::VOctree waver_tree() {
     tree.gamma_basis.assign(tree.sigma_basis.size(), 0);
     std::vector<voctree::LeafPosition> positions;
     std::vector<std::pair<uint32_t, glm::dvec3>> seen;  // bits of the frames in which the leaf is opaque; its colour
-    for (uint32_t i = 0; i < kSide * kSide * kSide; i++) {
-        const voctree::LeafPosition position{i % kSide, i / kSide % kSide, i / kSide / kSide, kDepth};
+    for (uint32_t i = 0; i < kCellsAcross * kCellsAcross * kCellsAcross; i++) {
+        const voctree::LeafPosition position{i % kCellsAcross, i / kCellsAcross % kCellsAcross,
+                                             i / kCellsAcross / kCellsAcross, kDepth};
         const glm::dvec3 at = glm::dvec3(tree.box_min) + kEdge * (glm::dvec3(position.x, position.y, position.z) + 0.5);
         uint32_t frames = 0;
         glm::dvec3 colour(0);
