@@ -28,7 +28,8 @@ struct Field {
     // The largest number of planes of A_t or B_t that are not 0 at any t. Code that changes A or B must set it to
     // basis_planes().
     uint32_t busy_planes = 1;
-    // The same clip with fewer and larger leaves, each an octree depth coarser than the one before (field_levels.h).
+    // The same clip with fewer and larger leaves, each at least an octree depth coarser than the one before
+    // (field_levels.h).
     std::vector<Field> coarser;
 
     uint32_t node_count() const { return level_begin.back(); }

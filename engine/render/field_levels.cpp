@@ -13,6 +13,9 @@ namespace {
 
 // The coarsest level's cells are an eighth of the box wide: seen from farther away, a performer is a few pixels.
 constexpr uint32_t kCoarsestDepth = 3;
+// A level has at most so large a part of the leaves of the next finer one. A surface has a quarter at each depth; where
+// leaves are scattered, cells contain little more than one, and a level would cost memory and look no better.
+constexpr uint32_t kMinReduction = 2;
 
 // Metres: the longest edge of the finest leaves.
 double finest_edge_m(const Field& field) {
@@ -60,10 +63,13 @@ Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree) {
     uint32_t depth = voctree::finest_depth(tree);
     if (depth <= kCoarsestDepth || !has_basis_for_each_frame(tree)) return field;
     voctree::VOctree cut = voctree::cut_tree(tree, --depth);
-    field.coarser.push_back(upload_field(device, cut, WeightPrecision::kHalf));
-    while (depth > kCoarsestDepth) {
-        cut = voctree::cut_tree(cut, --depth);
-        field.coarser.push_back(upload_field(device, cut, WeightPrecision::kHalf));
+    uint32_t finer_leaves = field.leaf_count;
+    for (;; cut = voctree::cut_tree(cut, --depth)) {
+        if (cut.leaf_count <= finer_leaves / kMinReduction) {
+            field.coarser.push_back(upload_field(device, cut, WeightPrecision::kHalf));
+            finer_leaves = cut.leaf_count;
+        }
+        if (depth == kCoarsestDepth) break;
     }
     return field;
 }
@@ -75,16 +81,14 @@ uint32_t level_for(const Field& field, std::span<const LevelView> views) {
     return static_cast<uint32_t>(std::ranges::find_if_not(field.coarser, fits) - field.coarser.begin());
 }
 
-FieldLevels::FieldLevels(std::vector<const Field*> given) : all(std::move(given)), level_of(all.size()) {
+FieldLevels::FieldLevels(std::vector<const Field*> given) : all(std::move(given)) {
     const auto fields = static_cast<uint32_t>(all.size());
     for (uint32_t field = 0; field < fields; field++) given_of.push_back(field);
     for (uint32_t field = 0; field < fields; field++) {
         first_coarser.push_back(static_cast<uint32_t>(all.size()));
-        uint32_t level = 0;
         for (const Field& coarser : all[field]->coarser) {
             all.push_back(&coarser);
             given_of.push_back(field);
-            level_of.push_back(++level);
         }
     }
 }

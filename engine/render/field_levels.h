@@ -9,8 +9,9 @@
 
 namespace neuvv::render {
 
-// A field to be played, with its Field::coarser where each frame of the clip has a basis of its own. They take about a
-// third of its memory more. The tree must be sound.
+// A field to be played, with its Field::coarser where each frame of the clip has a basis of its own: cut at each octree
+// depth that has at most half of the leaves of the level before. They take about a third of its memory more. The tree
+// must be sound.
 Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree);
 
 // How a performer is seen: a camera in the performer's space (in_performer; metres), and its rays per pixel along each
@@ -41,7 +42,6 @@ struct FieldLevels {
     std::vector<const Field*> all;        // those given, then the coarser levels of each
     std::vector<uint32_t> first_coarser;  // by given field
     std::vector<uint32_t> given_of;       // of each of `all`: the number of the field that was given
-    std::vector<uint32_t> level_of;       // of each of `all`
     uint32_t given() const { return static_cast<uint32_t>(first_coarser.size()); }
 };
 

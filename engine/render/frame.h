@@ -61,8 +61,8 @@ struct FrameCapacity {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;
     uint32_t views = 1;
-    // Bytes of slices, in equal shares for all fields; coarser levels that are drawn take up to a third more. 0: no
-    // slices; the direct path draws all that is not painted.
+    // Bytes of slices, in equal shares for all fields. Coarser levels that are drawn take as much for each leaf as the
+    // finest one, which is about a third more in all. 0: no slices; the direct path draws all that is not painted.
     uint64_t slice_budget = kSliceBudget;
     uint64_t segment_budget = UINT64_MAX;  // bytes of segments that are merged at once
 };

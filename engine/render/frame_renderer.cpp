@@ -211,8 +211,8 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
     if (shadows_) shadows_->prepare(levels_, settings.instances);
 }
 
-// Creates the performers of the given fields, and of the coarser levels that this frame draws: each of these has a
-// quarter of the slice budget of the level before it, as it has about a quarter of its leaves.
+// Creates the performers of the given fields, and of the coarser levels that this frame draws: for each leaf these have
+// as much of the slice budget as the finest level.
 void FrameRenderer::make_performers() {
     std::vector<bool> needed(levels_.all.size());
     std::fill_n(needed.begin(), levels_.given(), true);
@@ -221,10 +221,12 @@ void FrameRenderer::make_performers() {
     if (shadows_)
         for (const DrawnInstance& instance : shadows_->drawn) needed[instance.field] = true;
     performers_.resize(levels_.all.size());
-    for (size_t i = 0; i < needed.size(); i++) {
+    for (uint32_t i = 0; i < needed.size(); i++) {
         if (performers_[i] || !needed[i]) continue;
         const uint64_t share = slice_share(capacity_.slice_budget, levels_.given());
-        const uint64_t level_share = share == 0 ? 0 : std::max<uint64_t>(share >> 2 * levels_.level_of[i], 1);
+        const double part = static_cast<double>(levels_.all[i]->leaf_count) / levels_.finest(i).leaf_count;
+        const uint64_t level_share =
+            share == 0 ? 0 : std::max(static_cast<uint64_t>(static_cast<double>(share) * part), uint64_t{1});
         performers_[i] = std::make_unique<Performer>(device_, *levels_.all[i], *paints_[i], level_share);
         performers_[i]->add_target(target_, capacity_.views);
         if (shadows_) performers_[i]->add_target(shadows_->target, kMaxShadows);

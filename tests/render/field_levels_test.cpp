@@ -106,6 +106,19 @@ TEST_F(FieldLevelsTest, ClipsWhoseFramesShareBasesHaveNone) {
     EXPECT_TRUE(render::upload_levels(device(), tree).coarser.empty());
 }
 
+// Leaves so far apart that the cells of the next two depths contain one each.
+TEST_F(FieldLevelsTest, LevelsHaveAtMostHalfOfTheLeavesOfTheLevelBefore) {
+    voctree::VOctree scattered = tree;
+    std::vector<voctree::LeafPosition> positions;
+    for (uint32_t i = 0; i < 16 * 16 * 16; i++)
+        positions.push_back({4 * (i % 16), 4 * (i / 16 % 16), 4 * (i / 256), 6});
+    voctree::build_topology(scattered, positions);
+    const render::Field levels = render::upload_levels(device(), scattered);
+    ASSERT_EQ(levels.coarser.size(), 1u);
+    EXPECT_EQ(levels.coarser[0].leaf_count, levels.leaf_count / 8);
+    EXPECT_EQ(levels.coarser[0].finest_level, 3u);
+}
+
 // Over several positions of the camera, as one ray a pixel may meet the right leaves by chance.
 TEST_F(FieldLevelsTest, FarPerformersComeNearerToManyRays) {
     render::FrameRenderer many(device(), field, {kSide, kSide, kTruthSamples});
