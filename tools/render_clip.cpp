@@ -211,7 +211,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     facts["--direct"] = fmt::format("{}", options.direct);
     media::ImageSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
     const gpu::Device device(common.device);
-    const render::Field field = render::upload_levels(device, plan.tree);
+    const render::Field field = render::upload_far_levels(device, plan.tree);
     const auto render_all = [&](const std::function<FrameTimes(uint32_t)>& render) {
         return render_images(options, plan.output, size, plan.playback.output_fps, images, sink, device, render);
     };

@@ -35,7 +35,7 @@ std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInf
     std::vector<ClipMemory> all;
     for (const stage::StageClip& clip : stage.clips) {
         const uint64_t before = device.buffer_bytes();
-        const render::Field field = render::upload_levels(device, voctree::read_clip(clip.path));
+        const render::Field field = render::upload_far_levels(device, voctree::read_clip(clip.path));
         const uint64_t with_field = device.buffer_bytes();
         const render::Paints paints(device, field);
         const render::Performer performer(device, field, paints, render::slice_share(budget, stage.clips.size()));

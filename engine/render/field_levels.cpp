@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/trace.h"
 #include "voctree/coarse.h"
 #include "voctree/leaf_density.h"
 
@@ -41,13 +42,12 @@ double evenness(const glm::dmat3& a) {
     return std::sqrt(std::max(least, 0.0) / largest);
 }
 
-// Metres of the performer's space, at its leaves that are nearest to the eye. Where the performer is squashed, rays are
-// closer together along one direction than along another; the result is a lower bound for all directions of view.
-double between_rays_m(const Field& field, const LevelView& view) {
-    const glm::vec3 eye(view.camera.world_from_camera[3]);
+// Metres of the performer's space, at its leaves that are nearest to the eye, for an even scale.
+double between_rays_m(const Field& field, const stage::Camera& camera, const glm::mat4& world_from_performer,
+                      uint32_t samples) {
+    const glm::vec3 eye(in_performer(camera, world_from_performer).world_from_camera[3]);
     const glm::vec3 outside = glm::max(glm::max(field.leaves_min - eye, eye - field.leaves_max), 0.0f);
-    const double focal_rays = view.pixel_rays * std::max(view.camera.fx, view.camera.fy);
-    return evenness(glm::dmat3(view.camera.world_from_camera)) * double{glm::length(outside)} / focal_rays;
+    return double{glm::length(outside)} / (samples * std::max(camera.fx, camera.fy));
 }
 
 // Then a cell has a density for each frame, which can cover what its leaves cover there. Where frames share bases it
@@ -58,7 +58,7 @@ bool has_basis_for_each_frame(const voctree::VOctree& tree) {
 
 }  // namespace
 
-Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree) {
+Field upload_far_levels(const gpu::Device& device, const voctree::VOctree& tree) {
     Field field = upload_field(device, tree, WeightPrecision::kHalf);
     uint32_t depth = voctree::finest_depth(tree);
     if (depth <= kCoarsestDepth || !has_basis_for_each_frame(tree)) return field;
@@ -74,9 +74,14 @@ Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree) {
     return field;
 }
 
-uint32_t level_for(const Field& field, std::span<const LevelView> views) {
+uint32_t far_level_for(const Field& field, std::span<const stage::Camera> cameras,
+                       const glm::mat4& world_from_performer, uint32_t samples) {
+    if (field.coarser.empty()) return 0;
     double closest_m = INFINITY;
-    for (const LevelView& view : views) closest_m = std::min(closest_m, between_rays_m(field, view));
+    for (const stage::Camera& camera : cameras)
+        closest_m = std::min(closest_m, between_rays_m(field, camera, world_from_performer, samples));
+    // Where the performer is squashed, rays are closer together along one direction than along another.
+    closest_m *= evenness(glm::dmat3(world_from_performer));
     const auto fits = [&](const Field& coarser) { return finest_edge_m(coarser) <= closest_m; };
     return static_cast<uint32_t>(std::ranges::find_if_not(field.coarser, fits) - field.coarser.begin());
 }

@@ -12,23 +12,19 @@ namespace neuvv::render {
 // A field to be played, with its Field::coarser where each frame of the clip has a basis of its own: cut at each octree
 // depth that has at most half of the leaves of the level before. They take about a third of its memory more. The tree
 // must be sound.
-Field upload_levels(const gpu::Device& device, const voctree::VOctree& tree);
+Field upload_far_levels(const gpu::Device& device, const voctree::VOctree& tree);
 
-// How a performer is seen: a camera in the performer's space (in_performer; metres), and its rays per pixel along each
-// side at full resolution. Dynamic resolution follows the time that images take, and levels must not.
-struct LevelView {
-    stage::Camera camera;
-    double pixel_rays = 1;
-};
+// The far level at which a performer should be drawn for all of these cameras, with `samples` rays per pixel along each
+// side: 0 is the field itself, k is coarser[k − 1]. It is the coarsest whose finest cells look no larger than the
+// distance between two rays, at the point of the field's box that is nearest to an eye. Of a performer with an uneven
+// scale it is the least distance that is possible between two rays there, whatever their direction. The level depends
+// on nothing else, so that images do not depend on those before them, and that parts of an image have the level of the
+// whole. It does not follow dynamic resolution (FrameSettings::scale) either, because that follows the time that images
+// take.
+uint32_t far_level_for(const Field& field, std::span<const stage::Camera> cameras,
+                       const glm::mat4& world_from_performer, uint32_t samples);
 
-// The level at which a field should be drawn for all of these views: 0 is the field itself, k is coarser[k − 1]. It is
-// the coarsest whose finest cells look no larger than the distance between two rays, at the point of the field's box
-// that is nearest to an eye. Of a performer with an uneven scale it is the least distance that is possible between two
-// rays there, whatever their direction. It depends on nothing else, so that images do not depend on those before them,
-// and that parts of an image have the level of the whole.
-uint32_t level_for(const Field& field, std::span<const LevelView> views);
-
-// Fields with all of their levels in one list.
+// Fields with all of their far levels in one list.
 struct FieldLevels {
     explicit FieldLevels(std::vector<const Field*> given);
     // The index of a level of the field that was given as number `field`.

@@ -46,8 +46,8 @@ struct FrameSettings {
     Blend blend = Blend::kExact;
     bool lit = true;  // whether the set's lights shine on performers; else they have the light of their capture
     float stop = kStopTransmittance;
-    // Whether performers whose leaves look smaller than a pixel are drawn from Field::coarser, where the fields have
-    // it. Painted ones never are, as paint refers to leaves.
+    // Whether performers whose leaves look smaller than the distance between two rays are drawn from Field::coarser,
+    // where the fields have it. Painted ones never are, as paint refers to leaves.
     bool far_levels = true;
 };
 

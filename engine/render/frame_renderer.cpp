@@ -294,11 +294,8 @@ FrameSettings FrameRenderer::with_far_levels(std::span<const stage::Camera> came
     std::vector<std::set<uint32_t>> drawn(levels_.given());  // by field: the levels of performers without paint
     for (Instance& instance : chosen.instances) {
         if (instance.paint != 0) continue;
-        std::vector<LevelView> views;
-        for (const stage::Camera& camera : cameras)
-            views.push_back(
-                {in_performer(camera, instance.world_from_performer), static_cast<double>(settings.samples)});
-        const uint32_t level = level_for(*levels_.all[instance.field], views);
+        const uint32_t level =
+            far_level_for(*levels_.all[instance.field], cameras, instance.world_from_performer, settings.samples);
         drawn[instance.field].insert(level);
         instance.field = levels_.index(instance.field, level);
     }

@@ -45,7 +45,7 @@ std::vector<std::shared_ptr<const LoadedClip>> StageLoader::load_clips(const sta
         const FileStamp stamp = stamp_of(stage.clips[i].path);
         const voctree::VOctree tree = voctree::read_clip(stage.clips[i].path);
         clips[i] = std::make_shared<const LoadedClip>(
-            LoadedClip{stage.clips[i].path, stamp, upload_levels(device_, tree), voctree::painted_field(tree)});
+            LoadedClip{stage.clips[i].path, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
         clips_.push_back(clips[i]);
         if (loaded) loaded(++read, missing);
     }

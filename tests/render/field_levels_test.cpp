@@ -49,7 +49,7 @@ struct FieldLevelsTest : GpuTest {
     }
 
     voctree::VOctree tree = waver_tree();
-    render::Field field = render::upload_levels(device(), tree);
+    render::Field field = render::upload_far_levels(device(), tree);
     render::FrameRenderer renderer{device(), field, {kSide, kSide}};
     render::FrameSettings settings;
 };
@@ -58,8 +58,8 @@ TEST_F(FieldLevelsTest, LeavesLookNoLargerThanTheDistanceOfRays) {
     ASSERT_EQ(field.coarser.size(), 3u);  // of leaves at depths 5, 4, 3
     EXPECT_LT(field.coarser[0].leaf_count, field.leaf_count / 3);
     EXPECT_LT(field.coarser[1].leaf_count, field.coarser[0].leaf_count / 3);
-    const auto level = [&](double rays_m, double pixel_rays = 1) {
-        return render::level_for(field, std::vector{render::LevelView{camera_at(field, rays_m), pixel_rays}});
+    const auto level = [&](double rays_m, uint32_t samples = 1) {
+        return render::far_level_for(field, std::vector{camera_at(field, rays_m)}, glm::mat4(1), samples);
     };
     for (uint32_t k = 1; k <= 3; k++) {
         const double edge_m = kLeafM * std::exp2(k);
@@ -69,16 +69,17 @@ TEST_F(FieldLevelsTest, LeavesLookNoLargerThanTheDistanceOfRays) {
     }
     EXPECT_EQ(level(100), 3u);
     EXPECT_EQ(level(-0.001), 0u) << "an eye in the box";
-    const render::LevelView near{camera_at(field, 1.1 * kLeafM), 1}, far{camera_at(field, 9 * kLeafM), 1};
-    EXPECT_EQ(render::level_for(field, std::vector{far, near}), 0u) << "all eyes see the same level";
-    EXPECT_EQ(render::level_for(field.coarser[0], std::vector{far}), 0u) << "without levels of its own";
+    const stage::Camera near = camera_at(field, 1.1 * kLeafM), far = camera_at(field, 9 * kLeafM);
+    EXPECT_EQ(render::far_level_for(field, std::vector{far, near}, glm::mat4(1), 1), 0u)
+        << "all eyes see the same level";
+    EXPECT_EQ(render::far_level_for(field.coarser[0], std::vector{far}, glm::mat4(1), 1), 0u)
+        << "without levels of its own";
 }
 
 // Squashed along the direction of view, a performer looks as large as before: so do its cells.
 TEST_F(FieldLevelsTest, SquashedPerformersHaveNoCoarserLevel) {
     const auto level = [&](const glm::dmat4& world_from_performer, const stage::Camera& camera) {
-        const stage::Camera seen = render::in_performer(camera, glm::mat4(world_from_performer));
-        return render::level_for(field, std::vector{render::LevelView{seen, 1}});
+        return render::far_level_for(field, std::vector{camera}, glm::mat4(world_from_performer), 1);
     };
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1), 0.7, glm::normalize(glm::dvec3(1, 2, 3)));
     for (uint32_t k = 0; k <= 3; k++) {
@@ -103,7 +104,7 @@ TEST_F(FieldLevelsTest, SquashedPerformersHaveNoCoarserLevel) {
 
 TEST_F(FieldLevelsTest, ClipsWhoseFramesShareBasesHaveNone) {
     tree.sigma_basis[1] = 0.5f;
-    EXPECT_TRUE(render::upload_levels(device(), tree).coarser.empty());
+    EXPECT_TRUE(render::upload_far_levels(device(), tree).coarser.empty());
 }
 
 // Leaves so far apart that the cells of the next two depths contain one each.
@@ -113,7 +114,7 @@ TEST_F(FieldLevelsTest, LevelsHaveAtMostHalfOfTheLeavesOfTheLevelBefore) {
     for (uint32_t i = 0; i < 16 * 16 * 16; i++)
         positions.push_back({4 * (i % 16), 4 * (i / 16 % 16), 4 * (i / 256), 6});
     voctree::build_topology(scattered, positions);
-    const render::Field levels = render::upload_levels(device(), scattered);
+    const render::Field levels = render::upload_far_levels(device(), scattered);
     ASSERT_EQ(levels.coarser.size(), 1u);
     EXPECT_EQ(levels.coarser[0].leaf_count, levels.leaf_count / 8);
     EXPECT_EQ(levels.coarser[0].finest_level, 3u);
@@ -205,7 +206,7 @@ TEST_F(FieldLevelsTest, SlicesArePrefetchedAtTheLevelThatIsDrawn) {
 TEST_F(FieldLevelsTest, OtherFieldsComeAndGoWithTheirLevels) {
     const stage::Camera far = camera_at(field, 5 * kLeafM);
     const media::Image alone = image(far, true);
-    const render::Field other = render::upload_levels(device(), tree);
+    const render::Field other = render::upload_far_levels(device(), tree);
     renderer.change_fields({&other, &field});
     settings.instances[0].field = 1;
     EXPECT_EQ(image(far, true).rgba, alone.rgba);

@@ -347,7 +347,7 @@ TEST_F(SetFrameTest, PerformersShadowEachOther) {
 // The map of a directional light covers all performers: the shadow of a near one must not move where another performer,
 // which is far away, is drawn from larger leaves.
 TEST_F(SetFrameTest, FarLevelsDoNotMoveShadowMaps) {
-    const render::Field field = render::upload_levels(device(), waver_tree());
+    const render::Field field = render::upload_far_levels(device(), waver_tree());
     GlbBuilder glb;
     add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.8f, 0.8f, 1}, 0, 1));
     OnSet stage(device(), glb, {&field}, {kWidth, kHeight});

@@ -42,7 +42,7 @@ struct Scene {
         : box(voctree::occupied_box(tree)),
           frames(tree.frames),
           size(tools::parse_size(options.size)),
-          field(render::upload_levels(device, tree)),
+          field(render::upload_far_levels(device, tree)),
           renderer(device, field, capacity_of(options)) {
         render::FrameCapacity capacity = capacity_of(options);
         capacity.samples = kTruthSamples;
@@ -97,7 +97,7 @@ Footprint measure_footprint(Scene& scene, uint32_t divisor, uint32_t views) {
             result.psnr[with] += quality.psnr / views;
             result.ssim[with] += quality.ssim / views;
         }
-        result.level = render::level_for(scene.field, std::vector{render::LevelView{camera, 1}});
+        result.level = render::far_level_for(scene.field, {&camera, 1}, glm::mat4(1), 1);
     }
     double moved[3] = {};  // without, with, truth
     media::Image last[3];
@@ -125,7 +125,7 @@ Switches measure_switches(Scene& scene) {
     uint32_t last_level = 0;
     for (int step = 0; step < kAway; step++) {
         const stage::Camera camera = scene.camera(1, 0.2, 2.2 * std::exp2(3.0 * step / (kAway - 1)));
-        const uint32_t level = render::level_for(scene.field, std::vector{render::LevelView{camera, 1}});
+        const uint32_t level = render::far_level_for(scene.field, {&camera, 1}, glm::mat4(1), 1);
         const media::Image image = scene.image(camera, kWith, 0), truth = scene.image(camera, kTruth, 0);
         if (step > 0) (level != last_level ? result.at_switch : result.between).push_back(mean_difference(last, image));
         if (step > 0 && level != last_level) result.truth_at_switch.push_back(mean_difference(last_truth, truth));
@@ -175,7 +175,7 @@ Result measure(const gpu::Device& device, const voctree::VOctree& tree, const Fa
     for (const int with : {0, 1}) {
         const uint64_t before = device.buffer_bytes();
         const auto start = std::chrono::steady_clock::now();
-        const render::Field field = with ? render::upload_levels(device, tree)
+        const render::Field field = with ? render::upload_far_levels(device, tree)
                                          : render::upload_field(device, tree, render::WeightPrecision::kHalf);
         const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
         result.upload_ms[with] = took.count();
