@@ -362,7 +362,7 @@ void RenderThread::draw(const ViewRequest& view) {
     settings.scale = std::min(scale_.scale(), view.max_scale);
     for (const double next : view.next_s)
         for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
-            settings.next_slices.push_back({{instance.frame, instance.paint}, instance.field});
+            settings.next_instances.push_back(instance);
     copy_to_image(renderer_->frames().draw({&view.camera, 1}, settings), {0, 0}, size);
     const double milliseconds = milliseconds_since(begin);
     scale_.drawn(settings.scale, milliseconds);

@@ -27,21 +27,15 @@ enum class Blend {
     kPaper,  // each instance is a layer, and layers are blended by depth: the paper's Algorithm 1 (errata 11)
 };
 
-// A slice that the next images will need.
-struct NextSlice {
-    SliceKey slice;
-    uint32_t field = 0;
-};
-
 struct FrameSettings {
     std::vector<Instance> instances = std::vector<Instance>(1);  // at most kMaxInstances
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;  // rays per pixel along each side: 2 averages four rays
     double scale = 1;      // rays per pixel along each side; below 1 the image is upscaled, and `samples` must be 1
-    std::vector<Fovea> foveae;           // one per view, or none; with foveae `samples` must be 1
-    std::vector<NextSlice> next_slices;  // to be prefetched, in the order in which they will be needed
-    uint32_t prefetch_parts = 2;         // parts that are prefetched with each image; a slice has kSliceParts
-    ResolveSettings resolve;             // an inspection leaves out the set and its lights
+    std::vector<Fovea> foveae;             // one per view, or none; with foveae `samples` must be 1
+    std::vector<Instance> next_instances;  // of the next images, in their order: their slices are prefetched
+    uint32_t prefetch_parts = 2;           // parts that are prefetched with each image; a slice has kSliceParts
+    ResolveSettings resolve;               // an inspection leaves out the set and its lights
     TraceMode mode = TraceMode::kTree;
     Blend blend = Blend::kExact;
     bool lit = true;  // whether the set's lights shine on performers; else they have the light of their capture
@@ -140,7 +134,7 @@ class FrameRenderer {
     void record_rays(const FrameSettings& settings);
     void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
     enum class Destination { kDevice, kHost };
-    FrameSettings with_far_levels(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
+    void choose_far_levels(std::span<const stage::Camera> cameras, FrameSettings& settings) const;
     void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
     void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
     void make_grids(const FrameSettings& settings, uint32_t views);

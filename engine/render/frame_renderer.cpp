@@ -7,7 +7,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <set>
 
 #include "base/error.h"
 
@@ -245,8 +244,8 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
                 if ((instance.highlight != nullptr) == highlighted) slices[instance.field].push_back(instance.slice());
     if (shadows_)  // after those of the views, as a missing slice matters less in a shadow
         for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
-    for (const NextSlice& one : settings.next_slices)
-        if (one.field < next.size()) next[one.field].push_back(one.slice);
+    for (const Instance& one : settings.next_instances)
+        if (one.field < next.size()) next[one.field].push_back({one.frame, one.paint});
     for (size_t i = 0; i < performers_.size(); i++)
         if (performers_[i]) performers_[i]->prepare(slices[i], next[i]);
     if (shadows_)
@@ -285,34 +284,22 @@ uint64_t FrameRenderer::live_entries() const {
     return entries;
 }
 
-// The settings with the level at which each performer is drawn as its field. Slices to be prefetched are those of the
-// levels at which performers of their field are drawn now; of a field without any, those of its finest leaves.
-FrameSettings FrameRenderer::with_far_levels(std::span<const stage::Camera> cameras,
-                                             const FrameSettings& settings) const {
-    FrameSettings chosen = settings;
-    if (!settings.far_levels) return chosen;
-    std::vector<std::set<uint32_t>> drawn(levels_.given());  // by field: the levels of performers without paint
-    for (Instance& instance : chosen.instances) {
-        if (instance.paint != 0) continue;
-        const uint32_t level =
-            far_level_for(*levels_.all[instance.field], cameras, instance.world_from_performer, settings.samples);
-        drawn[instance.field].insert(level);
-        instance.field = levels_.index(instance.field, level);
-    }
-    chosen.next_slices.clear();
-    for (const NextSlice& next : settings.next_slices) {
-        if (next.slice.paint != 0 || next.field >= drawn.size() || drawn[next.field].empty())
-            chosen.next_slices.push_back(next);
-        else
-            for (const uint32_t level : drawn[next.field])
-                chosen.next_slices.push_back({next.slice, levels_.index(next.field, level)});
-    }
-    return chosen;
+// Makes the level at which an instance is drawn its field, also of the instances whose slices are prefetched.
+void FrameRenderer::choose_far_levels(std::span<const stage::Camera> cameras, FrameSettings& settings) const {
+    if (!settings.far_levels) return;
+    for (std::vector<Instance>* instances : {&settings.instances, &settings.next_instances})
+        for (Instance& instance : *instances) {
+            if (instance.paint != 0 || instance.field >= levels_.given()) continue;
+            const uint32_t level =
+                far_level_for(*levels_.all[instance.field], cameras, instance.world_from_performer, settings.samples);
+            instance.field = levels_.index(instance.field, level);
+        }
 }
 
 void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given) {
     check_settings(cameras, given);
-    const FrameSettings settings = with_far_levels(cameras, given);
+    FrameSettings settings = given;
+    choose_far_levels(cameras, settings);
     write_rays(cameras, settings);
     write_instances(cameras, settings);
     do {

@@ -183,24 +183,35 @@ TEST_F(FieldLevelsTest, PaintIsDrawnOnTheLeavesThatItRefersTo) {
 
 TEST_F(FieldLevelsTest, SlicesArePrefetchedAtTheLevelThatIsDrawn) {
     const stage::Camera far = camera_at(field, 5 * kLeafM);
-    settings.next_slices = {{{1, 0}, 0}};
+    settings.next_instances = {{1}};
     settings.prefetch_parts = render::kSliceParts;
     image(far, true);
-    settings.next_slices.clear();
+    settings.next_instances.clear();
     settings.instances[0].frame = 1;
     image(far, true);
     EXPECT_FALSE(builds_slices());
     image(far, false);
     EXPECT_TRUE(builds_slices()) << "the finest level's was not prefetched";
-    const std::vector<render::Instance> shown = settings.instances;
-    settings.instances.clear();
-    settings.next_slices = {{{2, 0}, 0}};
-    renderer.render(far, settings);
-    settings.instances = shown;
-    settings.instances[0].frame = 2;
-    settings.next_slices.clear();
-    image(far, false);
-    EXPECT_FALSE(builds_slices()) << "of a field that no performer shows yet, the finest is";
+}
+
+// A far performer and a near one of the same clip, at different times.
+TEST_F(FieldLevelsTest, EachInstanceIsPrefetchedAtItsOwnLevel) {
+    const stage::Camera camera = camera_at(field, 5 * kLeafM);
+    const glm::mat4 near(glm::translate(glm::dmat4(1), glm::dvec3(0, 0, 0.8 * camera.world_from_camera[3].z)));
+    settings.instances = {{0}, {1, near}};
+    settings.next_instances = {{2}, {3, near}};
+    settings.prefetch_parts = 4 * render::kSliceParts;
+    renderer.render(camera, settings);
+    settings.instances = settings.next_instances;
+    settings.next_instances.clear();
+    renderer.render(camera, settings);
+    ASSERT_EQ(renderer.drawn().size(), 2u);
+    EXPECT_EQ(renderer.drawn()[0][0].field, 0u);
+    EXPECT_EQ(renderer.drawn()[1][0].field, 2u);
+    EXPECT_FALSE(builds_slices());
+    settings.instances = {{2, near}};
+    renderer.render(camera, settings);
+    EXPECT_TRUE(builds_slices()) << "the far performer's time was not prefetched for the near one";
 }
 
 TEST_F(FieldLevelsTest, OtherFieldsComeAndGoWithTheirLevels) {

@@ -203,7 +203,7 @@ TEST_F(InstancesTest, SlicesBuiltAheadAreThoseBuiltWhenNeeded) {
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const auto draw = [&](render::FrameRenderer& renderer, float frame, const std::vector<float>& next) {
         render::FrameSettings settings = settings_of({{frame}}, render::TraceMode::kTree);
-        for (const float later : next) settings.next_slices.push_back({later});
+        for (const float later : next) settings.next_instances.push_back({later});
         settings.prefetch_parts = 1;
         return renderer.render(stage_camera(), settings).rgba;
     };

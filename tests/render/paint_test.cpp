@@ -291,7 +291,7 @@ TEST_F(PaintTest, SlicesBuiltAheadArePainted) {
     const uint32_t paint = ahead.paints().add(uses);
     ASSERT_EQ(fresh.paints().add(uses), paint);
     render::FrameSettings settings = settings_of({{0, glm::mat4(1), paint}});
-    settings.next_slices = {{2.5f, paint}};
+    settings.next_instances = {{2.5f, glm::mat4(1), paint}};
     settings.prefetch_parts = 1;
     for (uint32_t part = 0; part < render::kSliceParts; part++) ahead.render(stage_camera(), settings);
     const render::FrameSettings later = settings_of({{2.5f, glm::mat4(1), paint}});

@@ -119,7 +119,7 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
     for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
         const auto frame = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
         settings.instances[0].frame = static_cast<float>(frame % clip_frames);
-        if (ahead) settings.next_slices = {{static_cast<float>((frame + 1) % clip_frames)}};
+        if (ahead) settings.next_instances = {{static_cast<float>((frame + 1) % clip_frames)}};
         renderer.render_views(eyes, settings);
         if (i >= kDisplayHz / kClipFps)
             ms.push_back(milliseconds(renderer.pass_times()));  // the first slice cannot be built ahead

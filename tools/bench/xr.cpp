@@ -93,7 +93,7 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         settings.scale = options.scale;
         for (const render::Instance& next :
              renderer.settings_at(stage::stage_at(stage, frame_s + 1 / stage.fps)).instances)
-            settings.next_slices.push_back({{next.frame, next.paint}, next.field});
+            settings.next_instances.push_back(next);
         const xr::EyeViews eyes = eyes_at(stage, time_s);
         std::array<stage::Camera, xr::kEyes> cameras;
         for (uint32_t eye = 0; eye < xr::kEyes; eye++)

@@ -100,14 +100,14 @@ void EyeImages::update_hidden_triangles(render::StageRenderer& renderer, const x
 render::FrameSettings EyeImages::settings_of(const render::StageRenderer& renderer,
                                              const stage::EvaluatedStage& evaluated,
                                              const render::PerformerHighlight& highlight,
-                                             std::span<const render::NextSlice> next) const {
+                                             std::span<const render::Instance> next) const {
     render::FrameSettings settings = renderer.settings_at(evaluated, highlight);
     settings.width = size().width;
     settings.height = size().height;
     settings.mode = render::TraceMode::kPlay;
     settings.scale = quality_.scale > 0 ? quality_.scale : dynamic_scale_.scale();
     if (settings.scale > 0.97) settings.scale = 1;
-    settings.next_slices.assign(next.begin(), next.end());
+    settings.next_instances.assign(next.begin(), next.end());
     if (quality_.inset)
         for (const stage::Camera& camera : cameras_)
             settings.foveae.push_back(xr::fovea_of(camera, *quality_.inset, kBeside));
@@ -117,7 +117,7 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
 
 void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
                      const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
-                     const xr::Pose& world_from_tracking, std::span<const render::NextSlice> next,
+                     const xr::Pose& world_from_tracking, std::span<const render::Instance> next,
                      const xr::EyeShapes& shapes, double vignette, double budget_ms) {
     const auto begin = std::chrono::steady_clock::now();
     update_hidden_triangles(renderer, eyes);

@@ -37,7 +37,7 @@ class EyeImages {
     // says how dark the edges are, 0..1. `budget_ms` is the time that an image may take, for EyeQuality::scale 0.
     void draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
               const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
-              const xr::Pose& world_from_tracking, std::span<const render::NextSlice> next, const xr::EyeShapes& shapes,
+              const xr::Pose& world_from_tracking, std::span<const render::Instance> next, const xr::EyeShapes& shapes,
               double vignette, double budget_ms);
     // The layer with the images that were drawn last; it is valid until the next call. With `over_holes`, the layers
     // beneath are seen through holes.
@@ -53,7 +53,7 @@ class EyeImages {
     void update_hidden_triangles(render::StageRenderer& renderer, const xr::EyeViews& eyes);
     render::FrameSettings settings_of(const render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
                                       const render::PerformerHighlight& highlight,
-                                      std::span<const render::NextSlice> next) const;
+                                      std::span<const render::Instance> next) const;
     void copy_left(VkImage image);
     const gpu::Device& device_;
     const xr::Session& session_;

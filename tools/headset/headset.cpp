@@ -223,15 +223,15 @@ void handle_events(const xr::SessionEvents& events, SessionContext& session) {
         if (events.mask_changed[eye]) session.eyes.invalidate_mask(eye);
 }
 
-// The slices of the next kPrefetchedFrames frames of the stage, while it plays.
-std::vector<render::NextSlice> slices_to_prefetch(const Program& program, const render::StageRenderer& renderer) {
-    std::vector<render::NextSlice> next;
+// The performers of the next kPrefetchedFrames frames of the stage, while it plays.
+std::vector<render::Instance> next_instances(const Program& program, const render::StageRenderer& renderer) {
+    std::vector<render::Instance> next;
     if (!program.state.clock.playing) return next;
     for (int32_t n = 1; n <= kPrefetchedFrames; n++)
         for (const render::Instance& instance :
              renderer.settings_at(stage::stage_at(*program.state.stage, program.state.clock.displayed_after_s(n)))
                  .instances)
-            next.push_back({{instance.frame, instance.paint}, instance.field});
+            next.push_back(instance);
     return next;
 }
 
@@ -305,7 +305,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     for (const int hand : {xr::kLeft, xr::kRight})
         if (program.interaction.hands[hand].input.bare_hand)
             draw_joints(session.shapes, session.hand_tracking.joints(hand), world);
-    const std::vector<render::NextSlice> next = slices_to_prefetch(program, *context.renderer);
+    const std::vector<render::Instance> next = next_instances(program, *context.renderer);
     // As late as possible, for the newest prediction: all that does not depend on the head has been done before.
     const auto eyes = session.xr_session.locate_eyes(time.display);
     if (!eyes) return false;
