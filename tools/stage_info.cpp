@@ -28,6 +28,13 @@ struct ClipMemory {
     uint64_t field_bytes = 0, slice_bytes = 0;
 };
 
+uint64_t slice_bytes_of(const gpu::Device& device, const render::Field& field, uint64_t budget) {
+    const uint64_t before = device.buffer_bytes();
+    const render::Paints paints(device, field);
+    const render::Performer performer(device, field, paints, budget);
+    return device.buffer_bytes() - before;
+}
+
 std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInfoOptions& options,
                                        const CommonOptions& common) {
     const gpu::Device device(common.device);
@@ -37,9 +44,11 @@ std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInf
         const uint64_t before = device.buffer_bytes();
         const render::Field field = render::upload_far_levels(device, voctree::read_clip(clip.path));
         const uint64_t with_field = device.buffer_bytes();
-        const render::Paints paints(device, field);
-        const render::Performer performer(device, field, paints, render::slice_share(budget, stage.clips.size()));
-        all.push_back({with_field - before, device.buffer_bytes() - with_field});
+        const uint64_t share = render::slice_share(budget, stage.clips.size());
+        uint64_t slice_bytes = slice_bytes_of(device, field, share);
+        for (const render::Field& level : field.coarser)
+            slice_bytes += slice_bytes_of(device, level, render::slice_share_of_level(share, field, level));
+        all.push_back({with_field - before, slice_bytes});
     }
     return all;
 }

@@ -41,7 +41,8 @@ struct FrameSettings {
     bool lit = true;  // whether the set's lights shine on performers; else they have the light of their capture
     float stop = kStopTransmittance;
     // Whether performers whose leaves look smaller than the distance between two rays are drawn from Field::coarser,
-    // where the fields have it. Painted ones never are, as paint refers to leaves.
+    // where the fields have it. Painted ones never are, as paint refers to leaves; nor is any where the device has no
+    // memory for slices of all levels.
     bool far_levels = true;
 };
 
@@ -55,8 +56,9 @@ struct FrameCapacity {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;
     uint32_t views = 1;
-    // Bytes of slices, in equal shares for all fields. Coarser levels that are drawn take as much for each leaf as the
-    // finest one, which is about a third more in all. 0: no slices; the direct path draws all that is not painted.
+    // Bytes of slices, in equal shares for all fields. With FrameSettings::far_levels their coarser levels take as
+    // much for each leaf, which is about a third more in all. 0: no slices; the direct path draws all that is not
+    // painted.
     uint64_t slice_budget = kSliceBudget;
     uint64_t segment_budget = UINT64_MAX;  // bytes of segments that are merged at once
 };
@@ -143,7 +145,8 @@ class FrameRenderer {
     void write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     std::vector<std::vector<uint32_t>> instance_order(std::span<const stage::Camera> cameras,
                                                       const FrameSettings& settings) const;
-    void make_performers();
+    std::unique_ptr<Performer> make_performer(uint32_t index) const;
+    void make_performers(bool far_levels);
     void prepare(const FrameSettings& settings);
     bool enlarge();
     const gpu::Device& device_;
@@ -155,7 +158,8 @@ class FrameRenderer {
     gpu::Buffer blank_;  // the images of a frame without visible instances
     std::optional<std::pair<ViewLayout, ResolveSettings>> blank_key_;  // for which blank_ was drawn
     std::vector<std::unique_ptr<Paints>> paints_;                      // by field of levels_.all
-    std::vector<std::unique_ptr<Performer>> performers_;               // likewise; created when first needed
+    std::vector<std::unique_ptr<Performer>> performers_;               // likewise; created by the first image
+    std::optional<bool> far_levels_fit_;  // whether there was memory for all of levels_.all; nothing: not tried yet
     std::unique_ptr<Segments> segments_;
     ImageLister lister_;
     Resolver resolver_, listed_resolver_;        // of all tiles; of the listed tiles

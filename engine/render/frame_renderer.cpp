@@ -69,6 +69,7 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
     paints_ = std::move(other.paints_);
     shadows_ = std::move(other.shadows_);
     performers_ = std::move(other.performers_);
+    far_levels_fit_ = other.far_levels_fit_;
     for (const auto& performer : performers_)
         if (performer) performer->replace_target(kEyeTarget, target_, capacity_.views);
 }
@@ -95,6 +96,7 @@ void FrameRenderer::change_fields(std::vector<const Field*> fields) {
     performers_ = std::move(performers);  // before the paints that they refer to
     paints_ = std::move(paints);
     levels_ = std::move(next);
+    far_levels_fit_.reset();
 }
 
 void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
@@ -210,25 +212,30 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
     if (shadows_) shadows_->prepare(levels_, settings.instances);
 }
 
-// Creates the performers of the given fields, and of the coarser levels that this frame draws: for each leaf these have
-// as much of the slice budget as the finest level.
-void FrameRenderer::make_performers() {
-    std::vector<bool> needed(levels_.all.size());
-    std::fill_n(needed.begin(), levels_.given(), true);
-    for (const auto& group : drawn_)
-        for (const DrawnInstance& instance : group) needed[instance.field] = true;
-    if (shadows_)
-        for (const DrawnInstance& instance : shadows_->drawn) needed[instance.field] = true;
+std::unique_ptr<Performer> FrameRenderer::make_performer(uint32_t index) const {
+    const Field &field = *levels_.all[index], &finest = levels_.finest(index);
+    uint64_t share = slice_share(capacity_.slice_budget, levels_.given());
+    if (&field != &finest) share = slice_share_of_level(share, finest, field);
+    auto performer = std::make_unique<Performer>(device_, field, *paints_[index], share);
+    performer->add_target(target_, capacity_.views);
+    if (shadows_) performer->add_target(shadows_->target, kMaxShadows);
+    return performer;
+}
+
+// Creates the performers that do not exist yet: those of the given fields, and of all of their coarser levels, so that
+// no later frame waits for one. Where memory is short, the given fields alone have performers.
+void FrameRenderer::make_performers(bool far_levels) {
     performers_.resize(levels_.all.size());
-    for (uint32_t i = 0; i < needed.size(); i++) {
-        if (performers_[i] || !needed[i]) continue;
-        const uint64_t share = slice_share(capacity_.slice_budget, levels_.given());
-        const double part = static_cast<double>(levels_.all[i]->leaf_count) / levels_.finest(i).leaf_count;
-        const uint64_t level_share =
-            share == 0 ? 0 : std::max(static_cast<uint64_t>(static_cast<double>(share) * part), uint64_t{1});
-        performers_[i] = std::make_unique<Performer>(device_, *levels_.all[i], *paints_[i], level_share);
-        performers_[i]->add_target(target_, capacity_.views);
-        if (shadows_) performers_[i]->add_target(shadows_->target, kMaxShadows);
+    for (uint32_t i = 0; i < levels_.given(); i++)
+        if (!performers_[i]) performers_[i] = make_performer(i);
+    if (!far_levels || far_levels_fit_) return;
+    try {
+        for (uint32_t i = levels_.given(); i < levels_.all.size(); i++)
+            if (!performers_[i]) performers_[i] = make_performer(i);
+        far_levels_fit_ = true;
+    } catch (const RuntimeFailure&) {
+        far_levels_fit_ = false;
+        for (uint32_t i = levels_.given(); i < levels_.all.size(); i++) performers_[i].reset();
     }
 }
 
@@ -236,7 +243,6 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
     if (is_inspection(settings.resolve.show) && !inspector_)
         inspector_ =
             std::make_unique<Inspector>(device_, target_.rays, image_, std::span(levels_.all).first(levels_.given()));
-    make_performers();
     std::vector<std::vector<SliceKey>> slices(levels_.all.size()), next(levels_.all.size());
     for (const bool highlighted : {true, false})  // a highlight needs a slice
         for (const auto& group : drawn_)
@@ -286,7 +292,7 @@ uint64_t FrameRenderer::live_entries() const {
 
 // Makes the level at which an instance is drawn its field, also of the instances whose slices are prefetched.
 void FrameRenderer::choose_far_levels(std::span<const stage::Camera> cameras, FrameSettings& settings) const {
-    if (!settings.far_levels) return;
+    if (!settings.far_levels || !far_levels_fit_.value_or(false)) return;
     for (std::vector<Instance>* instances : {&settings.instances, &settings.next_instances})
         for (Instance& instance : *instances) {
             if (instance.paint != 0 || instance.field >= levels_.given()) continue;
@@ -298,6 +304,7 @@ void FrameRenderer::choose_far_levels(std::span<const stage::Camera> cameras, Fr
 
 void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given) {
     check_settings(cameras, given);
+    make_performers(given.far_levels);
     FrameSettings settings = given;
     choose_far_levels(cameras, settings);
     write_rays(cameras, settings);

@@ -85,6 +85,13 @@ inline uint64_t slice_share(uint64_t budget, size_t fields) {
     return (budget + fields - 1) / fields;
 }
 
+// The share of one of a field's far levels, beside that of the field itself: as much for each leaf.
+inline uint64_t slice_share_of_level(uint64_t field_share, const Field& field, const Field& level) {
+    if (field_share == 0) return 0;
+    const double part = static_cast<double>(level.leaf_count) / field.leaf_count;
+    return std::max(static_cast<uint64_t>(part * static_cast<double>(field_share)), uint64_t{1});
+}
+
 class Performer {
   public:
     // A budget of 0 bytes means no slice, except for a single one as soon as a painted instance is drawn, because paint

@@ -214,6 +214,34 @@ TEST_F(FieldLevelsTest, EachInstanceIsPrefetchedAtItsOwnLevel) {
     EXPECT_TRUE(builds_slices()) << "the far performer's time was not prefetched for the near one";
 }
 
+VkResult VKAPI_CALL no_memory(VkDevice, const VkMemoryAllocateInfo*, const VkAllocationCallbacks*, VkDeviceMemory*) {
+    return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+}
+
+TEST_F(FieldLevelsTest, WithoutMemoryForLevelsTheFinestLeavesAreDrawn) {
+    const stage::Camera far = camera_at(field, 5 * kLeafM);
+    const media::Image finest = image(far, false);
+    const PFN_vkAllocateMemory allocate = std::exchange(vkAllocateMemory, &no_memory);
+    const media::Image without_memory = image(far, true);
+    vkAllocateMemory = allocate;
+    EXPECT_EQ(without_memory.rgba, finest.rgba);
+    EXPECT_EQ(image(far, true).rgba, finest.rgba) << "images do not switch where there is memory later";
+}
+
+// A switch of levels then takes memory for a few passes alone, not for slices.
+TEST_F(FieldLevelsTest, TheFirstImageMakesThePerformersOfAllLevels) {
+    const stage::Camera near = camera_at(field, 1.1 * kLeafM);
+    image(near, false);
+    const uint64_t without = device().buffer_bytes();
+    image(near, true);
+    const uint64_t with = device().buffer_bytes();
+    for (const double leaves : {2.2, 4.4, 8.8}) {
+        image(camera_at(field, leaves * kLeafM), true);
+        EXPECT_GT(renderer.drawn()[0][0].field, 0u);
+    }
+    EXPECT_LT(device().buffer_bytes() - with, (with - without) / 4);
+}
+
 TEST_F(FieldLevelsTest, OtherFieldsComeAndGoWithTheirLevels) {
     const stage::Camera far = camera_at(field, 5 * kLeafM);
     const media::Image alone = image(far, true);
