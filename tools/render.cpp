@@ -71,8 +71,9 @@ void add_run_options(Command verb, RenderOptions& options) {
     add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
     add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
     add_switch(verb, "--far-levels", options.far_levels,
-               "Whether performers whose leaves look smaller than a pixel are drawn from coarser levels of their tree, "
-               "so that they do not shimmer");
+               "Whether performers whose leaves look smaller than the distance between two rays (--samples) are drawn "
+               "from coarser levels of their tree, so that they do not shimmer (default: on); painted ones, clips "
+               "whose frames share bases, and images of --direct never are");
     verb.add_flag("--resume", options.resume,
                   "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
