@@ -31,6 +31,7 @@ constexpr double kVerticalAngle_deg = 45;
 struct CoachOptions {
     std::string stage, against, output, performer, camera, size = "960x540", html, leave_out;
     std::optional<coach::Mode> mode;
+    std::optional<bool> far_levels;  // nothing: on
     bool mirror = false, no_ghost = false, no_arrows = false, json = false;
     double speed = 1;
     uint32_t samples = kDefaultSamples;
@@ -145,6 +146,7 @@ uint32_t render_performance(const CoachScene& scene, const CoachOptions& options
             camera = stage::camera_of(scene.stage, options.camera, evaluated, scene.size.width, scene.size.height);
         renderer.show(evaluated);
         render::FrameSettings settings = renderer.settings_at(evaluated, {scene.trainer.performer, coach.highlight()});
+        settings.far_levels = options.far_levels.value_or(true);
         media::Image image = renderer.frames().render(camera, settings);
         draw_guide(image, camera, performer.world_from_performer, coach);
         draw_remarks(image, coach);
@@ -207,6 +209,7 @@ void add_coach(Command app, CommonOptions& common) {
     verb.add_flag("--json", options->json, "Print JSON");
     verb.add_option("--size", options->size, "Of the images, WxH pixels").show_default();
     add_samples_option(verb, options->samples);
+    add_far_levels_option(verb, options->far_levels);
     verb.footer(
         {"\nThe trainee's body parts that are off are red on the trainer; the trainee is a ghost of bones inside, and "
          "arrows\n"

@@ -14,6 +14,14 @@ Option add_samples_option(Command verb, uint32_t& samples) {
         .show_default();
 }
 
+void add_far_levels_option(Command verb, std::optional<bool>& far_levels) {
+    add_switch(
+        verb, "--far-levels", far_levels,
+        "Whether performers whose leaves look smaller than the distance between two rays, except for painted ones "
+        "and clips whose frames share bases, are drawn from coarser levels of their tree, so that they do not "
+        "shimmer (default: on)");
+}
+
 void add_slice_budget_option(Command verb, double& mebibytes) {
     verb.add_option("--slice-budget", mebibytes,
                     "MiB on the device for frames' slices that are kept, however many instances there are; 0: no "

@@ -34,6 +34,9 @@ Option add_choice(Command verb, const std::string& name, std::optional<Enum>& va
 constexpr uint32_t kDefaultSamples = 2;
 Option add_samples_option(Command verb, uint32_t& samples);
 
+// --far-levels, for the verbs that play; nothing: on.
+void add_far_levels_option(Command verb, std::optional<bool>& far_levels);
+
 // --slice-budget, for the verbs that play.
 void add_slice_budget_option(Command verb, double& mebibytes);
 inline uint64_t bytes_of_mebibytes(double mebibytes) {

@@ -70,10 +70,7 @@ void add_run_options(Command verb, RenderOptions& options) {
                "Of a stage: performers that stand in each other exactly, or as layers as in the paper");
     add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
     add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
-    add_switch(verb, "--far-levels", options.far_levels,
-               "Whether performers whose leaves look smaller than the distance between two rays (--samples) are drawn "
-               "from coarser levels of their tree, so that they do not shimmer (default: on); painted ones, clips "
-               "whose frames share bases, and images of --direct never are");
+    add_far_levels_option(verb, options.far_levels);
     verb.add_flag("--resume", options.resume,
                   "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
@@ -149,7 +146,8 @@ void add_options(Command verb, RenderOptions& options) {
         .number_between(1, 1e6)
         .needs(cost);
     Option pass = add_pass_option(verb, options).excludes(depth).excludes(alpha).excludes(level).excludes(cost);
-    verb.add_flag("--direct", options.direct, "Evaluate all weights at each sample (the paper's path; slow)")
+    verb.add_flag("--direct", options.direct,
+                  "Evaluate all weights at each sample, without far levels (the paper's path; slow)")
         .excludes(scale)
         .excludes(paint)
         .excludes(pass)

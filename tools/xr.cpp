@@ -18,6 +18,7 @@ struct XrOptions {
     std::string report;
     bool check = false, no_mask = false, no_depth = false;
     double refresh_hz = 0, inset = 0;
+    std::optional<bool> far_levels;  // nothing: on
 };
 
 const char* yes_or_no(bool yes) {
@@ -90,6 +91,7 @@ void add_xr(Command app, CommonOptions& common) {
         .number_between(0.1, 0.95);
     verb.add_option("--refresh", options->refresh_hz, "Hz of the display, or the nearest rate that it knows")
         .number_between(1, 1000);
+    add_far_levels_option(verb, options->far_levels);
     verb.add_flag("--no-mask", options->no_mask, "Draw what no lens shows, too");
     verb.add_flag("--no-depth", options->no_depth, "Do not give depth to the compositor");
     verb.add_flag("--recover", headset.recover, "Take unsaved edits that an earlier run left behind");
@@ -115,6 +117,7 @@ void add_xr(Command app, CommonOptions& common) {
         settings.file = options->file;
         settings.device = common.device;
         settings.report = options->report;
+        settings.quality.far_levels = options->far_levels.value_or(true);
         settings.quality.mask = !options->no_mask;
         settings.quality.depth = !options->no_depth;
         settings.quality.keep_images = settings.mirror;

@@ -347,6 +347,7 @@ render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const s
     settings.width = view.camera.width;
     settings.height = view.camera.height;
     settings.samples = 1;
+    settings.far_levels = view.far_levels;
     return settings;
 }
 

@@ -36,6 +36,7 @@ struct ViewRequest {
     bool moving = false;                // the view changes: images should come soon, if with fewer rays
     double max_scale = 1;               // the most rays per pixel along each side while `moving`
     uint32_t samples = 1;               // rays per pixel along each side while not `moving`
+    bool far_levels = true;             // FrameSettings::far_levels
 };
 
 // The image to be displayed now.

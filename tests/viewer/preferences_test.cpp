@@ -48,7 +48,7 @@ TEST_F(PreferencesFile, WhatIsSavedIsRead) {
     saved.panels["stage"] = {false, 250.5};
     saved.panels["lights"] = {true, 300};
     saved.ui_scale = 1.25;
-    saved.preview = {0.5, 16};
+    saved.preview = {0.5, 16, false};
     saved.layer = "depth";
     const std::filesystem::path deep = folder.path / "new" / "folder" / "viewer.json";
     viewer::save_preferences(deep, saved);
@@ -66,6 +66,7 @@ TEST_F(PreferencesFile, WhatIsSavedIsRead) {
     EXPECT_EQ(read.ui_scale, 1.25);
     EXPECT_EQ(read.preview.resolution, 0.5);
     EXPECT_EQ(read.preview.samples, 16u);
+    EXPECT_FALSE(read.preview.far_levels);
     EXPECT_EQ(read.layer, "depth");
     viewer::save_preferences(deep, read);
     EXPECT_EQ(viewer::load_preferences(deep).preferences.recent, saved.recent);

@@ -107,6 +107,7 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
     settings.mode = render::TraceMode::kPlay;
     settings.scale = quality_.scale > 0 ? quality_.scale : dynamic_scale_.scale();
     if (settings.scale > 0.97) settings.scale = 1;
+    settings.far_levels = quality_.far_levels;
     settings.next_instances.assign(next.begin(), next.end());
     if (quality_.inset)
         for (const stage::Camera& camera : cameras_)

@@ -14,6 +14,7 @@ namespace neuvv::headset {
 struct EyeQuality {
     double scale = 0;             // rays per pixel along each side; 0: as many as the refresh rate allows
     std::optional<double> inset;  // the share of an image's side that gets all rays; the rest gets half as many
+    bool far_levels = true;       // FrameSettings::far_levels
     bool mask = true;             // leave out what lenses hide, where the runtime has a visibility mask
     bool depth = true;            // give depth to the compositor, where the runtime takes it
     bool keep_images = false;     // for left()

@@ -74,6 +74,7 @@ void Export::draw_block(editor::OnDevice& on_device) {
     settings.width = block.camera.width;
     settings.height = block.camera.height;
     settings.samples = settings_.samples;
+    settings.far_levels = settings_.far_levels;
     if (!settings_.with_background) settings.resolve.background = glm::vec4(0);
     const media::Image drawn = on_device.renderer.frames().render(block.camera, settings);
     for (uint32_t y = 0; y < drawn.height; y++)

@@ -18,6 +18,7 @@ struct ExportSettings {
     media::ImageSize size{1920, 1080};
     double fps = 25, first_s = 0;      // images per second of the stage; the stage time of the first image
     uint32_t images = 1, samples = 2;  // how many images; rays per pixel along each side
+    bool far_levels = true;            // FrameSettings::far_levels
     // The camera at the time of `evaluated`. It must have `size`.
     std::function<stage::Camera(const stage::Stage& stage, const stage::EvaluatedStage& evaluated)> camera;
     bool with_background = true;  // else images have the alpha of what they show

@@ -64,6 +64,7 @@ Preferences read_document(editor::PreferenceReader& reader, ordered_json documen
     const ordered_json& preview = reader.object(document, "preview");
     reader.number(preview, "preview.", "resolution", 0.2, 1.0, preferences.preview.resolution);
     reader.number(preview, "preview.", "samples", 1u, 64u, preferences.preview.samples);
+    reader.boolean(preview, "preview.", "farLevels", preferences.preview.far_levels);
     if (const ordered_json* layer = editor::PreferenceReader::find(document, "layer"))
         reader.text(*layer, "layer", preferences.layer);
     preferences.document = std::move(document);
@@ -104,6 +105,7 @@ ordered_json json_of(const Preferences& preferences) {
     ordered_json& preview = editor::object_in(document, "preview");
     preview["resolution"] = preferences.preview.resolution;
     preview["samples"] = preferences.preview.samples;
+    preview["farLevels"] = preferences.preview.far_levels;
     document["layer"] = preferences.layer;
     return document;
 }

@@ -2,7 +2,7 @@
 //
 //   {"window": {"width": 1600, "height": 900, "x": 40, "y": 30, "maximised": false},
 //    "recent": ["/home/me/a.gltf"], "panels": {"stage": {"open": true, "width": 320}},
-//    "uiScale": 1, "preview": {"resolution": 1, "samples": 4}, "layer": "colour"}
+//    "uiScale": 1, "preview": {"resolution": 1, "samples": 4, "farLevels": true}, "layer": "colour"}
 //
 // Every member may be missing. Members of these objects that the viewer does not know stay in the file.
 #pragma once
@@ -29,6 +29,7 @@ struct PanelSize {
 struct PreviewQuality {
     double resolution = 1;  // while something moves: the most rays per pixel along each side, 0.2 to 1
     uint32_t samples = 4;   // while nothing moves: rays per pixel, 1 to 64
+    bool far_levels = true;
 };
 
 struct Preferences {

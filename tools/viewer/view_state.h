@@ -21,6 +21,7 @@ struct ImageSettings {
     glm::vec3 background{0.2f};         // sRGB
     float max_scale = 1;                // the most rays per pixel along each side while something moves
     int samples = 2;                    // rays per pixel along each side while nothing moves
+    bool far_levels = true;             // draw far performers from coarser levels (FrameSettings::far_levels)
 };
 
 // Which panels are open, and how large they are at scale 1.

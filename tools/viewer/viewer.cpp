@@ -42,7 +42,7 @@ bool same_image(const editor::ViewRequest& a, const editor::ViewRequest& b) {
            a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
            a.camera.width == b.camera.width && a.camera.height == b.camera.height && a.time_s == b.time_s &&
            a.resolve == b.resolve && a.highlight == b.highlight && a.overrides_background == b.overrides_background &&
-           a.moving == b.moving && a.max_scale == b.max_scale && a.samples == b.samples;
+           a.moving == b.moving && a.max_scale == b.max_scale && a.samples == b.samples && a.far_levels == b.far_levels;
 }
 
 std::filesystem::path preferences_file() {
@@ -93,6 +93,7 @@ Viewer::Viewer(const Options& options, const std::string& device)
     view_.mode = &tools_.first_mode();
     view_.image.max_scale = static_cast<float>(preferences_.preview.resolution);
     view_.image.samples = std::clamp(static_cast<int>(std::lround(std::sqrt(preferences_.preview.samples))), 1, 4);
+    view_.image.far_levels = preferences_.preview.far_levels;
     if (const auto side = preferences_.panels.find("side"); side != preferences_.panels.end()) {
         view_.panels.all = side->second.open;
         view_.panels.side_width = static_cast<float>(side->second.width);
@@ -123,7 +124,7 @@ void Viewer::store_preferences() {
     if (file.empty()) return;
     const ImageSettings& image = view_.image;
     preferences_.window = window_.geometry();
-    preferences_.preview = {image.max_scale, static_cast<uint32_t>(image.samples * image.samples)};
+    preferences_.preview = {image.max_scale, static_cast<uint32_t>(image.samples * image.samples), image.far_levels};
     preferences_.layer = kLayerNames[static_cast<size_t>(image.show)];
     preferences_.panels["side"] = {view_.panels.all, view_.panels.side_width};
     save_preferences(file, preferences_);
@@ -407,6 +408,7 @@ void Viewer::request_view() {
     view.moving = clock.playing || in_motion() || editor_.dragging();
     view.max_scale = view_.image.max_scale;
     view.samples = static_cast<uint32_t>(view_.image.samples);
+    view.far_levels = view_.image.far_levels;
     const auto [low, high] = stage::performers_box(*input_.stage, input_.evaluated);
     const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
     view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));

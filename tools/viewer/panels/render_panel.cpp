@@ -38,6 +38,7 @@ void image_fields(Context& context) {
     double scale = 100.0 * static_cast<double>(context.view.image.max_scale);
     if (fields.slider("While moving", scale, 20, 100, "at most %.0f %%"))
         context.view.image.max_scale = static_cast<float>(scale / 100);
+    fields.toggle("Far levels", context.view.image.far_levels);
     fields.toggle("Own background", context.view.image.overrides_background);
     if (context.view.image.overrides_background) {
         glm::dvec3 colour = media::linear_from_srgb(context.view.image.background);
@@ -82,6 +83,7 @@ ExportSettings settings_of(const Context& context, const ExportChoice& choice) {
     ExportSettings settings;
     settings.size = choice.size;
     settings.samples = static_cast<uint32_t>(choice.samples + 1);
+    settings.far_levels = context.view.image.far_levels;
     settings.fps = choice.fps > 0 ? choice.fps : context.frame.stage->fps;
     settings.with_background = !choice.transparent;
     settings.first_s = context.view.clock.displayed_s();
