@@ -38,11 +38,11 @@ constexpr Way kWithout{1, false}, kWith{1, true}, kTruth{kTruthSamples, false};
 
 // Images of a clip that get smaller, at which one camera looks.
 struct Scene {
-    Scene(const gpu::Device& device, const voctree::VOctree& tree, const FarOptions& options)
+    Scene(const gpu::Device& device, const voctree::VOctree& tree, render::Field with_levels, const FarOptions& options)
         : box(voctree::occupied_box(tree)),
           frames(tree.frames),
           size(tools::parse_size(options.size)),
-          field(render::upload_far_levels(device, tree)),
+          field(std::move(with_levels)),
           renderer(device, field, capacity_of(options)) {
         render::FrameCapacity capacity = capacity_of(options);
         capacity.samples = kTruthSamples;
@@ -172,11 +172,13 @@ struct Result {
 
 Result measure(const gpu::Device& device, const voctree::VOctree& tree, const FarOptions& options) {
     Result result;
+    render::Field field;
     for (const int with : {0, 1}) {
+        field = {};  // frees the memory of the one before
         const uint64_t before = device.buffer_bytes();
         const auto start = std::chrono::steady_clock::now();
-        const render::Field field = with ? render::upload_far_levels(device, tree)
-                                         : render::upload_field(device, tree, render::WeightPrecision::kHalf);
+        field = with ? render::upload_far_levels(device, tree)
+                     : render::upload_field(device, tree, render::WeightPrecision::kHalf);
         const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
         result.upload_ms[with] = took.count();
         result.bytes[with] = device.buffer_bytes() - before;
@@ -184,7 +186,7 @@ Result measure(const gpu::Device& device, const voctree::VOctree& tree, const Fa
         result.leaves.push_back(field.leaf_count);
         for (const render::Field& coarser : field.coarser) result.leaves.push_back(coarser.leaf_count);
     }
-    Scene scene(device, tree, options);
+    Scene scene(device, tree, std::move(field), options);
     for (const uint32_t divisor : kDivisors)
         result.footprints.push_back(measure_footprint(scene, divisor, options.views));
     result.switches = measure_switches(scene);
