@@ -287,7 +287,8 @@ void add_dataset(Command app, CommonOptions& common) {
                   "says: how far its images are off, its gains, exposures, vignetting, and how late it is; with -o, "
                   "cameras.png shows it");
     verb.footer(
-        {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times.\n"
+        {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times; --rig\n"
+         "reads all training images.\n"
          "training/README.md describes the layouts.\n\n"
          "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
          "  neuvv dataset build/performer\n"

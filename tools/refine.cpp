@@ -85,7 +85,7 @@ void print_poses(const std::vector<training::RefinedPose>& poses, const std::vec
             poses[i].at_bound ? ": as far as a pose may move; its calibration is probably wrong" : "");
         still = false;
     }
-    if (still) fmt::print("the poses of all cameras are right within {} pixels\n", kStillPixels);
+    if (still) fmt::print("the poses of all cameras stayed within {} pixels\n", kStillPixels);
 }
 
 void print_times(const std::vector<double>& frames_late, const std::vector<training::RigCamera>& cameras) {
@@ -102,7 +102,7 @@ void print_times(const std::vector<double>& frames_late, const std::vector<train
                    : between ? "lie between frames, as those of many cameras do, and were used all the same"
                              : fmt::format("were moved by {:+} frames", whole));
     }
-    if (agree) fmt::print("all cameras are in step within {} frames\n", training::kMostOffFrame);
+    if (agree) fmt::print("no camera was found to be late\n");
 }
 
 }  // namespace
@@ -125,6 +125,8 @@ Refine refine_of(const std::string& text) {
                 "write auto, or one or more of colour, exposure, vignetting, poses, time, with commas between them");
         *found->second = true;
     }
+    if (refine.automatic && text != "auto")
+        throw InputError("--refine", text, "names others beside auto, which chooses by itself", "write auto alone");
     if (refine.what.poses && refine.what.time)
         throw InputError("--refine", text,
                          "asks for poses and time at once, but a late camera looks like one that is turned",
@@ -157,7 +159,9 @@ bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, co
     if (refine.automatic) fmt::print(stderr, "--refine auto: {}\n", names_of(what));
     settings.refine = what.colour;
     if (what.poses) settings.rig.poses = found->changes.poses;
-    if (what.time) settings.rig.frames_late = found->changes.frames_late;
+    if (what.time)
+        for (size_t i = 0; i < dataset.cameras.size(); i++)
+            settings.rig.frames_late.push_back(training::is_late(*found, i) ? found->changes.frames_late[i] : 0);
     if (settings.steps == 0) {
         if (settings.minutes == 0) settings.minutes = training::kDefaultMinutes;
         settings.minutes = std::max(settings.minutes - (seconds_now() - began) / 60, 0.01);
@@ -171,6 +175,8 @@ void print_corrections(const training::TrainProgress& last, const std::vector<tr
     print_times(last.frames_late, cameras);
 }
 
+namespace {
+
 // How late a camera is. Of one that seems to stand elsewhere, this is not known.
 std::string late_text(const training::RigFindings& findings, size_t camera) {
     if (findings.late_by[camera] >= training::kMostDeviation) return "not known, too little moves";
@@ -178,6 +184,8 @@ std::string late_text(const training::RigFindings& findings, size_t camera) {
         fmt::format("{:+.2f} ± {:.2f}", findings.changes.frames_late[camera], findings.late_by[camera]);
     return training::worthwhile(findings).poses ? text + " or moved" : text;
 }
+
+}  // namespace
 
 void print_findings(const training::RigFindings& findings, const std::vector<training::RigCamera>& cameras) {
     const training::CameraColours& colours = findings.colours;
@@ -193,9 +201,7 @@ void print_findings(const training::RigFindings& findings, const std::vector<tra
             cameras[i].name, findings.psnr[i], findings.motion_px[i], glm::degrees(glm::length(turn)),
             1000 * glm::length(shift), 100 * std::expm1(change[training::kZoom]), gains.r, gains.g, gains.b,
             100 * training::exposure_error(colours, i), 1 - training::missing_at_corners(colours, i),
-            findings.late_by[i] < training::kMostDeviation
-                ? fmt::format("{:+.2f} ± {:.2f}", findings.changes.frames_late[i], findings.late_by[i])
-                : "not known, too little moves");
+            late_text(findings, i));
     }
     fmt::print("worth correcting (neuvv train --refine auto): {}\n", names_of(training::worthwhile(findings)));
 }

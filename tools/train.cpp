@@ -288,11 +288,13 @@ void add_train(Command app, CommonOptions& common) {
         verb.add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
             .number_between(0.0, 100.0)
             .show_default();
-    verb.add_option("--refine", options->refine,
-                    "What else is learnt, of the cameras, one or more after commas. colour: gains and white balance; "
-                    "exposure: of each image; vignetting: lenses that darken towards the corners; poses: corrections "
-                    "of poses and focal lengths; time: cameras that are late; auto: those of these that are worth it. "
-                    "The last three begin with a search of a fifth of the minutes at most (default: nothing)");
+    verb.add_option(
+        "--refine", options->refine,
+        "What else is learnt, of the cameras, one or more after commas. colour: gains and white balance; "
+        "exposure: of each image; vignetting: lenses that darken towards the corners; poses: corrections "
+        "of poses and focal lengths; time: cameras that are late, not together with poses; auto, alone: those of "
+        "these that are worth it. The last three begin with a search, of a fifth of --minutes at most "
+        "(default: nothing)");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);

@@ -54,13 +54,14 @@ void keep_in_bounds(LearntNumbers& numbers, float most) {
     for (float& value : numbers.values) value = std::clamp(value, -most, most);
 }
 
-// The mean over all cameras of one of the numbers that each camera has becomes 0.
+// The mean over cameras of one of the numbers that each camera has becomes 0. Numbers that no image has moved, as there
+// is none, do not count and stay 0.
 void centre(LearntNumbers& numbers, size_t number, size_t per_camera) {
-    if (numbers.values.empty()) return;
-    float sum = 0;
-    for (size_t i = number; i < numbers.values.size(); i += per_camera) sum += numbers.values[i];
-    const float mean = sum * static_cast<float>(per_camera) / static_cast<float>(numbers.values.size());
-    for (size_t i = number; i < numbers.values.size(); i += per_camera) numbers.values[i] -= mean;
+    float sum = 0, count = 0;
+    for (size_t i = number; i < numbers.values.size(); i += per_camera)
+        if (numbers.second[i] > 0) sum += numbers.values[i], count++;
+    for (size_t i = number; i < numbers.values.size(); i += per_camera)
+        if (numbers.second[i] > 0) numbers.values[i] -= sum / count;
 }
 
 glm::vec2 vignette_of(const LearntNumbers& vignettes, size_t camera) {
@@ -138,7 +139,8 @@ glm::vec3 gains(const CameraColour& camera) {
 }
 
 float vignette_at(glm::vec2 vignette, float r2) {
-    return 1 + vignette.x * r2 + vignette.y * r2 * r2;
+    const float inside = std::min(r2, 1.0f);  // the middle of a tile at the edge may lie beyond the corner
+    return 1 + vignette.x * inside + vignette.y * inside * inside;
 }
 
 CameraColours::CameraColours(size_t cameras, size_t frames, ColourRefinement what)
@@ -197,7 +199,7 @@ void CameraColours::learn(const Batch& batch, const std::vector<stage::Camera>& 
             adam.move(vignettes, 2 * camera + static_cast<size_t>(i), by_vignette[camera][i], count * kVignettePrior);
     }
     if (!first.empty()) centre(values);
-    centre(exposures, batch.frame, frames());
+    if (frames() > 0) centre(exposures, batch.frame, frames());
     for (const size_t number : {0u, 1u}) centre(vignettes, number, 2);
     keep_in_bounds(values);
     keep_in_bounds(exposures, kMaxExposure);

@@ -46,7 +46,7 @@ struct LearntNumbers {
 };
 
 constexpr float kMaxExposure = 0.7f;  // of the logarithm: factors of 1/2 to 2
-constexpr float kMaxVignette = 0.5f;  // of both numbers
+constexpr float kMaxVignette = 0.4f;  // of both numbers: a fifth of the light is left at least
 
 // What is learnt, with Adam's moments; all empty where nothing is.
 struct CameraColours {

@@ -9,8 +9,8 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kMaxTurn = 0.035, kMaxShift = 0.02, kMaxZoom = 0.05;  // radians, of the distance, of the focal length
-constexpr double kSceneExtent = 0.15;                                  // of the distance
+constexpr double kMaxShift = 0.02;     // of the distance
+constexpr double kSceneExtent = 0.15;  // of the distance
 
 }  // namespace
 
@@ -49,6 +49,14 @@ PoseChange pose_steps(const stage::Camera& camera, glm::dvec3 centre, double pix
 PoseChange pose_bounds(const stage::Camera& camera, glm::dvec3 centre) {
     const double shift = kMaxShift * distance_to(camera, centre);
     return {kMaxTurn, kMaxTurn, kMaxTurn, shift, shift, shift, kMaxZoom};
+}
+
+bool is_possible(const PoseChange& change) {
+    for (size_t i = 0; i < kPoseNumbers; i++) {
+        const double most = i < kShiftX ? kMaxTurn : i < kZoom ? kMaxShiftMetres : kMaxZoom;
+        if (!(std::abs(change[i]) <= most)) return false;
+    }
+    return true;
 }
 
 bool is_at_bound(const PoseChange& change, const PoseChange& bounds) {

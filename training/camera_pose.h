@@ -14,7 +14,11 @@ namespace neuvv::training {
 enum PoseNumber { kTurnX, kTurnY, kTurnZ, kShiftX, kShiftY, kShiftZ, kZoom, kPoseNumbers };
 using PoseChange = std::array<double, kPoseNumbers>;
 
-constexpr double kMaxPoseNumber = 1e5;  // a checkpoint file holds no larger ones
+// No run finds larger numbers: radians, metres, logarithm.
+constexpr double kMaxTurn = 0.035, kMaxShiftMetres = 1e5, kMaxZoom = 0.05;
+
+// Whether all numbers are finite and within these bounds.
+bool is_possible(const PoseChange& change);
 
 // The camera after the change.
 stage::Camera moved(const stage::Camera& given, const PoseChange& change);

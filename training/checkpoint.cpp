@@ -173,9 +173,7 @@ std::vector<PoseChange> read_poses(const std::filesystem::path& path, const std:
     if (found == chunks.end()) return {};
     const size_t cameras = std::max<size_t>(found->bytes.size() / sizeof(PoseChange), 1);
     const std::vector<PoseChange> poses = read_chunk<PoseChange>(path, chunks, "pose", cameras);
-    for (const PoseChange& pose : poses)
-        if (!std::ranges::all_of(pose, [](double number) { return std::abs(number) <= kMaxPoseNumber; }))
-            fail_chunk(path, "pose", "holds a number that no run can find");
+    if (!std::ranges::all_of(poses, is_possible)) fail_chunk(path, "pose", "holds a number that no run can find");
     return poses;
 }
 

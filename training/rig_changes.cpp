@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/error.h"
+
 namespace neuvv::training {
 
 namespace {
@@ -35,11 +37,22 @@ void apply(const RigChanges& changes, Dataset& dataset) {
     if (changes.frames_late.empty()) return;
     assert(changes.frames_late.size() == dataset.cameras.size() && "a number for each camera");
     const std::vector<bool> out = left_out(changes);
-    std::erase_if(dataset.views, [&](View& view) {
-        const int64_t frame = frame_shown(dataset, view, changes.frames_late[view.camera]);
-        if (out[view.camera] || frame < 0) return true;
-        view.time = dataset.times[static_cast<size_t>(frame)];
-        return false;
+    // The frame of each view; −1: it is left out.
+    std::vector<int64_t> frames;
+    std::vector<bool> has_image(dataset.times.size());
+    for (const View& view : dataset.views) {
+        frames.push_back(out[view.camera] ? -1 : frame_shown(dataset, view, changes.frames_late[view.camera]));
+        if (frames.back() >= 0) has_image[static_cast<size_t>(frames.back())] = true;
+    }
+    if (!std::ranges::all_of(has_image, [](bool has) { return has; }))
+        throw InputError(dataset.folder.string(), "",
+                         "has a frame of which no image is left without cameras that are late",
+                         "train without --refine time");
+    size_t view = 0;
+    std::erase_if(dataset.views, [&](View& one) {
+        const int64_t frame = frames[view++];
+        if (frame >= 0) one.time = dataset.times[static_cast<size_t>(frame)];
+        return frame < 0;
     });
 }
 

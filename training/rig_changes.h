@@ -31,7 +31,8 @@ bool is_between_frames(double frames_late);
 std::vector<bool> left_out(const RigChanges& changes);
 
 // Moves the cameras, moves images of cameras that are late by whole frames to the frames that they show, and removes
-// images that are left out or beyond the clip. The changes must be of as many cameras (assert).
+// images that are left out or beyond the clip. Throws InputError where a frame would be left without an image. The
+// changes must be of as many cameras (assert).
 void apply(const RigChanges& changes, Dataset& dataset);
 
 }  // namespace neuvv::training

@@ -130,7 +130,8 @@ class RigSearch {
         const auto [low, high] = first_box(draft_);
         centre_ = 0.5 * (low + high);
         found_.changes.poses = still_;
-        found_.colour_frames = frames_;
+        found_.motion_px.resize(still_.size());
+        found_.psnr.resize(still_.size());
     }
 
     std::optional<RigFindings> operator()(const gpu::Device& device, const RigSearchCallback& callback);
@@ -193,6 +194,7 @@ void RigSearch::make_round(const BetweenSteps& now) {
         add_evidence(now.step, probe, batch, static_cast<float>(frame), evidence);
         for (const uint32_t beside : {frame - 1, frame + 1})
             if (times_too && follow_each_other(frame, beside))
+                // Seen from where the files have the camera: a pose that has moved hides how late it is.
                 add_time_evidence(now.step, given_, now.colours, batch, frame, beside, lateness);
     }
     if (times_too) lateness_.push_back(lateness);
@@ -243,7 +245,8 @@ std::optional<RigFindings> RigSearch::operator()(const gpu::Device& device, cons
         stopped = !callback(progress_);
         return !stopped;
     });
-    if (progress_.fraction < 1) return std::nullopt;
+    if (stopped && progress_.fraction < 1) return std::nullopt;
+    if (found_.late_by.empty()) conclude_times();  // the time was spent before the draft was done
     return found_;
 }
 

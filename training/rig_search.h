@@ -16,12 +16,11 @@ namespace neuvv::training {
 
 // By camera of the data set.
 struct RigFindings {
-    RigChanges changes;                 // the numbers for all cameras
-    std::vector<double> late_by;        // the standard deviation of RigChanges::frames_late
-    CameraColours colours;              // what TrainSettings::refine asks for
-    std::vector<size_t> colour_frames;  // the frames of the clip whose exposures `colours` has
-    std::vector<double> psnr;           // of the draft against the camera's images, dB
-    std::vector<double> motion_px;      // by how much the change of the pose moves the image
+    RigChanges changes;             // the numbers for all cameras
+    std::vector<double> late_by;    // the standard deviation of RigChanges::frames_late
+    CameraColours colours;          // what TrainSettings::refine asks for
+    std::vector<double> psnr;       // of the draft against the camera's images, dB
+    std::vector<double> motion_px;  // by how much the change of the pose moves the image
 };
 
 struct RigSearchProgress {

@@ -32,6 +32,7 @@ double TimeEvidence::frames_late() const {
 
 double TimeEvidence::contrast() const {
     const double own = next.own + previous.own;
+    if (next.motion <= 0 || previous.motion <= 0) return 0;
     return own > 0 ? (next.motion + previous.motion) / own : 0;
 }
 

@@ -16,10 +16,10 @@ struct TimeEvidence {
     Sums next, previous;
 
     // The frames by which the camera's shutter is late, −1 to 1; 0 where nothing moves. Half a frame later, an image is
-    // as far from its own frame as from the next one. An error of the camera's pose raises all differences alike, and
-    // does not matter much.
+    // as far from its own frame as from the next one. An error of the camera's pose raises all differences, and not
+    // always alike: where it is as large as the motion, this is of no use.
     double frames_late() const;
-    // The motion as a share of the difference at the own frame.
+    // The motion as a share of the difference at the own frame; 0 where images of one side are missing.
     double contrast() const;
 };
 

@@ -155,6 +155,21 @@ TEST(CameraColours, MovesExposuresAndVignettesDownhill) {
     EXPECT_EQ(next.exposures.values[0], colours.exposures.values[0]);  // of another frame
 }
 
+// Camera 1 has no image of the frame: what the others show is not weighed against it.
+TEST(CameraColours, ImagesThatAreMissingDoNotCount) {
+    const std::vector<stage::Camera> cameras(3, sphere_camera({}, 0));
+    training::CameraColours colours(3, 1, {.exposure = true});
+    training::Batch batch;
+    batch.tiles = {Tile{0, 0, 0, 0}, Tile{2, 0, 0, 0}};
+    std::vector<CameraColour> gradients(2, CameraColour{});
+    gradients[0].rows[0].r = -1;
+    gradients[1].rows[0].r = 1;
+    for (uint64_t step = 1; step <= 20; step++) colours.learn(batch, cameras, gradients.data(), 0.01f, step);
+    EXPECT_GT(colours.exposures.values[0], 0.1f);
+    EXPECT_NEAR(colours.exposures.values[0] + colours.exposures.values[2], 0, 1e-6);
+    EXPECT_EQ(colours.exposures.values[1], 0);
+}
+
 TEST(CameraColours, ATileShowsExposureAndVignette) {
     const stage::Camera camera = sphere_camera({.size = 64}, 0);
     training::CameraColours colours(1, 2, {.exposure = true, .vignetting = true});

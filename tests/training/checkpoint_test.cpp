@@ -286,6 +286,12 @@ TEST(CheckpointFile, RefusesPosesThatNoRunCanFind) {
     file.refused({"scene.nvv.state", "pose", "no run can find"});
     file.rewrite("pose", nullptr);
     file.refused({"scene.nvv.state", "late", "no run can find"});
+    const double zoom = 1;  // a factor of 2.7
+    poses.assign(poses.size(), 0);
+    std::memcpy(poses.data() + 6 * sizeof(double), &zoom, sizeof(double));
+    file.rewrite("late", nullptr);
+    file.rewrite("pose", &poses);
+    file.refused({"scene.nvv.state", "pose", "no run can find"});
     poses.resize(9);
     file.rewrite("late", nullptr);
     file.rewrite("pose", &poses);

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "support/input_error.h"
 #include "support/sphere_capture.h"
 #include "training/rig_search.h"
 #include "training/time_probe.h"
@@ -57,6 +58,13 @@ TEST(RigChanges, ImagesBetweenFramesAreLeftOut) {
     EXPECT_TRUE(times_of(dataset, 1).empty());
     EXPECT_EQ(times_of(dataset, 3).size(), 4u);
     EXPECT_EQ(dataset.cameras.size(), 8u);
+}
+
+TEST(RigChanges, NoFrameLosesAllItsImages) {
+    training::Dataset dataset = small_capture();
+    RigChanges changes;
+    changes.frames_late.assign(8, 1.0);  // the first frame would be empty
+    expect_input_error([&] { training::apply(changes, dataset); }, {"no image is left", "--refine time"});
 }
 
 TEST(RigChanges, ARigWithoutCommonFramesKeepsItsImages) {
@@ -117,6 +125,7 @@ TEST(TimeEvidence, SaysHowLateTheShutterIs) {
     EXPECT_EQ((training::TimeEvidence{{1, 1, 0}, {1, 1, 0}}).frames_late(), 0);
     EXPECT_EQ((training::TimeEvidence{{1, 1, 0}, {1, 1, 0}}).contrast(), 0);
     EXPECT_EQ(training::TimeEvidence{}.contrast(), 0);
+    EXPECT_EQ((training::TimeEvidence{{1, 2, 1}, {}}).contrast(), 0);  // images of one frame alone
 }
 
 }  // namespace

@@ -374,7 +374,7 @@ TEST_F(KilledRun, RefinesOnlyWhatItKnows) {
     words.back() = "poses";
     ChildProcess poses(words, log_);
     EXPECT_EQ(poses.wait(), 0);
-    EXPECT_NE(read_text(log_).find("poses of all cameras"), std::string::npos) << read_text(log_);
+    EXPECT_NE(read_text(log_).find("the poses of all cameras stayed"), std::string::npos) << read_text(log_);
     words.back() = "auto";
     ChildProcess automatic(words, log_);
     EXPECT_EQ(automatic.wait(), 0);
@@ -384,6 +384,12 @@ TEST_F(KilledRun, RefinesOnlyWhatItKnows) {
     EXPECT_EQ(both.wait(), 2);
     EXPECT_NE(read_text(log_).find("--init psi"), std::string::npos) << read_text(log_);
     words.resize(words.size() - 2);
+    for (const char* names : {"poses,time", "auto,colour"}) {
+        words.back() = names;
+        ChildProcess together(words, log_);
+        EXPECT_EQ(together.wait(), 2);
+        EXPECT_NE(read_text(log_).find(names), std::string::npos) << read_text(log_);
+    }
     words.back() = "colour,lens";
     ChildProcess unknown(words, log_);
     EXPECT_EQ(unknown.wait(), 2);
