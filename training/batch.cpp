@@ -100,9 +100,9 @@ Batch BatchSampler::sample(size_t frame, uint32_t tiles_per_view, uint64_t seed)
     for (const uint32_t view : frames_[frame].views) {
         const TiledImage& image = dataset_.views[view].image;
         std::vector<ViewTile> tiles;
-        for (uint16_t y = 0; y < image.tiles_down(); y++)
-            for (uint16_t x = 0; x < image.tiles_across(); x++)
-                if (image.has_tile(x, y)) tiles.push_back({view, x, y});
+        for (uint32_t y = 0; y < image.tiles_down(); y++)
+            for (uint32_t x = 0; x < image.tiles_across(); x++)
+                if (image.has_tile(x, y)) tiles.push_back({view, static_cast<uint16_t>(x), static_cast<uint16_t>(y)});
         for (uint32_t i = 0; i < tiles_per_view && i < tiles.size(); i++) {
             std::swap(tiles[i], tiles[i + random() % (tiles.size() - i)]);
             append(batch, tiles[i], random);
