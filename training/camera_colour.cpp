@@ -78,7 +78,8 @@ float radius_squared(const Batch& batch, size_t tile, const stage::Camera& camer
     return static_cast<float>(glm::dot(from, from) / glm::dot(corner, corner));
 }
 
-// A step of Adam: for a number that does not move in each step, too, as both moments lag alike.
+// A step of Adam. The step is that of the run, also for a number that moves in some steps only: its second moment then
+// lags behind the first, and it moves up to about twice as far in its first updates.
 class Adam {
   public:
     Adam(float rate, uint64_t step)

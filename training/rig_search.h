@@ -19,7 +19,7 @@ struct RigFindings {
     RigChanges changes;             // the numbers for all cameras
     std::vector<double> late_by;    // the standard deviation of RigChanges::frames_late
     CameraColours colours;          // what TrainSettings::refine asks for
-    std::vector<double> psnr;       // of the draft against the camera's images, dB
+    std::vector<double> psnr;       // of the draft against some of the camera's tiles, dB; 0 where there are none
     std::vector<double> motion_px;  // by how much the change of the pose moves the image
 };
 
@@ -36,8 +36,9 @@ using RigSearchCallback = std::function<bool(const RigSearchProgress&)>;
 // Without `move_cameras`, all stay where they are, and only times are found (and colours): a camera that is late and
 // one that stands elsewhere look alike, so that what moves them hides how late they are. Returns nothing where the
 // callback stopped the search. Shape, seed, losses and `refine` are those of `settings`; of its budget in minutes, the
-// search takes at most a fifth. Cameras without an image at the chosen times keep their pose. Throws InputError and
-// RuntimeFailure as train() does.
+// search takes at most a fifth; where that is spent before the draft is done, what was found until then is returned.
+// Cameras without an image at the chosen times move only by what all have in common. Images of up to four frames are
+// copied into memory. Throws InputError and RuntimeFailure as train() does.
 std::optional<RigFindings> search_rig(const gpu::Device& device, const Dataset& dataset, const TrainSettings& settings,
                                       bool move_cameras, const RigSearchCallback& callback);
 
