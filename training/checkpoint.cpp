@@ -204,6 +204,7 @@ voctree::NvvChunk run_chunk(const RunState& run) {
                            {"max_bytes", run.max_bytes},
                            {"adaptive", run.adaptive},
                            {"elapsed_s", run.elapsed_s},
+                           {"other_s", run.other_s},
                            {"rays", run.rays},
                            {"minutes", run.minutes},
                            {"steps", run.steps},
@@ -239,6 +240,7 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         read_count(json, "max_bytes", run.max_bytes);
         json.at("adaptive").get_to(run.adaptive);
         json.at("elapsed_s").get_to(run.elapsed_s);
+        run.other_s = json.value("other_s", 0.0);  // files of earlier versions have none
         json.at("rays").get_to(run.rays);
         json.at("minutes").get_to(run.minutes);
         read_count(json, "steps", run.steps);
@@ -251,7 +253,7 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         throw InputError(path.string(), "chunk run0", fmt::format("holds a number out of range: \"{}\"", key.what()),
                          "train without --resume");
     }
-    std::vector<double> amounts{run.elapsed_s, run.rays, run.minutes};
+    std::vector<double> amounts{run.elapsed_s, run.other_s, run.elapsed_s - run.other_s, run.rays, run.minutes};
     for (const NamedLossWeight& one : kLossWeights) amounts.push_back(double{run.weights.*one.weight});
     for (const double amount : amounts)
         if (!(amount >= 0) || !std::isfinite(amount))

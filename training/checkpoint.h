@@ -23,6 +23,7 @@ struct RunState {
     uint64_t max_bytes = 0;
     bool adaptive = true;
     double elapsed_s = 0;
+    double other_s = 0;  // of elapsed_s: what was no step, but checkpoints, changes of the tree and reports
     double rays = 0;
     double minutes = 0;  // the run's budget in minutes or in steps; one of the two is 0
     uint64_t steps = 0;

@@ -77,6 +77,14 @@ class Run {
   private:
     const Dataset& begin();
     double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
+    double steps_s() const { return elapsed() - run_.other_s; }
+    // Does what is no step of training: its time does not count as progress.
+    template <typename Work>
+    void aside(const Work& work) {
+        const double start = seconds_now();
+        work();
+        run_.other_s += seconds_now() - start;
+    }
     double fraction() const;
     double epochs_done() const { return run_.rays / static_cast<double>(sampler_.rays_per_epoch()); }
     double epochs_of_run() const { return fraction() > 0 ? epochs_done() / fraction() : 0; }
@@ -189,10 +197,16 @@ uint32_t Run::max_leaves() const {
     return static_cast<uint32_t>(limit);
 }
 
+// The share of the steps that are done. In a budget of minutes, it is the time of the steps so far in that time and
+// what is left: were a checkpoint or a change of the tree progress, too, a phase could end before rays have seen its
+// leaves, and leaves would be removed that are needed.
 double Run::fraction() const {
     double share = 0;
     if (run_.steps > 0) share = static_cast<double>(run_.step) / static_cast<double>(run_.steps);
-    if (run_.minutes > 0) share = std::max(share, elapsed() / (60 * run_.minutes));
+    if (run_.minutes > 0) {
+        const double left = 60 * run_.minutes - elapsed();
+        share = std::max(share, left > 0 ? steps_s() / (steps_s() + left) : 1.0);
+    }
     return std::min(share, 1.0);
 }
 
@@ -308,7 +322,7 @@ TrainProgress Run::progress() const {
     TrainProgress now;
     now.elapsed_s = elapsed();
     now.fraction = fraction();
-    now.eta_s = now.fraction > 0 ? now.elapsed_s / now.fraction - now.elapsed_s : 0;
+    now.eta_s = now.fraction > 0 ? steps_s() / now.fraction - steps_s() : 0;
     now.rays_per_s = reported_.rays_per_s;
     now.loss = reported_.loss;
     now.psnr = reported_.psnr;
@@ -337,12 +351,16 @@ TrainProgress Run::progress() const {
 TrainProgress Run::operator()(const TrainCallback& callback) {
     began_at_step_ = run_.step;
     save();
+    run_.other_s += seconds_now() - began_;
     bool go_on = true, first_saved = false;
     Batch batch = next_batch(run_.step + 1);
     reported_at_ = seconds_now();
     while (go_on && fraction() < 1) {
-        begin_phase_if_due();
-        if (!may_go_on()) break;
+        aside([&] {
+            begin_phase_if_due();
+            go_on = may_go_on();
+        });
+        if (!go_on) break;
         load_batch(dataset_, batch, step_->rays(), step_->batch(), colours_);
         run_.step++;
         run_.adam_step++;
@@ -373,13 +391,13 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         steps_sum_++;
         if (seconds_now() - reported_at_ >= 1) {
             reported_ = progress();
-            go_on = callback(reported_);
+            aside([&] { go_on = callback(reported_); });
             loss_sum_ = rgb_sum_ = grad_sum_ = rays_sum_ = steps_sum_ = 0;
             reported_at_ = seconds_now();
         }
         const double wait = std::max(first_saved ? kCheckpointEvery : kFirstCheckpoint, save_took_ / kCheckpointShare);
         if (!output_.empty() && seconds_now() - saved_at_ > wait) {
-            save();
+            aside([&] { save(); });
             first_saved = true;
         }
     }

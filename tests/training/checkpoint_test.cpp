@@ -39,6 +39,7 @@ training::RunState some_run() {
             .max_bytes = 60000000,
             .adaptive = false,
             .elapsed_s = 12.5,
+            .other_s = 3.25,
             .rays = 3e12,
             .minutes = 0.25,
             .steps = 0,
@@ -108,6 +109,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.max_bytes, run.max_bytes);
     EXPECT_EQ(loaded.run.adaptive, run.adaptive);
     EXPECT_EQ(loaded.run.elapsed_s, run.elapsed_s);
+    EXPECT_EQ(loaded.run.other_s, run.other_s);
     EXPECT_EQ(loaded.run.rays, run.rays);
     EXPECT_EQ(loaded.run.minutes, run.minutes);
     EXPECT_EQ(loaded.run.steps, run.steps);
@@ -331,6 +333,8 @@ TEST(CheckpointFile, RefusesARunOutOfRange) {
                                                            {"max_depth", 5},  // the tree has four levels
                                                            {"max_depth", 999},
                                                            {"elapsed_s", -1},
+                                                           {"other_s", -1},
+                                                           {"other_s", 2},
                                                            {"minutes", -1},
                                                            {"step", "many"},
                                                            {"stage", training::kPhaseCount},
