@@ -1,8 +1,13 @@
 #include "voctree/clip.h"
 
+#include <fmt/format.h>
+
 #include <cstring>
 #include <fstream>
+#include <optional>
 
+#include "base/error.h"
+#include "voctree/clip_index.h"
 #include "voctree/nvv.h"
 #include "voctree/plenoctree.h"
 
@@ -21,10 +26,35 @@ bool is_plenoctree(const std::filesystem::path& path) {
 }
 
 VOctree read_clip(const std::filesystem::path& path) {
+    if (is_segmented(path))
+        throw InputError(path.string(), "", "is a clip in segments, which this cannot take as a whole",
+                         fmt::format("name one of its segments, such as {}", (path / segment_file_name(0)).string()));
     return is_plenoctree(path) ? read_plenoctree(path) : read_nvv(path);
 }
 
+namespace {
+
+ClipHead read_segmented_head(const std::filesystem::path& path) {
+    const ClipIndex index = read_clip_index(path);
+    std::optional<std::pair<glm::vec3, glm::vec3>> box;
+    std::string problem;
+    for (const ClipSegment& segment : index.segments) {
+        try {
+            const ClipHead head = read_clip_head(segment.file);
+            const glm::vec3 low = head.box_min, high = low + head.box_size;
+            box = box ? std::pair(glm::min(box->first, low), glm::max(box->second, high)) : std::pair(low, high);
+        } catch (const InputError& error) {
+            if (problem.empty()) problem = error.what();
+        }
+    }
+    if (!box) throw InputError(path.string(), "", "none of its segments can be read: " + problem);
+    return {index.frames(), index.fps, box->first, box->second - box->first};
+}
+
+}  // namespace
+
 ClipHead read_clip_head(const std::filesystem::path& path) {
+    if (is_segmented(path)) return read_segmented_head(path);
     if (is_plenoctree(path)) {
         const PlenoctreeBox box = read_plenoctree_box(path);
         return {1, VOctree{}.fps, box.min, box.size};

@@ -8,7 +8,8 @@
 
 namespace neuvv::voctree {
 
-// Reads a clip of either kind. Throws InputError where read_nvv or read_plenoctree does.
+// Reads a clip of either kind. Throws InputError where read_nvv or read_plenoctree does, and for a segmented clip
+// (clip_index.h), whose segments are read one by one.
 VOctree read_clip(const std::filesystem::path& path);
 
 struct ClipHead {
@@ -17,7 +18,8 @@ struct ClipHead {
     glm::vec3 box_min, box_size;  // metres
 };
 
-// Reads a clip's head without its leaves. Throws InputError where the file's headers are damaged.
+// Reads a clip's head without its leaves. The box of a segmented clip holds the boxes of all of its segments that can
+// be read. Throws InputError where the file's headers are damaged, or where no segment can be read.
 ClipHead read_clip_head(const std::filesystem::path& path);
 
 // Whether the path ends with ".nvv" or ".npz".

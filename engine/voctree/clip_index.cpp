@@ -1,0 +1,81 @@
+#include "voctree/clip_index.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/output_path.h"
+#include "voctree/clip.h"
+
+namespace neuvv::voctree {
+
+namespace {
+
+constexpr char kIndexName[] = "clip.json";
+constexpr uint64_t kIndexVersion = 1;
+
+// The name of a segment's file. It must lie in the clip's own folder, so that a clip cannot name files elsewhere.
+std::string file_name(const JsonNode& node) {
+    const std::string& name = json_string(node);
+    if (std::filesystem::path(name).filename() != name || std::filesystem::path(name).extension() != ".nvv")
+        node.fail(fmt::format("\"{}\" is no name of an .nvv file in the clip's folder", name), "name a file beside it");
+    return name;
+}
+
+}  // namespace
+
+bool is_segmented(const std::filesystem::path& clip) {
+    std::error_code problem;
+    return std::filesystem::is_regular_file(clip / kIndexName, problem);
+}
+
+ClipIndex read_clip_index(const std::filesystem::path& clip) {
+    if (!is_segmented(clip)) {
+        const ClipHead head = read_clip_head(clip);
+        return {head.fps, {{clip, 0, head.frames}}};
+    }
+    const JsonFile file = read_json(clip / kIndexName, "the index of a segmented clip");
+    const JsonNode root = file.root();
+    if (json_count(root["neuvv_clip"], UINT32_MAX) > kIndexVersion)
+        root["neuvv_clip"].fail("is a version that this program does not know", "open the clip with a newer neuvv");
+    ClipIndex index;
+    index.fps = static_cast<float>(json_number(root["fps"], 1e-3, 1e4, "a frame rate"));
+    const JsonNode segments = root["segments"];
+    expect_list(segments);
+    uint32_t first = 0;
+    for (size_t i = 0; i < segments.value.size(); i++) {
+        const JsonNode segment = segments[i];
+        const auto frames = static_cast<uint32_t>(json_count(segment["frames"], kMaxClipFrames - first));
+        if (frames == 0) segment["frames"].fail("is 0", "remove segments without frames");
+        index.segments.push_back({clip / file_name(segment["file"]), first, frames});
+        first += frames;
+    }
+    return index;
+}
+
+void write_clip_index(const std::filesystem::path& folder, const ClipIndex& index) {
+    nlohmann::ordered_json segments = nlohmann::ordered_json::array();
+    for (const ClipSegment& segment : index.segments)
+        segments.push_back({{"file", segment.file.filename().string()}, {"frames", segment.frames}});
+    write_text_file(folder / kIndexName,
+                    json_text({{"neuvv_clip", kIndexVersion}, {"fps", index.fps}, {"segments", segments}}));
+}
+
+std::string segment_file_name(uint32_t first_frame) {
+    return fmt::format("{:06}.nvv", first_frame);
+}
+
+SegmentFrame segment_frame(const ClipIndex& index, double frame) {
+    // A frame belongs to the segment whose first frame is less than half a frame later.
+    const auto after = std::upper_bound(
+        index.segments.begin(), index.segments.end(), frame,
+        [](double value, const ClipSegment& segment) { return value < static_cast<double>(segment.first) - 0.5; });
+    const auto number = static_cast<uint32_t>(std::max<ptrdiff_t>(after - index.segments.begin(), 1) - 1);
+    const ClipSegment& segment = index.segments[number];
+    return {number, static_cast<float>(std::clamp(frame - segment.first, 0.0, segment.frames - 1.0))};
+}
+
+}  // namespace neuvv::voctree

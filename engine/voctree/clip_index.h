@@ -1,0 +1,49 @@
+// Segmented clips: a clip of any length as a folder NAME.nvv, in which each segment is a .nvv of its own with a few
+// frames, and clip.json lists the segments in their order. A clip that is one file counts as one segment here.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace neuvv::voctree {
+
+// A run of frames of a clip.
+struct ClipSegment {
+    std::filesystem::path file;  // with the clip's folder; it may be missing as long as the clip is being trained
+    uint32_t first = 0;          // frame of the clip
+    uint32_t frames = 1;
+    uint32_t end() const { return first + frames; }
+};
+
+struct ClipIndex {
+    float fps = 25;
+    std::vector<ClipSegment> segments;  // at least one; without gaps from frame 0 on
+    uint32_t frames() const { return segments.back().end(); }
+};
+
+constexpr uint32_t kMaxClipFrames = 10'000'000;  // 46 hours at 60 fps
+
+// Whether the path is a folder with a clip.json.
+bool is_segmented(const std::filesystem::path& clip);
+
+// Reads the index of a clip of either kind; of a clip that is one file, its head is read. Throws InputError with file,
+// place and fix for what is damaged or out of bounds. Segments are not opened, so that a clip with a damaged segment
+// can be played but for that segment.
+ClipIndex read_clip_index(const std::filesystem::path& clip);
+
+// Writes clip.json into an existing folder, atomically. The segments' files must lie in the folder. Throws
+// RuntimeFailure.
+void write_clip_index(const std::filesystem::path& folder, const ClipIndex& index);
+
+// The file name of a segment, which sorts by frame: "000012.nvv" for the one that begins with frame 12.
+std::string segment_file_name(uint32_t first_frame);
+
+// A frame of a clip, 0..frames−1, between frames where it has a fraction, as a place in a segment. Between the last
+// frame of a segment and the first of the next it is the nearer of the two.
+struct SegmentFrame {
+    uint32_t segment = 0;  // index into ClipIndex::segments
+    float frame = 0;       // in that segment
+};
+SegmentFrame segment_frame(const ClipIndex& index, double frame);
+
+}  // namespace neuvv::voctree

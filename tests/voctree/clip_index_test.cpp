@@ -1,0 +1,113 @@
+// Segmented clips: their index, what is read of it, and which frame lies where.
+#include "voctree/clip_index.h"
+
+#include <gtest/gtest.h>
+
+#include "base/output_path.h"
+#include "support/input_error.h"
+#include "support/random_tree.h"
+#include "support/temporary_folder.h"
+#include "voctree/clip.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::test {
+namespace {
+
+class ClipIndexTest : public testing::Test {
+  protected:
+    void write_index(const std::string& text) { write_text_file(clip / "clip.json", text); }
+    voctree::VOctree write_segment(const std::string& name, uint32_t frames, glm::vec3 low) {
+        voctree::VOctree tree = random_tree({.frames = frames});
+        tree.box_min = low;
+        voctree::write_nvv(clip / name, tree);
+        return tree;
+    }
+
+    TemporaryFolder folder;
+    std::filesystem::path clip = [this] {
+        std::filesystem::create_directory(folder.path / "show.nvv");
+        return folder.path / "show.nvv";
+    }();
+};
+
+TEST_F(ClipIndexTest, WhatIsWrittenIsRead) {
+    EXPECT_FALSE(voctree::is_segmented(clip)) << "without clip.json it is a folder like others";
+    const voctree::ClipIndex index{
+        29.97f, {{clip / voctree::segment_file_name(0), 0, 4}, {clip / voctree::segment_file_name(4), 4, 3}}};
+    voctree::write_clip_index(clip, index);
+    EXPECT_TRUE(voctree::is_segmented(clip));
+    const voctree::ClipIndex read = voctree::read_clip_index(clip);
+    EXPECT_EQ(read.fps, 29.97f);
+    EXPECT_EQ(read.frames(), 7u);
+    ASSERT_EQ(read.segments.size(), 2u);
+    EXPECT_EQ(read.segments[1].file, clip / "000004.nvv");
+    EXPECT_EQ(read.segments[1].first, 4u);
+    EXPECT_EQ(read.segments[1].frames, 3u);
+}
+
+TEST_F(ClipIndexTest, AFileIsOneSegment) {
+    const voctree::VOctree tree = write_segment("alone.nvv", 5, {0, 0, 0});
+    const voctree::ClipIndex index = voctree::read_clip_index(clip / "alone.nvv");
+    ASSERT_EQ(index.segments.size(), 1u);
+    EXPECT_EQ(index.segments[0].file, clip / "alone.nvv");
+    EXPECT_EQ(index.frames(), 5u);
+    EXPECT_EQ(index.fps, tree.fps);
+}
+
+TEST_F(ClipIndexTest, TheHeadHoldsAllSegments) {
+    write_segment("a.nvv", 2, {-1, 0, 0});
+    const voctree::VOctree far = write_segment("b.nvv", 3, {4, 1, 0});
+    write_index(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2},
+                    {"file": "b.nvv", "frames": 3}, {"file": "lost.nvv", "frames": 4}]})");
+    const voctree::ClipHead head = voctree::read_clip_head(clip);
+    EXPECT_EQ(head.frames, 9u) << "a segment that is missing has its frames";
+    EXPECT_EQ(head.fps, 30);
+    EXPECT_EQ(head.box_min, glm::vec3(-1, 0, 0));
+    EXPECT_EQ(head.box_min + head.box_size, glm::vec3(4, 1, 0) + far.box_size);
+    expect_input_error([&] { voctree::read_clip(clip); }, {"show.nvv", "in segments", "000000.nvv"});
+    std::filesystem::remove(clip / "a.nvv");
+    std::filesystem::remove(clip / "b.nvv");
+    expect_input_error([&] { voctree::read_clip_head(clip); }, {"show.nvv", "a.nvv"});
+}
+
+TEST_F(ClipIndexTest, DamageIsNamed) {
+    const auto expect_refused = [&](const std::string& text, const std::string& problem) {
+        write_index(text);
+        expect_input_error([&] { voctree::read_clip_index(clip); }, {"clip.json", problem});
+    };
+    expect_refused("", "");
+    expect_refused("[]", "index of a segmented clip");
+    expect_refused(R"({"neuvv_clip": 1, "fps": 30})", "segments");
+    expect_refused(R"({"neuvv_clip": 2, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2}]})", "newer neuvv");
+    expect_refused(R"({"neuvv_clip": 1, "fps": 0, "segments": [{"file": "a.nvv", "frames": 2}]})", "fps");
+    expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": []})", "segments");
+    expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 0}]})",
+                   "segments[0].frames");
+    expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": -1}]})",
+                   "segments[0].frames");
+    expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 9999999},
+                       {"file": "b.nvv", "frames": 2}]})",
+                   "segments[1].frames");
+    for (const char* name : {"../a.nvv", "/etc/a.nvv", "sub/a.nvv", "", "..", "a.txt"})
+        expect_refused(
+            R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": ")" + std::string(name) + R"(", "frames": 2}]})",
+            "segments[0].file");
+}
+
+TEST(SegmentFrame, IsTheNearest) {
+    const voctree::ClipIndex index{25, {{"a", 0, 4}, {"b", 4, 1}, {"c", 5, 3}}};
+    const struct {
+        double frame;
+        uint32_t segment;
+        float local;
+    } cases[] = {{-2, 0, 0}, {0, 0, 0},   {2.25, 0, 2.25f}, {3, 0, 3},      {3.4, 0, 3}, {3.5, 1, 0},
+                 {4, 1, 0},  {4.4, 1, 0}, {4.5, 2, 0},      {5.5, 2, 0.5f}, {7, 2, 2},   {100, 2, 2}};
+    for (const auto& one : cases) {
+        const voctree::SegmentFrame at = voctree::segment_frame(index, one.frame);
+        EXPECT_EQ(at.segment, one.segment) << one.frame;
+        EXPECT_EQ(at.frame, one.local) << one.frame;
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test
