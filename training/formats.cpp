@@ -64,7 +64,14 @@ void expect_sound(const Rig& rig) {
     }
 }
 
-// Removes cameras that this split does not use: some layouts calibrate the cameras of all splits.
+}  // namespace
+
+std::vector<std::string> format_names() {
+    std::vector<std::string> names = {kAnyFormat};
+    for (const Format& format : kFormats) names.push_back(format.name);
+    return names;
+}
+
 void drop_cameras_without_shots(Rig& rig) {
     std::vector<RigCamera> kept;
     std::map<uint32_t, uint32_t> numbers;
@@ -76,21 +83,13 @@ void drop_cameras_without_shots(Rig& rig) {
     rig.cameras = std::move(kept);
 }
 
-}  // namespace
-
-std::vector<std::string> format_names() {
-    std::vector<std::string> names = {kAnyFormat};
-    for (const Format& format : kFormats) names.push_back(format.name);
-    return names;
-}
-
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format) {
     const Format& layout = find_format(folder, format);
     if (split == Split::kVal && !layout.validates)
         throw InputError(folder.string(), "", fmt::format("{} data sets have no validation split", layout.name),
                          "take train or test");
     Rig rig = layout.read(folder, split);
-    drop_cameras_without_shots(rig);
+    drop_cameras_without_shots(rig);  // some layouts calibrate the cameras of all splits
     expect_sound(rig);
     return rig;
 }

@@ -19,4 +19,7 @@ std::vector<std::string> format_names();
 // format_names(); kAnyFormat takes the first layout whose files exist. Throws InputError.
 Rig read_rig(const std::filesystem::path& folder, Split split, const std::string& format = kAnyFormat);
 
+// Removes the cameras of which no shot is in the rig.
+void drop_cameras_without_shots(Rig& rig);
+
 }  // namespace neuvv::training

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/platform.h"
 #include "training/image_reader.h"
+#include "training/segments.h"
 #include "training/undistort.h"
 
 namespace neuvv::training {
@@ -234,9 +234,7 @@ void expect_matte(const Rig& rig, const Dataset& dataset) {
 ImageCount image_count(const Rig& rig) {
     const std::vector<stage::Camera> cameras = cameras_of(rig);
     ImageCount count{.images = rig.shots.size(), .cameras = cameras.size(), .bytes = bytes_of(rig, cameras)};
-    std::set<double> times;
-    for (const Shot& shot : rig.shots) times.insert(shot.time);
-    count.frames = times.size();
+    count.frames = times_of(rig).size();
     for (const stage::Camera& camera : cameras) {
         count.width = std::max(count.width, camera.width);
         count.height = std::max(count.height, camera.height);
@@ -249,13 +247,9 @@ Dataset read_images(const Rig& rig, const LoadOptions& options) {
     dataset.folder = rig.folder;
     dataset.box = rig.box;
     dataset.fps = rig.fps;
-    std::set<double> times;
+    dataset.times = times_of(rig);
     std::vector<std::vector<uint32_t>> shots(rig.cameras.size());  // indices into rig.shots by camera
-    for (uint32_t i = 0; i < rig.shots.size(); i++) {
-        shots[rig.shots[i].camera].push_back(i);
-        times.insert(rig.shots[i].time);
-    }
-    dataset.times.assign(times.begin(), times.end());
+    for (uint32_t i = 0; i < rig.shots.size(); i++) shots[rig.shots[i].camera].push_back(i);
     dataset.cameras = cameras_of(rig);
     dataset.spool = make_spool(rig, dataset.cameras, options);
     for (const Shot& shot : rig.shots)
