@@ -20,7 +20,7 @@
 #include "training/evaluate.h"
 #include "training/formats.h"
 #include "training/lpips.h"
-#include "voctree/clip.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
@@ -133,7 +133,7 @@ void print(const training::Evaluation& evaluation, const training::Dataset& data
     const std::vector<training::Evaluation::Group>& groups = per == "frame" ? evaluation.frames : evaluation.cameras;
     for (size_t i = 0; i < groups.size(); ++i)
         print_row(per == "frame" ? std::to_string(i) : labels[i], groups[i].images, groups[i].quality);
-    print_row("mean", evaluation.views.size(), evaluation.mean);
+    print_row("mean", evaluation.compared, evaluation.mean);
 }
 
 // Throws InputError, before any work is done, where a result could not be written.
@@ -144,34 +144,34 @@ void prepare_outputs(const EvalOptions& options) {
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {
-    const voctree::VOctree tree = voctree::read_clip(options.scene);
+    const voctree::ClipIndex clip = voctree::read_clip_index(options.scene);
     const training::Dataset dataset =
         training::load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     prepare_outputs(options);
-    if (tree.frames != dataset.times.size())
+    if (clip.frames() != dataset.times.size())
         fmt::print(stderr,
                    "neuvv: {} has {} frames, {} has images of {} times: each is compared with the scene at its time\n",
-                   options.scene, tree.frames, options.dataset, dataset.times.size());
+                   options.scene, clip.frames(), options.dataset, dataset.times.size());
     std::optional<training::Lpips> network;
     if (!options.lpips.empty()) network.emplace(options.lpips);
-    std::vector<double> lpips;
+    std::vector<double> lpips(network ? dataset.views.size() : 0);
     ImageFolder folder{options.images, training::spread_views(dataset, kSheetRows)};
     PageCollector page{training::spread_views(dataset, kPageImages)};
     const gpu::Device device(common.device);
     catch_stop_signals();
     Progress progress("eval", dataset.views.size());
+    size_t compared = 0;
     const training::ViewCallback done = [&](size_t view, const media::Image& truth, const media::Image& render,
                                             const training::Quality& quality) {
         if (!options.images.empty()) folder.add(view, dataset.views[view].name, truth, render);
         if (!options.html.empty()) page.add(view, truth, render, quality.psnr);
-        if (network) lpips.push_back(network->distance(truth, render));
-        progress.update(view + 1, fmt::format("{:.2f} dB", quality.psnr));
+        if (network) lpips[view] = network->distance(truth, render);
+        progress.update(++compared, fmt::format("{:.2f} dB", quality.psnr));
         return !stop_requested();
     };
-    const training::Evaluation evaluation = training::evaluate(device, tree, dataset, options.samples, done);
+    const training::Evaluation evaluation = training::evaluate(device, clip, dataset, options.samples, done);
     progress.finish();
-    if (evaluation.views.size() < dataset.views.size())
-        throw RuntimeFailure("stopped before the end; no means are given");
+    if (evaluation.compared < dataset.views.size()) throw RuntimeFailure("stopped before the end; no means are given");
     if (!options.images.empty()) folder.finish();
     if (!options.html.empty()) {
         page.finish();
@@ -193,7 +193,7 @@ void run(const EvalOptions& options, const CommonOptions& common) {
 void add_eval(Command app, CommonOptions& common) {
     Command verb = app.add_verb("eval", "Measure a scene against the images of a data set");
     const auto options = std::make_shared<EvalOptions>();
-    verb.add_option("scene", options->scene, "The .nvv file").required();
+    verb.add_option("scene", options->scene, "The .nvv file, or the folder of a segmented clip").required();
     verb.add_option("dataset", options->dataset, "The data set's folder").required();
     add_format_option(verb, options->format);
     verb.add_option("--split", options->split, "Which of its images").one_of({"test", "train", "val"}).show_default();

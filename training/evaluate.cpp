@@ -6,6 +6,7 @@
 #include <set>
 
 #include "render/frame.h"
+#include "voctree/clip.h"
 
 namespace neuvv::training {
 
@@ -56,6 +57,70 @@ void whiten_ignored(const View& view, media::Image& image) {
         for (uint32_t x = 0; x < image.width; ++x)
             if (view.ignores(x, y)) std::copy(media::kWhite, media::kWhite + 3, image.at(x, y));
 }
+
+// A view and the frame of a tree that it shows.
+struct ViewFrame {
+    size_t view;  // index into Dataset::views
+    float frame;
+};
+
+std::vector<std::vector<ViewFrame>> views_by_segment(const voctree::ClipIndex& clip, const Dataset& dataset) {
+    std::vector<std::vector<ViewFrame>> views(clip.segments.size());
+    for (size_t i = 0; i < dataset.views.size(); ++i) {
+        const auto [segment, frame] = voctree::segment_frame(clip, frame_of_time(dataset.views[i].time, clip.frames()));
+        views[segment].push_back({i, frame});
+    }
+    return views;
+}
+
+// Compares views with one tree after the other, and sums what it finds.
+class Comparison {
+  public:
+    Comparison(const gpu::Device& device, const Dataset& dataset, uint32_t samples, const ViewCallback& done)
+        : device_(device), dataset_(dataset), samples_(samples), done_(done) {
+        for (const stage::Camera& camera : dataset.cameras) {
+            width_ = std::max(width_, camera.width);
+            height_ = std::max(height_, camera.height);
+        }
+        sums_.cameras.resize(dataset.cameras.size());
+        sums_.frames.resize(dataset.times.size());
+        sums_.views.resize(dataset.views.size());
+    }
+
+    // False where the callback ended it.
+    bool add(const voctree::VOctree& tree, const std::vector<ViewFrame>& views) {
+        const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
+        render::FrameRenderer renderer(device_, field, {width_, height_, samples_});
+        return std::all_of(views.begin(), views.end(), [&](const ViewFrame& one) {
+            const View& view = dataset_.views[one.view];
+            const media::Image render = render_over_white(renderer, dataset_, view, one.frame, samples_);
+            const media::Image truth = truth_over_white(dataset_, view);
+            const Quality quality = compare(truth, render);
+            sums_.views[one.view] = quality;
+            ++sums_.compared;
+            training::add(sums_.mean, quality);
+            training::add(sums_.cameras[view.camera], quality);
+            training::add(sums_.frames[frame_of_view(dataset_, view)], quality);
+            return !done_ || done_(one.view, truth, render, quality);
+        });
+    }
+
+    Evaluation result() const {
+        Evaluation means = sums_;
+        means.mean = divided(means.mean, means.compared);
+        divide(means.cameras);
+        divide(means.frames);
+        return means;
+    }
+
+  private:
+    const gpu::Device& device_;
+    const Dataset& dataset_;
+    const uint32_t samples_;
+    const ViewCallback& done_;
+    uint32_t width_ = 1, height_ = 1;
+    Evaluation sums_;
+};
 
 }  // namespace
 
@@ -114,11 +179,11 @@ media::Image truth_over_white(const Dataset& dataset, const View& view) {
     return media::composite_over(clear, media::kWhite);
 }
 
-media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view,
-                               uint32_t frames, uint32_t samples) {
+media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view, float frame,
+                               uint32_t samples) {
     const stage::Camera& camera = dataset.cameras[view.camera];
     render::FrameSettings settings;
-    settings.instances[0].frame = static_cast<float>(frame_of_time(view.time, frames));
+    settings.instances[0].frame = frame;
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
@@ -130,32 +195,18 @@ media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& d
 
 Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done) {
-    uint32_t width = 1, height = 1;
-    for (const stage::Camera& camera : dataset.cameras) {
-        width = std::max(width, camera.width);
-        height = std::max(height, camera.height);
-    }
-    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    render::FrameRenderer renderer(device, field, {width, height, samples});
+    Comparison comparison(device, dataset, samples, done);
+    comparison.add(tree, views_by_segment({0, {{"", 0, tree.frames}}}, dataset)[0]);
+    return comparison.result();
+}
 
-    Evaluation result;
-    result.cameras.resize(dataset.cameras.size());
-    result.frames.resize(dataset.times.size());
-    for (size_t i = 0; i < dataset.views.size(); ++i) {
-        const View& view = dataset.views[i];
-        const media::Image render = render_over_white(renderer, dataset, view, tree.frames, samples);
-        const media::Image truth = truth_over_white(dataset, view);
-        const Quality quality = compare(truth, render);
-        result.views.push_back(quality);
-        add(result.mean, quality);
-        add(result.cameras[view.camera], quality);
-        add(result.frames[frame_of_view(dataset, view)], quality);
-        if (done && !done(i, truth, render, quality)) break;
-    }
-    result.mean = divided(result.mean, result.views.size());
-    divide(result.cameras);
-    divide(result.frames);
-    return result;
+Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
+                    const ViewCallback& done) {
+    Comparison comparison(device, dataset, samples, done);
+    const std::vector<std::vector<ViewFrame>> views = views_by_segment(clip, dataset);
+    for (size_t i = 0; i < views.size(); ++i)
+        if (!views[i].empty() && !comparison.add(voctree::read_clip(clip.segments[i].file), views[i])) break;
+    return comparison.result();
 }
 
 }  // namespace neuvv::training

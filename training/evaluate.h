@@ -7,6 +7,7 @@
 #include "gpu/device.h"
 #include "training/dataset.h"
 #include "training/metrics.h"
+#include "voctree/clip_index.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::render {
@@ -23,7 +24,8 @@ struct Evaluation {
     Quality mean;                // over all images
     std::vector<Group> cameras;  // in the order of Dataset::cameras
     std::vector<Group> frames;   // in the order of Dataset::times
-    std::vector<Quality> views;  // in the order of Dataset::views
+    std::vector<Quality> views;  // in the order of Dataset::views; those that were not compared have quality 0
+    size_t compared = 0;         // how many views were
 };
 
 // Called after each view with the two images that were compared, both opaque; returns false to end the evaluation.
@@ -31,9 +33,12 @@ using ViewCallback =
     std::function<bool(size_t view, const media::Image& truth, const media::Image& render, const Quality& quality)>;
 
 // Renders every view with samples² rays per pixel and compares it with the data set's image, both over white (see
-// Quality). Ignored pixels are white in both. After an early end, means are over the views that were compared. The tree
-// must be sound (voctree::defect_of). Throws RuntimeFailure.
+// Quality). Ignored pixels are white in both. After an early end, means are over the views that were compared. Views
+// are in their order, but of a clip segment by segment, of which one is in memory at a time. The tree must be sound
+// (voctree::defect_of). Throws RuntimeFailure, and InputError where a segment cannot be read.
 Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
+                    const ViewCallback& done = {});
+Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done = {});
 
 // The view's frame: an index into Dataset::times.
@@ -46,9 +51,9 @@ std::vector<std::string> camera_labels(const Dataset& dataset);
 // Indices of at most `count` views, ascending, spread over cameras and times.
 std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 
-// Renders a view over white, its ignored pixels white, too. The renderer must be that of a field of `frames` frames.
-media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view,
-                               uint32_t frames, uint32_t samples);
+// Renders a view at a frame of the renderer's field over white, its ignored pixels white, too.
+media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view, float frame,
+                               uint32_t samples);
 
 // The data set's image of a view over white. Where the camera has a clean plate, the captured background is removed.
 media::Image truth_over_white(const Dataset& dataset, const View& view);
