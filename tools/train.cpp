@@ -1,37 +1,22 @@
 // neuvv train: trains a volumetric video from a data set.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
-#include <optional>
 
 #include "base/error.h"
 #include "base/output_path.h"
 #include "base/platform.h"
-#include "base/seconds.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/refine.h"
 #include "tools/report.h"
-#include "training/formats.h"
-#include "training/images.h"
-#include "training/metrics_log.h"
-#include "training/preview.h"
-#include "training/psi_tree.h"
+#include "tools/train_run.h"
 #include "training/schedule.h"
-#include "training/train.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
 namespace {
-
-// What a training run shows of itself besides its status line: a preview image and a log of its numbers.
-struct LiveOptions {
-    std::filesystem::path preview;  // PNG; empty: none
-    std::filesystem::path metrics;  // JSON Lines; empty: none
-};
-
-constexpr double kPreviewPeriod_s = 3, kPreviewShare = 0.05;  // at least; of the run's time, at most
 
 void expect_extension(const char* option, const std::filesystem::path& file, const char* extension) {
     if (file.extension() != extension)
@@ -40,194 +25,63 @@ void expect_extension(const char* option, const std::filesystem::path& file, con
     prepare_output_file(option, file);
 }
 
-training::Dataset load_preview_data(const training::Dataset& training, const training::LoadOptions& load) {
-    try {
-        return training::preview_dataset(training::load_dataset(training.folder, training::Split::kTest, load));
-    } catch (const std::runtime_error& error) {
-        fmt::print(stderr, "the preview shows a training image, as no held-out one can be read: {}\n", error.what());
-        return training::preview_dataset(training);
-    }
-}
-
 // Throws InputError where one of the files could not be written, or is not named as such a file.
 void prepare_live_outputs(const LiveOptions& options) {
     if (!options.preview.empty()) expect_extension("--preview", options.preview, ".png");
     if (!options.metrics.empty()) expect_extension("--metrics", options.metrics, ".jsonl");
 }
 
-class LiveReport {
-  public:
-    // Loads a held-out image where a preview is wanted; of a data set without one, a training image.
-    LiveReport(const gpu::Device& device, const training::Dataset& training, const training::LoadOptions& load,
-               LiveOptions options)
-        : device_(device), options_(std::move(options)) {
-        if (!options_.preview.empty()) preview_data_ = load_preview_data(training, load);
-    }
-
-    // Call it with every report of the run. Previews take at most a twentieth of the time. A preview that fails, for
-    // instance for want of device memory, or a line of the log, for want of disk, is the last, and the run goes on.
-    void update(const training::TrainProgress& now) {
-        write_preview_if_due(now);
-        if (options_.metrics.empty()) return;
-        try {
-            if (!log_) log_.emplace(options_.metrics, now.began_at_step);
-            log_->add(now, score_);
-        } catch (const RuntimeFailure& failure) {  // a run is worth more than its log
-            fmt::print(stderr, "\nno more metrics: {}\n", failure.what());
-            options_.metrics.clear();
-        }
-    }
-
-  private:
-    void write_preview_if_due(const training::TrainProgress& now) {
-        const double wait_s = std::max(kPreviewPeriod_s, preview_took_s_ / kPreviewShare);
-        if (options_.preview.empty() || now.elapsed_s - previewed_at_s_ < wait_s) return;
-        const double begin = seconds_now();
-        try {
-            const training::Quality quality =
-                training::write_preview(device_, *now.field, preview_data_, options_.preview);
-            score_ = training::PreviewScore{preview_data_.views[0].name, quality.psnr};
-        } catch (const RuntimeFailure& failure) {
-            fmt::print(stderr, "\nno more previews: {}\n", failure.what());
-            options_.preview.clear();
-        }
-        preview_took_s_ = seconds_now() - begin;
-        previewed_at_s_ = now.elapsed_s + preview_took_s_;
-    }
-
-    const gpu::Device& device_;
-    LiveOptions options_;
-    training::Dataset preview_data_;
-    std::optional<training::MetricsLog> log_;
-    std::optional<training::PreviewScore> score_;
-    double previewed_at_s_ = -1e9, preview_took_s_ = 0;  // of the run
-};
-
-struct TrainOptions {
-    std::filesystem::path dataset, output;
-    std::string format = training::kAnyFormat;
-    training::TrainSettings settings;
-    double max_megabytes = 0, image_gigabytes = 0;
-    bool uniform = false;
-    LiveOptions live;
-    std::string refine;
-    std::string init = "hull";
-    double psi_minutes = 2;
-    uint64_t psi_steps = 0;
-};
-
-// Prints the status line where it is due, with NEUVV_TRACE the times of the step's passes behind it.
-template <typename RunProgress>
-void report_progress(StatusLine& line, const RunProgress& now, const std::string& text) {
-    if (!line.is_due()) return;
-    line.print(text);
-    if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
-}
-
-std::string progress_text(const training::TrainProgress& now) {
-    return fmt::format(
-        "{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB of memory",
-        format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss, now.psnr,
-        now.leaves / 1000, now.depth, static_cast<double>(peak_memory_bytes()) / double(1 << 30));
-}
-
-std::string progress_text(const training::PsiProgress& now) {
-    return fmt::format("psi {} eta {} | {:.1f}k rays/s | loss {:.5f} | batch {:.2f} dB | step {}",
-                       format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss,
-                       now.psnr, now.step);
-}
-
-// The first tree, read off a network that is trained for it. Ctrl-C ends the training of the network; the run that
-// follows then saves and ends, too.
-voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& device,
-                                const training::Dataset& dataset) {
-    training::PsiSettings settings = training::default_psi_settings(device);
-    settings.seed = options.settings.seed;
-    settings.minutes = options.psi_minutes;
-    settings.steps = options.psi_steps;
-    StatusLine line(true);
-    voctree::VOctree tree = training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbovePixel,
-                                               settings, [&](const training::PsiProgress& now) {
-                                                   report_progress(line, now, progress_text(now));
-                                                   return !stop_requested();
-                                               });
-    line.end();
-    fmt::print(stderr, "psi: {} leaves\n", tree.leaf_count);
-    return tree;
+// Whether the output is a segmented clip.
+bool is_in_segments(const TrainOptions& options) {
+    return !options.segment.empty() || (options.settings.resume && voctree::is_segmented(options.output));
 }
 
 // Throws InputError, before any work is done, where the result could not be written.
-void prepare_output(const std::filesystem::path& output) {
-    if (output.extension() != ".nvv" || std::filesystem::is_directory(output))
+void prepare_output(const TrainOptions& options) {
+    const std::filesystem::path& output = options.output;
+    if (output.extension() != ".nvv")
         throw InputError("--output", output.string(), "is no name of an .nvv file", "write for instance scene.nvv");
-    prepare_output_file("--output", output);
+    const bool folder = std::filesystem::is_directory(output);
+    if (!is_in_segments(options)) {
+        if (folder)
+            throw InputError("--output", output.string(), "is a folder, of a segmented clip for instance",
+                             "choose another name, or give --segment");
+        return prepare_output_file("--output", output);
+    }
+    const bool in_use = folder ? !std::filesystem::is_empty(output) : std::filesystem::exists(output);
+    if (in_use && !voctree::is_segmented(output))
+        throw InputError("--output", output.string(), "is there, and is no segmented clip",
+                         "remove it, or choose another name");
+    prepare_output_folder("--output", output);
 }
 
-training::LoadOptions load_options(const TrainOptions& options) {
-    const bool given = options.image_gigabytes > 0;
-    return {.format = options.format,
-            .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
-}
-
-// Prints how many images there are before it reads them, and afterwards what they take and which mattes are doubtful.
-training::Dataset load_images(const TrainOptions& options, const training::Rig& rig,
-                              const training::LoadOptions& load) {
-    const training::ImageCount count = training::image_count(rig);
-    fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}\n", options.dataset.string(), count.cameras,
-               count.frames, count.images, count.width, count.height, size_text(count.bytes));
-    training::Dataset dataset = training::read_images(rig, load);
-    const uint64_t on_disk = dataset.spool->bytes_on_disk();
-    fmt::print(stderr, "the tiles with foreground are {}, budget {}{}\n", size_text(training::image_bytes(dataset)),
-               size_text(load.memory_bytes),
-               on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
-    const std::vector<training::DoubtfulMatte> doubtful = training::ignore_doubtful_mattes(dataset);
-    fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
-    return dataset;
-}
-
-void run_train(const TrainOptions& options, const CommonOptions& common) {
-    prepare_output(options.output);
-    prepare_live_outputs(options.live);
-    training::TrainSettings settings = options.settings;
+// Throws InputError for combinations of options that make no sense.
+void expect_compatible(const TrainOptions& options) {
     const Refine refine = refine_of(options.refine);
-    settings.refine = refine.what.colour;
     if (refine.needs_search() && options.init == "psi")
         throw InputError("--refine", options.refine, "cannot be combined with --init psi, but for colours",
                          "leave out one of the two");
+    if (!is_in_segments(options)) return;
+    if (refine.needs_search())
+        throw InputError("--refine", options.refine, "cannot be combined with --segment, but for colours",
+                         "correct the calibration by what `neuvv dataset --rig` finds");
+    if (!options.live.preview.empty() || !options.live.metrics.empty())
+        throw InputError("--preview, --metrics", "", "are of one run, not of the many of --segment",
+                         "leave them out, or train without --segment");
+}
+
+void run_train(const TrainOptions& options, const CommonOptions& common) {
+    expect_compatible(options);
+    prepare_output(options);
+    prepare_live_outputs(options.live);
     catch_stop_signals();
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
-    const training::LoadOptions load = load_options(options);
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
-    training::Dataset dataset = load_images(options, rig, load);
-    LiveReport live(device, dataset, load, options.live);
-    settings.program = "NeuVV " NEUVV_VERSION;
-    settings.adaptive = !options.uniform;
-    settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
-    if (refine.needs_search() && !settings.resume && !correct_rig(device, dataset, refine, settings)) {
-        fmt::print("interrupted while errors of the rig were searched for: nothing was written\n");
-        return;
-    }
-    voctree::VOctree first_tree;
-    if (options.init == "psi" && !settings.resume) {
-        first_tree = train_psi_tree(options, device, dataset);
-        settings.first_tree = &first_tree;
-    }
-    StatusLine line(true);
-    const training::TrainProgress last =
-        training::train(device, dataset, settings, options.output, [&](const training::TrainProgress& now) {
-            report_progress(line, now, progress_text(now));
-            live.update(now);
-            return !stop_requested();
-        });
-    line.end();
-    fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
-               last.step, last.epochs, format_duration(last.elapsed_s));
-    print_corrections(last, rig.cameras);
-    if (settings.resume && last.step == last.began_at_step)
-        fmt::print("the run had spent its budget; more --minutes or --steps go on from there\n");
-    if (stop_requested() && last.fraction < 1)
-        fmt::print("interrupted; the same command with --resume goes on from here\n");
+    if (is_in_segments(options)) return train_segments(device, options, rig);
+    TrainPart part{rig, options.output, options.settings};
+    part.settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
+    train_part(device, options, part);
 }
 
 std::string weight_option(const training::NamedLossWeight& weight) {
@@ -295,6 +149,10 @@ void add_train(Command app, CommonOptions& common) {
         "of poses and focal lengths; time: cameras that are late, not together with poses; auto, alone: those of "
         "these that are worth it. The last three begin with a search, of a fifth of --minutes at most "
         "(default: nothing)");
+    verb.add_option("--segment", options->segment,
+                    "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
+                    "own; OUTPUT becomes a folder. For clips of any length: memory does not grow with it "
+                    "(default: one tree)");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);
@@ -319,6 +177,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
          "  neuvv train build/performer -o build/rig.nvv --refine auto\n"
          "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
+         "  neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {
         if (options->settings.resume) warn_of_ignored_options(verb);

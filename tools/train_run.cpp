@@ -1,0 +1,182 @@
+#include "tools/train_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "base/seconds.h"
+#include "tools/refine.h"
+#include "tools/report.h"
+#include "training/images.h"
+#include "training/metrics_log.h"
+#include "training/preview.h"
+#include "training/psi_tree.h"
+#include "training/schedule.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+constexpr double kPreviewPeriod_s = 3, kPreviewShare = 0.05;  // at least; of the run's time, at most
+
+training::Dataset load_preview_data(const training::Dataset& training, const training::LoadOptions& load) {
+    try {
+        return training::preview_dataset(training::load_dataset(training.folder, training::Split::kTest, load));
+    } catch (const std::runtime_error& error) {
+        fmt::print(stderr, "the preview shows a training image, as no held-out one can be read: {}\n", error.what());
+        return training::preview_dataset(training);
+    }
+}
+
+class LiveReport {
+  public:
+    // Loads a held-out image where a preview is wanted; of a data set without one, a training image.
+    LiveReport(const gpu::Device& device, const training::Dataset& training, const training::LoadOptions& load,
+               LiveOptions options)
+        : device_(device), options_(std::move(options)) {
+        if (!options_.preview.empty()) preview_data_ = load_preview_data(training, load);
+    }
+
+    // Call it with every report of the run. Previews take at most a twentieth of the time. A preview that fails, for
+    // instance for want of device memory, or a line of the log, for want of disk, is the last, and the run goes on.
+    void update(const training::TrainProgress& now) {
+        write_preview_if_due(now);
+        if (options_.metrics.empty()) return;
+        try {
+            if (!log_) log_.emplace(options_.metrics, now.began_at_step);
+            log_->add(now, score_);
+        } catch (const RuntimeFailure& failure) {  // a run is worth more than its log
+            fmt::print(stderr, "\nno more metrics: {}\n", failure.what());
+            options_.metrics.clear();
+        }
+    }
+
+  private:
+    void write_preview_if_due(const training::TrainProgress& now) {
+        const double wait_s = std::max(kPreviewPeriod_s, preview_took_s_ / kPreviewShare);
+        if (options_.preview.empty() || now.elapsed_s - previewed_at_s_ < wait_s) return;
+        const double begin = seconds_now();
+        try {
+            const training::Quality quality =
+                training::write_preview(device_, *now.field, preview_data_, options_.preview);
+            score_ = training::PreviewScore{preview_data_.views[0].name, quality.psnr};
+        } catch (const RuntimeFailure& failure) {
+            fmt::print(stderr, "\nno more previews: {}\n", failure.what());
+            options_.preview.clear();
+        }
+        preview_took_s_ = seconds_now() - begin;
+        previewed_at_s_ = now.elapsed_s + preview_took_s_;
+    }
+
+    const gpu::Device& device_;
+    LiveOptions options_;
+    training::Dataset preview_data_;
+    std::optional<training::MetricsLog> log_;
+    std::optional<training::PreviewScore> score_;
+    double previewed_at_s_ = -1e9, preview_took_s_ = 0;  // of the run
+};
+
+// Prints the status line where it is due, with NEUVV_TRACE the times of the step's passes behind it.
+template <typename RunProgress>
+void report_progress(StatusLine& line, const RunProgress& now, const std::string& text) {
+    if (!line.is_due()) return;
+    line.print(text);
+    if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
+}
+
+std::string progress_text(const training::TrainProgress& now) {
+    return fmt::format(
+        "{} eta {} | {:.0f}k rays/s | loss {:.5f} | batch {:.2f} dB | {}k leaves, depth {} | {:.1f} GiB of memory",
+        format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss, now.psnr,
+        now.leaves / 1000, now.depth, static_cast<double>(peak_memory_bytes()) / double(1 << 30));
+}
+
+std::string progress_text(const training::PsiProgress& now) {
+    return fmt::format("psi {} eta {} | {:.1f}k rays/s | loss {:.5f} | batch {:.2f} dB | step {}",
+                       format_duration(now.elapsed_s), format_duration(now.eta_s), now.rays_per_s / 1000, now.loss,
+                       now.psnr, now.step);
+}
+
+// The first tree, read off a network that is trained for it. Ctrl-C ends the training of the network; the run that
+// follows then saves and ends, too.
+voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& device,
+                                const training::Dataset& dataset) {
+    training::PsiSettings settings = training::default_psi_settings(device);
+    settings.seed = options.settings.seed;
+    settings.minutes = options.psi_minutes;
+    settings.steps = options.psi_steps;
+    StatusLine line(true);
+    voctree::VOctree tree = training::psi_tree(device, dataset, options.settings.shape, training::kLevelsAbovePixel,
+                                               settings, [&](const training::PsiProgress& now) {
+                                                   report_progress(line, now, progress_text(now));
+                                                   return !stop_requested();
+                                               });
+    line.end();
+    fmt::print(stderr, "psi: {} leaves\n", tree.leaf_count);
+    return tree;
+}
+
+training::LoadOptions load_options(const TrainOptions& options) {
+    const bool given = options.image_gigabytes > 0;
+    return {.format = options.format,
+            .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
+}
+
+// Prints how many images there are before it reads them, and afterwards what they take and which mattes are doubtful.
+training::Dataset load_images(const TrainOptions& options, const training::Rig& rig,
+                              const training::LoadOptions& load) {
+    const training::ImageCount count = training::image_count(rig);
+    fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}\n", options.dataset.string(), count.cameras,
+               count.frames, count.images, count.width, count.height, size_text(count.bytes));
+    training::Dataset dataset = training::read_images(rig, load);
+    const uint64_t on_disk = dataset.spool->bytes_on_disk();
+    fmt::print(stderr, "the tiles with foreground are {}, budget {}{}\n", size_text(training::image_bytes(dataset)),
+               size_text(load.memory_bytes),
+               on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
+    const std::vector<training::DoubtfulMatte> doubtful = training::ignore_doubtful_mattes(dataset);
+    fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
+    return dataset;
+}
+
+}  // namespace
+
+bool train_part(const gpu::Device& device, const TrainOptions& options, TrainPart part) {
+    training::TrainSettings& settings = part.settings;
+    const Refine refine = refine_of(options.refine);
+    settings.refine = refine.what.colour;
+    settings.program = "NeuVV " NEUVV_VERSION;
+    settings.adaptive = !options.uniform;
+    const training::LoadOptions load = load_options(options);
+    training::Dataset dataset = load_images(options, part.rig, load);
+    LiveReport live(device, dataset, load, options.live);
+    if (refine.needs_search() && !settings.resume && !correct_rig(device, dataset, refine, settings)) {
+        fmt::print("interrupted while errors of the rig were searched for: nothing was written\n");
+        return false;
+    }
+    voctree::VOctree first_tree;
+    if (options.init == "psi" && !settings.resume) {
+        first_tree = train_psi_tree(options, device, dataset);
+        settings.first_tree = &first_tree;
+    }
+    StatusLine line(true);
+    const training::TrainProgress last =
+        training::train(device, dataset, settings, part.output, [&](const training::TrainProgress& now) {
+            report_progress(line, now, part.label + progress_text(now));
+            live.update(now);
+            return !stop_requested();
+        });
+    line.end();
+    fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", part.output.string(), last.leaves, last.step,
+               last.epochs, format_duration(last.elapsed_s));
+    print_corrections(last, part.rig.cameras);
+    if (settings.resume && last.step == last.began_at_step)
+        fmt::print("the run had spent its budget; more --minutes or --steps go on from there\n");
+    if (stop_requested() && last.fraction < 1)
+        fmt::print("interrupted; the same command with --resume goes on from here\n");
+    return last.fraction >= 1;
+}
+
+}  // namespace neuvv::tools

@@ -1,0 +1,50 @@
+// A run of `neuvv train`: loads the images, trains one .nvv with a status line, and says what came of it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "gpu/device.h"
+#include "training/formats.h"
+#include "training/train.h"
+
+namespace neuvv::tools {
+
+// What a training run shows of itself besides its status line: a preview image and a log of its numbers.
+struct LiveOptions {
+    std::filesystem::path preview;  // PNG; empty: none
+    std::filesystem::path metrics;  // JSON Lines; empty: none
+};
+
+struct TrainOptions {
+    std::filesystem::path dataset, output;
+    std::string segment;  // the length of segments as the user wrote it; empty: the clip is one tree
+    std::string format = training::kAnyFormat;
+    training::TrainSettings settings;
+    double max_megabytes = 0, image_gigabytes = 0;
+    bool uniform = false;
+    LiveOptions live;
+    std::string refine;
+    std::string init = "hull";  // or "psi"
+    double psi_minutes = 2;
+    uint64_t psi_steps = 0;
+};
+
+// The part of a clip that a run trains.
+struct TrainPart {
+    const training::Rig& rig;
+    std::filesystem::path output;      // .nvv
+    training::TrainSettings settings;  // its budget, and whether it goes on from a checkpoint
+    std::string label = {};            // before the status line: "segment 2 of 6 | "
+};
+
+// Returns whether the budget is spent; false where Ctrl-C ended the run. What was trained is saved in any case, unless
+// that happened before the first step. Throws InputError and RuntimeFailure.
+bool train_part(const gpu::Device& device, const TrainOptions& options, TrainPart part);
+
+// Trains a clip in segments, which become a folder (voctree/clip_index.h); the budget is shared by frames. With
+// TrainSettings::resume, segments that are finished stay, and the one that is not goes on. Throws InputError, and
+// RuntimeFailure that names the segment.
+void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig);
+
+}  // namespace neuvv::tools
