@@ -16,6 +16,7 @@
 #include "stage/evaluated_stage.h"
 #include "tools/report.h"
 #include "voctree/clip.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
@@ -40,15 +41,20 @@ std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInf
     const gpu::Device device(common.device);
     const uint64_t budget = bytes_of_mebibytes(options.slice_budget_mb);
     std::vector<ClipMemory> all;
+    size_t fields = 0;
+    for (const stage::StageClip& clip : stage.clips) fields += voctree::read_clip_index(clip.path).segments.size();
     for (const stage::StageClip& clip : stage.clips) {
-        const uint64_t before = device.buffer_bytes();
-        const render::Field field = render::upload_far_levels(device, voctree::read_clip(clip.path));
-        const uint64_t with_field = device.buffer_bytes();
-        const uint64_t share = render::slice_share(budget, stage.clips.size());
-        uint64_t slice_bytes = slice_bytes_of(device, field, share);
-        for (const render::Field& level : field.coarser)
-            slice_bytes += slice_bytes_of(device, level, render::slice_share_of_level(share, field, level));
-        all.push_back({with_field - before, slice_bytes});
+        ClipMemory memory;
+        for (const voctree::ClipSegment& segment : voctree::read_clip_index(clip.path).segments) {
+            const uint64_t before = device.buffer_bytes();
+            const render::Field field = render::upload_far_levels(device, voctree::read_clip(segment.file));
+            memory.field_bytes += device.buffer_bytes() - before;
+            const uint64_t share = render::slice_share(budget, fields);
+            memory.slice_bytes += slice_bytes_of(device, field, share);
+            for (const render::Field& level : field.coarser)
+                memory.slice_bytes += slice_bytes_of(device, level, render::slice_share_of_level(share, field, level));
+        }
+        all.push_back(memory);
     }
     return all;
 }

@@ -6,6 +6,7 @@
 #include "edit/operations.h"
 #include "stage/stage.h"
 #include "voctree/clip.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::editor {
 
@@ -15,7 +16,8 @@ std::filesystem::path newest_clip(const std::filesystem::path& folder) {
     std::filesystem::path newest;
     std::filesystem::file_time_type when;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-        if (!entry.is_regular_file() || entry.path().extension() != ".nvv") continue;
+        if (entry.path().extension() != ".nvv") continue;
+        if (!entry.is_regular_file() && !voctree::is_segmented(entry.path())) continue;
         if (!newest.empty() && entry.last_write_time() <= when) continue;
         newest = entry.path();
         when = entry.last_write_time();
@@ -30,7 +32,7 @@ std::filesystem::path opened_file(const std::filesystem::path& path) {
     std::error_code error;
     const auto kind = std::filesystem::status(path, error).type();
     if (kind == std::filesystem::file_type::not_found) throw InputError(path.string(), "", "there is no such file");
-    return kind == std::filesystem::file_type::directory ? newest_clip(path) : path;
+    return kind == std::filesystem::file_type::directory && !voctree::is_segmented(path) ? newest_clip(path) : path;
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
     assets.clips = load_clips(stage, loaded);
     assets.environment = load_environment(stage);
     for (const stage::StagePerformer& performer : stage.performers)
-        assets.paint.push_back(load_layers(stage, performer, *assets.clips[performer.clip]));
+        assets.paint.push_back(load_layers(stage, performer, assets.clips[performer.clip]));
     return assets;
 }
 
@@ -31,24 +31,29 @@ std::shared_ptr<const LoadedClip> StageLoader::find_clip(const std::filesystem::
     return nullptr;
 }
 
-std::vector<std::shared_ptr<const LoadedClip>> StageLoader::load_clips(const stage::Stage& stage,
-                                                                       const Loaded& loaded) {
-    std::vector<std::shared_ptr<const LoadedClip>> clips;
+std::vector<ClipOnDevice> StageLoader::load_clips(const stage::Stage& stage, const Loaded& loaded) {
+    std::vector<ClipOnDevice> clips;
     size_t read = 0, missing = 0;
     for (const stage::StageClip& wanted : stage.clips) {
-        clips.push_back(find_clip(wanted.path, stamp_of(wanted.path)));
-        missing += clips.back() ? 0 : 1;
+        ClipOnDevice& clip = clips.emplace_back();
+        clip.index = voctree::read_clip_index(wanted.path);
+        for (const voctree::ClipSegment& segment : clip.index.segments) {
+            clip.segments.push_back(find_clip(segment.file, stamp_of(segment.file)));
+            missing += clip.segments.back() ? 0 : 1;
+        }
     }
     std::erase_if(clips_, [](const auto& clip) { return clip.expired(); });
-    for (size_t i = 0; i < clips.size(); i++) {
-        if (clips[i]) continue;
-        const FileStamp stamp = stamp_of(stage.clips[i].path);
-        const voctree::VOctree tree = voctree::read_clip(stage.clips[i].path);
-        clips[i] = std::make_shared<const LoadedClip>(
-            LoadedClip{stage.clips[i].path, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
-        clips_.push_back(clips[i]);
-        if (loaded) loaded(++read, missing);
-    }
+    for (ClipOnDevice& clip : clips)
+        for (size_t i = 0; i < clip.segments.size(); i++) {
+            if (clip.segments[i]) continue;
+            const std::filesystem::path& file = clip.index.segments[i].file;
+            const FileStamp stamp = stamp_of(file);
+            const voctree::VOctree tree = voctree::read_clip(file);
+            clip.segments[i] = std::make_shared<const LoadedClip>(
+                LoadedClip{file, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
+            clips_.push_back(clip.segments[i]);
+            if (loaded) loaded(++read, missing);
+        }
     return clips;
 }
 
@@ -70,18 +75,21 @@ std::shared_ptr<const SetEnvironment> StageLoader::load_environment(const stage:
 }
 
 std::vector<LoadedLayer> StageLoader::load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
-                                                  const LoadedClip& clip) {
+                                                  const ClipOnDevice& clip) {
     std::vector<LoadedLayer> layers;
+    const voctree::PaintedField& painted = clip.segments[0]->painted;
     for (size_t i = 0; i < performer.settings.paint.size(); i++) {
         const stage::PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;
         const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);
         try {
+            if (clip.segments.size() > 1)
+                throw InputError(stage.clips[performer.clip].path.string(), "",
+                                 "is a clip in segments, which cannot be painted", "remove the layer");
             const std::filesystem::path path = stage::file_of_uri(stage.file, layer.uri, place);
-            std::shared_ptr<const voctree::EditLayer> edits =
-                paint_source_ ? paint_source_(path, clip.painted) : nullptr;
-            if (!edits) edits = paint_files_.read(path, clip.painted);
-            if (edits->field != clip.painted)
+            std::shared_ptr<const voctree::EditLayer> edits = paint_source_ ? paint_source_(path, painted) : nullptr;
+            if (!edits) edits = paint_files_.read(path, painted);
+            if (edits->field != painted)
                 throw InputError(path.string(), "", "is paint for another clip", "paint on this one anew");
             layers.push_back({std::move(edits), layer.blend, static_cast<float>(layer.opacity)});
         } catch (const InputError& problem) {

@@ -10,15 +10,22 @@
 #include "render/paint_files.h"
 #include "render/set_raster.h"
 #include "stage/stage.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::render {
 
-// A clip's file on the device.
+// A clip's file on the device; of a segmented clip, that of a segment.
 struct LoadedClip {
     std::filesystem::path path;
     FileStamp stamp;
     Field field;
     voctree::PaintedField painted;
+};
+
+// A clip on the device.
+struct ClipOnDevice {
+    voctree::ClipIndex index;
+    std::vector<std::shared_ptr<const LoadedClip>> segments;  // in the order of the index; a file is one segment
 };
 
 // A visible layer of a performer's paint.
@@ -30,23 +37,23 @@ struct LoadedLayer {
 };
 
 struct StageAssets {
-    std::vector<std::shared_ptr<const LoadedClip>> clips;  // in the order of Stage::clips
-    std::shared_ptr<const SetEnvironment> environment;     // black where the stage has none
-    std::vector<std::vector<LoadedLayer>> paint;           // by performer: the visible layers, the lowest first
+    std::vector<ClipOnDevice> clips;                    // in the order of Stage::clips
+    std::shared_ptr<const SetEnvironment> environment;  // black where the stage has none
+    std::vector<std::vector<LoadedLayer>> paint;        // by performer: the visible layers, the lowest first
 };
 
 // Reads the files of a stage, and of its later versions only what has changed: an asset of an earlier load that is
 // still in use, and whose file has not changed, is not read again.
 class StageLoader {
   public:
-    // Called after each clip that was read, with the number of clips read so far and the number to be read.
+    // Called after each file of a clip that was read, with the number of files read so far and the number to be read.
     using Loaded = std::function<void(size_t, size_t)>;
 
     // The device must outlive the loader and all that it loads. Layers that `paint` returns are not read from the disk.
     explicit StageLoader(const gpu::Device& device, PaintSource paint = {});
 
-    // Throws InputError for a file that cannot be read, and for paint of another clip; RuntimeFailure where the device
-    // has no memory.
+    // Throws InputError for a file that cannot be read, and for paint of another clip or of a segmented one;
+    // RuntimeFailure where the device has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});
 
   private:
@@ -56,10 +63,10 @@ class StageLoader {
         std::weak_ptr<const SetEnvironment> map;
     };
     std::shared_ptr<const LoadedClip> find_clip(const std::filesystem::path& path, const FileStamp& stamp) const;
-    std::vector<std::shared_ptr<const LoadedClip>> load_clips(const stage::Stage& stage, const Loaded& loaded);
+    std::vector<ClipOnDevice> load_clips(const stage::Stage& stage, const Loaded& loaded);
     std::shared_ptr<const SetEnvironment> load_environment(const stage::Stage& stage);
     std::vector<LoadedLayer> load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
-                                         const LoadedClip& clip);
+                                         const ClipOnDevice& clip);
     const gpu::Device& device_;
     PaintSource paint_source_;
     PaintFiles paint_files_;

@@ -31,10 +31,22 @@ std::vector<glm::vec4> download_halves(const gpu::Device& device, const gpu::Buf
     return colours;
 }
 
-std::vector<const Field*> fields_of(const std::vector<std::shared_ptr<const LoadedClip>>& clips) {
+// The fields of all segments, clip by clip.
+std::vector<const Field*> fields_of(const std::vector<ClipOnDevice>& clips) {
     std::vector<const Field*> fields;
-    for (const auto& clip : clips) fields.push_back(&clip->field);
+    for (const ClipOnDevice& clip : clips)
+        for (const auto& segment : clip.segments) fields.push_back(&segment->field);
     return fields;
+}
+
+std::vector<uint32_t> first_fields_of(const std::vector<ClipOnDevice>& clips) {
+    std::vector<uint32_t> first;
+    uint32_t fields = 0;
+    for (const ClipOnDevice& clip : clips) {
+        first.push_back(fields);
+        fields += static_cast<uint32_t>(clip.segments.size());
+    }
+    return first;
 }
 
 }  // namespace
@@ -58,6 +70,7 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
                                        capacity.samples * capacity.height, capacity.views, assets_.environment);
     frames_ = std::make_unique<FrameRenderer>(device, fields_of(assets_.clips), capacity, set_.get());
+    first_fields_ = first_fields_of(assets_.clips);
     apply_paints(stage, make_paints(stage, assets_));
 }
 
@@ -67,6 +80,7 @@ void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
     // Nothing may fail from here on.
     frames_->change_fields(fields_of(assets.clips));
     assets_ = std::move(assets);
+    first_fields_ = first_fields_of(assets_.clips);
     stage_ = &stage;
     apply_paints(stage, std::move(paints));
 }
@@ -74,7 +88,7 @@ void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
     NextPaints next;
     for (size_t i = 0; i < stage.performers.size(); i++) {
-        next.of_performer.push_back({assets.clips[stage.performers[i].clip], assets.paint[i]});
+        next.of_performer.push_back({assets.clips[stage.performers[i].clip].segments[0], assets.paint[i]});
         const PaintKey& key = next.of_performer.back();
         if (key.layers.empty() || paint_numbers_.contains(key) || next.new_paints.contains(key)) continue;
         std::vector<PaintUse> uses;
@@ -93,18 +107,28 @@ void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
         const auto [number, is_new] = numbers.try_emplace(key, 0);
         if (is_new && !key.layers.empty()) {
             const auto kept = paint_numbers_.find(key);
-            number->second = kept != paint_numbers_.end()
-                                 ? kept->second
-                                 : frames_->paints(stage.performers[i].clip).add(std::move(next.new_paints.at(key)));
+            number->second =
+                kept != paint_numbers_.end()
+                    ? kept->second
+                    : frames_->paints(first_fields_[stage.performers[i].clip]).add(std::move(next.new_paints.at(key)));
         }
         paints_.push_back(number->second);
     }
     for (const auto& [key, number] : paint_numbers_) {
-        const auto clip = std::find(assets_.clips.begin(), assets_.clips.end(), key.clip);
-        if (clip != assets_.clips.end() && !numbers.contains(key))
-            frames_->paints(static_cast<uint32_t>(clip - assets_.clips.begin())).remove(number);
+        for (uint32_t clip = 0; clip < assets_.clips.size(); clip++)
+            if (first_segment(clip) == key.clip && !numbers.contains(key))
+                frames_->paints(first_fields_[clip]).remove(number);
     }
     paint_numbers_ = std::move(numbers);
+}
+
+std::pair<glm::dvec3, glm::dvec3> StageRenderer::leaf_box(uint32_t clip) const {
+    glm::dvec3 low(INFINITY), high(-INFINITY);
+    for (const auto& segment : assets_.clips[clip].segments) {
+        low = glm::min(low, glm::dvec3(segment->field.leaves_min));
+        high = glm::max(high, glm::dvec3(segment->field.leaves_max));
+    }
+    return {low, high};
 }
 
 void StageRenderer::resize(uint32_t width, uint32_t height) {
@@ -178,8 +202,10 @@ FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
     settings.instances.clear();
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (!performer.visible) continue;
-        settings.instances.push_back({performer.frame, glm::mat4(performer.world_from_performer),
-                                      paints_[performer.performer], performer.clip, performer.opacity,
+        const auto [segment, frame] =
+            voctree::segment_frame(assets_.clips[performer.clip].index, double{performer.frame});
+        settings.instances.push_back({frame, glm::mat4(performer.world_from_performer), paints_[performer.performer],
+                                      first_fields_[performer.clip] + segment, performer.opacity,
                                       performer.casts_shadow, performer.receives_shadow});
         if (performer.performer == highlight.performer) settings.instances.back().highlight = highlight.highlight;
     }

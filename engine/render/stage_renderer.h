@@ -61,14 +61,17 @@ class StageRenderer {
     FrameRenderer& frames() { return *frames_; }
     const FrameRenderer& frames() const { return *frames_; }
     const SetRaster& set() const { return *set_; }
-    // The field of a clip (an index into Stage::clips), valid until the next change().
-    const Field& field(uint32_t clip) const { return assets_.clips[clip]->field; }
+    // The field of a clip (an index into Stage::clips), valid until the next change(); of a segmented clip, that of its
+    // first segment.
+    const Field& field(uint32_t clip) const { return first_segment(clip)->field; }
     // The same field, valid for as long as the pointer exists.
     std::shared_ptr<const Field> shared_field(uint32_t clip) const {
-        return {assets_.clips[clip], &assets_.clips[clip]->field};
+        return {first_segment(clip), &first_segment(clip)->field};
     }
-    const voctree::PaintedField& painted_field(uint32_t clip) const { return assets_.clips[clip]->painted; }
-    // The number of a performer's paint in frames().paints(its clip); 0: no paint.
+    const voctree::PaintedField& painted_field(uint32_t clip) const { return first_segment(clip)->painted; }
+    // The box around all leaves of a clip (min, max), in the performer's space, metres.
+    std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const;
+    // The number of a performer's paint in frames().paints(); 0: no paint.
     uint32_t paint_of(uint32_t performer) const { return paints_[performer]; }
 
   private:
@@ -82,6 +85,9 @@ class StageRenderer {
         std::vector<PaintKey> of_performer;
         std::map<PaintKey, Paint> new_paints;  // those that have no number yet
     };
+    const std::shared_ptr<const LoadedClip>& first_segment(uint32_t clip) const {
+        return assets_.clips[clip].segments[0];
+    }
     NextPaints make_paints(const stage::Stage& stage, const StageAssets& assets) const;
     void apply_paints(const stage::Stage& stage, NextPaints next);
     void make_targets(uint32_t width, uint32_t height);
@@ -89,6 +95,7 @@ class StageRenderer {
     const stage::Stage* stage_;
     FrameCapacity capacity_;  // its size is that of settings_at; the set's size is the largest so far
     StageAssets assets_;
+    std::vector<uint32_t> first_fields_;  // of frames_, by clip: that of its first segment; the others follow
     std::map<PaintKey, uint32_t> paint_numbers_;
     std::vector<uint32_t> paints_;  // by performer
     std::unique_ptr<SetRaster> set_;

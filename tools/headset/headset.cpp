@@ -152,9 +152,8 @@ RuntimeContext::RuntimeContext(Program& program)
 void update_clips(HeadsetState& state, RuntimeContext& context) {
     state.leaf_boxes.clear();
     for (uint32_t clip = 0; clip < state.stage->clips.size(); clip++) {
-        const auto field = context.renderer->shared_field(clip);
-        state.leaf_boxes.emplace_back(field->leaves_min, field->leaves_max);
-        context.fields[state.stage->clips[clip].path] = field;
+        state.leaf_boxes.push_back(context.renderer->leaf_box(clip));
+        context.fields[state.stage->clips[clip].path] = context.renderer->shared_field(clip);
     }
 }
 
