@@ -12,6 +12,7 @@
 #include "tools/report.h"
 #include "tools/stage_verbs.h"
 #include "voctree/clip.h"
+#include "voctree/clip_index.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::tools {
@@ -91,6 +92,53 @@ void print(const InfoOptions& options, const voctree::NvvSummary& summary) {
     if (options.check) fmt::print("checked: whole and sound\n");
 }
 
+// What a segmented clip holds: its segments, of which those that cannot be read are named. Returns whether all can be.
+bool print_segments(const InfoOptions& options) {
+    const voctree::ClipIndex index = voctree::read_clip_index(options.file);
+    auto json = nlohmann::ordered_json::array();
+    uint64_t bytes = 0, leaves = 0;
+    bool sound = true;
+    std::string lines;
+    for (const voctree::ClipSegment& segment : index.segments) {
+        json.push_back(
+            {{"file", segment.file.filename().string()}, {"first", segment.first}, {"frames", segment.frames}});
+        lines += fmt::format("frames {:>6} to {:>6}  {:<12}", segment.first, segment.end() - 1,
+                             segment.file.filename().string());
+        try {
+            const voctree::NvvSummary summary = voctree::summarise_nvv(segment.file);
+            if (options.check) voctree::read_nvv(segment.file);
+            if (summary.head.frames != segment.frames)
+                throw InputError(segment.file.string(), "HEAD",
+                                 fmt::format("has {} frames, clip.json says {}", summary.head.frames, segment.frames),
+                                 "train the segment again");
+            json.back().update({{"bytes", summary.file_bytes}, {"leaves", summary.head.leaf_count}});
+            lines += fmt::format(" {:>10}  {} leaves\n", size_text(summary.file_bytes), summary.head.leaf_count);
+            bytes += summary.file_bytes;
+            leaves += summary.head.leaf_count;
+        } catch (const InputError& problem) {
+            sound = false;
+            json.back()["problem"] = problem.what();
+            lines += fmt::format(" cannot be played: {}\n", problem.what());
+        }
+    }
+    const double seconds = index.frames() / static_cast<double>(index.fps);
+    if (options.json) {
+        fmt::print("{}", json_text({{"file", options.file},
+                                    {"format", "segmented nvv"},
+                                    {"bytes", bytes},
+                                    {"leaves", leaves},
+                                    {"frames", index.frames()},
+                                    {"fps", index.fps},
+                                    {"seconds", seconds},
+                                    {"segments", json},
+                                    {"checked", options.check}}));
+        return sound;
+    }
+    fmt::print("{}: clip in {} segments, {}\nclip    {} frames at {} fps, {:.2f} s\n{}", options.file,
+               index.segments.size(), size_text(bytes), index.frames(), index.fps, seconds, lines);
+    return sound;
+}
+
 void run(const InfoOptions& options, const CommonOptions& common) {
     if (editor::has_stage_ending(options.file)) {
         if (options.check)
@@ -102,6 +150,11 @@ void run(const InfoOptions& options, const CommonOptions& common) {
         return print_stage_info(stage, common);
     }
     if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
+    if (voctree::is_segmented(options.file)) {
+        if (!print_segments(options) && options.check)
+            throw InputError(options.file, "", "has segments that cannot be played", "train them again");
+        return;
+    }
     const voctree::NvvSummary summary = voctree::is_plenoctree(options.file) ? summary_of_plenoctree(options.file)
                                                                              : voctree::summarise_nvv(options.file);
     if (options.check && is_nvv(summary)) {  // a PlenOctree has been read whole already
@@ -120,7 +173,7 @@ void add_info(Command app, CommonOptions& common) {
     Command verb = app.add_verb("info", "Say what a clip holds, or who and what is on a stage");
     const auto options = std::make_shared<InfoOptions>();
     verb.add_option("file", options->file,
-                    "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (`neuvv stage info` tells it at "
+                    "A .nvv, the .npz of a PlenOctree, or a stage: .gltf or .glb (`neuvv stage info` tells it at "
                     "any time)")
         .required();
     verb.add_flag("--json", options->json, "Print JSON");

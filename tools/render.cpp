@@ -16,6 +16,7 @@
 #include "tools/options.h"
 #include "tools/render.h"
 #include "tools/report.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
@@ -213,6 +214,15 @@ media::RenderFacts render_facts(const RenderOptions& options, double fps, media:
             {"--cost", options.cost ? fmt::format("{}", options.cost_max) : "false"},
             {"images", fmt::format("{}", images)},
             {"program", NEUVV_VERSION}};
+}
+
+void add_clip_facts(media::RenderFacts& facts, const std::string& name, const std::filesystem::path& clip) {
+    if (!voctree::is_segmented(clip)) {
+        facts[name] = media::content_fact(clip);
+        return;
+    }
+    for (const voctree::ClipSegment& segment : voctree::read_clip_index(clip).segments)
+        facts[fmt::format("{} at {}", name, segment.first)] = media::content_fact(segment.file);
 }
 
 media::Image pass_image(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i) {

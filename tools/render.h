@@ -57,6 +57,9 @@ inline uint32_t samples_of(const RenderOptions& options) {
 // What the images depend on, without scene and camera. The device is left out, as its rounding is not visible.
 media::RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images);
 
+// Adds the content of a clip's files, under the given name.
+void add_clip_facts(media::RenderFacts& facts, const std::string& name, const std::filesystem::path& clip);
+
 // How long a frame took from its submission to its end, by the host's clock, and each pass on the device.
 struct FrameTimes {
     double milliseconds = 0;

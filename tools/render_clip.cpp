@@ -17,6 +17,7 @@
 #include "training/camera_path_file.h"
 #include "voctree/chunk_file.h"
 #include "voctree/clip.h"
+#include "voctree/clip_index.h"
 #include "voctree/nvpaint.h"
 #include "voctree/occupied_box.h"
 
@@ -98,26 +99,67 @@ PaintStack read_paint_stack(const std::vector<std::string>& names, const voctree
     return stack;
 }
 
-// What each image shows. Sets the rate of the output in `playback`, which a camera path may have.
-std::vector<ViewStep> view_path(const RenderOptions& options, const voctree::VOctree& tree, Playback& playback,
-                                media::ImageSize size) {
-    playback.output_fps = checked_fps(options, 0, playback.clip_fps);
-    if (options.camera.empty()) return orbit_path(voctree::occupied_box(tree), playback, size.width ? size : kClipSize);
-    const stage::CameraPath path = training::read_camera_path(options.camera, playback.output_fps);
-    playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
-    return path_steps(path, playback, tree.frames, size, kClipSize);
-}
-
 // What is rendered. All of it is known, and wrong options are refused, before the device is opened.
 struct RenderPlan {
     media::ImageOutput output;
     render::ResolveSettings resolve;
-    voctree::VOctree tree;
+    voctree::ClipIndex clip;
+    std::pair<glm::dvec3, glm::dvec3> box;  // around the leaves; of several segments, around their trees
     PaintStack paint;
     Playback playback;
     std::vector<ViewStep> path;
     media::ImageSize size;
     uint32_t samples = 1;
+};
+
+// What each image shows. Sets the rate of the output in `playback`, which a camera path may have.
+std::vector<ViewStep> view_path(const RenderOptions& options, const RenderPlan& plan, Playback& playback,
+                                media::ImageSize size) {
+    playback.output_fps = checked_fps(options, 0, playback.clip_fps);
+    if (options.camera.empty()) return orbit_path(plan.box, playback, size.width ? size : kClipSize);
+    const stage::CameraPath path = training::read_camera_path(options.camera, playback.output_fps);
+    playback.output_fps = checked_fps(options, path.fps, playback.clip_fps);
+    return path_steps(path, playback, plan.clip.frames(), size, kClipSize);
+}
+
+// Reads what is known of a clip before any of its segments is on the device.
+void read_scene(const RenderOptions& options, RenderPlan& plan) {
+    plan.clip = voctree::read_clip_index(options.scene);
+    if (!voctree::is_segmented(options.scene)) {
+        const voctree::VOctree tree = voctree::read_clip(options.scene);
+        plan.box = voctree::occupied_box(tree);
+        plan.paint = read_paint_stack(options.paint, voctree::painted_field(tree));
+        return;
+    }
+    if (!options.paint.empty())
+        throw InputError("--paint", options.scene, "is a clip in segments, which cannot be painted",
+                         "render one of its segments");
+    const voctree::ClipHead head = voctree::read_clip_head(options.scene);
+    plan.box = {head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size)};
+}
+
+// The segment of a clip that is shown, on the device.
+class ShownSegment {
+  public:
+    ShownSegment(const gpu::Device& device, const voctree::ClipIndex& clip) : device_(device), clip_(clip) {}
+
+    // Uploads the segment of a frame of the clip where another one is there. Returns the frame in the segment.
+    float show(double frame, const std::function<void(const render::Field&)>& uploaded) {
+        const voctree::SegmentFrame at = voctree::segment_frame(clip_, frame);
+        if (at.segment == shown_) return at.frame;
+        auto next = std::make_unique<const render::Field>(
+            render::upload_far_levels(device_, voctree::read_clip(clip_.segments[at.segment].file)));
+        uploaded(*next);  // while the segment before still exists
+        field_ = std::move(next);
+        shown_ = at.segment;
+        return at.frame;
+    }
+
+  private:
+    const gpu::Device& device_;
+    const voctree::ClipIndex& clip_;
+    std::unique_ptr<const render::Field> field_;
+    std::optional<uint32_t> shown_;
 };
 
 RenderPlan plan_render(const RenderOptions& options) {
@@ -127,16 +169,15 @@ RenderPlan plan_render(const RenderOptions& options) {
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
     const media::ImageSize given_size = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
-    plan.tree = voctree::read_clip(options.scene);
-    plan.paint = read_paint_stack(options.paint, voctree::painted_field(plan.tree));
-    const double clip_fps = plan.tree.fps;
-    plan.playback = {parse_frame_range(options.frames, plan.tree.frames), clip_fps, clip_fps};
-    plan.path = view_path(options, plan.tree, plan.playback, given_size);
+    read_scene(options, plan);
+    const double clip_fps = plan.clip.fps;
+    plan.playback = {parse_frame_range(options.frames, plan.clip.frames()), clip_fps, clip_fps};
+    plan.path = view_path(options, plan, plan.playback, given_size);
     const bool one_time = plan.playback.range.first == plan.playback.range.last;
     if (one_time && plan.output.kind == media::ImageOutput::Kind::kImage && options.camera.empty())
         plan.path.resize(1);  // a still: the orbit's first view
     expect_fitting_output(plan.output, plan.path.size());
-    const auto [near, far] = depth_range(plan.path, voctree::occupied_box(plan.tree));
+    const auto [near, far] = depth_range(plan.path, plan.box);
     plan.resolve.depth_near_m = static_cast<float>(near);
     plan.resolve.depth_far_m = static_cast<float>(far);
     plan.size = {plan.path[0].camera.width, plan.path[0].camera.height};
@@ -156,31 +197,68 @@ FrameTimes add_image(const Renderer& renderer, const media::Image& image, const 
     return times_of(renderer);
 }
 
-FrameTimes render_image(render::FrameRenderer& renderer, const RenderOptions& options, const RenderPlan& plan,
-                        uint32_t paint, uint32_t i, media::ImageSink& sink) {
-    render::FrameSettings settings;
-    settings.instances[0].frame = static_cast<float>(plan.path[i].frame);
-    settings.instances[0].paint = paint;
-    settings.width = plan.size.width;
-    settings.height = plan.size.height;
-    settings.samples = plan.samples;
-    settings.scale = options.scale;
-    settings.resolve = plan.resolve;
-    settings.mode = render::TraceMode::kPlay;
-    settings.far_levels = options.far_levels.value_or(true);
-    const media::Image image = renderer.render(plan.path[i].camera, settings);
-    return add_image(renderer, options.pass.empty() ? image : pass_image(options, renderer, i), plan, i, sink);
-}
+// Draws the images of a plan with the passes that play clips.
+class PlayingRenderer {
+  public:
+    PlayingRenderer(const gpu::Device& device, const RenderOptions& options, const RenderPlan& plan)
+        : device_(device), options_(options), plan_(plan), segment_(device, plan.clip) {}
 
-FrameTimes render_directly(render::ReferenceRenderer& renderer, const RenderPlan& plan, uint32_t i,
-                           media::ImageSink& sink) {
-    render::ReferenceSettings settings;
-    settings.path = render::ReferencePath::kDirect;
-    settings.frame = static_cast<float>(plan.path[i].frame);
-    settings.samples = plan.samples;
-    settings.resolve = plan.resolve;
-    return add_image(renderer, renderer.render(plan.path[i].camera, settings), plan, i, sink);
-}
+    FrameTimes render(uint32_t i, media::ImageSink& sink) {
+        render::FrameSettings settings;
+        settings.instances[0].frame =
+            segment_.show(plan_.path[i].frame, [&](const render::Field& field) { use(field); });
+        settings.instances[0].paint = paint_;
+        settings.width = plan_.size.width;
+        settings.height = plan_.size.height;
+        settings.samples = plan_.samples;
+        settings.scale = options_.scale;
+        settings.resolve = plan_.resolve;
+        settings.mode = render::TraceMode::kPlay;
+        settings.far_levels = options_.far_levels.value_or(true);
+        const media::Image image = renderer_->render(plan_.path[i].camera, settings);
+        return add_image(*renderer_, options_.pass.empty() ? image : pass_image(options_, *renderer_, i), plan_, i,
+                         sink);
+    }
+
+  private:
+    void use(const render::Field& field) {
+        if (renderer_) return renderer_->change_fields({&field});
+        const uint64_t slice_bytes = bytes_of_mebibytes(options_.slice_budget_mb);
+        renderer_.emplace(device_, field,
+                          render::FrameCapacity{plan_.size.width, plan_.size.height, plan_.samples, 1, slice_bytes});
+        if (!plan_.paint.uses.empty()) paint_ = renderer_->paints().add(plan_.paint.uses);
+    }
+    const gpu::Device& device_;
+    const RenderOptions& options_;
+    const RenderPlan& plan_;
+    ShownSegment segment_;
+    std::optional<render::FrameRenderer> renderer_;
+    uint32_t paint_ = 0;
+};
+
+// Draws the images of a plan by the paper's walk.
+class DirectRenderer {
+  public:
+    DirectRenderer(const gpu::Device& device, const RenderPlan& plan)
+        : device_(device), plan_(plan), segment_(device, plan.clip) {}
+
+    FrameTimes render(uint32_t i, media::ImageSink& sink) {
+        render::ReferenceSettings settings;
+        settings.path = render::ReferencePath::kDirect;
+        settings.frame = segment_.show(plan_.path[i].frame, [&](const render::Field& field) {
+            renderer_.emplace(device_, field, plan_.size.width, plan_.size.height, plan_.samples);
+        });
+        settings.samples = plan_.samples;
+        settings.resolve = plan_.resolve;
+        return add_image(*renderer_, renderer_->render(plan_.path[i].camera, settings), plan_, i, sink);
+    }
+
+  private:
+    const gpu::Device& device_;
+    const RenderPlan& plan_;
+    ShownSegment segment_;
+    std::optional<render::ReferenceRenderer> renderer_;
+};
 
 void expect_no_stage_options(const RenderOptions& options) {
     const char* fix = "leave it out, or render a stage (neuvv stage new)";
@@ -194,8 +272,8 @@ void expect_no_stage_options(const RenderOptions& options) {
 }  // namespace
 
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common) {
-    if (std::filesystem::exists(options.scene) && voctree::content_of(options.scene) == voctree::FileContent::kOther &&
-        !voctree::is_plenoctree(options.scene))
+    if (std::filesystem::exists(options.scene) && !voctree::is_segmented(options.scene) &&
+        voctree::content_of(options.scene) == voctree::FileContent::kOther && !voctree::is_plenoctree(options.scene))
         throw InputError(options.scene, "", "is neither a clip nor a stage",
                          "name a .nvv of `neuvv train`, the .npz of a PlenOctree, or a .gltf or .glb of `neuvv stage`");
     expect_no_stage_options(options);
@@ -203,7 +281,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     const media::ImageSize size = plan.size;
     const auto images = static_cast<uint32_t>(plan.path.size());
     media::RenderFacts facts = render_facts(options, plan.playback.output_fps, size, images);
-    facts["scene"] = media::content_fact(options.scene);
+    add_clip_facts(facts, "scene", options.scene);
     facts["--camera"] = options.camera.empty() ? "orbit" : media::content_fact(options.camera);
     facts["--frames"] = fmt::format("{}:{}", plan.playback.range.first, plan.playback.range.last);
     for (size_t i = 0; i < plan.paint.files.size(); i++)
@@ -211,18 +289,12 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     facts["--direct"] = fmt::format("{}", options.direct);
     media::ImageSink sink(plan.output, size, plan.playback.output_fps, facts, options.resume);
     const gpu::Device device(common.device);
-    const render::Field field = render::upload_far_levels(device, plan.tree);
-    const auto render_all = [&](const std::function<FrameTimes(uint32_t)>& render) {
-        return render_images(options, plan.output, size, plan.playback.output_fps, images, sink, device, render);
+    const auto render_all = [&](auto renderer) {
+        return render_images(options, plan.output, size, plan.playback.output_fps, images, sink, device,
+                             [&](uint32_t i) { return renderer->render(i, sink); });
     };
-    if (options.direct) {
-        render::ReferenceRenderer renderer(device, field, size.width, size.height, plan.samples);
-        return render_all([&](uint32_t i) { return render_directly(renderer, plan, i, sink); });
-    }
-    const uint64_t slice_bytes = bytes_of_mebibytes(options.slice_budget_mb);
-    render::FrameRenderer renderer(device, field, {size.width, size.height, plan.samples, 1, slice_bytes});
-    const uint32_t paint = plan.paint.uses.empty() ? 0 : renderer.paints().add(plan.paint.uses);
-    return render_all([&](uint32_t i) { return render_image(renderer, options, plan, paint, i, sink); });
+    if (options.direct) return render_all(std::make_unique<DirectRenderer>(device, plan));
+    return render_all(std::make_unique<PlayingRenderer>(device, options, plan));
 }
 
 }  // namespace neuvv::tools

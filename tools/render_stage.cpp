@@ -181,7 +181,7 @@ media::RenderFacts stage_facts(const RenderOptions& options, const StagePlan& pl
     media::RenderFacts facts = render_facts(options, plan.fps, plan.size, plan.images);
     facts["stage"] = media::content_fact(options.scene);
     for (const stage::StageClip& clip : plan.stage.clips)
-        facts["clip " + clip.path.string()] = media::content_fact(clip.path);
+        add_clip_facts(facts, "clip " + clip.path.string(), clip.path);
     if (const auto& environment = plan.stage.settings.environment)
         facts["environment"] =
             media::content_fact(stage::file_of_uri(plan.stage.file, environment->uri, "environment"));

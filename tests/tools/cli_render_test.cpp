@@ -8,6 +8,7 @@
 #include "support/stage_on_disk.h"
 #include "support/waver_tree.h"
 #include "tests/tools/cli_gpu.h"
+#include "tests/tools/segmented_copy.h"
 #include "training/camera_path_file.h"
 #include "voctree/nvpaint.h"
 #include "voctree/occupied_box.h"
@@ -73,6 +74,26 @@ TEST_F(CliRender, PathsAreFollowed) {
 }
 
 // A path of nerfstudio has its own rate; a clip and a stage show both ends of a path.
+TEST_F(CliRender, AClipInSegmentsShowsWhatOneFileDoes) {
+    const std::string path = write_path(true), parts = file("parts.nvv");
+    write_segmented_copy(tree, {2, 2}, parts);
+    for (const char* direct : {"", "--direct"}) {
+        const auto images = [&](const std::string& clip) {
+            std::vector<std::string> words = {"render", clip,       "-o", file("s_%d.png"), "--size",
+                                              "24x20",  "--camera", path, "--fps",          "2"};
+            if (*direct) words.emplace_back(direct);
+            const ProgramResult result = run_neuvv(words);
+            EXPECT_EQ(result.code, 0) << result.err;
+            std::vector<media::Image> read;
+            for (int i = 0; i < 6; i++)
+                read.push_back(media::read_png(file(("s_" + std::to_string(i) + ".png").c_str())));
+            return read;
+        };
+        const auto one = images(scene), many = images(parts);
+        for (size_t i = 0; i < one.size(); i++) EXPECT_EQ(many[i].rgba, one[i].rgba) << i << direct;
+    }
+}
+
 TEST_F(CliRender, FarPerformersAreDrawnFromCoarserLevelsUnlessThatIsOff) {
     voctree::write_nvv(scene, test::waver_tree());
     test::write_stage(file("show.gltf"), scene, "anna");

@@ -1,0 +1,114 @@
+// Clips in segments, on the command line: they are what the same clip as one file is.
+#include <gtest/gtest.h>
+
+#include "support/stage_on_disk.h"
+#include "tests/tools/cli_gpu.h"
+#include "tests/tools/segmented_copy.h"
+#include "training/checkpoint.h"
+
+namespace neuvv {
+namespace {
+
+struct CliSegments : CliGpu {
+    std::string parts = file("parts.nvv");
+
+    void SetUp() override {
+        CliGpu::SetUp();
+        write_segmented_copy(tree, {1, 3}, parts);
+    }
+    media::Image still(const std::string& clip, const char* time) {
+        const std::string show = file("show.gltf");
+        test::write_stage(show, clip, "anna");
+        const ProgramResult result =
+            run_neuvv({"render", show, "-o", file("still.png"), "--size", "64x48", "--time", time});
+        EXPECT_EQ(result.code, 0) << result.err;
+        return media::read_png(file("still.png"));
+    }
+    nlohmann::json eval(const std::string& clip) {
+        const ProgramResult result = run_neuvv({"eval", clip, file("data"), "--samples", "1", "--json", "-"});
+        EXPECT_EQ(result.code, 0) << result.err;
+        return nlohmann::json::parse(result.out);
+    }
+};
+
+TEST_F(CliSegments, OnAStageTheyPlayAsOneFileDoes) {
+    for (const char* time : {"0", "0.5", "0.75", "1.5"})
+        EXPECT_EQ(still(parts, time).rgba, still(scene, time).rgba) << time;
+    EXPECT_NE(still(parts, "0").rgba, still(parts, "1").rgba);
+    EXPECT_EQ(still(parts, "0.1").rgba, still(parts, "0").rgba) << "before the first frame of the next segment";
+    expect_refused({"render", parts, "-o", file("x.png"), "--paint", "layer.nvpaint"}, 2, {"--paint", "segments"});
+}
+
+TEST_F(CliSegments, TheyMeasureAsOneFileDoes) {
+    write_own_data();
+    const nlohmann::json one = eval(scene), many = eval(parts);
+    EXPECT_EQ(many.at("psnr"), one.at("psnr"));
+    EXPECT_EQ(many.at("frames"), one.at("frames"));
+    EXPECT_EQ(many.at("images"), one.at("images"));
+}
+
+TEST_F(CliSegments, InfoNamesWhatCannotBePlayed) {
+    const ProgramResult sound = run_neuvv({"info", parts, "--check"});
+    ASSERT_EQ(sound.code, 0) << sound.err;
+    EXPECT_NE(sound.out.find("4 frames at 2 fps, 2.00 s"), std::string::npos) << sound.out;
+    const std::string second = parts + "/000001.nvv";
+    write_text(second, read_text(second).substr(0, 200));
+    const ProgramResult damaged = run_neuvv({"info", parts, "--json"});
+    ASSERT_EQ(damaged.code, 0) << damaged.err;
+    const auto segments = nlohmann::json::parse(damaged.out).at("segments");
+    EXPECT_FALSE(segments[0].contains("problem"));
+    EXPECT_NE(segments[1].at("problem").get<std::string>().find("000001.nvv"), std::string::npos);
+    expect_refused({"info", parts, "--check"}, 2, {"parts.nvv", "cannot be played"});
+    expect_refused({"render", parts, "-o", file("x.png"), "--frames", "2"}, 2, {"000001.nvv"});
+    ASSERT_EQ(run_neuvv({"render", parts, "-o", file("x.png"), "--frames", "0", "--size", "16x16"}).code, 0)
+        << "the other segment is whole";
+}
+
+TEST_F(CliSegments, TrainingMakesThemOneAfterTheOther) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    const std::string show = file("show.nvv");
+    const std::vector<std::string> command = {"train", file("data"), "-o", show,           "--segment",
+                                              "2",     "--steps",    "9",  "--resolution", "32"};
+    const ProgramResult run = run_neuvv(command);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("3 frames in 2 segments"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("000000.nvv: "), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("after 3 steps"), std::string::npos) << "a third of the frames: " << run.out;
+    EXPECT_NE(run.out.find("after 6 steps"), std::string::npos) << run.out;
+    EXPECT_EQ(voctree::read_nvv(show + "/000000.nvv").frames, 1u);
+    EXPECT_EQ(voctree::read_nvv(show + "/000001.nvv").frames, 2u);
+    EXPECT_FALSE(std::filesystem::exists(training::state_path(show + "/000001.nvv"))) << "it is finished";
+
+    // A segment that is gone is trained again; the others stay.
+    const std::string first = read_text(show + "/000000.nvv");
+    std::filesystem::remove(show + "/000001.nvv");
+    std::vector<std::string> resume = {"train", file("data"), "-o", show, "--resume", "--steps", "9"};
+    const ProgramResult again = run_neuvv(resume);
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(again.out.find("000000.nvv: "), std::string::npos) << again.out;
+    EXPECT_EQ(voctree::read_nvv(show + "/000001.nvv").frames, 2u);
+    EXPECT_EQ(read_text(show + "/000000.nvv"), first);
+}
+
+TEST_F(CliSegments, WrongRunsAreRefused) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    const auto refuse = [&](std::vector<std::string> more, std::initializer_list<std::string> parts_of_error) {
+        std::vector<std::string> words = {"train", file("data"), "--steps", "1"};
+        words.insert(words.end(), more.begin(), more.end());
+        expect_refused(words, 2, parts_of_error);
+    };
+    refuse({"-o", file("a.nvv"), "--segment", "none"}, {"--segment", "none"});
+    refuse({"-o", file("a.nvv"), "--segment", "0"}, {"--segment", "one frame"});
+    refuse({"-o", file("a.nvv"), "--segment", "1s"}, {"--segment", "frame rate"});
+    refuse({"-o", scene, "--segment", "2"}, {"scene.nvv", "no segmented clip"});
+    refuse({"-o", parts}, {"parts.nvv", "--segment"});
+    refuse({"-o", file("a.nvv"), "--segment", "2", "--refine", "poses"}, {"--refine", "--segment"});
+    refuse({"-o", file("a.nvv"), "--segment", "2", "--preview", file("p.png")}, {"--preview", "--segment"});
+    refuse({"-o", parts, "--resume"}, {"parts.nvv", "4 frames", "3"});
+    EXPECT_EQ(voctree::read_nvv(parts + "/000000.nvv").leaf_count, tree.leaf_count) << "nothing was removed";
+}
+
+}  // namespace
+}  // namespace neuvv
