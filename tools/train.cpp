@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "base/error.h"
 #include "base/output_path.h"
@@ -75,10 +76,12 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     prepare_output(options);
     prepare_live_outputs(options.live);
     catch_stop_signals();
+    const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
+    std::optional<voctree::ClipIndex> segments;
+    if (is_in_segments(options)) segments = plan_segments(options, rig);
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
-    const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
-    if (is_in_segments(options)) return train_segments(device, options, rig);
+    if (segments) return train_segments(device, options, rig, *segments);
     TrainPart part{rig, options.output, options.settings};
     part.settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
     train_part(device, options, part);

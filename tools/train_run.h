@@ -7,6 +7,7 @@
 #include "gpu/device.h"
 #include "training/formats.h"
 #include "training/train.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
@@ -42,9 +43,13 @@ struct TrainPart {
 // that happened before the first step. Throws InputError and RuntimeFailure.
 bool train_part(const gpu::Device& device, const TrainOptions& options, TrainPart part);
 
-// Trains a clip in segments, which become a folder (voctree/clip_index.h); the budget is shared by frames. With
-// TrainSettings::resume, segments that are finished stay, and the one that is not goes on. Throws InputError, and
-// RuntimeFailure that names the segment.
-void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig);
+// The segments of a clip that --segment cuts; of a resumed run those with which it began. Throws InputError.
+voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig);
+
+// Trains the segments of a clip, which become a folder (voctree/clip_index.h); the budget is shared by frames. Without
+// TrainSettings::resume, what the folder held is removed first; with it, segments that are finished stay, and the one
+// that is not goes on. Throws InputError, and RuntimeFailure that names the segment's file.
+void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
+                    const voctree::ClipIndex& index);
 
 }  // namespace neuvv::tools

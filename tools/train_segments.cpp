@@ -27,42 +27,11 @@ uint32_t longest_segment(const std::string& text, double fps) {
     return static_cast<uint32_t>(frames);
 }
 
-voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig, uint32_t frames) {
-    voctree::ClipIndex index;
-    if (rig.fps > 0) index.fps = static_cast<float>(rig.fps);
-    for (const uint32_t length : training::segment_lengths(frames, longest_segment(options.segment, rig.fps))) {
-        const uint32_t first = index.segments.empty() ? 0 : index.frames();
-        index.segments.push_back({options.output / voctree::segment_file_name(first), first, length});
-    }
-    return index;
-}
-
 // Removes the files of segments, so that those of an earlier run are not taken for this one's.
 void remove_segments(const voctree::ClipIndex& index) {
     for (const voctree::ClipSegment& segment : index.segments)
         for (const std::filesystem::path& file : {segment.file, training::state_path(segment.file)})
             std::filesystem::remove(file);
-}
-
-// The index with which a run begins: of a resumed run the one that it began with, else a new one, which is written.
-voctree::ClipIndex begin_index(const TrainOptions& options, const training::Rig& rig, uint32_t frames) {
-    const bool there = voctree::is_segmented(options.output);
-    if (options.settings.resume) {
-        if (!there)
-            throw InputError(options.output.string(), "", "has no clip.json: no run to go on with",
-                             "train without --resume");
-        const voctree::ClipIndex index = voctree::read_clip_index(options.output);
-        if (index.frames() != frames)
-            throw InputError(options.output.string(), "",
-                             fmt::format("has {} frames, {} has {}", index.frames(), options.dataset.string(), frames),
-                             "resume with the data set that the run began with");
-        return index;
-    }
-    if (there) remove_segments(voctree::read_clip_index(options.output));
-    const voctree::ClipIndex index = plan_segments(options, rig, frames);
-    remove_segments(index);
-    voctree::write_clip_index(options.output, index);
-    return index;
 }
 
 // The settings of a segment, whose share of all budgets is that of its frames.
@@ -78,9 +47,36 @@ training::TrainSettings settings_of(const TrainOptions& options, double share) {
 
 }  // namespace
 
-void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig) {
+voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig) {
+    const auto frames = static_cast<uint32_t>(training::times_of(rig).size());
+    voctree::ClipIndex index;
+    if (options.settings.resume) {
+        if (!voctree::is_segmented(options.output))
+            throw InputError(options.output.string(), "", "has no clip.json: no run to go on with",
+                             "train without --resume");
+        index = voctree::read_clip_index(options.output);
+        if (index.frames() != frames)
+            throw InputError(options.output.string(), "",
+                             fmt::format("has {} frames, {} has {}", index.frames(), options.dataset.string(), frames),
+                             "resume with the data set that the run began with");
+        return index;
+    }
+    if (rig.fps > 0) index.fps = static_cast<float>(rig.fps);
+    for (const uint32_t length : training::segment_lengths(frames, longest_segment(options.segment, rig.fps))) {
+        const uint32_t first = index.segments.empty() ? 0 : index.frames();
+        index.segments.push_back({options.output / voctree::segment_file_name(first), first, length});
+    }
+    return index;
+}
+
+void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
+                    const voctree::ClipIndex& index) {
     const std::vector<double> times = training::times_of(rig);
-    const voctree::ClipIndex index = begin_index(options, rig, static_cast<uint32_t>(times.size()));
+    if (!options.settings.resume) {
+        if (voctree::is_segmented(options.output)) remove_segments(voctree::read_clip_index(options.output));
+        remove_segments(index);
+        voctree::write_clip_index(options.output, index);
+    }
     for (size_t i = 0; i < index.segments.size(); i++) {
         const voctree::ClipSegment& segment = index.segments[i];
         // A segment is finished when its checkpoint file is gone.

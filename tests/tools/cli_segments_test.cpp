@@ -100,7 +100,7 @@ TEST_F(CliSegments, WrongRunsAreRefused) {
         expect_refused(words, 2, parts_of_error);
     };
     refuse({"-o", file("a.nvv"), "--segment", "none"}, {"--segment", "none"});
-    refuse({"-o", file("a.nvv"), "--segment", "0"}, {"--segment", "one frame"});
+    refuse({"-o", file("a.nvv"), "--segment", "0"}, {"--segment", "at least one frame"});
     refuse({"-o", file("a.nvv"), "--segment", "1s"}, {"--segment", "frame rate"});
     refuse({"-o", scene, "--segment", "2"}, {"scene.nvv", "no segmented clip"});
     refuse({"-o", parts}, {"parts.nvv", "--segment"});
