@@ -240,7 +240,7 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         read_count(json, "max_bytes", run.max_bytes);
         json.at("adaptive").get_to(run.adaptive);
         json.at("elapsed_s").get_to(run.elapsed_s);
-        run.other_s = json.value("other_s", 0.0);  // files of earlier versions have none
+        json.at("other_s").get_to(run.other_s);
         json.at("rays").get_to(run.rays);
         json.at("minutes").get_to(run.minutes);
         read_count(json, "steps", run.steps);

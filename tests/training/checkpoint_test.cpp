@@ -315,12 +315,27 @@ TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
 }
 
 TEST(CheckpointFile, RefusesARunOutOfRange) {
-    const nlohmann::json good = {
-        {"seed", 1},          {"step", 1},           {"adam_step", 1},       {"stage", 0},
-        {"stage_rays", 0},    {"dataset_hash", 1},   {"several_from", 9},    {"max_leaves", 0},
-        {"max_bytes", 0},     {"adaptive", true},    {"max_depth", 4},       {"elapsed_s", 1.0},
-        {"rays", 1.0},        {"minutes", 1.0},      {"steps", 0},           {"tiles_per_step", 512},
-        {"lambda_grad", 0.1}, {"lambda_point", 0.2}, {"lambda_smooth", 0.0}, {"program", "NeuVV"}};
+    const nlohmann::json good = {{"seed", 1},
+                                 {"step", 1},
+                                 {"adam_step", 1},
+                                 {"stage", 0},
+                                 {"stage_rays", 0},
+                                 {"dataset_hash", 1},
+                                 {"several_from", 9},
+                                 {"max_leaves", 0},
+                                 {"max_bytes", 0},
+                                 {"adaptive", true},
+                                 {"max_depth", 4},
+                                 {"elapsed_s", 1.0},
+                                 {"other_s", 0.5},
+                                 {"rays", 1.0},
+                                 {"minutes", 1.0},
+                                 {"steps", 0},
+                                 {"tiles_per_step", 512},
+                                 {"lambda_grad", 0.1},
+                                 {"lambda_point", 0.2},
+                                 {"lambda_smooth", 0.0},
+                                 {"program", "NeuVV"}};
     const StateFile file;
     const auto put = [&](const nlohmann::json& json) {
         const std::string text = json.dump();
