@@ -102,6 +102,20 @@ void warn_of_ignored_options(const Command& verb) {
     if (!given.empty()) fmt::print(stderr, "--resume: the run keeps its own {}, whatever is given now\n", given);
 }
 
+// What the octree begins as.
+void add_init_options(Command verb, TrainOptions& options) {
+    verb.add_option("--init", options.init, "What the octree begins as: the visual hull, or read off a network")
+        .one_of({"hull", "psi"})
+        .show_default();
+    Option psi_minutes = verb.add_option("--psi-minutes", options.psi_minutes,
+                                         "The network's own budget, before that of the octree, with --init psi")
+                             .number_between(0.01, 1e5)
+                             .show_default();
+    verb.add_option("--psi-steps", options.psi_steps, "The same in steps")
+        .in_range(1u, 1000000000u)
+        .excludes(psi_minutes);
+}
+
 }  // namespace
 
 void add_train(Command app, CommonOptions& common) {
@@ -122,16 +136,7 @@ void add_train(Command app, CommonOptions& common) {
     verb.add_option("--hh-degree", options->settings.shape.hh_degree, "n_max of the hyperspherical harmonics")
         .in_range(0u, kMaxHhDegree)
         .show_default();
-    verb.add_option("--init", options->init, "What the octree begins as: the visual hull, or read off a network")
-        .one_of({"hull", "psi"})
-        .show_default();
-    Option psi_minutes = verb.add_option("--psi-minutes", options->psi_minutes,
-                                         "The network's own budget, before that of the octree, with --init psi")
-                             .number_between(0.01, 1e5)
-                             .show_default();
-    verb.add_option("--psi-steps", options->psi_steps, "The same in steps")
-        .in_range(1u, 1000000000u)
-        .excludes(psi_minutes);
+    add_init_options(verb, *options);
     Option max_leaves = verb.add_option("--max-leaves", options->settings.max_leaves,
                                         "The tree never has more (default: what the device trains)")
                             .in_range(64u, voctree::kMaxLeaves);
