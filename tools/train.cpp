@@ -188,7 +188,8 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {
-        if (options->settings.resume) warn_of_ignored_options(verb);
+        // Segments that are not begun yet take all options of this command.
+        if (options->settings.resume && !is_in_segments(*options)) warn_of_ignored_options(verb);
         run_train(*options, common);
     });
 }

@@ -54,6 +54,9 @@ voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Ri
         if (!voctree::is_segmented(options.output))
             throw InputError(options.output.string(), "", "has no clip.json: no run to go on with",
                              "train without --resume");
+        if (options.settings.minutes == 0 && options.settings.steps == 0)
+            throw InputError("--resume", options.output.string(), "is a clip in segments, whose budget is not known",
+                             "repeat the command that began it, with its --minutes or --steps");
         index = voctree::read_clip_index(options.output);
         if (index.frames() != frames)
             throw InputError(options.output.string(), "",

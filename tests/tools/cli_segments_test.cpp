@@ -107,6 +107,7 @@ TEST_F(CliSegments, WrongRunsAreRefused) {
     refuse({"-o", file("a.nvv"), "--segment", "2", "--refine", "poses"}, {"--refine", "--segment"});
     refuse({"-o", file("a.nvv"), "--segment", "2", "--preview", file("p.png")}, {"--preview", "--segment"});
     refuse({"-o", parts, "--resume"}, {"parts.nvv", "4 frames", "3"});
+    expect_refused({"train", file("data"), "-o", parts, "--resume"}, 2, {"--resume", "--minutes"});
     EXPECT_EQ(voctree::read_nvv(parts + "/000000.nvv").leaf_count, tree.leaf_count) << "nothing was removed";
 }
 
