@@ -221,8 +221,11 @@ void add_clip_facts(media::RenderFacts& facts, const std::string& name, const st
         facts[name] = media::content_fact(clip);
         return;
     }
-    for (const voctree::ClipSegment& segment : voctree::read_clip_index(clip).segments)
-        facts[fmt::format("{} at {}", name, segment.first)] = media::content_fact(segment.file);
+    facts[name + " index"] = media::content_fact(voctree::index_file(clip));
+    for (const voctree::ClipSegment& segment : voctree::read_clip_index(clip).segments) {
+        const bool there = std::filesystem::exists(segment.file);
+        facts[fmt::format("{} at {}", name, segment.first)] = there ? media::content_fact(segment.file) : "missing";
+    }
 }
 
 media::Image pass_image(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i) {

@@ -205,7 +205,7 @@ Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, c
     Comparison comparison(device, dataset, samples, done);
     const std::vector<std::vector<ViewFrame>> views = views_by_segment(clip, dataset);
     for (size_t i = 0; i < views.size(); ++i)
-        if (!views[i].empty() && !comparison.add(voctree::read_clip(clip.segments[i].file), views[i])) break;
+        if (!views[i].empty() && !comparison.add(voctree::read_segment(clip.segments[i]), views[i])) break;
     return comparison.result();
 }
 

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "base/error.h"
-#include "voctree/clip_index.h"
 #include "voctree/nvv.h"
 #include "voctree/plenoctree.h"
 
@@ -32,21 +31,35 @@ VOctree read_clip(const std::filesystem::path& path) {
     return is_plenoctree(path) ? read_plenoctree(path) : read_nvv(path);
 }
 
+VOctree read_segment(const ClipSegment& segment) {
+    VOctree tree = read_clip(segment.file);
+    if (tree.frames != segment.frames)
+        throw InputError(segment.file.string(), "HEAD",
+                         fmt::format("has {} frames, clip.json says {}", tree.frames, segment.frames),
+                         "train the segment again");
+    return tree;
+}
+
 namespace {
 
 ClipHead read_segmented_head(const std::filesystem::path& path) {
     const ClipIndex index = read_clip_index(path);
-    std::optional<std::pair<glm::vec3, glm::vec3>> box;
+    using Box = std::pair<glm::vec3, glm::vec3>;
+    std::optional<Box> box, empty;  // of the segments with leaves, and of one without
     std::string problem;
     for (const ClipSegment& segment : index.segments) {
         try {
-            const ClipHead head = read_clip_head(segment.file);
-            const glm::vec3 low = head.box_min, high = low + head.box_size;
-            box = box ? std::pair(glm::min(box->first, low), glm::max(box->second, high)) : std::pair(low, high);
+            const NvvHead head = summarise_nvv(segment.file).head;
+            const Box one{head.box_min, head.box_min + head.box_size};
+            if (head.leaf_count == 0)
+                empty = one;
+            else
+                box = box ? Box(glm::min(box->first, one.first), glm::max(box->second, one.second)) : one;
         } catch (const InputError& error) {
             if (problem.empty()) problem = error.what();
         }
     }
+    if (!box) box = empty;
     if (!box) throw InputError(path.string(), "", "none of its segments can be read: " + problem);
     return {index.frames(), index.fps, box->first, box->second - box->first};
 }

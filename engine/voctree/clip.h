@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "voctree/clip_index.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {
@@ -12,6 +13,10 @@ namespace neuvv::voctree {
 // (clip_index.h), whose segments are read one by one.
 VOctree read_clip(const std::filesystem::path& path);
 
+// Reads a segment of a clip. Throws InputError as read_clip, and where the file has not as many frames as the index
+// says.
+VOctree read_segment(const ClipSegment& segment);
+
 struct ClipHead {
     uint32_t frames;
     float fps;
@@ -19,7 +24,7 @@ struct ClipHead {
 };
 
 // Reads a clip's head without its leaves. The box of a segmented clip holds the boxes of all of its segments that can
-// be read. Throws InputError where the file's headers are damaged, or where no segment can be read.
+// be read and have leaves. Throws InputError where the file's headers are damaged, or where no segment can be read.
 ClipHead read_clip_head(const std::filesystem::path& path);
 
 // Whether the path ends with ".nvv" or ".npz".

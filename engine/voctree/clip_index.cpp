@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -14,7 +15,6 @@ namespace neuvv::voctree {
 
 namespace {
 
-constexpr char kIndexName[] = "clip.json";
 constexpr uint64_t kIndexVersion = 1;
 
 // The name of a segment's file. It must lie in the clip's own folder, so that a clip cannot name files elsewhere.
@@ -27,9 +27,17 @@ std::string file_name(const JsonNode& node) {
 
 }  // namespace
 
+std::filesystem::path index_file(const std::filesystem::path& clip) {
+    return clip / "clip.json";
+}
+
 bool is_segmented(const std::filesystem::path& clip) {
     std::error_code problem;
-    return std::filesystem::is_regular_file(clip / kIndexName, problem);
+    return std::filesystem::is_regular_file(index_file(clip), problem);
+}
+
+std::filesystem::path clip_path(const std::filesystem::path& given) {
+    return given.has_filename() || !given.has_relative_path() ? given : given.parent_path();
 }
 
 ClipIndex read_clip_index(const std::filesystem::path& clip) {
@@ -37,7 +45,7 @@ ClipIndex read_clip_index(const std::filesystem::path& clip) {
         const ClipHead head = read_clip_head(clip);
         return {head.fps, {{clip, 0, head.frames}}};
     }
-    const JsonFile file = read_json(clip / kIndexName, "the index of a segmented clip");
+    const JsonFile file = read_json(index_file(clip), "the index of a segmented clip");
     const JsonNode root = file.root();
     if (json_count(root["neuvv_clip"], UINT32_MAX) > kIndexVersion)
         root["neuvv_clip"].fail("is a version that this program does not know", "open the clip with a newer neuvv");
@@ -45,12 +53,15 @@ ClipIndex read_clip_index(const std::filesystem::path& clip) {
     index.fps = static_cast<float>(json_number(root["fps"], 1e-3, 1e4, "a frame rate"));
     const JsonNode segments = root["segments"];
     expect_list(segments);
+    std::set<std::filesystem::path> files;
     uint32_t first = 0;
     for (size_t i = 0; i < segments.value.size(); i++) {
         const JsonNode segment = segments[i];
         const auto frames = static_cast<uint32_t>(json_count(segment["frames"], kMaxClipFrames - first));
         if (frames == 0) segment["frames"].fail("is 0", "remove segments without frames");
         index.segments.push_back({clip / file_name(segment["file"]), first, frames});
+        if (!files.insert(index.segments.back().file).second)
+            segment["file"].fail("is the file of another segment, too", "give each segment its own file");
         first += frames;
     }
     return index;
@@ -60,7 +71,7 @@ void write_clip_index(const std::filesystem::path& folder, const ClipIndex& inde
     nlohmann::ordered_json segments = nlohmann::ordered_json::array();
     for (const ClipSegment& segment : index.segments)
         segments.push_back({{"file", segment.file.filename().string()}, {"frames", segment.frames}});
-    write_text_file(folder / kIndexName,
+    write_text_file(index_file(folder),
                     json_text({{"neuvv_clip", kIndexVersion}, {"fps", index.fps}, {"segments", segments}}));
 }
 

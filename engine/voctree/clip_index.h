@@ -23,12 +23,18 @@ struct ClipIndex {
 
 constexpr uint32_t kMaxClipFrames = 10'000'000;  // 46 hours at 60 fps
 
+// The index of a segmented clip: its clip.json.
+std::filesystem::path index_file(const std::filesystem::path& clip);
+
 // Whether the path is a folder with a clip.json.
 bool is_segmented(const std::filesystem::path& clip);
 
+// A clip's path without a separator at its end, which shells add when they complete the name of a folder.
+std::filesystem::path clip_path(const std::filesystem::path& given);
+
 // Reads the index of a clip of either kind; of a clip that is one file, its head is read. Throws InputError with file,
-// place and fix for what is damaged or out of bounds. Segments are not opened, so that a clip with a damaged segment
-// can be played but for that segment.
+// place and fix for what is damaged or out of bounds, and for a file that is named twice. Segments are not opened, so
+// that a clip with a damaged segment can be played but for that segment.
 ClipIndex read_clip_index(const std::filesystem::path& clip);
 
 // Writes clip.json into an existing folder, atomically. The segments' files must lie in the folder. Throws

@@ -70,6 +70,32 @@ TEST_F(ClipIndexTest, TheHeadHoldsAllSegments) {
     expect_input_error([&] { voctree::read_clip_head(clip); }, {"show.nvv", "a.nvv"});
 }
 
+TEST_F(ClipIndexTest, SegmentsAreFilesOfTheirFrames) {
+    write_segment("a.nvv", 2, {0, 0, 0});
+    write_index(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 3},
+                    {"file": "inside.nvv", "frames": 2}]})");
+    const voctree::ClipIndex index = voctree::read_clip_index(clip);
+    expect_input_error([&] { voctree::read_segment(index.segments[0]); }, {"a.nvv", "2 frames", "says 3"});
+    // A segment that is the folder itself: a reader that followed it would not end.
+    std::filesystem::create_directory_symlink(clip, clip / "inside.nvv");
+    expect_input_error([&] { voctree::read_segment(index.segments[1]); }, {"inside.nvv"});
+    EXPECT_EQ(voctree::read_clip_head(clip).frames, 5u);
+}
+
+TEST_F(ClipIndexTest, AnEmptySegmentHasNoSayInTheBox) {
+    voctree::VOctree nobody = random_tree({.frames = 2});
+    nobody.weights.clear();
+    voctree::build_topology(nobody, {});
+    nobody.box_min = glm::vec3(-100);
+    voctree::write_nvv(clip / "a.nvv", nobody);
+    const voctree::VOctree somebody = write_segment("b.nvv", 2, {4, 1, 0});
+    write_index(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2},
+                    {"file": "b.nvv", "frames": 2}]})");
+    EXPECT_EQ(voctree::read_clip_head(clip).box_min, somebody.box_min);
+    std::filesystem::remove(clip / "b.nvv");
+    EXPECT_EQ(voctree::read_clip_head(clip).box_min, nobody.box_min);
+}
+
 TEST_F(ClipIndexTest, DamageIsNamed) {
     const auto expect_refused = [&](const std::string& text, const std::string& problem) {
         write_index(text);
@@ -88,10 +114,20 @@ TEST_F(ClipIndexTest, DamageIsNamed) {
     expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 9999999},
                        {"file": "b.nvv", "frames": 2}]})",
                    "segments[1].frames");
+    expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2},
+                       {"file": "a.nvv", "frames": 2}]})",
+                   "segments[1].file");
     for (const char* name : {"../a.nvv", "/etc/a.nvv", "sub/a.nvv", "", "..", "a.txt"})
         expect_refused(
             R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": ")" + std::string(name) + R"(", "frames": 2}]})",
             "segments[0].file");
+}
+
+TEST(ClipPath, EndsWithTheName) {
+    EXPECT_EQ(voctree::clip_path("build/long.nvv/"), "build/long.nvv");
+    EXPECT_EQ(voctree::clip_path("long.nvv/"), "long.nvv");
+    for (const char* same : {"build/long.nvv", "long.nvv", "/", "", ".", "../"})
+        EXPECT_EQ(voctree::clip_path(same).string(), same == std::string("../") ? ".." : same);
 }
 
 TEST(SegmentFrame, IsTheNearest) {
