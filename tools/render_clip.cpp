@@ -148,7 +148,7 @@ class ShownSegment {
         const voctree::SegmentFrame at = voctree::segment_frame(clip_, frame);
         if (at.segment == shown_) return at.frame;
         auto next = std::make_unique<const render::Field>(
-            render::upload_far_levels(device_, voctree::read_clip(clip_.segments[at.segment].file)));
+            render::upload_far_levels(device_, voctree::read_segment(clip_.segments[at.segment])));
         uploaded(*next);  // while the segment before still exists
         field_ = std::move(next);
         shown_ = at.segment;

@@ -231,10 +231,14 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     const gpu::Device device(common.device);
     render::FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
     capacity.slice_budget = bytes_of_mebibytes(options.slice_budget_mb);
-    Progress reading("read", plan.stage.clips.size());
-    const auto read = [&](size_t done, size_t) { reading.update(done); };
+    Progress reading("read");
+    const auto read = [&](size_t done, size_t of) {
+        reading.set_total(of);
+        reading.update(done);
+    };
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);
     reading.finish();
+    for (const std::string& problem : renderer.problems()) fmt::print(stderr, "neuvv: not shown: {}\n", problem);
     return render_images(options, plan.output, plan.size, plan.fps, plan.images, sink, device, [&](uint32_t i) {
         render_image(renderer, options, plan, i, sink);
         return times_of(renderer.frames());

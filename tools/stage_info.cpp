@@ -47,7 +47,7 @@ std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInf
         ClipMemory memory;
         for (const voctree::ClipSegment& segment : voctree::read_clip_index(clip.path).segments) {
             const uint64_t before = device.buffer_bytes();
-            const render::Field field = render::upload_far_levels(device, voctree::read_clip(segment.file));
+            const render::Field field = render::upload_far_levels(device, voctree::read_segment(segment));
             memory.field_bytes += device.buffer_bytes() - before;
             const uint64_t share = render::slice_share(budget, fields);
             memory.slice_bytes += slice_bytes_of(device, field, share);

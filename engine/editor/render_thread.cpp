@@ -284,7 +284,7 @@ void RenderThread::load(const std::shared_ptr<const edit::Document>& document, u
     {
         const std::lock_guard lock(mutex_);
         state_.loading.clear();
-        state_.problem.clear();
+        state_.problem = renderer_->problems().empty() ? "" : renderer_->problems()[0];
         state_.stage = stage_;
         state_.stage_id = id;
         state_.leaf_boxes.clear();

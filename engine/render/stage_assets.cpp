@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "base/error.h"
@@ -10,13 +11,18 @@
 
 namespace neuvv::render {
 
+const std::shared_ptr<const LoadedClip>& ClipOnDevice::first_readable() const {
+    const auto found = std::find_if(segments.begin(), segments.end(), [](const auto& one) { return one != nullptr; });
+    return found != segments.end() ? *found : segments[0];
+}
+
 StageLoader::StageLoader(const gpu::Device& device, PaintSource paint)
     : device_(device), paint_source_(std::move(paint)) {}
 
 StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
     paint_files_.drop_unused();
     StageAssets assets;
-    assets.clips = load_clips(stage, loaded);
+    assets.clips = load_clips(stage, loaded, assets.problems);
     assets.environment = load_environment(stage);
     for (const stage::StagePerformer& performer : stage.performers)
         assets.paint.push_back(load_layers(stage, performer, assets.clips[performer.clip]));
@@ -31,29 +37,42 @@ std::shared_ptr<const LoadedClip> StageLoader::find_clip(const std::filesystem::
     return nullptr;
 }
 
-std::vector<ClipOnDevice> StageLoader::load_clips(const stage::Stage& stage, const Loaded& loaded) {
+// A file that is on the device already, also as a part of another clip, is not read again.
+std::shared_ptr<const LoadedClip> StageLoader::load_segment(const voctree::ClipSegment& segment) {
+    const FileStamp stamp = stamp_of(segment.file);
+    if (auto known = find_clip(segment.file, stamp)) return known;
+    const voctree::VOctree tree = voctree::read_segment(segment);
+    auto read = std::make_shared<const LoadedClip>(
+        LoadedClip{segment.file, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
+    clips_.push_back(read);
+    return read;
+}
+
+std::vector<ClipOnDevice> StageLoader::load_clips(const stage::Stage& stage, const Loaded& loaded,
+                                                  std::vector<std::string>& problems) {
+    std::erase_if(clips_, [](const auto& clip) { return clip.expired(); });
     std::vector<ClipOnDevice> clips;
     size_t read = 0, missing = 0;
     for (const stage::StageClip& wanted : stage.clips) {
-        ClipOnDevice& clip = clips.emplace_back();
-        clip.index = voctree::read_clip_index(wanted.path);
-        for (const voctree::ClipSegment& segment : clip.index.segments) {
-            clip.segments.push_back(find_clip(segment.file, stamp_of(segment.file)));
-            missing += clip.segments.back() ? 0 : 1;
+        clips.push_back({voctree::read_clip_index(wanted.path), {}});
+        for (const voctree::ClipSegment& segment : clips.back().index.segments) {
+            clips.back().segments.push_back(find_clip(segment.file, stamp_of(segment.file)));
+            missing += clips.back().segments.back() ? 0 : 1;
         }
     }
-    std::erase_if(clips_, [](const auto& clip) { return clip.expired(); });
-    for (ClipOnDevice& clip : clips)
+    for (ClipOnDevice& clip : clips) {
         for (size_t i = 0; i < clip.segments.size(); i++) {
             if (clip.segments[i]) continue;
-            const std::filesystem::path& file = clip.index.segments[i].file;
-            const FileStamp stamp = stamp_of(file);
-            const voctree::VOctree tree = voctree::read_clip(file);
-            clip.segments[i] = std::make_shared<const LoadedClip>(
-                LoadedClip{file, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
-            clips_.push_back(clip.segments[i]);
+            try {
+                clip.segments[i] = load_segment(clip.index.segments[i]);
+            } catch (const InputError& problem) {
+                if (clip.segments.size() == 1) throw;
+                problems.emplace_back(problem.what());
+            }
             if (loaded) loaded(++read, missing);
         }
+        if (!clip.first_readable()) voctree::read_segment(clip.index.segments[0]);  // throws again what is wrong
+    }
     return clips;
 }
 
@@ -77,7 +96,7 @@ std::shared_ptr<const SetEnvironment> StageLoader::load_environment(const stage:
 std::vector<LoadedLayer> StageLoader::load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
                                                   const ClipOnDevice& clip) {
     std::vector<LoadedLayer> layers;
-    const voctree::PaintedField& painted = clip.segments[0]->painted;
+    const voctree::PaintedField& painted = clip.first_readable()->painted;
     for (size_t i = 0; i < performer.settings.paint.size(); i++) {
         const stage::PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;

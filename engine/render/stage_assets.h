@@ -25,7 +25,9 @@ struct LoadedClip {
 // A clip on the device.
 struct ClipOnDevice {
     voctree::ClipIndex index;
-    std::vector<std::shared_ptr<const LoadedClip>> segments;  // in the order of the index; a file is one segment
+    // In the order of the index; a file is one segment. Null where a segment cannot be read; one of them can.
+    std::vector<std::shared_ptr<const LoadedClip>> segments;
+    const std::shared_ptr<const LoadedClip>& first_readable() const;
 };
 
 // A visible layer of a performer's paint.
@@ -40,6 +42,7 @@ struct StageAssets {
     std::vector<ClipOnDevice> clips;                    // in the order of Stage::clips
     std::shared_ptr<const SetEnvironment> environment;  // black where the stage has none
     std::vector<std::vector<LoadedLayer>> paint;        // by performer: the visible layers, the lowest first
+    std::vector<std::string> problems;                  // a line for each segment that cannot be read
 };
 
 // Reads the files of a stage, and of its later versions only what has changed: an asset of an earlier load that is
@@ -52,8 +55,8 @@ class StageLoader {
     // The device must outlive the loader and all that it loads. Layers that `paint` returns are not read from the disk.
     explicit StageLoader(const gpu::Device& device, PaintSource paint = {});
 
-    // Throws InputError for a file that cannot be read, and for paint of another clip or of a segmented one;
-    // RuntimeFailure where the device has no memory.
+    // Throws InputError for a file that cannot be read, for a segmented clip of which no segment can be, and for paint
+    // of another clip or of a segmented one; RuntimeFailure where the device has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});
 
   private:
@@ -63,7 +66,9 @@ class StageLoader {
         std::weak_ptr<const SetEnvironment> map;
     };
     std::shared_ptr<const LoadedClip> find_clip(const std::filesystem::path& path, const FileStamp& stamp) const;
-    std::vector<ClipOnDevice> load_clips(const stage::Stage& stage, const Loaded& loaded);
+    std::shared_ptr<const LoadedClip> load_segment(const voctree::ClipSegment& segment);
+    std::vector<ClipOnDevice> load_clips(const stage::Stage& stage, const Loaded& loaded,
+                                         std::vector<std::string>& problems);
     std::shared_ptr<const SetEnvironment> load_environment(const stage::Stage& stage);
     std::vector<LoadedLayer> load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
                                          const ClipOnDevice& clip);

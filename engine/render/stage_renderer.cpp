@@ -31,22 +31,22 @@ std::vector<glm::vec4> download_halves(const gpu::Device& device, const gpu::Buf
     return colours;
 }
 
-// The fields of all segments, clip by clip.
-std::vector<const Field*> fields_of(const std::vector<ClipOnDevice>& clips) {
-    std::vector<const Field*> fields;
-    for (const ClipOnDevice& clip : clips)
-        for (const auto& segment : clip.segments) fields.push_back(&segment->field);
-    return fields;
-}
-
-std::vector<uint32_t> first_fields_of(const std::vector<ClipOnDevice>& clips) {
-    std::vector<uint32_t> first;
-    uint32_t fields = 0;
+// A file that several clips play is one field.
+StageFields fields_of(const std::vector<ClipOnDevice>& clips) {
+    StageFields fields;
     for (const ClipOnDevice& clip : clips) {
-        first.push_back(fields);
-        fields += static_cast<uint32_t>(clip.segments.size());
+        std::vector<std::optional<uint32_t>>& numbers = fields.of_segment.emplace_back();
+        for (const auto& segment : clip.segments) {
+            if (!segment) {
+                numbers.emplace_back();
+                continue;
+            }
+            const auto found = std::find(fields.all.begin(), fields.all.end(), &segment->field);
+            numbers.emplace_back(static_cast<uint32_t>(found - fields.all.begin()));
+            if (found == fields.all.end()) fields.all.push_back(&segment->field);
+        }
     }
-    return first;
+    return fields;
 }
 
 }  // namespace
@@ -69,8 +69,8 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
     : device_(device), stage_(&stage), capacity_(capacity), assets_(std::move(assets)) {
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
                                        capacity.samples * capacity.height, capacity.views, assets_.environment);
-    frames_ = std::make_unique<FrameRenderer>(device, fields_of(assets_.clips), capacity, set_.get());
-    first_fields_ = first_fields_of(assets_.clips);
+    fields_ = fields_of(assets_.clips);
+    frames_ = std::make_unique<FrameRenderer>(device, fields_.all, capacity, set_.get());
     apply_paints(stage, make_paints(stage, assets_));
 }
 
@@ -78,9 +78,9 @@ void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
     NextPaints paints = make_paints(stage, assets);
     set_->change(stage.scene, assets.environment);
     // Nothing may fail from here on.
-    frames_->change_fields(fields_of(assets.clips));
+    fields_ = fields_of(assets.clips);
+    frames_->change_fields(fields_.all);
     assets_ = std::move(assets);
-    first_fields_ = first_fields_of(assets_.clips);
     stage_ = &stage;
     apply_paints(stage, std::move(paints));
 }
@@ -88,7 +88,7 @@ void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
     NextPaints next;
     for (size_t i = 0; i < stage.performers.size(); i++) {
-        next.of_performer.push_back({assets.clips[stage.performers[i].clip].segments[0], assets.paint[i]});
+        next.of_performer.push_back({assets.clips[stage.performers[i].clip].first_readable(), assets.paint[i]});
         const PaintKey& key = next.of_performer.back();
         if (key.layers.empty() || paint_numbers_.contains(key) || next.new_paints.contains(key)) continue;
         std::vector<PaintUse> uses;
@@ -96,6 +96,10 @@ StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, 
         next.new_paints.try_emplace(key, device_, key.clip->field.leaf_count, uses);
     }
     return next;
+}
+
+uint32_t StageRenderer::number_of(const Field& field) const {
+    return static_cast<uint32_t>(std::find(fields_.all.begin(), fields_.all.end(), &field) - fields_.all.begin());
 }
 
 // Adds the new paints and removes unused ones. The renderer must have the fields of this stage already.
@@ -107,17 +111,15 @@ void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
         const auto [number, is_new] = numbers.try_emplace(key, 0);
         if (is_new && !key.layers.empty()) {
             const auto kept = paint_numbers_.find(key);
-            number->second =
-                kept != paint_numbers_.end()
-                    ? kept->second
-                    : frames_->paints(first_fields_[stage.performers[i].clip]).add(std::move(next.new_paints.at(key)));
+            number->second = kept != paint_numbers_.end()
+                                 ? kept->second
+                                 : frames_->paints(number_of(key.clip->field)).add(std::move(next.new_paints.at(key)));
         }
         paints_.push_back(number->second);
     }
     for (const auto& [key, number] : paint_numbers_) {
-        for (uint32_t clip = 0; clip < assets_.clips.size(); clip++)
-            if (first_segment(clip) == key.clip && !numbers.contains(key))
-                frames_->paints(first_fields_[clip]).remove(number);
+        const uint32_t field = number_of(key.clip->field);
+        if (field < fields_.all.size() && !numbers.contains(key)) frames_->paints(field).remove(number);
     }
     paint_numbers_ = std::move(numbers);
 }
@@ -125,10 +127,12 @@ void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
 std::pair<glm::dvec3, glm::dvec3> StageRenderer::leaf_box(uint32_t clip) const {
     glm::dvec3 low(INFINITY), high(-INFINITY);
     for (const auto& segment : assets_.clips[clip].segments) {
+        if (!segment || segment->field.leaf_count == 0) continue;
         low = glm::min(low, glm::dvec3(segment->field.leaves_min));
         high = glm::max(high, glm::dvec3(segment->field.leaves_max));
     }
-    return {low, high};
+    if (low.x <= high.x) return {low, high};
+    return {first_readable(clip)->field.leaves_min, first_readable(clip)->field.leaves_max};
 }
 
 void StageRenderer::resize(uint32_t width, uint32_t height) {
@@ -204,9 +208,10 @@ FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
         if (!performer.visible) continue;
         const auto [segment, frame] =
             voctree::segment_frame(assets_.clips[performer.clip].index, double{performer.frame});
+        const std::optional<uint32_t> field = fields_.of_segment[performer.clip][segment];
+        if (!field) continue;
         settings.instances.push_back({frame, glm::mat4(performer.world_from_performer), paints_[performer.performer],
-                                      first_fields_[performer.clip] + segment, performer.opacity,
-                                      performer.casts_shadow, performer.receives_shadow});
+                                      *field, performer.opacity, performer.casts_shadow, performer.receives_shadow});
         if (performer.performer == highlight.performer) settings.instances.back().highlight = highlight.highlight;
     }
     return settings;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "render/frame.h"
 #include "render/linear_image.h"
@@ -20,6 +21,12 @@ struct PerformerHighlight {
         if (!highlight || !other.highlight) return highlight == other.highlight;
         return performer == other.performer && *highlight == *other.highlight;
     }
+};
+
+// The fields of a stage's clips, in the order of FrameRenderer.
+struct StageFields {
+    std::vector<const Field*> all;
+    std::vector<std::vector<std::optional<uint32_t>>> of_segment;  // by clip: indices into `all`; nothing: not readable
 };
 
 class StageRenderer {
@@ -61,15 +68,20 @@ class StageRenderer {
     FrameRenderer& frames() { return *frames_; }
     const FrameRenderer& frames() const { return *frames_; }
     const SetRaster& set() const { return *set_; }
-    // The field of a clip (an index into Stage::clips), valid until the next change(); of a segmented clip, that of its
-    // first segment.
-    const Field& field(uint32_t clip) const { return first_segment(clip)->field; }
+    // A clip (an index into Stage::clips). Its segments stay on the device for as long as a copy of this exists.
+    const ClipOnDevice& clip(uint32_t number) const { return assets_.clips[number]; }
+    // The field of a clip, valid until the next change(); of a segmented clip, that of its
+    // first segment that could be read.
+    const Field& field(uint32_t clip) const { return first_readable(clip)->field; }
     // The same field, valid for as long as the pointer exists.
     std::shared_ptr<const Field> shared_field(uint32_t clip) const {
-        return {first_segment(clip), &first_segment(clip)->field};
+        return {first_readable(clip), &first_readable(clip)->field};
     }
-    const voctree::PaintedField& painted_field(uint32_t clip) const { return first_segment(clip)->painted; }
-    // The box around all leaves of a clip (min, max), in the performer's space, metres.
+    const voctree::PaintedField& painted_field(uint32_t clip) const { return first_readable(clip)->painted; }
+    // A line for each segment of a clip that could not be read; at its times, the performer is not there.
+    const std::vector<std::string>& problems() const { return assets_.problems; }
+    // The box around all leaves of a clip (min, max), in the performer's space, metres; of a clip without leaves, that
+    // of a tree.
     std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const;
     // The number of a performer's paint in frames().paints(); 0: no paint.
     uint32_t paint_of(uint32_t performer) const { return paints_[performer]; }
@@ -85,9 +97,11 @@ class StageRenderer {
         std::vector<PaintKey> of_performer;
         std::map<PaintKey, Paint> new_paints;  // those that have no number yet
     };
-    const std::shared_ptr<const LoadedClip>& first_segment(uint32_t clip) const {
-        return assets_.clips[clip].segments[0];
+    const std::shared_ptr<const LoadedClip>& first_readable(uint32_t clip) const {
+        return assets_.clips[clip].first_readable();
     }
+    // Among fields_.all; their number where it is not among them.
+    uint32_t number_of(const Field& field) const;
     NextPaints make_paints(const stage::Stage& stage, const StageAssets& assets) const;
     void apply_paints(const stage::Stage& stage, NextPaints next);
     void make_targets(uint32_t width, uint32_t height);
@@ -95,7 +109,7 @@ class StageRenderer {
     const stage::Stage* stage_;
     FrameCapacity capacity_;  // its size is that of settings_at; the set's size is the largest so far
     StageAssets assets_;
-    std::vector<uint32_t> first_fields_;  // of frames_, by clip: that of its first segment; the others follow
+    StageFields fields_;  // of assets_
     std::map<PaintKey, uint32_t> paint_numbers_;
     std::vector<uint32_t> paints_;  // by performer
     std::unique_ptr<SetRaster> set_;

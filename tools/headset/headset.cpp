@@ -129,8 +129,8 @@ struct RuntimeContext {
 
     xr::Runtime runtime;
     gpu::Device device;
-    // The fields of all clips that were ever on the stage, so that undoing a deletion reads no file between two frames.
-    std::map<std::filesystem::path, std::shared_ptr<const render::Field>> fields;
+    // All clips that were ever on the stage, so that undoing a deletion reads no file between two frames.
+    std::map<std::filesystem::path, render::ClipOnDevice> clips;
     std::unique_ptr<render::StageLoader> loader;
     std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
     std::shared_ptr<const stage::Stage> drawn_stage;
@@ -151,9 +151,10 @@ RuntimeContext::RuntimeContext(Program& program)
 
 void update_clips(HeadsetState& state, RuntimeContext& context) {
     state.leaf_boxes.clear();
+    for (const std::string& problem : context.renderer->problems()) print_line("not shown: " + problem);
     for (uint32_t clip = 0; clip < state.stage->clips.size(); clip++) {
         state.leaf_boxes.push_back(context.renderer->leaf_box(clip));
-        context.fields[state.stage->clips[clip].path] = context.renderer->shared_field(clip);
+        context.clips[state.stage->clips[clip].path] = context.renderer->clip(clip);
     }
 }
 
