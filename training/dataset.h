@@ -47,6 +47,7 @@ enum class Split { kTrain, kTest, kVal };  // only some layouts have kVal
 struct LoadOptions {
     std::string format = "auto";  // one of format_names()
     bool mattes_needed = true;    // false: images without a matte are taken as they are
+    bool may_be_empty = false;    // whether it is right that no image shows anything, as before the performer enters
     uint64_t memory_bytes = 0;    // memory that images may take (0: image_budget()); those beyond it lie on disk
 };
 

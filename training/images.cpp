@@ -209,7 +209,7 @@ std::shared_ptr<SpooledMemory> make_spool(const Rig& rig, const std::vector<stag
                                            cache.empty() ? "/var/tmp" : cache, most);
 }
 
-void expect_matte(const Rig& rig, const Dataset& dataset) {
+void expect_matte(const Rig& rig, const Dataset& dataset, bool may_be_empty) {
     bool clear = false, solid = false;
     for (const View& view : dataset.views)
         for (uint32_t y = 0; y < view.image.height() && !(clear && solid); ++y)
@@ -224,7 +224,7 @@ void expect_matte(const Rig& rig, const Dataset& dataset) {
                          fmt::format("run `neuvv matte {}`, or give RGBA PNGs whose alpha is 255 on the performer and "
                                      "0 elsewhere",
                                      folder));
-    if (!solid)
+    if (!solid && !may_be_empty)
         throw InputError(folder, "", "every alpha of every image is 0",
                          "give RGBA PNGs whose alpha is 255 on the performer and 0 elsewhere");
 }
@@ -258,7 +258,7 @@ Dataset read_images(const Rig& rig, const LoadOptions& options) {
     parallel_for(rig.cameras.size(), 1, [&](size_t begin, size_t end) {
         for (size_t c = begin; c < end; ++c) CameraLoader(rig, static_cast<uint32_t>(c), dataset).load(shots[c]);
     });
-    if (options.mattes_needed) expect_matte(rig, dataset);
+    if (options.mattes_needed) expect_matte(rig, dataset, options.may_be_empty);
     return dataset;
 }
 

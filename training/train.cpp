@@ -356,10 +356,8 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     Batch batch = next_batch(run_.step + 1);
     reported_at_ = seconds_now();
     while (go_on && fraction() < 1) {
-        aside([&] {
-            begin_phase_if_due();
-            go_on = may_go_on();
-        });
+        aside([&] { begin_phase_if_due(); });
+        aside([&] { go_on = may_go_on(); });
         if (!go_on) break;
         load_batch(dataset_, batch, step_->rays(), step_->batch(), colours_);
         run_.step++;
@@ -401,8 +399,10 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
             first_saved = true;
         }
     }
+    const double reached = fraction();  // the last checkpoint does not finish a run that was stopped before its end
     save();
     TrainProgress last = progress();
+    last.fraction = reached;
     if (last.fraction >= 1) fit_to_max_bytes();
     last.leaves = written_leaves_;
     if (run_.step > began_at_step_) callback(last);
