@@ -82,9 +82,7 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
     if (segments) return train_segments(device, options, rig, *segments);
-    TrainPart part{rig, options.output, options.settings};
-    part.settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
-    train_part(device, options, part);
+    train_rig(device, options, rig);
 }
 
 std::string weight_option(const training::NamedLossWeight& weight) {
@@ -157,10 +155,11 @@ void add_train(Command app, CommonOptions& common) {
         "of poses and focal lengths; time: cameras that are late, not together with poses; auto, alone: those of "
         "these that are worth it. The last three begin with a search, of a fifth of --minutes at most "
         "(default: nothing)");
-    verb.add_option("--segment", options->segment,
-                    "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
-                    "own; OUTPUT becomes a folder. For clips of any length: memory does not grow with it "
-                    "(default: one tree)");
+    verb.add_option(
+        "--segment", options->segment,
+        "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
+        "own; OUTPUT becomes a folder. For clips of any length: the memory of training does not grow with it "
+        "(default: one tree)");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);
@@ -188,6 +187,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {
+        options->output = voctree::clip_path(options->output);
         // Segments that are not begun yet take all options of this command.
         if (options->settings.resume && !is_in_segments(*options)) warn_of_ignored_options(verb);
         run_train(*options, common);

@@ -15,6 +15,7 @@
 #include "training/preview.h"
 #include "training/psi_tree.h"
 #include "training/schedule.h"
+#include "voctree/nvv.h"
 
 namespace neuvv::tools {
 
@@ -122,6 +123,7 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
 training::LoadOptions load_options(const TrainOptions& options) {
     const bool given = options.image_gigabytes > 0;
     return {.format = options.format,
+            .may_be_empty = options.is_segment,
             .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
 
@@ -141,16 +143,42 @@ training::Dataset load_images(const TrainOptions& options, const training::Rig& 
     return dataset;
 }
 
+// Whether no image has foreground: of such images, no tile is kept.
+bool shows_nothing(const training::Dataset& dataset) {
+    return std::all_of(dataset.views.begin(), dataset.views.end(),
+                       [](const training::View& view) { return view.image.kept_rgba().empty(); });
+}
+
+// A clip in whose frames nobody is.
+void write_empty(const TrainOptions& options, const training::Dataset& dataset) {
+    voctree::VOctree tree;
+    tree.frames = static_cast<uint32_t>(dataset.times.size());
+    tree.bases = 1;
+    tree.hh_degree = options.settings.shape.hh_degree;
+    if (dataset.fps > 0) tree.fps = static_cast<float>(dataset.fps);
+    tree.sigma_basis.assign(tree.frames, 1);
+    tree.gamma_basis = tree.sigma_basis;
+    voctree::build_topology(tree, {});
+    voctree::write_nvv(options.output, tree);
+    fmt::print("wrote {}: no image of it shows the performer\n", options.output.string());
+}
+
 }  // namespace
 
-bool train_part(const gpu::Device& device, const TrainOptions& options, TrainPart part) {
-    training::TrainSettings& settings = part.settings;
+bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
+               const std::string& label) {
+    training::TrainSettings settings = options.settings;
     const Refine refine = refine_of(options.refine);
     settings.refine = refine.what.colour;
     settings.program = "NeuVV " NEUVV_VERSION;
     settings.adaptive = !options.uniform;
+    settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
     const training::LoadOptions load = load_options(options);
-    training::Dataset dataset = load_images(options, part.rig, load);
+    training::Dataset dataset = load_images(options, rig, load);
+    if (options.is_segment && shows_nothing(dataset)) {
+        write_empty(options, dataset);
+        return true;
+    }
     LiveReport live(device, dataset, load, options.live);
     if (refine.needs_search() && !settings.resume && !correct_rig(device, dataset, refine, settings)) {
         fmt::print("interrupted while errors of the rig were searched for: nothing was written\n");
@@ -163,15 +191,15 @@ bool train_part(const gpu::Device& device, const TrainOptions& options, TrainPar
     }
     StatusLine line(true);
     const training::TrainProgress last =
-        training::train(device, dataset, settings, part.output, [&](const training::TrainProgress& now) {
-            report_progress(line, now, part.label + progress_text(now));
+        training::train(device, dataset, settings, options.output, [&](const training::TrainProgress& now) {
+            report_progress(line, now, label + progress_text(now));
             live.update(now);
             return !stop_requested();
         });
     line.end();
-    fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", part.output.string(), last.leaves, last.step,
-               last.epochs, format_duration(last.elapsed_s));
-    print_corrections(last, part.rig.cameras);
+    fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
+               last.step, last.epochs, format_duration(last.elapsed_s));
+    print_corrections(last, rig.cameras);
     if (settings.resume && last.step == last.began_at_step)
         fmt::print("the run had spent its budget; more --minutes or --steps go on from there\n");
     if (stop_requested() && last.fraction < 1)

@@ -19,7 +19,8 @@ struct LiveOptions {
 
 struct TrainOptions {
     std::filesystem::path dataset, output;
-    std::string segment;  // the length of segments as the user wrote it; empty: the clip is one tree
+    std::string segment;      // the length of segments as the user wrote it; empty: the clip is one tree
+    bool is_segment = false;  // whether it is a segment that is trained, in which the performer need not be
     std::string format = training::kAnyFormat;
     training::TrainSettings settings;
     double max_megabytes = 0, image_gigabytes = 0;
@@ -31,24 +32,19 @@ struct TrainOptions {
     uint64_t psi_steps = 0;
 };
 
-// The part of a clip that a run trains.
-struct TrainPart {
-    const training::Rig& rig;
-    std::filesystem::path output;      // .nvv
-    training::TrainSettings settings;  // its budget, and whether it goes on from a checkpoint
-    std::string label = {};            // before the status line: "segment 2 of 6 | "
-};
-
-// Returns whether the budget is spent; false where Ctrl-C ended the run. What was trained is saved in any case, unless
-// that happened before the first step. Throws InputError and RuntimeFailure.
-bool train_part(const gpu::Device& device, const TrainOptions& options, TrainPart part);
+// Trains `rig`, the whole clip or a segment of it, into options.output. `label` stands before the status line. Returns
+// whether the budget is spent; false where Ctrl-C ended the run. What was trained is saved in any case, unless that
+// happened before the first step. Throws InputError and RuntimeFailure.
+bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
+               const std::string& label = "");
 
 // The segments of a clip that --segment cuts; of a resumed run those with which it began. Throws InputError.
 voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig);
 
 // Trains the segments of a clip, which become a folder (voctree/clip_index.h); the budget is shared by frames. Without
 // TrainSettings::resume, what the folder held is removed first; with it, segments that are finished stay, and the one
-// that is not goes on. Throws InputError, and RuntimeFailure that names the segment's file.
+// that is not goes on. A segment that cannot be trained is named, and the others are trained nevertheless; then throws
+// InputError. Throws RuntimeFailure that names the segment's file.
 void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
                     const voctree::ClipIndex& index);
 

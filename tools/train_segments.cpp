@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -34,21 +35,47 @@ void remove_segments(const voctree::ClipIndex& index) {
             std::filesystem::remove(file);
 }
 
-// The settings of a segment, whose share of all budgets is that of its frames.
-training::TrainSettings settings_of(const TrainOptions& options, double share) {
-    training::TrainSettings settings = options.settings;
+// The steps of a part of a budget; of none, none.
+uint64_t share_of(uint64_t steps, double share) {
+    return steps == 0 ? 0 : std::max<uint64_t>(std::llround(static_cast<double>(steps) * share), 1);
+}
+
+// The options of a segment, whose share of all budgets is that of its frames.
+TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames) {
+    const double share = static_cast<double>(segment.frames) / frames;
+    TrainOptions options = clip;
+    options.output = segment.file;
+    options.is_segment = true;
+    training::TrainSettings& settings = options.settings;
     if (settings.steps == 0 && settings.minutes == 0) settings.minutes = training::kDefaultMinutes;
     settings.minutes *= share;
-    if (settings.steps > 0)
-        settings.steps = std::max<uint64_t>(std::llround(static_cast<double>(settings.steps) * share), 1);
-    settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes * share);
-    return settings;
+    settings.steps = share_of(settings.steps, share);
+    options.psi_minutes *= share;
+    options.psi_steps = share_of(options.psi_steps, share);
+    options.max_megabytes *= share;
+    // A segment is finished when its checkpoint file is gone.
+    settings.resume = std::filesystem::exists(training::state_path(segment.file));
+    return options;
+}
+
+// Throws InputError where frames are not at even times: a segment's frames are then not those that `eval` and players
+// find by their times.
+void expect_even_times(const training::Rig& rig, const std::vector<double>& times) {
+    const auto frames = static_cast<uint32_t>(times.size());
+    for (uint32_t frame = 0; frame < frames && frames > 1; frame++)
+        if (const double at = training::frame_of_time(times[frame], frames); at != frame)
+            throw InputError("--segment", rig.file,
+                             fmt::format("its {} times are not even: {} is that of frame {:.2f}, not {}", frames,
+                                         times[frame], at, frame),
+                             "give each frame f of n the time f / (n − 1), or train without --segment");
 }
 
 }  // namespace
 
 voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig) {
-    const auto frames = static_cast<uint32_t>(training::times_of(rig).size());
+    const std::vector<double> times = training::times_of(rig);
+    const auto frames = static_cast<uint32_t>(times.size());
+    expect_even_times(rig, times);
     voctree::ClipIndex index;
     if (options.settings.resume) {
         if (!voctree::is_segmented(options.output))
@@ -62,6 +89,12 @@ voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Ri
             throw InputError(options.output.string(), "",
                              fmt::format("has {} frames, {} has {}", index.frames(), options.dataset.string(), frames),
                              "resume with the data set that the run began with");
+        if (!options.segment.empty() &&
+            training::segment_lengths(frames, longest_segment(options.segment, rig.fps)).size() !=
+                index.segments.size())
+            throw InputError("--segment", options.segment,
+                             fmt::format("{} has {} segments", options.output.string(), index.segments.size()),
+                             "leave it out: a resumed clip keeps its segments");
         return index;
     }
     if (rig.fps > 0) index.fps = static_cast<float>(rig.fps);
@@ -80,21 +113,33 @@ void train_segments(const gpu::Device& device, const TrainOptions& options, cons
         remove_segments(index);
         voctree::write_clip_index(options.output, index);
     }
+    size_t failed = 0;
+    std::string problem;
     for (size_t i = 0; i < index.segments.size(); i++) {
         const voctree::ClipSegment& segment = index.segments[i];
-        // A segment is finished when its checkpoint file is gone.
-        const bool begun = std::filesystem::exists(training::state_path(segment.file));
-        if (!begun && std::filesystem::exists(segment.file)) continue;
-        fmt::print(stderr, "segment {} of {}: frames {} to {}\n", i + 1, index.segments.size(), segment.first,
-                   segment.end() - 1);
-        const training::Rig part_rig = training::rig_of_frames(rig, times, segment.first, segment.frames);
-        TrainPart part{part_rig, segment.file,
-                       settings_of(options, static_cast<double>(segment.frames) / index.frames())};
-        part.label = fmt::format("segment {} of {} | ", i + 1, index.segments.size());
-        part.settings.resume = begun;
-        if (!train_part(device, options, part)) return;
-        std::filesystem::remove(training::state_path(segment.file));
+        const TrainOptions of_segment = options_of(options, segment, index.frames());
+        if (!of_segment.settings.resume && std::filesystem::exists(segment.file)) continue;
+        const std::string label = fmt::format("segment {} of {}", i + 1, index.segments.size());
+        fmt::print(stderr, "{}: frames {} to {}\n", label, segment.first, segment.end() - 1);
+        try {
+            if (!train_rig(device, of_segment, training::rig_of_frames(rig, times, segment.first, segment.frames),
+                           label + " | "))
+                return;
+            std::filesystem::remove(training::state_path(segment.file));
+        } catch (const InputError& error) {  // the other segments are worth having
+            fmt::print(stderr, "{} is left out: {}\n", label, error.what());
+            if (failed++ == 0) problem = error.what();
+        }
+        if (stop_requested() && i + 1 < index.segments.size()) {
+            fmt::print("interrupted; the same command with --resume goes on from here\n");
+            return;
+        }
     }
+    if (failed > 0)
+        throw InputError(options.output.string(), "",
+                         fmt::format("{} of {} segments could not be trained, the first because of {}", failed,
+                                     index.segments.size(), problem),
+                         "mend that, and give the same command with --resume");
     fmt::print("wrote {}: {} frames in {} segments\n", options.output.string(), index.frames(), index.segments.size());
 }
 

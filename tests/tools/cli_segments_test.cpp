@@ -1,6 +1,7 @@
 // Clips in segments, on the command line: they are what the same clip as one file is.
 #include <gtest/gtest.h>
 
+#include "render/stage_renderer.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "tests/tools/segmented_copy.h"
@@ -91,6 +92,68 @@ TEST_F(CliSegments, TrainingMakesThemOneAfterTheOther) {
     EXPECT_EQ(read_text(show + "/000000.nvv"), first);
 }
 
+// A performer who is not there yet, and an image that is damaged, cost their own segments alone.
+TEST_F(CliSegments, OneSegmentDoesNotStopTheOthers) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    for (const char* name : {"c00_f0.png", "c01_f0.png"})
+        media::write_png(folder.path / "data/test" / name, media::Image(48, 40));
+    const std::string sound = read_text(folder.path / "data/test/c00_f1.png");
+    write_text(folder.path / "data/test/c00_f1.png", "no image");
+    const std::string show = file("show.nvv");
+    std::vector<std::string> command = {"train", file("data"), "-o", show,           "--segment",
+                                        "1",     "--steps",    "6",  "--resolution", "32"};
+    const ProgramResult run = run_neuvv(command);
+    EXPECT_EQ(run.code, 2) << run.err;
+    EXPECT_NE(run.err.find("1 of 3 segments could not be trained"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("c00_f1.png"), std::string::npos) << run.err;
+    EXPECT_EQ(voctree::read_nvv(show + "/000000.nvv").leaf_count, 0u);
+    EXPECT_FALSE(std::filesystem::exists(show + "/000001.nvv"));
+    EXPECT_GT(voctree::read_nvv(show + "/000002.nvv").leaf_count, 0u);
+
+    // A stage shows the segments that there are, and nothing at the times of the others.
+    const std::string stage = file("show.gltf");
+    test::write_stage(stage, show, "anna");
+    const auto shown = [&](const char* time) {
+        const ProgramResult result =
+            run_neuvv({"render", stage, "-o", file("a.png"), "--size", "32x32", "--orbit", "--time", time});
+        EXPECT_EQ(result.code, 0) << result.err;
+        EXPECT_NE(result.err.find("000001.nvv"), std::string::npos) << "the missing segment is named: " << result.err;
+        return media::read_png(file("a.png")).rgba;
+    };
+    const auto nobody = shown("0");
+    EXPECT_EQ(shown("0.04"), nobody);
+    EXPECT_NE(shown("0.08"), nobody);
+
+    write_text(folder.path / "data/test/c00_f1.png", sound);
+    command.emplace_back("--resume");
+    const ProgramResult again = run_neuvv(command);
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_GT(voctree::read_nvv(show + "/000001.nvv").leaf_count, 0u);
+}
+
+// The same file as a part of a clip and alone is one field, also after an edit.
+TEST_F(CliSegments, AStageMayHaveASegmentTwice) {
+    const std::string show = file("show.gltf");
+    test::write_stage(show, parts, "anna");
+    ASSERT_EQ(run_neuvv({"stage", "add", show, parts + "/000001.nvv", "--name", "ben", "--at", "1,0,0"}).code, 0);
+    const gpu::Device& gpu = device();
+    const auto first = stage::load_stage(show);
+    render::StageLoader loader(gpu);
+    render::StageRenderer renderer(gpu, first, loader.load(first), {64, 48});
+    ASSERT_EQ(run_neuvv({"stage", "set", show, "ben", "--at", "2,0,0"}).code, 0);
+    const auto second = stage::load_stage(show);
+    renderer.change(second, loader.load(second));
+    const auto evaluated = stage::stage_at(second, 1);
+    renderer.show(evaluated);
+    const stage::Camera camera =
+        tools::orbit_path(stage::performers_box(second, evaluated), {{0, 0}, 2, 2}, {64, 48})[0].camera;
+    const media::Image both = renderer.frames().render(camera, renderer.settings_at(evaluated));
+    render::StageRenderer fresh(gpu, second, render::StageLoader(gpu).load(second), {64, 48});
+    fresh.show(evaluated);
+    EXPECT_EQ(both.rgba, fresh.frames().render(camera, fresh.settings_at(evaluated)).rgba);
+}
+
 TEST_F(CliSegments, WrongRunsAreRefused) {
     write_own_data();
     std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
@@ -99,6 +162,7 @@ TEST_F(CliSegments, WrongRunsAreRefused) {
         words.insert(words.end(), more.begin(), more.end());
         expect_refused(words, 2, parts_of_error);
     };
+    refuse({"-o", parts, "--resume", "--segment", "1"}, {"parts.nvv"});
     refuse({"-o", file("a.nvv"), "--segment", "none"}, {"--segment", "none"});
     refuse({"-o", file("a.nvv"), "--segment", "0"}, {"--segment", "at least one frame"});
     refuse({"-o", file("a.nvv"), "--segment", "1s"}, {"--segment", "frame rate"});
