@@ -65,10 +65,11 @@ struct AddOptions : StageTarget {
 };
 
 std::string add_performer(stage::StageFile& file, const AddOptions& options) {
-    voctree::read_clip_head(options.clip);
+    const std::filesystem::path clip = voctree::clip_path(options.clip);
+    voctree::read_clip_head(clip);
     edit::PerformerEdit performer = options.performer;
-    performer.clip = options.clip;
-    if (performer.time) expect_fitting_time(*performer.time, options.clip);
+    performer.clip = clip;
+    if (performer.time) expect_fitting_time(*performer.time, clip);
     return edit::add_performer(file, options.name, performer, options.placement);
 }
 
@@ -124,7 +125,8 @@ void add_set(Command stage) {
     add_placement_options(node, options->placement);
     Command performer = verb.add_group("Of a performer");
     performer.add_parsed_option(
-        "--clip", [&edit = options->performer](const std::string& clip) { edit.clip = clip; }, "Another .nvv");
+        "--clip", [&edit = options->performer](const std::string& clip) { edit.clip = voctree::clip_path(clip); },
+        "Another .nvv");
     add_performer_options(performer, options->performer);
     Command whole = verb.add_group("Of the stage");
     add_stage_options(whole, options->whole);

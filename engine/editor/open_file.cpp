@@ -28,7 +28,8 @@ std::filesystem::path newest_clip(const std::filesystem::path& folder) {
     return newest;
 }
 
-std::filesystem::path opened_file(const std::filesystem::path& path) {
+std::filesystem::path opened_file(const std::filesystem::path& given) {
+    const std::filesystem::path path = voctree::clip_path(given);
     std::error_code error;
     const auto kind = std::filesystem::status(path, error).type();
     if (kind == std::filesystem::file_type::not_found) throw InputError(path.string(), "", "there is no such file");

@@ -11,8 +11,14 @@
 #include "editor/open_file.h"
 #include "tools/viewer/context.h"
 #include "voctree/clip.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::viewer {
+
+bool is_plain_folder(const std::filesystem::path& path) {
+    std::error_code error;
+    return std::filesystem::is_directory(path, error) && !voctree::is_segmented(path);
+}
 
 namespace {
 
@@ -142,9 +148,7 @@ void Files::save_to(const std::filesystem::path& path, const std::function<void(
 
 void Files::open_or_add(const std::filesystem::path& file) {
     editor::Editor& editor = context_.editor;
-    std::error_code error;
-    if (!editor.is_open() || editor::has_stage_ending(file.string()) || std::filesystem::is_directory(file, error))
-        return open(file);
+    if (!editor.is_open() || editor::has_stage_ending(file.string()) || is_plain_folder(file)) return open(file);
     if (voctree::has_clip_ending(file)) {
         edit::PerformerEdit performer;
         performer.clip = file;
@@ -184,7 +188,7 @@ void Files::list_folder(const std::filesystem::path& folder) {
         std::error_code error;
         for (const auto& entry : std::filesystem::directory_iterator(of, error)) {
             const std::string name = entry.path().filename().string();
-            const bool is_folder = entry.is_directory(error);
+            const bool is_folder = is_plain_folder(entry.path());
             const bool fits =
                 is_folder || std::find(endings.begin(), endings.end(), entry.path().extension()) != endings.end();
             if (!name.starts_with('.') && fits) listed.push_back({name, is_folder});

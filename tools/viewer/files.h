@@ -45,6 +45,9 @@ struct FileEvents {
     std::function<void(std::set<std::filesystem::path>)> saved_elsewhere;
 };
 
+// Whether the path is a folder, but no segmented clip: such a clip is chosen and opened as a file is.
+bool is_plain_folder(const std::filesystem::path& path);
+
 class Files {
   public:
     // `preferences` gets the list of files that were opened recently. All references must outlive this object.

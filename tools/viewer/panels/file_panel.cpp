@@ -162,7 +162,7 @@ void Files::path_panel() {
 void Files::choose(const std::filesystem::path& selected) {
     std::filesystem::path path = selected;
     std::error_code error;
-    if (std::filesystem::is_directory(path, error)) return list_folder(path);
+    if (is_plain_folder(path)) return list_folder(path);
     const std::vector<std::string>& endings = question_->endings;
     const bool listed = std::find(endings.begin(), endings.end(), path.extension()) != endings.end();
     const bool has_ending = listed || (!endings.empty() && editor::has_stage_ending("x" + endings[0]) &&
