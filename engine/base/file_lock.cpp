@@ -2,7 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
+#include <limits.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -12,28 +13,77 @@
 
 namespace neuvv {
 
+namespace {
+
+// The whole file. Such a lock belongs to an open file, so that two objects of one process exclude each other, too.
+struct flock whole_file() {
+    struct flock range = {};
+    range.l_type = F_WRLCK;
+    range.l_whence = SEEK_SET;
+    return range;
+}
+
+// Whether the path still leads to the open file, which somebody may have removed.
+bool is_at(int descriptor, const std::filesystem::path& file) {
+    struct stat open_file = {}, at_path = {};
+    return fstat(descriptor, &open_file) == 0 && stat(file.c_str(), &at_path) == 0 &&
+           open_file.st_dev == at_path.st_dev && open_file.st_ino == at_path.st_ino;
+}
+
+}  // namespace
+
 int64_t process_id() {
     return getpid();
 }
 
-FileLock::FileLock(const std::filesystem::path& file)
-    : descriptor_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-    int failed = descriptor_ < 0 ? -1 : flock(descriptor_, LOCK_EX);
-    while (failed && errno == EINTR && descriptor_ >= 0) failed = flock(descriptor_, LOCK_EX);
-    if (!failed) return;
-    const int reason = errno;
-    if (descriptor_ >= 0) close(descriptor_);
-    throw RuntimeFailure(fmt::format("{}: cannot be locked: {}", file.string(), std::strerror(reason)));
+std::string host_name() {
+    char name[HOST_NAME_MAX + 1] = {};
+    return gethostname(name, sizeof(name) - 1) == 0 ? name : "";
+}
+
+FileLock::FileLock(const std::filesystem::path& file) {
+    lock(file, Wait::kYes);
+}
+
+std::optional<FileLock> FileLock::try_lock(const std::filesystem::path& file) {
+    FileLock result;
+    if (!result.lock(file, Wait::kNo)) return std::nullopt;
+    return result;
+}
+
+bool FileLock::lock(const std::filesystem::path& file, Wait wait) {
+    for (;;) {
+        FileLock opened;
+        opened.descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+        struct flock range = whole_file();
+        int failed = opened.descriptor_ < 0 ? -1 : 0;
+        while (opened.descriptor_ >= 0) {
+            failed = fcntl(opened.descriptor_, wait == Wait::kYes ? F_OFD_SETLKW : F_OFD_SETLK, &range);
+            if (!failed || errno != EINTR) break;
+        }
+        if (failed && wait == Wait::kNo && (errno == EAGAIN || errno == EACCES) && opened.descriptor_ >= 0)
+            return false;
+        if (failed) throw RuntimeFailure(fmt::format("{}: cannot be locked: {}", file.string(), std::strerror(errno)));
+        if (!is_at(opened.descriptor_, file)) continue;
+        *this = std::move(opened);
+        return true;
+    }
 }
 
 FileLock::~FileLock() {
     if (descriptor_ >= 0) close(descriptor_);
 }
 
+bool FileLock::write(std::string_view text) const {
+    return pwrite(descriptor_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()) &&
+           ftruncate(descriptor_, static_cast<off_t>(text.size())) == 0;
+}
+
 bool is_file_locked(const std::filesystem::path& file) {
     const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
     if (descriptor < 0) return false;
-    const bool locked = flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    struct flock range = whole_file();
+    const bool locked = fcntl(descriptor, F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK;
     close(descriptor);
     return locked;
 }

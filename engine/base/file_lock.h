@@ -4,18 +4,26 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace neuvv {
 
 int64_t process_id();
+// The name of this machine in its network; empty where it has none.
+std::string host_name();
 
-// A lock on a file. It ends with this object or with its process, however the process ends.
+// A lock on a file, also on a network's file system that supports locks. It ends with this object or with its process,
+// however the process ends.
 class FileLock {
   public:
     FileLock() = default;
     // Creates the file where it is missing, and waits until nobody else has the lock. Throws RuntimeFailure.
     explicit FileLock(const std::filesystem::path& file);
+    // The same, but returns nothing where somebody else has the lock.
+    static std::optional<FileLock> try_lock(const std::filesystem::path& file);
     FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
     FileLock& operator=(FileLock&& other) noexcept {
         std::swap(descriptor_, other.descriptor_);
@@ -23,11 +31,17 @@ class FileLock {
     }
     ~FileLock();
 
+    // Replaces the file's content, which others may read at any time. Returns whether it could be written.
+    bool write(std::string_view text) const;
+
   private:
+    enum class Wait { kNo, kYes };
+    bool lock(const std::filesystem::path& file, Wait wait);
     int descriptor_ = -1;
 };
 
-// Whether any process, including this one, has a lock on the file; false where the file does not exist.
+// Whether any process, including this one, has a lock on the file; false where the file does not exist. The question
+// itself keeps nobody from locking.
 bool is_file_locked(const std::filesystem::path& file);
 
 }  // namespace neuvv
