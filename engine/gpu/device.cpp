@@ -176,6 +176,17 @@ std::vector<DeviceSummary> list_devices() {
     return summaries;
 }
 
+std::vector<uint32_t> best_devices() {
+    std::vector<DeviceSummary> usable = list_devices();
+    std::erase_if(usable, [](const DeviceSummary& one) { return !one.missing.empty(); });
+    std::vector<uint32_t> best;
+    const auto by_rank = [](const DeviceSummary& a, const DeviceSummary& b) { return rank(a) < rank(b); };
+    const auto first = std::min_element(usable.begin(), usable.end(), by_rank);
+    for (const DeviceSummary& one : usable)
+        if (one.kind == first->kind) best.push_back(one.index);
+    return best;
+}
+
 Device::Device(std::unique_ptr<Messages> messages)
     : programs_(std::make_unique<ComputePrograms>()), messages_(std::move(messages)) {}
 

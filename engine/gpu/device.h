@@ -47,6 +47,10 @@ struct DeviceSummary {
 // Lists every Vulkan device of this machine, usable or not. Throws RuntimeFailure where no Vulkan loader is installed.
 std::vector<DeviceSummary> list_devices();
 
+// The indices of all usable devices of the best kind that this machine has (see Device), for programs that start a
+// process for each.
+std::vector<uint32_t> best_devices();
+
 // Extensions beyond those that every device is created with: those that windows (Swapchain) and headsets need. Names
 // must be literals or outlive the device.
 struct DeviceExtensions {

@@ -1,0 +1,24 @@
+// Ranks: the processes that mpirun (Open MPI) or srun (Slurm) started together. Each is told its number by its
+// environment, and all else goes through the folder that they share, so that no MPI library is needed.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace neuvv::tools {
+
+struct Ranks {
+    uint32_t rank = 0, count = 1;  // a program that was started alone is the only rank
+    uint32_t local = 0;            // the rank's number among those of its machine
+    std::string job;               // the same for all ranks, another one for each start; empty where there is one rank
+    bool is_first() const { return rank == 0; }
+};
+
+// Throws InputError where the environment holds numbers that no starter sets.
+Ranks ranks_of_environment();
+
+// The device that a rank takes. Where the user chose none, by `choice` or NEUVV_DEVICE, the ranks of a machine take its
+// best devices in turn.
+std::string device_of_rank(const Ranks& ranks, const std::string& choice);
+
+}  // namespace neuvv::tools
