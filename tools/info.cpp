@@ -11,6 +11,8 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/stage_verbs.h"
+#include "training/checkpoint.h"
+#include "training/claim.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
 #include "voctree/nvv.h"
@@ -92,6 +94,17 @@ void print(const InfoOptions& options, const voctree::NvvSummary& summary) {
     if (options.check) fmt::print("checked: whole and sound\n");
 }
 
+// Adds to a segment's JSON how far its training is, where it is not finished; returns that for a line.
+std::string add_training(const voctree::ClipSegment& segment, nlohmann::ordered_json& json) {
+    if (const auto claim = training::claim_of(segment.file)) {
+        json["training"] = {{"owner", claim->owner}, {"fraction", claim->fraction}};
+        return fmt::format("; {} trains it, {:.0f} % done", claim->owner, 100 * claim->fraction);
+    }
+    if (!std::filesystem::exists(training::state_path(segment.file))) return "";
+    json["training"] = {{"owner", nullptr}};
+    return "; its training was interrupted";
+}
+
 // What a segmented clip holds: its segments, of which those that cannot be read are named. Returns whether all can be.
 bool print_segments(const InfoOptions& options) {
     const voctree::ClipIndex index = voctree::read_clip_index(options.file);
@@ -108,14 +121,15 @@ bool print_segments(const InfoOptions& options) {
             const voctree::NvvSummary summary = voctree::summarise_nvv(segment.file);
             if (options.check) voctree::read_segment(segment);
             json.back().update({{"bytes", summary.file_bytes}, {"leaves", summary.head.leaf_count}});
-            lines += fmt::format(" {:>10}  {} leaves\n", size_text(summary.file_bytes), summary.head.leaf_count);
+            lines += fmt::format(" {:>10}  {} leaves", size_text(summary.file_bytes), summary.head.leaf_count);
             bytes += summary.file_bytes;
             leaves += summary.head.leaf_count;
         } catch (const InputError& problem) {
             sound = false;
             json.back()["problem"] = problem.what();
-            lines += fmt::format(" cannot be played: {}\n", problem.what());
+            lines += fmt::format(" cannot be played: {}", problem.what());
         }
+        lines += add_training(segment, json.back()) + "\n";
     }
     const double seconds = index.frames() / static_cast<double>(index.fps);
     if (options.json) {

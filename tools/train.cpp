@@ -12,6 +12,7 @@
 #include "tools/refine.h"
 #include "tools/report.h"
 #include "tools/train_run.h"
+#include "training/claim.h"
 #include "training/schedule.h"
 #include "voctree/clip_index.h"
 
@@ -57,12 +58,19 @@ void prepare_output(const TrainOptions& options) {
 }
 
 // Throws InputError for combinations of options that make no sense.
-void expect_compatible(const TrainOptions& options) {
+void expect_compatible(const TrainOptions& options, const Ranks& ranks) {
     const Refine refine = refine_of(options.refine);
     if (refine.needs_search() && options.init == "psi")
         throw InputError("--refine", options.refine, "cannot be combined with --init psi, but for colours",
                          "leave out one of the two");
-    if (!is_in_segments(options)) return;
+    if (!is_in_segments(options)) {
+        if (options.plan) throw InputError("--plan", "", "is for clips in segments", "give --segment, or leave it out");
+        if (ranks.count > 1)
+            throw InputError("--segment", "",
+                             fmt::format("is missing: {} processes cannot share one tree", ranks.count),
+                             "give it, or start one process");
+        return;
+    }
     if (refine.needs_search())
         throw InputError("--refine", options.refine, "cannot be combined with --segment, but for colours",
                          "correct the calibration by what `neuvv dataset --rig` finds");
@@ -71,18 +79,46 @@ void expect_compatible(const TrainOptions& options) {
                          "leave them out, or train without --segment");
 }
 
+void run_in_segments(const TrainOptions& options, const training::Rig& rig, const Ranks& ranks,
+                     const CommonOptions& common) {
+    const voctree::ClipIndex index = plan_segments(options, rig);
+    if (ranks.is_first() && !options.settings.resume) expect_nobody_trains(options, index);
+    if (options.plan) {
+        begin_segments(options, index);
+        fmt::print("planned {}: {} frames in {} segments; the same command with --resume for --plan trains them\n",
+                   options.output.string(), index.frames(), index.segments.size());
+        return;
+    }
+    const gpu::Device device(device_of_rank(ranks, common.device));
+    fmt::print(stderr, "training on {}\n", device.summary().name);
+    train_segments(device, options, rig, index, ranks);
+}
+
+[[noreturn]] void throw_taken(const std::filesystem::path& output) {
+    const std::optional<training::ClaimState> claim = training::claim_of(output);
+    throw InputError("--output", output.string(),
+                     fmt::format("is being trained by {}", claim ? claim->owner : "another process"),
+                     "wait for that, or choose another name");
+}
+
 void run_train(const TrainOptions& options, const CommonOptions& common) {
-    expect_compatible(options);
+    const Ranks ranks = ranks_of_environment();
+    expect_compatible(options, ranks);
     prepare_output(options);
     prepare_live_outputs(options.live);
     catch_stop_signals();
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
-    std::optional<voctree::ClipIndex> segments;
-    if (is_in_segments(options)) segments = plan_segments(options, rig);
+    if (is_in_segments(options)) return run_in_segments(options, rig, ranks, common);
+    const std::optional<training::RunClaim> claim = training::RunClaim::take(options.output);
+    if (!claim) throw_taken(options.output);
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
-    if (segments) return train_segments(device, options, rig, *segments);
-    train_rig(device, options, rig);
+    RunView view;
+    view.label = [&](double fraction) {
+        claim->report(fraction);
+        return "";
+    };
+    train_rig(device, options, rig, view);
 }
 
 std::string weight_option(const training::NamedLossWeight& weight) {
@@ -160,13 +196,19 @@ void add_train(Command app, CommonOptions& common) {
         "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
         "own; OUTPUT becomes a folder. For clips of any length: the memory of training does not grow with it "
         "(default: one tree)");
+    Option plan =
+        verb.add_flag("--plan", options->plan,
+                      "With --segment: only write the folder and its index; with --resume in place of this, any "
+                      "number of processes train it");
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);
     verb.add_option("--seed", options->settings.seed, "Same seed, same batches").not_negative().show_default();
     verb.add_flag("--resume", options->settings.resume,
                   "Go on from OUTPUT.state; shape, bounds, losses, seed and --refine are the run's, --minutes or "
-                  "--steps its whole budget");
+                  "--steps its whole budget. In segments: train those that are not finished and that no other process "
+                  "trains")
+        .excludes(plan);
     verb.add_option("--preview", options->live.preview,
                     "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
     verb.add_option("--metrics", options->live.metrics,
@@ -185,6 +227,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/rig.nvv --refine auto\n"
          "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
          "  neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
+         "  mpirun -n 2 neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {
         options->output = voctree::clip_path(options->output);

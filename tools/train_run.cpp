@@ -128,16 +128,18 @@ training::LoadOptions load_options(const TrainOptions& options) {
 }
 
 // Prints how many images there are before it reads them, and afterwards what they take and which mattes are doubtful.
-training::Dataset load_images(const TrainOptions& options, const training::Rig& rig,
-                              const training::LoadOptions& load) {
+training::Dataset load_images(const TrainOptions& options, const training::Rig& rig, const training::LoadOptions& load,
+                              bool quiet) {
     const training::ImageCount count = training::image_count(rig);
-    fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}\n", options.dataset.string(), count.cameras,
-               count.frames, count.images, count.width, count.height, size_text(count.bytes));
+    if (!quiet)
+        fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}\n", options.dataset.string(),
+                   count.cameras, count.frames, count.images, count.width, count.height, size_text(count.bytes));
     training::Dataset dataset = training::read_images(rig, load);
     const uint64_t on_disk = dataset.spool->bytes_on_disk();
-    fmt::print(stderr, "the tiles with foreground are {}, budget {}{}\n", size_text(training::image_bytes(dataset)),
-               size_text(load.memory_bytes),
-               on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
+    if (!quiet)
+        fmt::print(stderr, "the tiles with foreground are {}, budget {}{}\n", size_text(training::image_bytes(dataset)),
+                   size_text(load.memory_bytes),
+                   on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
     const std::vector<training::DoubtfulMatte> doubtful = training::ignore_doubtful_mattes(dataset);
     fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
     return dataset;
@@ -165,8 +167,7 @@ void write_empty(const TrainOptions& options, const training::Dataset& dataset) 
 
 }  // namespace
 
-bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-               const std::string& label) {
+bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig, const RunView& view) {
     training::TrainSettings settings = options.settings;
     const Refine refine = refine_of(options.refine);
     settings.refine = refine.what.colour;
@@ -174,7 +175,7 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
     settings.adaptive = !options.uniform;
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
     const training::LoadOptions load = load_options(options);
-    training::Dataset dataset = load_images(options, rig, load);
+    training::Dataset dataset = load_images(options, rig, load, view.quiet);
     if (options.is_segment && shows_nothing(dataset)) {
         write_empty(options, dataset);
         return true;
@@ -192,7 +193,8 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
     StatusLine line(true);
     const training::TrainProgress last =
         training::train(device, dataset, settings, options.output, [&](const training::TrainProgress& now) {
-            report_progress(line, now, label + progress_text(now));
+            const std::string label = view.label ? view.label(now.fraction) : "";
+            if (!view.quiet) report_progress(line, now, label + progress_text(now));
             live.update(now);
             return !stop_requested();
         });

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "gpu/device.h"
+#include "tools/ranks.h"
 #include "training/formats.h"
 #include "training/train.h"
 #include "voctree/clip_index.h"
@@ -20,6 +22,7 @@ struct LiveOptions {
 struct TrainOptions {
     std::filesystem::path dataset, output;
     std::string segment;      // the length of segments as the user wrote it; empty: the clip is one tree
+    bool plan = false;        // of a segmented clip: only write the folder and its index
     bool is_segment = false;  // whether it is a segment that is trained, in which the performer need not be
     std::string format = training::kAnyFormat;
     training::TrainSettings settings;
@@ -32,20 +35,40 @@ struct TrainOptions {
     uint64_t psi_steps = 0;
 };
 
-// Trains `rig`, the whole clip or a segment of it, into options.output. `label` stands before the status line. Returns
-// whether the budget is spent; false where Ctrl-C ended the run. What was trained is saved in any case, unless that
-// happened before the first step. Throws InputError and RuntimeFailure.
+// How a run shows itself while it goes on.
+struct RunView {
+    bool quiet = false;  // prints results and errors alone
+    // Called about once a second with how much of the run's budget is spent. Returns what stands before the status
+    // line.
+    std::function<std::string(double)> label;
+};
+
+// Trains `rig`, the whole clip or a segment of it, into options.output. Returns whether the budget is spent; false
+// where Ctrl-C ended the run. What was trained is saved in any case, unless that happened before the first step. Throws
+// InputError and RuntimeFailure.
 bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-               const std::string& label = "");
+               const RunView& view = {});
 
 // The segments of a clip that --segment cuts; of a resumed run those with which it began. Throws InputError.
 voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig);
 
+// Throws InputError where a process trains a segment of the clip, or one that its folder held before.
+void expect_nobody_trains(const TrainOptions& options, const voctree::ClipIndex& index);
+
+// Removes what the folder of a segmented clip held, and writes its index. Throws RuntimeFailure.
+void begin_segments(const TrainOptions& options, const voctree::ClipIndex& index);
+
+// The options of a segment, whose share of all budgets is that of its frames.
+TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames);
+
 // Trains the segments of a clip, which become a folder (voctree/clip_index.h); the budget is shared by frames. Without
-// TrainSettings::resume, what the folder held is removed first; with it, segments that are finished stay, and the one
-// that is not goes on. A segment that cannot be trained is named, and the others are trained nevertheless; then throws
-// InputError. Throws RuntimeFailure that names the segment's file.
+// TrainSettings::resume, the first rank begins with begin_segments; with it, segments that are finished stay, and those
+// that are not go on. Any number of processes may do this at once, ranks of one job or not: each segment is trained by
+// the one that has its claim (training/claim.h), and that of a process that died is taken by another. Ranks wait until
+// all segments are finished; a process that was started alone leaves to others what they train. A segment that cannot
+// be trained is named, and the others are trained nevertheless; then throws InputError. Throws RuntimeFailure that
+// names the segment's file.
 void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-                    const voctree::ClipIndex& index);
+                    const voctree::ClipIndex& index, const Ranks& ranks);
 
 }  // namespace neuvv::tools

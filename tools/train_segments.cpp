@@ -1,146 +1,211 @@
+// The training of a clip in segments, which any number of processes may share.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <chrono>
+#include <set>
+#include <thread>
 
 #include "base/error.h"
+#include "base/output_path.h"
 #include "base/platform.h"
-#include "tools/options.h"
+#include "base/seconds.h"
+#include "tools/report.h"
 #include "tools/train_run.h"
 #include "training/checkpoint.h"
+#include "training/claim.h"
 #include "training/segments.h"
-#include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
 namespace {
 
-// The longest segment in frames, of "4" or "0.5s".
-uint32_t longest_segment(const std::string& text, double fps) {
-    constexpr const char* kFix = "write for instance 8 for frames, or 0.5s for seconds";
-    const bool seconds = text.ends_with('s');
-    const double number = parse_numbers("--segment", seconds ? text.substr(0, text.size() - 1) : text, 1, kFix)[0];
-    if (seconds && fps <= 0)
-        throw InputError("--segment", text, "needs a frame rate, which the data set does not give", kFix);
-    const double frames = std::round(seconds ? number * fps : number);
-    if (frames < 1 || frames > voctree::kMaxClipFrames)
-        throw InputError("--segment", text, fmt::format("is {} frames", frames), "give at least one frame");
-    return static_cast<uint32_t>(frames);
+constexpr double kLookAround_s = 2;          // how often a process looks how far the others are
+constexpr double kLongestBeginning_s = 300;  // that the first rank may take to write the index
+
+void sleep_for(double seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-// Removes the files of segments, so that those of an earlier run are not taken for this one's.
-void remove_segments(const voctree::ClipIndex& index) {
-    for (const voctree::ClipSegment& segment : index.segments)
-        for (const std::filesystem::path& file : {segment.file, training::state_path(segment.file)})
-            std::filesystem::remove(file);
+// Where the first rank says for which start of the program it has begun the clip.
+std::filesystem::path job_file(const std::filesystem::path& clip) {
+    return clip / "job";
 }
 
-// The steps of a part of a budget; of none, none.
-uint64_t share_of(uint64_t steps, double share) {
-    return steps == 0 ? 0 : std::max<uint64_t>(std::llround(static_cast<double>(steps) * share), 1);
+bool has_begun(const std::filesystem::path& clip, const Ranks& ranks) {
+    try {
+        const std::vector<uint8_t> text = read_file(job_file(clip), 4096);
+        return std::string(text.begin(), text.end()) == ranks.job;
+    } catch (const InputError&) {
+        return false;
+    }
 }
 
-// The options of a segment, whose share of all budgets is that of its frames.
-TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames) {
-    const double share = static_cast<double>(segment.frames) / frames;
-    TrainOptions options = clip;
-    options.output = segment.file;
-    options.is_segment = true;
-    training::TrainSettings& settings = options.settings;
-    if (settings.steps == 0 && settings.minutes == 0) settings.minutes = training::kDefaultMinutes;
-    settings.minutes *= share;
-    settings.steps = share_of(settings.steps, share);
-    options.psi_minutes *= share;
-    options.psi_steps = share_of(options.psi_steps, share);
-    options.max_megabytes *= share;
-    // A segment is finished when its checkpoint file is gone.
-    settings.resume = std::filesystem::exists(training::state_path(segment.file));
-    return options;
+// The first rank begins the clip, and the others wait for that.
+void begin_together(const TrainOptions& options, const voctree::ClipIndex& index, const Ranks& ranks) {
+    if (ranks.is_first()) {
+        std::filesystem::remove(job_file(options.output));
+        begin_segments(options, index);
+        if (ranks.count > 1) write_text_file(job_file(options.output), ranks.job);
+        return;
+    }
+    for (const double start = seconds_now(); !has_begun(options.output, ranks) && !stop_requested(); sleep_for(0.1))
+        if (seconds_now() - start > kLongestBeginning_s)
+            throw RuntimeFailure(fmt::format("{}: the first of the {} processes has not begun the clip",
+                                             options.output.string(), ranks.count));
 }
 
-// Throws InputError where frames are not at even times: a segment's frames are then not those that `eval` and players
-// find by their times.
-void expect_even_times(const training::Rig& rig, const std::vector<double>& times) {
-    const auto frames = static_cast<uint32_t>(times.size());
-    for (uint32_t frame = 0; frame < frames && frames > 1; frame++)
-        if (const double at = training::frame_of_time(times[frame], frames); at != frame)
-            throw InputError("--segment", rig.file,
-                             fmt::format("its {} times are not even: {} is that of frame {:.2f}, not {}", frames,
-                                         times[frame], at, frame),
-                             "give each frame f of n the time f / (n − 1), or train without --segment");
+class SegmentedRun {
+  public:
+    SegmentedRun(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
+                 const voctree::ClipIndex& index, const Ranks& ranks)
+        : device_(device),
+          options_(options),
+          rig_(rig),
+          times_(training::times_of(rig)),
+          index_(index),
+          ranks_(ranks),
+          finished_(index.segments.size()) {}
+
+    // Returns when all segments are finished that this process is to wait for, or when it was stopped.
+    void run();
+
+  private:
+    bool is_finished(size_t segment);
+    std::string name_of(size_t segment) const {
+        return fmt::format("segment {} of {}", segment + 1, index_.segments.size());
+    }
+    // Trains all segments that nobody else trains.
+    void train_free_ones();
+    void train(size_t segment, const training::RunClaim& claim);
+    // Those that are neither finished nor failed here.
+    std::vector<size_t> unfinished();
+    // How much of the clip's budget is spent, 0..1. It is looked up every few seconds.
+    double fraction_of_all(size_t own, double own_fraction);
+    void say_who_trains(const std::vector<size_t>& segments) const;
+    void conclude() const;
+
+    const gpu::Device& device_;
+    const TrainOptions& options_;
+    const training::Rig& rig_;
+    std::vector<double> times_;
+    const voctree::ClipIndex& index_;
+    const Ranks& ranks_;
+    std::vector<bool> finished_;  // what is known; is_finished() looks again
+    std::set<size_t> failed_;
+    std::string problem_;  // of the first that failed
+    double looked_at_ = -INFINITY, others_fraction_ = 0;
+};
+
+// A segment is finished when it is there and its checkpoint file is gone.
+bool SegmentedRun::is_finished(size_t segment) {
+    const std::filesystem::path& file = index_.segments[segment].file;
+    if (!finished_[segment])
+        finished_[segment] = std::filesystem::exists(file) && !std::filesystem::exists(training::state_path(file));
+    return finished_[segment];
+}
+
+std::vector<size_t> SegmentedRun::unfinished() {
+    std::vector<size_t> segments;
+    for (size_t i = 0; i < index_.segments.size(); i++)
+        if (!failed_.contains(i) && !is_finished(i)) segments.push_back(i);
+    return segments;
+}
+
+double SegmentedRun::fraction_of_all(size_t own, double own_fraction) {
+    if (seconds_now() - looked_at_ > kLookAround_s) {
+        others_fraction_ = 0;
+        for (size_t i = 0; i < index_.segments.size(); i++) {
+            if (i == own) continue;
+            const double share = static_cast<double>(index_.segments[i].frames) / index_.frames();
+            if (is_finished(i))
+                others_fraction_ += share;
+            else if (const auto claim = training::claim_of(index_.segments[i].file))
+                others_fraction_ += share * claim->fraction;
+        }
+        looked_at_ = seconds_now();
+    }
+    const double own_share =
+        own < index_.segments.size() ? static_cast<double>(index_.segments[own].frames) / index_.frames() : 0;
+    return others_fraction_ + own_share * own_fraction;
+}
+
+void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
+    const voctree::ClipSegment& frames = index_.segments[segment];
+    if (ranks_.is_first())
+        fmt::print(stderr, "{}: frames {} to {}\n", name_of(segment), frames.first, frames.end() - 1);
+    RunView view{!ranks_.is_first(), [&](double fraction) {
+                     claim.report(fraction);
+                     return fmt::format("{}, all {:.0f} % | ", name_of(segment),
+                                        100 * fraction_of_all(segment, fraction));
+                 }};
+    try {
+        if (train_rig(device_, options_of(options_, frames, index_.frames()),
+                      training::rig_of_frames(rig_, times_, frames.first, frames.frames), view))
+            std::filesystem::remove(training::state_path(frames.file));
+    } catch (const InputError& error) {  // the other segments are worth having
+        fmt::print(stderr, "{} is left out: {}\n", name_of(segment), error.what());
+        if (failed_.empty()) problem_ = error.what();
+        failed_.insert(segment);
+    }
+}
+
+void SegmentedRun::train_free_ones() {
+    for (const size_t i : unfinished()) {
+        if (stop_requested()) return;
+        const std::optional<training::RunClaim> claim = training::RunClaim::take(index_.segments[i].file);
+        if (claim && !is_finished(i)) train(i, *claim);
+    }
+}
+
+void SegmentedRun::say_who_trains(const std::vector<size_t>& segments) const {
+    for (const size_t i : segments)
+        if (const auto claim = training::claim_of(index_.segments[i].file))
+            fmt::print("{} is left to {}, which trains it\n", name_of(i), claim->owner);
+}
+
+void SegmentedRun::run() {
+    StatusLine line(false);
+    for (;;) {
+        train_free_ones();
+        const std::vector<size_t> left = unfinished();
+        if (left.empty() || stop_requested()) break;
+        const bool all_taken = std::all_of(left.begin(), left.end(), [&](size_t i) {
+            return training::claim_of(index_.segments[i].file).has_value();
+        });
+        if (all_taken && ranks_.count == 1) return say_who_trains(left);
+        sleep_for(0.2);
+        if (ranks_.is_first() && line.is_due())
+            line.print(fmt::format("all {:.0f} % | {} of {} segments are being trained by other processes",
+                                   100 * fraction_of_all(index_.segments.size(), 0), left.size(),
+                                   index_.segments.size()));
+    }
+    line.end();
+    conclude();
+}
+
+void SegmentedRun::conclude() const {
+    if (!failed_.empty() && !stop_requested())
+        throw InputError(options_.output.string(), "",
+                         fmt::format("{} of {} segments could not be trained, the first because of {}", failed_.size(),
+                                     index_.segments.size(), problem_),
+                         "mend that, and give the same command with --resume");
+    if (!ranks_.is_first()) return;
+    if (std::find(finished_.begin(), finished_.end(), false) != finished_.end()) {
+        fmt::print("interrupted; the same command with --resume goes on from here\n");
+        return;
+    }
+    fmt::print("wrote {}: {} frames in {} segments\n", options_.output.string(), index_.frames(),
+               index_.segments.size());
+    std::filesystem::remove(job_file(options_.output));
 }
 
 }  // namespace
 
-voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig) {
-    const std::vector<double> times = training::times_of(rig);
-    const auto frames = static_cast<uint32_t>(times.size());
-    expect_even_times(rig, times);
-    voctree::ClipIndex index;
-    if (options.settings.resume) {
-        if (!voctree::is_segmented(options.output))
-            throw InputError(options.output.string(), "", "has no clip.json: no run to go on with",
-                             "train without --resume");
-        if (options.settings.minutes == 0 && options.settings.steps == 0)
-            throw InputError("--resume", options.output.string(), "is a clip in segments, whose budget is not known",
-                             "repeat the command that began it, with its --minutes or --steps");
-        index = voctree::read_clip_index(options.output);
-        if (index.frames() != frames)
-            throw InputError(options.output.string(), "",
-                             fmt::format("has {} frames, {} has {}", index.frames(), options.dataset.string(), frames),
-                             "resume with the data set that the run began with");
-        if (!options.segment.empty() &&
-            training::segment_lengths(frames, longest_segment(options.segment, rig.fps)).size() !=
-                index.segments.size())
-            throw InputError("--segment", options.segment,
-                             fmt::format("{} has {} segments", options.output.string(), index.segments.size()),
-                             "leave it out: a resumed clip keeps its segments");
-        return index;
-    }
-    if (rig.fps > 0) index.fps = static_cast<float>(rig.fps);
-    for (const uint32_t length : training::segment_lengths(frames, longest_segment(options.segment, rig.fps))) {
-        const uint32_t first = index.segments.empty() ? 0 : index.frames();
-        index.segments.push_back({options.output / voctree::segment_file_name(first), first, length});
-    }
-    return index;
-}
-
 void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-                    const voctree::ClipIndex& index) {
-    const std::vector<double> times = training::times_of(rig);
-    if (!options.settings.resume) {
-        if (voctree::is_segmented(options.output)) remove_segments(voctree::read_clip_index(options.output));
-        remove_segments(index);
-        voctree::write_clip_index(options.output, index);
-    }
-    size_t failed = 0;
-    std::string problem;
-    for (size_t i = 0; i < index.segments.size(); i++) {
-        const voctree::ClipSegment& segment = index.segments[i];
-        const TrainOptions of_segment = options_of(options, segment, index.frames());
-        if (!of_segment.settings.resume && std::filesystem::exists(segment.file)) continue;
-        const std::string label = fmt::format("segment {} of {}", i + 1, index.segments.size());
-        fmt::print(stderr, "{}: frames {} to {}\n", label, segment.first, segment.end() - 1);
-        try {
-            if (!train_rig(device, of_segment, training::rig_of_frames(rig, times, segment.first, segment.frames),
-                           label + " | "))
-                return;
-            std::filesystem::remove(training::state_path(segment.file));
-        } catch (const InputError& error) {  // the other segments are worth having
-            fmt::print(stderr, "{} is left out: {}\n", label, error.what());
-            if (failed++ == 0) problem = error.what();
-        }
-        if (stop_requested() && i + 1 < index.segments.size()) {
-            fmt::print("interrupted; the same command with --resume goes on from here\n");
-            return;
-        }
-    }
-    if (failed > 0)
-        throw InputError(options.output.string(), "",
-                         fmt::format("{} of {} segments could not be trained, the first because of {}", failed,
-                                     index.segments.size(), problem),
-                         "mend that, and give the same command with --resume");
-    fmt::print("wrote {}: {} frames in {} segments\n", options.output.string(), index.frames(), index.segments.size());
+                    const voctree::ClipIndex& index, const Ranks& ranks) {
+    if (!options.settings.resume) begin_together(options, index, ranks);
+    if (!stop_requested()) SegmentedRun(device, options, rig, index, ranks).run();
 }
 
 }  // namespace neuvv::tools

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "render/stage_renderer.h"
+#include "support/child_process.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "tests/tools/segmented_copy.h"
 #include "training/checkpoint.h"
+#include "training/claim.h"
 
 namespace neuvv {
 namespace {
@@ -154,6 +156,95 @@ TEST_F(CliSegments, AStageMayHaveASegmentTwice) {
     EXPECT_EQ(both.rgba, fresh.frames().render(camera, fresh.settings_at(evaluated)).rgba);
 }
 
+// Several processes that train one clip of three segments.
+struct CliSharedTraining : CliSegments {
+    std::string show = file("show.nvv");
+
+    void SetUp() override {
+        CliSegments::SetUp();
+        write_own_data();
+        std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    }
+    std::vector<std::string> command(const char* steps, std::vector<std::string> more) const {
+        std::vector<std::string> words = {"train", file("data"), "-o",  show,           "--segment",
+                                          "1",     "--steps",    steps, "--resolution", "32"};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    }
+    static std::vector<std::string> with_program(std::vector<std::string> words) {
+        words.insert(words.begin(), NEUVV_PROGRAM);
+        return words;
+    }
+    std::string segment(uint32_t frame) const { return show + "/" + voctree::segment_file_name(frame); }
+    void expect_finished() const {
+        for (const uint32_t frame : {0u, 1u, 2u}) {
+            EXPECT_EQ(voctree::read_nvv(segment(frame)).frames, 1u);
+            EXPECT_FALSE(std::filesystem::exists(training::state_path(segment(frame))));
+            EXPECT_FALSE(training::claim_of(segment(frame)));
+        }
+        EXPECT_FALSE(std::filesystem::exists(show + "/job"));
+    }
+};
+
+TEST_F(CliSharedTraining, ASecondProcessHelps) {
+    ASSERT_EQ(run_neuvv(command("30", {"--plan"})).code, 0);
+    EXPECT_EQ(voctree::read_clip_index(show).segments.size(), 3u);
+    EXPECT_FALSE(std::filesystem::exists(segment(0)));
+    const test::ChildProcess first(with_program(command("100000000", {"--resume"})), folder.path / "first");
+    ASSERT_TRUE(first.until([&] { return std::filesystem::exists(segment(0)); })) << read_text(folder.path / "first");
+
+    expect_refused(command("30", {}), 2, {"000000.nvv", "is being trained by process", "--resume"});
+    const ProgramResult told = run_neuvv({"info", show, "--json"});
+    const auto segments = nlohmann::json::parse(told.out).at("segments");
+    EXPECT_NE(segments[0].at("training").at("owner").get<std::string>().find("process"), std::string::npos);
+    EXPECT_FALSE(segments[1].contains("training"));
+
+    const ProgramResult second = run_neuvv(command("30", {"--resume"}));
+    EXPECT_EQ(second.code, 0) << second.err;
+    EXPECT_EQ(second.out.find("000000.nvv: "), std::string::npos) << second.out;
+    EXPECT_NE(second.out.find("segment 1 of 3 is left to process"), std::string::npos) << second.out;
+    EXPECT_FALSE(std::filesystem::exists(training::state_path(segment(1))));
+    EXPECT_TRUE(std::filesystem::exists(segment(2)));
+
+    // The first is killed; what it had trained goes on elsewhere.
+    first.send(SIGKILL);
+    ASSERT_TRUE(first.until([&] { return first.ended(); }));
+    const ProgramResult third = run_neuvv(command("30", {"--resume"}));
+    EXPECT_EQ(third.code, 0) << third.err;
+    EXPECT_NE(third.out.find("3 frames in 3 segments"), std::string::npos) << third.out;
+    expect_finished();
+}
+
+TEST_F(CliSharedTraining, OneFileIsTrainedByOneProcess) {
+    std::vector<std::string> words = {"train", file("data"), "-o", file("one.nvv"), "--steps", "100000000"};
+    const test::ChildProcess first(with_program(words), folder.path / "first");
+    ASSERT_TRUE(first.until([&] { return std::filesystem::exists(file("one.nvv")); }));
+    expect_refused(words, 2, {"one.nvv", "is being trained by process"});
+}
+
+// What mpirun starts: three ranks, one of which is killed.
+TEST_F(CliSharedTraining, RanksOfMpirun) {
+    if (std::system("mpirun --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    std::vector<std::string> words = with_program(command("1500", {}));
+    words.insert(words.begin(), {"/usr/bin/env", "mpirun", "--enable-recovery", "--oversubscribe", "-n", "3"});
+    test::ChildProcess job(words, folder.path / "log");
+    const auto log = [&] { return read_text(folder.path / "log"); };
+    std::optional<training::ClaimState> claim;
+    ASSERT_TRUE(job.until([&] {
+        claim = training::claim_of(segment(1));
+        return claim && claim->fraction > 0 && std::filesystem::exists(training::state_path(segment(1)));
+    })) << log();
+    int64_t process = 0;
+    ASSERT_EQ(std::sscanf(claim->owner.c_str(), "process %ld of", &process), 1) << claim->owner;
+    kill(static_cast<pid_t>(process), SIGKILL);
+    job.wait();  // mpirun ends with the code of the rank that was killed
+    EXPECT_NE(log().find("wrote " + show + ": 3 frames in 3 segments"), std::string::npos) << log();
+    EXPECT_NE(log().find("after 500 steps"), std::string::npos) << log();
+    expect_finished();
+}
+
 TEST_F(CliSegments, WrongRunsAreRefused) {
     write_own_data();
     std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
@@ -171,6 +262,11 @@ TEST_F(CliSegments, WrongRunsAreRefused) {
     refuse({"-o", file("a.nvv"), "--segment", "2", "--refine", "poses"}, {"--refine", "--segment"});
     refuse({"-o", file("a.nvv"), "--segment", "2", "--preview", file("p.png")}, {"--preview", "--segment"});
     refuse({"-o", parts, "--resume"}, {"parts.nvv", "4 frames", "3"});
+    refuse({"-o", file("a.nvv"), "--plan"}, {"--plan", "--segment"});
+    const ProgramResult alone = run_neuvv({"train", file("data"), "-o", file("a.nvv"), "--steps", "1"},
+                                          "OMPI_COMM_WORLD_RANK=0 OMPI_COMM_WORLD_SIZE=2");
+    EXPECT_EQ(alone.code, 2);
+    EXPECT_NE(alone.err.find("2 processes cannot share one tree"), std::string::npos) << alone.err;
     expect_refused({"train", file("data"), "-o", parts, "--resume"}, 2, {"--resume", "--minutes"});
     EXPECT_EQ(voctree::read_nvv(parts + "/000000.nvv").leaf_count, tree.leaf_count) << "nothing was removed";
 }
