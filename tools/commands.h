@@ -54,6 +54,7 @@ void add_matte(Command app, CommonOptions& common);
 void add_skeleton(Command app, CommonOptions& common);
 void add_coach(Command app, CommonOptions& common);
 void add_train(Command app, CommonOptions& common);
+void add_cluster(Command app, CommonOptions& common);
 void add_eval(Command app, CommonOptions& common);
 void add_convert(Command app, CommonOptions& common);
 void add_render(Command app, CommonOptions& common);

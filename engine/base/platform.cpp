@@ -241,6 +241,10 @@ void* function_of_loaded_library(const char* library, const char* function) {
     return address;
 }
 
+std::filesystem::path program_file() {
+    return std::filesystem::read_symlink("/proc/self/exe");
+}
+
 ProgramOutput run_program(std::vector<std::string> arguments) {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());

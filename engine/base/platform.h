@@ -79,6 +79,9 @@ bool stderr_is_terminal();
 // is none. The library is not loaded by this call.
 void* function_of_loaded_library(const char* library, const char* function);
 
+// The file of the program that is running.
+std::filesystem::path program_file();
+
 // Runs a program of PATH to its end, without a shell. The first argument is the program's name. Throws RuntimeFailure
 // where it cannot be started.
 struct ProgramOutput {

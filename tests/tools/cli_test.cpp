@@ -22,7 +22,7 @@ struct Cli : testing::Test {
 TEST_F(Cli, EveryVerbHelpsWithExamples) {
     const std::string overview = run_neuvv({"--help"}).out;
     for (const char* verb : {"devices", "info", "capture", "dataset", "matte", "train", "eval", "render", "convert",
-                             "stage", "paint", "skeleton"}) {
+                             "stage", "paint", "skeleton", "cluster"}) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
@@ -37,6 +37,26 @@ TEST_F(Cli, EvalHelpDefinesTheMetrics) {
     const std::string help = run_neuvv({"eval", "--help"}).out;
     for (const char* word : {"PSNR", "SSIM", "MAE", "FLIP", "over white", "11x11", "sRGB"})
         EXPECT_NE(help.find(word), std::string::npos) << word;
+}
+
+// The job script, without Slurm: tests/slurm has the real one.
+TEST_F(Cli, AClusterIsGivenAScript) {
+    const std::string show = file("show.nvv");
+    ASSERT_EQ(run_neuvv({"cluster", "sbatch", "--dry-run", "--", "info", scene}).code, 2);
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show}, 2, {"--segment"});
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "--segment", "2"}, 2, {"--output"});
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", file("no data"), "-o", show, "--segment", "2"}, 2,
+                   {"no data", "is no data set"});
+    std::filesystem::create_directory(show);
+    const ProgramResult made =
+        run_neuvv({"cluster", "sbatch", "--dry-run", "--tasks", "3", "--sbatch=--gres=gpu:1 --time=1:00:00", "--",
+                   "train", "it's data", "-o", show, "--resume", "--minutes", "5"});
+    ASSERT_EQ(made.code, 0) << made.err;
+    const std::string script = read_text(show + "/job.sh");
+    for (const char* part : {"#SBATCH --array=0-2\n", "#SBATCH --gres=gpu:1 --time=1:00:00\n", "#SBATCH --requeue\n",
+                             "'train' 'it'\\''s data' '-o'", "'--resume' '--minutes' '5' &"})
+        EXPECT_NE(script.find(part), std::string::npos) << part << " not in: " << script;
+    EXPECT_EQ(std::system(("sh -n " + shell_quoted(show + "/job.sh")).c_str()), 0);
 }
 
 TEST_F(Cli, WrongUseIsBadInput) {
