@@ -29,6 +29,19 @@ float rounded_share(float value, float share) {
 
 }  // namespace
 
+void empty_thin_leaves(voctree::VOctree& tree) {
+    if (!has_basis_per_frame(tree)) return;
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) {
+            const float thin_sigma = kThinDepth * static_cast<float>(1u << positions[i].depth) / tree.box_size.x;
+            float* sigma = tree.leaf(static_cast<uint32_t>(i));
+            for (uint32_t c = 0; c < tree.bases; c++)
+                if (sigma[c] <= thin_sigma) sigma[c] = 0;
+        }
+    });
+}
+
 void drop_empty_leaves(voctree::VOctree& tree) {
     if (!has_basis_per_frame(tree)) return;
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);

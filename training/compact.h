@@ -5,6 +5,11 @@
 
 namespace neuvv::training {
 
+// Empties leaves in frames in which they are hardly visible: an optical depth over the leaf's edge of at most
+// kThinDepth. Training keeps a little density in all leaves (schedule.h). Does nothing where frames share bases.
+constexpr float kThinDepth = 0.1f;
+void empty_thin_leaves(voctree::VOctree& tree);
+
 // Rounds every weight. Where each frame has its own basis, rounding changes a leaf's optical depth by 3 % and its
 // colour by a few hundredths of linear light (compact_test.cpp measures them); where frames share bases, it changes
 // weights by 1 %. Pixels are means of many leaves, so images change less (RESULTS.md says by how much).

@@ -31,6 +31,12 @@ constexpr uint32_t kLevelsAbovePixel = 2, kLevelsBelowPixel = 1;
 // would inherit too little density.
 constexpr double kCoarseDensityShare = 0.2;
 
+// A leaf without density gets no gradient, so what a step too far has emptied would stay empty. Leaves at silhouettes,
+// which many rays only brush, met that end sooner or later, and long runs ate away outlines (RESULTS.md, "Outlines that
+// long runs ate away"). So a density does not fall below this optical depth over the leaf's edge, where each frame has
+// a basis of its own. The changes of the tree and compact.h remove leaves that stay so thin.
+constexpr float kLeastDepth = 0.003f;
+
 // How many epochs a phase needs before its LeafUse is trusted. Before the first, "no ray saw this leaf" may only mean
 // that few rays were traced; before the second, the same holds for single frames; before the third, a low maximum
 // weight is no reason not to divide a leaf.

@@ -120,7 +120,8 @@ void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, 
                                 rates.gamma,
                                 rates.colour,
                                 rates.detail,
-                                field.box_size.x};
+                                field.box_size.x,
+                                adam.least_depth};
     gpu::dispatch_indirect(commands, learn_rows ? adjoint.leaves_and_rows : adjoint.leaves,
                            learn_rows ? adjoint.leaves_and_rows_set : adjoint.leaves_set,
                            adjoint.gradients.touched_count, 0, push);

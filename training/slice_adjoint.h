@@ -47,6 +47,7 @@ struct AdamSettings {
     float beta1 = 0.9f, beta2 = 0.99f, epsilon = 1e-8f;
     uint32_t step = 1;          // steps since the moments were 0, this one included
     bool emit_only = false;     // nothing moves, and the first moments receive the gradient (for tests)
+    float least_depth = 0;      // w^σ of the frame stays at least this optical depth over the leaf's edge; 0: no bound
     float min_used_weight = 0;  // a frame uses a leaf if it gives it at least this blending weight
 };
 
@@ -60,7 +61,8 @@ struct SliceAdjoint {
     gpu::BindingSet leaves_set, leaves_and_rows_set, rows_set;
 };
 
-// Records after record_touched. `frame` is that of the slice. With `learn_rows` the rows move, too; without, the slice
+// Records after record_touched. `frame` is that of the slice. AdamSettings::least_depth must be 0 unless each frame has
+// its own basis and `frame` is one of them. With `learn_rows` the rows move, too; without, the slice
 // is that of the moved weights afterwards.
 void record_slice_adjoint(gpu::Commands& commands, const SliceAdjoint& adjoint, float frame, const LearningRates& rates,
                           const AdamSettings& adam, bool learn_rows);

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/seconds.h"
+#include "training/bases.h"
 #include "training/batch.h"
 #include "training/hull_box.h"
 #include "training/merge.h"
@@ -310,6 +311,7 @@ StepSettings Run::step_settings(double time) const {
     if (run_.phase < kLevelsAbovePixel) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
     settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
+    if (has_basis_per_frame(tree_)) settings.adam.least_depth = kLeastDepth;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
     settings.colours = !colours_.empty();

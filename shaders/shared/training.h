@@ -125,6 +125,7 @@ struct SliceAdjointPush {
     float colour_rate;      // of w^HH with l = 0
     float detail_rate;      // of w^HH with l > 0
     float box_size;         // the tree's edge, metres
+    float least_depth;      // optical depth over the leaf's edge below which a density does not fall
 };
 
 struct RowsAdjointPush {
@@ -142,7 +143,7 @@ NEUVV_SHARED_END
 static_assert(sizeof(neuvv::LossPush) == 20);
 static_assert(sizeof(neuvv::SmoothPush) == 28);
 static_assert(sizeof(neuvv::TraceAdjointPush) == 60);
-static_assert(sizeof(neuvv::SliceAdjointPush) == 60);
+static_assert(sizeof(neuvv::SliceAdjointPush) == 64);
 static_assert(sizeof(neuvv::RowsAdjointPush) == 44);
 #endif
 #endif

@@ -5,6 +5,7 @@
 #include "gradient/scene.h"
 #include "reference/adam.h"
 #include "support/gpu_test.h"
+#include "training/bases.h"
 
 namespace neuvv::test {
 namespace {
@@ -142,6 +143,45 @@ TEST_F(AdamTest, LeavesRememberHowTheyWereUsed) {
     EXPECT_GT(reached, 20u);
     EXPECT_GT(weakly, 5u);
     EXPECT_GT(grown, 10u);
+}
+
+// Steps that are far too large empty many leaves, unless densities have a bound.
+TEST_F(AdamTest, DensitiesStayAboveTheirBound) {
+    Scene scene = random_scene({.tree = {.seed = 57, .leaves = 300, .bases = 3, .hh_degree = 1}});
+    scene.tree.frames = 3;
+    scene.tree.sigma_basis = scene.tree.gamma_basis = training::hat_basis(3, 3);
+    constexpr float kBound = 0.01f;
+    const auto depths_after_a_step = [&](float bound) {
+        training::TrainingStep step(device(), scene.tree, 2, static_cast<uint32_t>(scene.tiles.size()));
+        load_scene(step, scene);
+        training::StepSettings settings = settings_of(scene);
+        settings.frame = 1;
+        settings.rates.sigma = 100;
+        settings.adam.least_depth = bound;
+        step.submit(settings);
+        EXPECT_GT(step.wait().touched, 50u);
+        voctree::VOctree after = scene.tree;
+        step.download(after);
+        return after;
+    };
+    const voctree::VOctree free = depths_after_a_step(0), bounded = depths_after_a_step(kBound);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(scene.tree);
+    size_t emptied = 0;
+    for (uint32_t leaf = 0; leaf < scene.tree.leaf_count; leaf++) {
+        const float before = scene.tree.leaf(leaf)[1],
+                    bound = kBound * std::exp2(static_cast<float>(positions[leaf].depth)) / scene.tree.box_size.x;
+        EXPECT_EQ(bounded.leaf(leaf)[0], scene.tree.leaf(leaf)[0]) << "another frame";
+        EXPECT_EQ(bounded.leaf(leaf)[2], scene.tree.leaf(leaf)[2]) << "another frame";
+        if (before <= 0 || free.leaf(leaf)[1] == before) {
+            EXPECT_EQ(bounded.leaf(leaf)[1], before) << "no ray touched it";
+        } else if (free.leaf(leaf)[1] < bound) {
+            EXPECT_FLOAT_EQ(bounded.leaf(leaf)[1], bound);
+            emptied++;
+        } else {
+            EXPECT_NEAR(bounded.leaf(leaf)[1], free.leaf(leaf)[1], 1e-3f * free.leaf(leaf)[1]);
+        }
+    }
+    EXPECT_GT(emptied, 20u);
 }
 
 TEST_F(AdamTest, RowsStayWhereTheyAreNotLearnt) {

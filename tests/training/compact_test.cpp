@@ -57,6 +57,28 @@ TEST(Compact, EmptyFramesAreZeroWhereEachFrameHasItsBasis) {
     EXPECT_GT(empty, 100u);
 }
 
+TEST(Compact, ThinLeavesAreEmptied) {
+    voctree::VOctree tree = tree_of(6, 6);
+    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
+    const auto sigma_of = [&](uint32_t leaf, float depth) {
+        return depth * std::exp2(static_cast<float>(positions[leaf].depth)) / tree.box_size.x;
+    };
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        tree.leaf(leaf)[1] = sigma_of(leaf, 0.9f * training::kThinDepth);
+        tree.leaf(leaf)[2] = sigma_of(leaf, 1.1f * training::kThinDepth);
+    }
+    voctree::VOctree after = tree;
+    training::empty_thin_leaves(after);
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
+        EXPECT_EQ(after.leaf(leaf)[1], 0);
+        EXPECT_EQ(after.leaf(leaf)[2], tree.leaf(leaf)[2]);
+    }
+    voctree::VOctree shared = tree_of(6, 5);
+    const std::vector<float> weights = shared.weights;
+    training::empty_thin_leaves(shared);
+    EXPECT_EQ(shared.weights, weights);
+}
+
 TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
     voctree::VOctree tree = tree_of(6, 6);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);

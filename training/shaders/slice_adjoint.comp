@@ -51,6 +51,16 @@ void move_plane(uint leaf, uint plane, vec4 gradient, float rate) {
     imageStore(second, texel, new.second);
 }
 
+// Where each frame has its own basis: keeps w^σ of the slice's frame from falling to where no gradient reaches it.
+void keep_dense(uint leaf, float least_sigma) {
+    for (uint i = 0u; i < kBusyPlanes; i++) {
+        const int texel = int(rows.planes[i].x * push.leaf_count + leaf);
+        const vec4 weight = imageLoad(weights, texel);
+        const bvec4 of_frame = greaterThan(rows.sigma[i], vec4(0.0));
+        imageStore(weights, texel, mix(weight, max(weight, vec4(least_sigma)), of_frame));
+    }
+}
+
 // Sums one plane of the rows' gradient over the threads of the workgroup.
 void sum_partial(uint plane, vec4 value) {
     const uint lane = gl_LocalInvocationID.x;
@@ -137,6 +147,7 @@ void main() {
         move_plane(leaf, rows.planes[i].x, d_sigma * rows.sigma[i], sigma_rate);
         move_plane(leaf, kBasisPlanes + rows.planes[i].y, d_raw_gamma * rows.gamma[i], push.gamma_rate);
     }
+    if (push.least_depth > 0.0) keep_dense(leaf, push.least_depth * float(1u << depth) / push.box_size);
     imageStore(head, int(leaf), uvec4(floatBitsToUint(leaf_sigma(leaf, push.leaf_count)), slot, 0u, 0u));
     store_leaf_colour(slot, leaf, push.leaf_count);
 }
