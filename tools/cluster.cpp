@@ -42,6 +42,19 @@ std::string joined(const std::vector<std::string>& words) {
     return text;
 }
 
+// A path in which Slurm finds no patterns such as %a.
+std::string without_patterns(const std::string& path) {
+    std::string text;
+    for (const char c : path) text += c == '%' ? "%%" : std::string(1, c);
+    return text;
+}
+
+// A line break would end a comment of the job script, and the shell would run the rest.
+void expect_one_line(const std::string& what, const std::string& text) {
+    if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20; }))
+        throw InputError(what, "", "holds a line break or another control character", "choose another name");
+}
+
 // The value of an option among words, written "-o x", "--output x" or "--output=x".
 std::optional<std::string> value_of(const std::vector<std::string>& words, const std::vector<std::string>& names) {
     for (size_t i = 0; i < words.size(); i++)
@@ -70,7 +83,7 @@ std::filesystem::path clip_of(const std::vector<std::string>& command) {
     return voctree::clip_path(*output);
 }
 
-// The job script. A minute before a task's time is over, Slurm sends SIGUSR1: the task saves, ends and asks to be
+// The job script. Two minutes before a task's time is over, Slurm sends SIGUSR1: the task saves, ends and asks to be
 // queued again. On preemption and cancellation Slurm sends SIGTERM: the task saves and ends, and Slurm itself decides
 // whether it comes back.
 std::string script_of(const ClusterOptions& options, const std::filesystem::path& program,
@@ -84,19 +97,21 @@ std::string script_of(const ClusterOptions& options, const std::filesystem::path
     line(fmt::format("--array=0-{}", options.tasks - 1));
     line("--requeue");
     line("--open-mode=append");
-    line("--signal=B:USR1@60");
-    line("--output=" + quoted((folder / "log-%a.txt").string()));
+    line("--signal=B:USR1@120");
+    line("--output=" + quoted(without_patterns(folder.string()) + "/log-%a.txt"));
     line("--chdir=" + quoted(std::filesystem::current_path().string()));
     if (!options.sbatch.empty()) line(options.sbatch);
     text += fmt::format(R"(
 time_is_over=
-trap 'kill -TERM "$training"' TERM
-trap 'time_is_over=1; kill -TERM "$training"' USR1
+trap 'interrupted=1; kill -TERM "$training"' TERM
+trap 'interrupted=1; time_is_over=1; kill -TERM "$training"' USR1
 {} {} &
 training=$!
-while kill -0 "$training" 2>/dev/null; do  # a signal interrupts `wait`, while the program still saves
+while :; do
+    interrupted=
     wait "$training"
     code=$?
+    [ "$interrupted" ] || break  # else a signal ended `wait`, and the program still saves
 done
 if [ "$time_is_over" ] && [ $code -eq 0 ]; then scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID"; fi
 exit $code
@@ -121,6 +136,9 @@ void run_or_throw(const std::vector<std::string>& words) {
 
 void run(const ClusterOptions& options) {
     const std::filesystem::path clip = clip_of(options.command), program = program_file();
+    expect_one_line("--output", std::filesystem::absolute(clip).string());
+    expect_one_line("the working directory", std::filesystem::current_path().string());
+    expect_one_line("--sbatch", options.sbatch);
     if (!has(options.command, "--resume")) {
         std::vector<std::string> plan = options.command;
         plan.insert(plan.begin(), program.string());
@@ -147,7 +165,9 @@ void add_cluster(Command app, CommonOptions&) {
     const auto options = std::make_shared<ClusterOptions>();
     sbatch.add_option("command", options->command, "After `--`: a `train` command with --segment, without `neuvv`")
         .required();
-    sbatch.add_option("--tasks", options->tasks, "Processes that train at the same time at most, each on a device")
+    sbatch
+        .add_option("--tasks", options->tasks,
+                    "Processes that train at the same time at most; --sbatch says what each gets")
         .in_range(1u, 10000u)
         .show_default();
     sbatch.add_option("--sbatch", options->sbatch,
@@ -156,7 +176,8 @@ void add_cluster(Command app, CommonOptions&) {
     sbatch.footer(
         {"Plans the clip (`train --plan`), writes OUTPUT/job.sh and submits it. Each task trains segments until none "
          "is\n"
-         "left. A task that is preempted, or whose time is over, saves and is queued again; one that is killed leaves "
+         "left. A task that is preempted, or whose time is nearly over, saves and is queued again; one that is killed "
+         "leaves "
          "its\n"
          "segment to the others. With --resume in COMMAND, a clip that was begun goes on.\n"
          "Another scheduler needs a script that runs `neuvv COMMAND --resume` in as many tasks as wanted.\n\n",

@@ -24,7 +24,10 @@ struct Starter {
 const std::vector<Starter>& starters() {
     static const std::vector<Starter> all = {
         {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_LOCAL_RANK", {"PMIX_NAMESPACE"}},
-        {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS", "SLURM_LOCALID", {"SLURM_JOB_ID", "SLURM_STEP_ID"}}};
+        {"SLURM_PROCID",
+         "SLURM_STEP_NUM_TASKS",
+         "SLURM_LOCALID",
+         {"SLURM_JOB_ID", "SLURM_STEP_ID", "SLURM_RESTART_COUNT"}}};
     return all;
 }
 

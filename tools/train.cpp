@@ -39,7 +39,7 @@ bool is_in_segments(const TrainOptions& options) {
 }
 
 // Throws InputError, before any work is done, where the result could not be written.
-void prepare_output(const TrainOptions& options) {
+void prepare_output(const TrainOptions& options, const Ranks& ranks) {
     const std::filesystem::path& output = options.output;
     if (output.extension() != ".nvv")
         throw InputError("--output", output.string(), "is no name of an .nvv file", "write for instance scene.nvv");
@@ -51,7 +51,7 @@ void prepare_output(const TrainOptions& options) {
         return prepare_output_file("--output", output);
     }
     const bool in_use = folder ? !std::filesystem::is_empty(output) : std::filesystem::exists(output);
-    if (in_use && !voctree::is_segmented(output))
+    if (ranks.is_first() && in_use && !voctree::is_segmented(output))  // the others may meet what the first writes
         throw InputError("--output", output.string(), "is there, and is no segmented clip",
                          "remove it, or choose another name");
     prepare_output_folder("--output", output);
@@ -79,14 +79,41 @@ void expect_compatible(const TrainOptions& options, const Ranks& ranks) {
                          "leave them out, or train without --segment");
 }
 
+[[noreturn]] void throw_taken(const std::filesystem::path& output) {
+    const std::optional<training::ClaimState> claim = training::claim_of(output);
+    throw InputError("--output", output.string(),
+                     fmt::format("is being trained by {}", claim ? claim->owner : "another process"),
+                     "wait for that, or choose another name; a clip in segments can be helped: --resume");
+}
+
+// The claim on a file; nothing, with a warning, where its file system has no locks.
+std::optional<training::RunClaim> claim_file(const std::filesystem::path& output) {
+    std::optional<training::RunClaim> claim;
+    try {
+        claim = training::RunClaim::take(output);
+    } catch (const RuntimeFailure& failure) {
+        fmt::print(stderr, "nobody is kept from training into the same file: {}\n", failure.what());
+        return std::nullopt;
+    }
+    if (!claim) throw_taken(output);
+    return claim;
+}
+
 void run_in_segments(const TrainOptions& options, const training::Rig& rig, const Ranks& ranks,
                      const CommonOptions& common) {
     const voctree::ClipIndex index = plan_segments(options, rig);
-    if (ranks.is_first() && !options.settings.resume) expect_nobody_trains(options, index);
+    std::optional<training::RunClaim> clip;  // of the process that begins it, so that nobody else does
+    if (ranks.is_first() && !options.settings.resume) {
+        clip = training::RunClaim::take(options.output);
+        if (!clip) throw_taken(options.output);
+        expect_nobody_trains(options, index);
+        std::filesystem::remove(job_file(options.output));
+    }
     if (options.plan) {
         begin_segments(options, index);
-        fmt::print("planned {}: {} frames in {} segments; the same command with --resume for --plan trains them\n",
-                   options.output.string(), index.frames(), index.segments.size());
+        fmt::print(
+            "planned {}: {} frames in {} segments; the same command with --resume in place of --plan trains them\n",
+            options.output.string(), index.frames(), index.segments.size());
         return;
     }
     const gpu::Device device(device_of_rank(ranks, common.device));
@@ -94,28 +121,20 @@ void run_in_segments(const TrainOptions& options, const training::Rig& rig, cons
     train_segments(device, options, rig, index, ranks);
 }
 
-[[noreturn]] void throw_taken(const std::filesystem::path& output) {
-    const std::optional<training::ClaimState> claim = training::claim_of(output);
-    throw InputError("--output", output.string(),
-                     fmt::format("is being trained by {}", claim ? claim->owner : "another process"),
-                     "wait for that, or choose another name");
-}
-
 void run_train(const TrainOptions& options, const CommonOptions& common) {
     const Ranks ranks = ranks_of_environment();
     expect_compatible(options, ranks);
-    prepare_output(options);
+    prepare_output(options, ranks);
     prepare_live_outputs(options.live);
     catch_stop_signals();
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
     if (is_in_segments(options)) return run_in_segments(options, rig, ranks, common);
-    const std::optional<training::RunClaim> claim = training::RunClaim::take(options.output);
-    if (!claim) throw_taken(options.output);
+    const std::optional<training::RunClaim> claim = claim_file(options.output);
     const gpu::Device device(common.device);
     fmt::print(stderr, "training on {}\n", device.summary().name);
     RunView view;
     view.label = [&](double fraction) {
-        claim->report(fraction);
+        if (claim) claim->report(fraction);
         return "";
     };
     train_rig(device, options, rig, view);
@@ -148,6 +167,18 @@ void add_init_options(Command verb, TrainOptions& options) {
     verb.add_option("--psi-steps", options.psi_steps, "The same in steps")
         .in_range(1u, 1000000000u)
         .excludes(psi_minutes);
+}
+
+// How a clip is cut. Returns --plan.
+Option add_segment_options(Command verb, TrainOptions& options) {
+    verb.add_option(
+        "--segment", options.segment,
+        "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
+        "own; OUTPUT becomes a folder. For clips of any length: the memory of training does not grow with it "
+        "(default: one tree)");
+    return verb.add_flag("--plan", options.plan,
+                         "With --segment: only write the folder and its index; with --resume in place of this, any "
+                         "number of processes train it");
 }
 
 }  // namespace
@@ -191,15 +222,7 @@ void add_train(Command app, CommonOptions& common) {
         "of poses and focal lengths; time: cameras that are late, not together with poses; auto, alone: those of "
         "these that are worth it. The last three begin with a search, of a fifth of --minutes at most "
         "(default: nothing)");
-    verb.add_option(
-        "--segment", options->segment,
-        "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
-        "own; OUTPUT becomes a folder. For clips of any length: the memory of training does not grow with it "
-        "(default: one tree)");
-    Option plan =
-        verb.add_flag("--plan", options->plan,
-                      "With --segment: only write the folder and its index; with --resume in place of this, any "
-                      "number of processes train it");
+    const Option plan = add_segment_options(verb, *options);
     verb.add_option("--image-memory", options->image_gigabytes,
                     "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
         .number_between(1e-6, 1e6);

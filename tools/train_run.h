@@ -52,6 +52,11 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
 // The segments of a clip that --segment cuts; of a resumed run those with which it began. Throws InputError.
 voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig);
 
+// Where the first of several ranks says for which start of the program (Ranks::job) it has begun the clip.
+inline std::filesystem::path job_file(const std::filesystem::path& clip) {
+    return clip / "job";
+}
+
 // Throws InputError where a process trains a segment of the clip, or one that its folder held before.
 void expect_nobody_trains(const TrainOptions& options, const voctree::ClipIndex& index);
 
@@ -66,8 +71,7 @@ TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& se
 // that are not go on. Any number of processes may do this at once, ranks of one job or not: each segment is trained by
 // the one that has its claim (training/claim.h), and that of a process that died is taken by another. Ranks wait until
 // all segments are finished; a process that was started alone leaves to others what they train. A segment that cannot
-// be trained is named, and the others are trained nevertheless; then throws InputError. Throws RuntimeFailure that
-// names the segment's file.
+// be trained is named, and the others are trained nevertheless; then throws InputError or RuntimeFailure.
 void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
                     const voctree::ClipIndex& index, const Ranks& ranks);
 

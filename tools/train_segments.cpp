@@ -27,11 +27,6 @@ void sleep_for(double seconds) {
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-// Where the first rank says for which start of the program it has begun the clip.
-std::filesystem::path job_file(const std::filesystem::path& clip) {
-    return clip / "job";
-}
-
 bool has_begun(const std::filesystem::path& clip, const Ranks& ranks) {
     try {
         const std::vector<uint8_t> text = read_file(job_file(clip), 4096);
@@ -44,7 +39,6 @@ bool has_begun(const std::filesystem::path& clip, const Ranks& ranks) {
 // The first rank begins the clip, and the others wait for that.
 void begin_together(const TrainOptions& options, const voctree::ClipIndex& index, const Ranks& ranks) {
     if (ranks.is_first()) {
-        std::filesystem::remove(job_file(options.output));
         begin_segments(options, index);
         if (ranks.count > 1) write_text_file(job_file(options.output), ranks.job);
         return;
@@ -78,6 +72,7 @@ class SegmentedRun {
     // Trains all segments that nobody else trains.
     void train_free_ones();
     void train(size_t segment, const training::RunClaim& claim);
+    void leave_out(size_t segment, const std::runtime_error& error);
     // Those that are neither finished nor failed here.
     std::vector<size_t> unfinished();
     // How much of the clip's budget is spent, 0..1. It is looked up every few seconds.
@@ -94,6 +89,8 @@ class SegmentedRun {
     std::vector<bool> finished_;  // what is known; is_finished() looks again
     std::set<size_t> failed_;
     std::string problem_;  // of the first that failed
+    bool said_interrupted_ = false;
+    bool machine_failed_ = false;  // a RuntimeFailure was among them
     double looked_at_ = -INFINITY, others_fraction_ = 0;
 };
 
@@ -143,16 +140,29 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
         if (train_rig(device_, options_of(options_, frames, index_.frames()),
                       training::rig_of_frames(rig_, times_, frames.first, frames.frames), view))
             std::filesystem::remove(training::state_path(frames.file));
+        else
+            said_interrupted_ = true;
     } catch (const InputError& error) {  // the other segments are worth having
-        fmt::print(stderr, "{} is left out: {}\n", name_of(segment), error.what());
-        if (failed_.empty()) problem_ = error.what();
-        failed_.insert(segment);
+        leave_out(segment, error);
+    } catch (const RuntimeFailure& failure) {  // perhaps of this segment alone
+        machine_failed_ = true;
+        leave_out(segment, failure);
     }
+}
+
+void SegmentedRun::leave_out(size_t segment, const std::runtime_error& error) {
+    fmt::print(stderr, "{} is left out: {}\n", name_of(segment), error.what());
+    if (failed_.empty()) problem_ = error.what();
+    failed_.insert(segment);
 }
 
 void SegmentedRun::train_free_ones() {
     for (const size_t i : unfinished()) {
-        if (stop_requested()) return;
+        if (stop_requested()) {
+            if (ranks_.is_first() && !said_interrupted_)
+                fmt::print("interrupted; the same command with --resume goes on from here\n");
+            return;
+        }
         const std::optional<training::RunClaim> claim = training::RunClaim::take(index_.segments[i].file);
         if (claim && !is_finished(i)) train(i, *claim);
     }
@@ -173,7 +183,10 @@ void SegmentedRun::run() {
         const bool all_taken = std::all_of(left.begin(), left.end(), [&](size_t i) {
             return training::claim_of(index_.segments[i].file).has_value();
         });
-        if (all_taken && ranks_.count == 1) return say_who_trains(left);
+        if (all_taken && ranks_.count == 1) {
+            say_who_trains(left);
+            break;
+        }
         sleep_for(0.2);
         if (ranks_.is_first() && line.is_due())
             line.print(fmt::format("all {:.0f} % | {} of {} segments are being trained by other processes",
@@ -185,19 +198,16 @@ void SegmentedRun::run() {
 }
 
 void SegmentedRun::conclude() const {
-    if (!failed_.empty() && !stop_requested())
-        throw InputError(options_.output.string(), "",
-                         fmt::format("{} of {} segments could not be trained, the first because of {}", failed_.size(),
-                                     index_.segments.size(), problem_),
-                         "mend that, and give the same command with --resume");
-    if (!ranks_.is_first()) return;
-    if (std::find(finished_.begin(), finished_.end(), false) != finished_.end()) {
-        fmt::print("interrupted; the same command with --resume goes on from here\n");
-        return;
+    if (!failed_.empty() && !stop_requested()) {
+        const std::string problem = fmt::format("{} of {} segments could not be trained, the first because of {}",
+                                                failed_.size(), index_.segments.size(), problem_);
+        const std::string fix = "mend that, and give the same command with --resume";
+        if (machine_failed_) throw RuntimeFailure(fmt::format("{}: {}; {}", options_.output.string(), problem, fix));
+        throw InputError(options_.output.string(), "", problem, fix);
     }
-    fmt::print("wrote {}: {} frames in {} segments\n", options_.output.string(), index_.frames(),
-               index_.segments.size());
-    std::filesystem::remove(job_file(options_.output));
+    if (ranks_.is_first() && std::find(finished_.begin(), finished_.end(), false) == finished_.end())
+        fmt::print("wrote {}: {} frames in {} segments\n", options_.output.string(), index_.frames(),
+                   index_.segments.size());
 }
 
 }  // namespace

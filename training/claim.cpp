@@ -41,6 +41,12 @@ RunClaim::RunClaim(std::filesystem::path file, FileLock lock) : file_(std::move(
 
 RunClaim::RunClaim(RunClaim&& other) noexcept : file_(std::exchange(other.file_, {})), lock_(std::move(other.lock_)) {}
 
+RunClaim& RunClaim::operator=(RunClaim&& other) noexcept {
+    std::swap(file_, other.file_);
+    std::swap(lock_, other.lock_);
+    return *this;
+}
+
 // The file is removed while it is locked, so that nobody's lock on a file that is gone counts (FileLock).
 RunClaim::~RunClaim() {
     std::error_code ignored;

@@ -16,7 +16,7 @@ class RunClaim {
     // Nothing where another process has the claim. Throws RuntimeFailure where the folder's file system has no locks.
     static std::optional<RunClaim> take(const std::filesystem::path& nvv);
     RunClaim(RunClaim&& other) noexcept;
-    RunClaim& operator=(RunClaim&&) = delete;
+    RunClaim& operator=(RunClaim&& other) noexcept;  // swaps
     ~RunClaim();
 
     // How much of the run's budget is spent, 0..1, for others to read. It may come late or not at all.

@@ -30,6 +30,17 @@ bool is_at(int descriptor, const std::filesystem::path& file) {
            open_file.st_dev == at_path.st_dev && open_file.st_ino == at_path.st_ino;
 }
 
+// Creates the file where it is missing. Links are not followed, as what is written would replace another file.
+int open_for_lock(const std::filesystem::path& file) {
+    constexpr int kFlags = O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+    const int descriptor = open(file.c_str(), kFlags, 0666);
+    struct stat what = {};
+    if (descriptor < 0 || (fstat(descriptor, &what) == 0 && S_ISREG(what.st_mode))) return descriptor;
+    close(descriptor);
+    errno = EINVAL;
+    return -1;
+}
+
 }  // namespace
 
 int64_t process_id() {
@@ -54,7 +65,7 @@ std::optional<FileLock> FileLock::try_lock(const std::filesystem::path& file) {
 bool FileLock::lock(const std::filesystem::path& file, Wait wait) {
     for (;;) {
         FileLock opened;
-        opened.descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+        opened.descriptor_ = open_for_lock(file);
         struct flock range = whole_file();
         int failed = opened.descriptor_ < 0 ? -1 : 0;
         while (opened.descriptor_ >= 0) {
@@ -63,6 +74,7 @@ bool FileLock::lock(const std::filesystem::path& file, Wait wait) {
         }
         if (failed && wait == Wait::kNo && (errno == EAGAIN || errno == EACCES) && opened.descriptor_ >= 0)
             return false;
+        if (failed && errno == ESTALE) continue;  // another machine has removed the file
         if (failed) throw RuntimeFailure(fmt::format("{}: cannot be locked: {}", file.string(), std::strerror(errno)));
         if (!is_at(opened.descriptor_, file)) continue;
         *this = std::move(opened);
