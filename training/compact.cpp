@@ -34,10 +34,10 @@ void empty_thin_leaves(voctree::VOctree& tree) {
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
-            const float thin_sigma = kThinDepth * static_cast<float>(1u << positions[i].depth) / tree.box_size.x;
+            const float thin = thin_sigma(tree, positions[i].depth);
             float* sigma = tree.leaf(static_cast<uint32_t>(i));
             for (uint32_t c = 0; c < tree.bases; c++)
-                if (sigma[c] <= thin_sigma) sigma[c] = 0;
+                if (sigma[c] <= thin) sigma[c] = 0;
         }
     });
 }

@@ -6,8 +6,13 @@
 namespace neuvv::training {
 
 // Empties leaves in frames in which they are hardly visible: an optical depth over the leaf's edge of at most
-// kThinDepth. Training keeps a little density in all leaves (schedule.h). Does nothing where frames share bases.
-constexpr float kThinDepth = 0.1f;
+// kThinDepth: their blending weights are below those of leaves that training removes (kPhases). Training keeps a little
+// density in all leaves (schedule.h). Does nothing where frames share bases.
+constexpr float kThinDepth = 0.05f;
+// The density, in 1/m, at which a leaf of this depth is so thin.
+inline float thin_sigma(const voctree::VOctree& tree, uint32_t depth) {
+    return kThinDepth * static_cast<float>(1u << depth) / tree.box_size.x;
+}
 void empty_thin_leaves(voctree::VOctree& tree);
 
 // Rounds every weight. Where each frame has its own basis, rounding changes a leaf's optical depth by 3 % and its

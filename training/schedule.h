@@ -34,8 +34,12 @@ constexpr double kCoarseDensityShare = 0.2;
 // A leaf without density gets no gradient, so what a step too far has emptied would stay empty. Leaves at silhouettes,
 // which many rays only brush, met that end sooner or later, and long runs ate away outlines (RESULTS.md, "Outlines that
 // long runs ate away"). So a density does not fall below this optical depth over the leaf's edge, where each frame has
-// a basis of its own. The changes of the tree and compact.h remove leaves that stay so thin.
+// a basis of its own. The changes of the tree remove leaves that rays hardly use, and compact.h empties those
+// that are thin at the end.
+// Before the first leaves are removed by their use, the bound would only keep matter alive that is none, which slows
+// steps.
 constexpr float kLeastDepth = 0.003f;
+constexpr uint32_t kBoundedFrom = kLevelsAbovePixel + 1;  // the first phase with this bound
 
 // How many epochs a phase needs before its LeafUse is trusted. Before the first, "no ray saw this leaf" may only mean
 // that few rays were traced; before the second, the same holds for single frames; before the third, a low maximum
