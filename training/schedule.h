@@ -40,6 +40,8 @@ constexpr double kCoarseDensityShare = 0.2;
 // steps.
 constexpr float kLeastDepth = 0.003f;
 constexpr uint32_t kBoundedFrom = kLevelsAbovePixel + 1;  // the first phase with this bound
+// Runs of fewer epochs do without the bound: too few steps have gone wrong in them, and they need their rays for less.
+constexpr double kBoundedEpochs = 15;
 
 // How many epochs a phase needs before its LeafUse is trusted. Before the first, "no ray saw this leaf" may only mean
 // that few rays were traced; before the second, the same holds for single frames; before the third, a low maximum
