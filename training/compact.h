@@ -6,9 +6,8 @@
 namespace neuvv::training {
 
 // Empties leaves in frames in which they are hardly visible: an optical depth over the leaf's edge of at most
-// kThinDepth: their blending weights are below those of leaves that training removes (kPhases). Training keeps a little
-// density in all leaves (schedule.h). Does nothing where frames share bases.
-constexpr float kThinDepth = 0.05f;
+// kThinDepth. Training keeps a little density in all leaves (schedule.h). Does nothing where frames share bases.
+constexpr float kThinDepth = 0.1f;
 // The density, in 1/m, at which a leaf of this depth is so thin.
 inline float thin_sigma(const voctree::VOctree& tree, uint32_t depth) {
     return kThinDepth * static_cast<float>(1u << depth) / tree.box_size.x;

@@ -7,7 +7,6 @@
 
 #include "base/parallel.h"
 #include "training/bases.h"
-#include "training/compact.h"
 
 namespace neuvv::training {
 
@@ -15,16 +14,13 @@ namespace {
 
 constexpr float kRevivedDepth = 0.2f;  // optical depth over the leaf's edge
 
-// `words` words per leaf: a bit for each frame in which it is more than thin (compact.h).
-std::vector<uint32_t> live_frames(const voctree::VOctree& tree, const std::vector<voctree::LeafPosition>& positions,
-                                  size_t words) {
+// `words` words per leaf: a bit for each frame in which it has density.
+std::vector<uint32_t> live_frames(const voctree::VOctree& tree, size_t words) {
     std::vector<uint32_t> live(words * tree.leaf_count);
     parallel_for(tree.leaf_count, 4096, [&](size_t begin, size_t end) {
-        for (size_t leaf = begin; leaf < end; leaf++) {
-            const float thin = thin_sigma(tree, positions[leaf].depth);
+        for (size_t leaf = begin; leaf < end; leaf++)
             for (uint32_t t = 0; t < tree.frames; t++)
-                if (tree.leaf(static_cast<uint32_t>(leaf))[t] > thin) live[leaf * words + t / 32] |= 1u << t % 32;
-        }
+                if (tree.leaf(static_cast<uint32_t>(leaf))[t] > 0) live[leaf * words + t / 32] |= 1u << t % 32;
     });
     return live;
 }
@@ -61,8 +57,8 @@ uint32_t at_least_four(const std::array<uint32_t, 6>& leaves, const std::vector<
 size_t revive_holes(voctree::VOctree& tree) {
     if (!has_basis_per_frame(tree)) return 0;
     const size_t words = (tree.frames + 31) / 32;
+    const std::vector<uint32_t> live = live_frames(tree, words);
     const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-    const std::vector<uint32_t> live = live_frames(tree, positions, words);
     std::atomic<size_t> revived = 0;
     parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
         size_t found = 0;

@@ -36,10 +36,7 @@ constexpr double kCoarseDensityShare = 0.2;
 // long runs ate away"). So a density does not fall below this optical depth over the leaf's edge, where each frame has
 // a basis of its own. The changes of the tree remove leaves that rays hardly use, and compact.h empties those
 // that are thin at the end.
-// Before the first leaves are removed by their use, the bound would only keep matter alive that is none, which slows
-// steps.
 constexpr float kLeastDepth = 0.003f;
-constexpr uint32_t kBoundedFrom = kLevelsAbovePixel + 1;  // the first phase with this bound
 // Runs of fewer epochs do without the bound: too few steps have gone wrong in them, and they need their rays for less.
 constexpr double kBoundedEpochs = 15;
 

@@ -311,8 +311,7 @@ StepSettings Run::step_settings(double time) const {
     if (run_.phase < kLevelsAbovePixel) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
     settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
-    if (has_basis_per_frame(tree_) && run_.phase >= kBoundedFrom && epochs_of_run() >= kBoundedEpochs &&
-        settings.frame == std::round(settings.frame))
+    if (has_basis_per_frame(tree_) && epochs_of_run() >= kBoundedEpochs && settings.frame == std::round(settings.frame))
         settings.adam.least_depth = kLeastDepth;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;
