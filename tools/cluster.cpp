@@ -20,7 +20,7 @@ constexpr const char* kExamples =
     "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
     "  neuvv cluster sbatch --tasks 8 --sbatch=\"--gres=gpu:1 --time=4:00:00\" -- \\\n"
     "      train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
-    "  neuvv cluster sbatch --dry-run -- train build/performer -o build/long.nvv --segment 8\n"
+    "  neuvv cluster sbatch --dry-run -- train build/performer -o build/long.nvv --segment 8 --steps 900\n"
     "  neuvv info build/long.nvv";
 
 struct ClusterOptions {
@@ -71,13 +71,16 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
 
 // The folder of the clip that the command trains. Throws InputError where the command is none that a cluster can share.
 std::filesystem::path clip_of(const std::vector<std::string>& command) {
-    constexpr const char* kFix = "write for instance: neuvv cluster sbatch -- train data -o show.nvv --segment 1s";
+    constexpr const char* kFix =
+        "write for instance: neuvv cluster sbatch -- train data -o show.nvv --segment 1s --minutes 60";
     if (command.empty() || command[0] != "train")
         throw InputError("COMMAND", command.empty() ? "" : command[0], "is not `train`", kFix);
     const std::optional<std::string> output = value_of(command, {"-o", "--output"});
     if (!output) throw InputError("COMMAND", joined(command), "has no --output", kFix);
     if (!has(command, "--resume") && !value_of(command, {"--segment"}))
         throw InputError("COMMAND", joined(command), "has no --segment: one tree is trained by one process", kFix);
+    if (!value_of(command, {"--minutes"}) && !value_of(command, {"--steps"}))
+        throw InputError("COMMAND", joined(command), "has no budget", "give --minutes or --steps, of the whole clip");
     if (has(command, "--plan"))
         throw InputError("COMMAND", joined(command), "has --plan, which comes of itself", "leave it out");
     return voctree::clip_path(*output);

@@ -88,9 +88,9 @@ class SegmentedRun {
     const Ranks& ranks_;
     std::vector<bool> finished_;  // what is known; is_finished() looks again
     std::set<size_t> failed_;
-    std::string problem_;  // of the first that failed
-    bool said_interrupted_ = false;
+    std::string problem_;          // of the first that failed
     bool machine_failed_ = false;  // a RuntimeFailure was among them
+    bool said_interrupted_ = false;
     double looked_at_ = -INFINITY, others_fraction_ = 0;
 };
 

@@ -45,8 +45,11 @@ TEST_F(Cli, AClusterIsGivenAScript) {
     ASSERT_EQ(run_neuvv({"cluster", "sbatch", "--dry-run", "--", "info", scene}).code, 2);
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show}, 2, {"--segment"});
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "--segment", "2"}, 2, {"--output"});
-    expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", file("no data"), "-o", show, "--segment", "2"}, 2,
-                   {"no data", "is no data set"});
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", file("no data"), "-o", show, "--segment", "2",
+                    "--steps", "9"},
+                   2, {"no data", "is no data set"});
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show, "--segment", "2"}, 2,
+                   {"has no budget", "--minutes"});
     std::filesystem::create_directory(show);
     const ProgramResult made =
         run_neuvv({"cluster", "sbatch", "--dry-run", "--tasks", "3", "--sbatch=--gres=gpu:1 --time=1:00:00", "--",
