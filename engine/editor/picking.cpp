@@ -45,15 +45,13 @@ void pick_performers(OnDevice& on_device, const stage::EvaluatedStage& evaluated
     const Ray ray = ray_through(camera, pixel);
     const stage::Camera one_pixel = pixel_of_camera(camera, pixel);
     render::FrameSettings settings = on_device.renderer.settings_at(evaluated);
-    const std::vector<render::Instance> instances = settings.instances;
     settings.width = settings.height = settings.samples = 1;
-    size_t visible = 0;
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
-        if (!performer.visible) continue;
-        const render::Instance& instance = instances[visible++];
+        const std::optional<render::Instance> instance = on_device.renderer.instance_of(performer);
+        if (!instance) continue;
         const stage::StageClip& clip = on_device.stage.clips[performer.clip];
         if (!box_hit(ray, performer.world_from_performer, clip.box_min, clip.box_min + clip.box_size)) continue;
-        settings.instances = {instance};
+        settings.instances = {*instance};
         on_device.renderer.frames().draw({&one_pixel, 1}, settings);
         if (on_device.renderer.frames().radiance()[0].a < kPickedAlpha * performer.opacity) continue;
         nearest.take(on_device.renderer.frames().depth()[0], on_device.stage.performers[performer.performer].node);

@@ -284,7 +284,7 @@ void RenderThread::load(const std::shared_ptr<const edit::Document>& document, u
     {
         const std::lock_guard lock(mutex_);
         state_.loading.clear();
-        state_.problem = renderer_->problems().empty() ? "" : renderer_->problems()[0];
+        state_.problem.clear();
         state_.stage = stage_;
         state_.stage_id = id;
         state_.leaf_boxes.clear();
@@ -292,7 +292,19 @@ void RenderThread::load(const std::shared_ptr<const edit::Document>& document, u
             state_.leaf_boxes.push_back(renderer_->leaf_box(clip));
         state_.displayed.finished = false;
     }
+    reported_segments_ = 0;
+    report_unreadable_segments();
     wake_();
+}
+
+// Reports the first segment that cannot be read, and afterwards the newest of those that are found while the stage
+// plays.
+void RenderThread::report_unreadable_segments() {
+    const std::vector<std::string>& problems = renderer_->problems();
+    if (problems.size() == reported_segments_) return;
+    const std::lock_guard lock(mutex_);
+    state_.problem = reported_segments_ == 0 ? problems.front() : problems.back();
+    reported_segments_ = problems.size();
 }
 
 // Draws the newest view at once, so that a stage that changes all the time is drawn, too.
@@ -358,7 +370,9 @@ void RenderThread::draw(const ViewRequest& view) {
     fit(size);
     const Clock::time_point begin = Clock::now();
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.overrides_background);
+    renderer_->show(evaluated, !view.overrides_background,
+                    view.moving ? render::MissingSegments::kHold : render::MissingSegments::kWait);
+    report_unreadable_segments();
     render::FrameSettings settings = settings_of(view, evaluated);
     settings.scale = std::min(scale_.scale(), view.max_scale);
     for (const double next : view.next_s)

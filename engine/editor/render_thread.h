@@ -131,6 +131,7 @@ class RenderThread {
     bool wait_for_job(Job& job);
     void load(const std::shared_ptr<const edit::Document>& document, uint64_t id);
     bool is_sound(const edit::Document& document) const;
+    void report_unreadable_segments();
     void make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress);
     void fit(VkExtent2D size);
     void draw_newest();
@@ -161,6 +162,7 @@ class RenderThread {
     std::shared_ptr<const stage::Stage> stage_;
     std::unique_ptr<render::StageLoader> loader_;  // null before the first renderer
     std::unique_ptr<render::StageRenderer> renderer_;
+    size_t reported_segments_ = 0;  // of StageRenderer::problems, since the stage was loaded
     VkExtent2D capacity_{};
     uint64_t stage_id_ = 0;
     std::shared_ptr<const gpu::DeviceImage> image_;  // to be displayed once something was drawn into it

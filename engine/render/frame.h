@@ -56,9 +56,9 @@ struct FrameCapacity {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;
     uint32_t views = 1;
-    // Bytes of slices, in equal shares for all fields. With FrameSettings::far_levels their coarser levels take as
-    // much for each leaf, which is about a third more in all. 0: no slices; the direct path draws all that is not
-    // painted.
+    // Bytes of slices, in equal shares for all fields (or as FrameRenderer::change_fields says). With
+    // FrameSettings::far_levels their coarser levels take as much for each leaf, which is about a third more in all. 0:
+    // no slices; the direct path draws all that is not painted.
     uint64_t slice_budget = kSliceBudget;
     uint64_t segment_budget = UINT64_MAX;  // bytes of segments that are merged at once
 };
@@ -77,10 +77,10 @@ class FrameRenderer {
     // renderer can only be destroyed afterwards.
     FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity);
 
-    // Replaces the fields; each may occur only once. Fields that stay keep their paints, and also their slices where
-    // the number of fields is the same. No frame may be under way. Fields that are removed must exist until the call
-    // returns.
-    void change_fields(std::vector<const Field*> fields);
+    // Replaces the fields; each may occur only once. FrameCapacity::slice_budget is divided into `shares` from now on;
+    // 0: into as many as there are fields. Fields that stay keep their paints, and also their slices where the shares
+    // are as large as before. No frame may be under way. Fields that are removed must exist until the call returns.
+    void change_fields(std::vector<const Field*> fields, uint32_t shares = 0);
 
     // Renders an image for each camera and waits. The images stay on the device until the next call: R8G8B8A8, sRGB
     // with straight alpha, in rows of settings.width pixels, the images of the cameras one after the other. A pass that
@@ -151,6 +151,7 @@ class FrameRenderer {
     bool enlarge();
     const gpu::Device& device_;
     FieldLevels levels_;
+    uint32_t slice_shares_;  // into which the slice budget is divided
     FrameCapacity capacity_;
     SetRaster* set_;
     RayTarget target_;

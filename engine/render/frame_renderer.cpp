@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "base/error.h"
 
@@ -45,6 +46,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
                              SetRaster* set)
     : device_(device),
       levels_(std::move(fields)),
+      slice_shares_(levels_.given()),
       capacity_(capacity),
       set_(set),
       target_(device, capacity.views * (kMaxInstances + 1), checked_ray_tiles(device, largest(capacity)),
@@ -66,6 +68,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
 FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity)
     : FrameRenderer(other.device_, {other.levels_.all.begin(), other.levels_.all.begin() + other.levels_.given()},
                     capacity, other.set_) {
+    slice_shares_ = other.slice_shares_;
     paints_ = std::move(other.paints_);
     shadows_ = std::move(other.shadows_);
     performers_ = std::move(other.performers_);
@@ -74,9 +77,11 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
         if (performer) performer->replace_target(kEyeTarget, target_, capacity_.views);
 }
 
-// Where the number of fields changes, each field's share of the budget changes too, and slices are created again.
-void FrameRenderer::change_fields(std::vector<const Field*> fields) {
-    if (std::ranges::equal(fields, std::span(levels_.all).first(levels_.given()))) return;
+// Where each field's share of the budget changes, slices are created again.
+void FrameRenderer::change_fields(std::vector<const Field*> fields, uint32_t shares) {
+    if (shares == 0) shares = static_cast<uint32_t>(fields.size());
+    const bool same_shares = std::exchange(slice_shares_, shares) == shares;
+    if (same_shares && std::ranges::equal(fields, std::span(levels_.all).first(levels_.given()))) return;
     FieldLevels next(std::move(fields));
     std::vector<std::unique_ptr<Paints>> paints(next.all.size());
     std::vector<std::unique_ptr<Performer>> performers(next.all.size());
@@ -89,7 +94,7 @@ void FrameRenderer::change_fields(std::vector<const Field*> fields) {
         }
         const auto at = static_cast<size_t>(before - levels_.all.begin());
         paints[i] = std::move(paints_[at]);
-        if (next.given() == levels_.given()) performers[i] = std::move(performers_[at]);
+        if (same_shares) performers[i] = std::move(performers_[at]);
     }
     inspector_.reset();
     drawn_.clear();
@@ -214,7 +219,7 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
 
 std::unique_ptr<Performer> FrameRenderer::make_performer(uint32_t index) const {
     const Field &field = *levels_.all[index], &finest = levels_.finest(index);
-    uint64_t share = slice_share(capacity_.slice_budget, levels_.given());
+    uint64_t share = slice_share(capacity_.slice_budget, slice_shares_);
     if (&field != &finest) share = slice_share_of_level(share, finest, field);
     auto performer = std::make_unique<Performer>(device_, field, *paints_[index], share);
     performer->add_target(target_, capacity_.views);

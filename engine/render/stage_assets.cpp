@@ -2,78 +2,80 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <optional>
+#include <cmath>
 
 #include "base/error.h"
 #include "media/image.h"
 #include "voctree/clip.h"
+#include "voctree/nvv.h"
 
 namespace neuvv::render {
 
-const std::shared_ptr<const LoadedClip>& ClipOnDevice::first_readable() const {
-    const auto found = std::find_if(segments.begin(), segments.end(), [](const auto& one) { return one != nullptr; });
-    return found != segments.end() ? *found : segments[0];
-}
-
 StageLoader::StageLoader(const gpu::Device& device, PaintSource paint)
-    : device_(device), paint_source_(std::move(paint)) {}
+    : device_(device), paint_source_(std::move(paint)), files_(std::make_shared<ClipFiles>(device)) {}
 
 StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
     paint_files_.drop_unused();
     StageAssets assets;
-    assets.clips = load_clips(stage, loaded, assets.problems);
+    assets.files = files_;
+    for (const stage::StageClip& clip : stage.clips) {
+        assets.clips.push_back(load_clip(clip.path, assets.problems));
+        if (loaded) loaded(assets.clips.size(), stage.clips.size());
+    }
     assets.environment = load_environment(stage);
     for (const stage::StagePerformer& performer : stage.performers)
         assets.paint.push_back(load_layers(stage, performer, assets.clips[performer.clip]));
     return assets;
 }
 
-// A clip that is still on the device and whose file has not changed, or null.
-std::shared_ptr<const LoadedClip> StageLoader::find_clip(const std::filesystem::path& path,
-                                                         const FileStamp& stamp) const {
-    for (const auto& one : clips_)
-        if (const auto clip = one.lock(); clip && clip->path == path && clip->stamp == stamp) return clip;
-    return nullptr;
-}
-
-// A file that is on the device already, also as a part of another clip, is not read again.
-std::shared_ptr<const LoadedClip> StageLoader::load_segment(const voctree::ClipSegment& segment) {
+const StageLoader::KnownHead& StageLoader::head_of(const voctree::ClipSegment& segment) {
     const FileStamp stamp = stamp_of(segment.file);
-    if (auto known = find_clip(segment.file, stamp)) return known;
-    const voctree::VOctree tree = voctree::read_segment(segment);
-    auto read = std::make_shared<const LoadedClip>(
-        LoadedClip{segment.file, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
-    clips_.push_back(read);
-    return read;
+    if (const auto known = heads_.find(segment.file); known != heads_.end() && known->second.stamp == stamp)
+        return known->second;
+    KnownHead head{stamp, {}, ""};
+    try {
+        const voctree::NvvHead read = voctree::read_segment_head(segment);
+        if (read.leaf_count > 0) head.box.emplace(read.box_min, read.box_min + read.box_size);
+    } catch (const InputError& problem) {
+        head.problem = problem.what();
+    }
+    return heads_[segment.file] = head;
 }
 
-std::vector<ClipOnDevice> StageLoader::load_clips(const stage::Stage& stage, const Loaded& loaded,
-                                                  std::vector<std::string>& problems) {
-    std::erase_if(clips_, [](const auto& clip) { return clip.expired(); });
-    std::vector<ClipOnDevice> clips;
-    size_t read = 0, missing = 0;
-    for (const stage::StageClip& wanted : stage.clips) {
-        clips.push_back({voctree::read_clip_index(wanted.path), {}});
-        for (const voctree::ClipSegment& segment : clips.back().index.segments) {
-            clips.back().segments.push_back(find_clip(segment.file, stamp_of(segment.file)));
-            missing += clips.back().segments.back() ? 0 : 1;
+// Its first readable segment is read; others that are on the device, for an earlier version of the stage, are found.
+void StageLoader::load_segments(ClipOnDevice& clip, std::vector<std::string>& problems) {
+    for (const voctree::ClipSegment& segment : clip.index.segments) {
+        ClipOnDevice::Segment& one = clip.segments.emplace_back();
+        const KnownHead& head = head_of(segment);
+        std::string problem = head.problem;
+        try {
+            if (problem.empty()) one.loaded = clip.first ? files_->find(segment) : files_->read(segment);
+        } catch (const InputError& error) {
+            problem = error.what();
         }
+        if (!clip.first) clip.first = one.loaded;
+        one.readable = problem.empty();
+        if (!one.readable) problems.push_back(problem);
+        if (!one.readable || !head.box) continue;
+        clip.leaf_box.first = glm::min(clip.leaf_box.first, head.box->first);
+        clip.leaf_box.second = glm::max(clip.leaf_box.second, head.box->second);
     }
-    for (ClipOnDevice& clip : clips) {
-        for (size_t i = 0; i < clip.segments.size(); i++) {
-            if (clip.segments[i]) continue;
-            try {
-                clip.segments[i] = load_segment(clip.index.segments[i]);
-            } catch (const InputError& problem) {
-                if (clip.segments.size() == 1) throw;
-                problems.emplace_back(problem.what());
-            }
-            if (loaded) loaded(++read, missing);
-        }
-        if (!clip.first_readable()) voctree::read_segment(clip.index.segments[0]);  // throws again what is wrong
+}
+
+ClipOnDevice StageLoader::load_clip(const std::filesystem::path& path, std::vector<std::string>& problems) {
+    ClipOnDevice clip{voctree::read_clip_index(path), {}, nullptr, {glm::dvec3(INFINITY), glm::dvec3(-INFINITY)}};
+    const size_t known_problems = problems.size();
+    if (clip.index.segments.size() > 1) {
+        load_segments(clip, problems);
+        if (!clip.first)
+            throw InputError(path.string(), "", "none of its segments can be read: " + problems[known_problems]);
+    } else {
+        clip.first = files_->read(clip.index.segments[0]);
+        clip.segments.push_back({clip.first});
     }
-    return clips;
+    if (clip.leaf_box.first.x > clip.leaf_box.second.x)
+        clip.leaf_box = {clip.first->field.leaves_min, clip.first->field.leaves_max};
+    return clip;
 }
 
 std::shared_ptr<const SetEnvironment> StageLoader::load_environment(const stage::Stage& stage) {
@@ -96,7 +98,7 @@ std::shared_ptr<const SetEnvironment> StageLoader::load_environment(const stage:
 std::vector<LoadedLayer> StageLoader::load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
                                                   const ClipOnDevice& clip) {
     std::vector<LoadedLayer> layers;
-    const voctree::PaintedField& painted = clip.first_readable()->painted;
+    const voctree::PaintedField& painted = clip.first->painted;
     for (size_t i = 0; i < performer.settings.paint.size(); i++) {
         const stage::PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;

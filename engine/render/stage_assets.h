@@ -2,32 +2,29 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "base/file_stamp.h"
-#include "render/field_levels.h"
+#include "render/clip_files.h"
 #include "render/paint_files.h"
 #include "render/set_raster.h"
 #include "stage/stage.h"
-#include "voctree/clip_index.h"
 
 namespace neuvv::render {
 
-// A clip's file on the device; of a segmented clip, that of a segment.
-struct LoadedClip {
-    std::filesystem::path path;
-    FileStamp stamp;
-    Field field;
-    voctree::PaintedField painted;
-};
-
-// A clip on the device.
+// A clip of a stage. Of a segmented one, only some segments are on the device (StageClips chooses them); a clip that is
+// one file is a single segment.
 struct ClipOnDevice {
+    struct Segment {
+        std::shared_ptr<const LoadedClip> loaded;  // null: not on the device
+        bool readable = true;                      // false: it is missing or damaged, and is not shown
+    };
     voctree::ClipIndex index;
-    // In the order of the index; a file is one segment. Null where a segment cannot be read; one of them can.
-    std::vector<std::shared_ptr<const LoadedClip>> segments;
-    const std::shared_ptr<const LoadedClip>& first_readable() const;
+    std::vector<Segment> segments;                 // in the order of the index
+    std::shared_ptr<const LoadedClip> first;       // the first that is readable, which stays on the device
+    std::pair<glm::dvec3, glm::dvec3> leaf_box{};  // around the leaves of all (min, max), performer's space, metres
 };
 
 // A visible layer of a performer's paint.
@@ -43,20 +40,22 @@ struct StageAssets {
     std::shared_ptr<const SetEnvironment> environment;  // black where the stage has none
     std::vector<std::vector<LoadedLayer>> paint;        // by performer: the visible layers, the lowest first
     std::vector<std::string> problems;                  // a line for each segment that cannot be read
+    std::shared_ptr<ClipFiles> files;                   // reads the segments that are not on the device
 };
 
 // Reads the files of a stage, and of its later versions only what has changed: an asset of an earlier load that is
 // still in use, and whose file has not changed, is not read again.
 class StageLoader {
   public:
-    // Called after each file of a clip that was read, with the number of files read so far and the number to be read.
+    // Called after each clip, with the number of clips so far and in all.
     using Loaded = std::function<void(size_t, size_t)>;
 
     // The device must outlive the loader and all that it loads. Layers that `paint` returns are not read from the disk.
     explicit StageLoader(const gpu::Device& device, PaintSource paint = {});
 
-    // Throws InputError for a file that cannot be read, for a segmented clip of which no segment can be, and for paint
-    // of another clip or of a segmented one; RuntimeFailure where the device has no memory.
+    // Of a segmented clip, the first segment is read, and of the others their heads alone. Throws InputError for a file
+    // that cannot be read, for a segmented clip of which no segment can be, and for paint of another clip or of a
+    // segmented one; RuntimeFailure where the device has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});
 
   private:
@@ -65,18 +64,24 @@ class StageLoader {
         FileStamp stamp;
         std::weak_ptr<const SetEnvironment> map;
     };
-    std::shared_ptr<const LoadedClip> find_clip(const std::filesystem::path& path, const FileStamp& stamp) const;
-    std::shared_ptr<const LoadedClip> load_segment(const voctree::ClipSegment& segment);
-    std::vector<ClipOnDevice> load_clips(const stage::Stage& stage, const Loaded& loaded,
-                                         std::vector<std::string>& problems);
+    // What the head of a segment's file says, so that it is read again only where the file has changed.
+    struct KnownHead {
+        FileStamp stamp;
+        std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // of its tree, metres; nothing: no leaves
+        std::string problem;                                   // empty: it is sound
+    };
+    const KnownHead& head_of(const voctree::ClipSegment& segment);
+    void load_segments(ClipOnDevice& clip, std::vector<std::string>& problems);
+    ClipOnDevice load_clip(const std::filesystem::path& path, std::vector<std::string>& problems);
     std::shared_ptr<const SetEnvironment> load_environment(const stage::Stage& stage);
     std::vector<LoadedLayer> load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
                                          const ClipOnDevice& clip);
     const gpu::Device& device_;
     PaintSource paint_source_;
     PaintFiles paint_files_;
-    std::vector<std::weak_ptr<const LoadedClip>> clips_;  // all that are still in use
-    std::vector<KnownEnvironment> environments_;          // likewise
+    std::shared_ptr<ClipFiles> files_;
+    std::map<std::filesystem::path, KnownHead> heads_;  // of segments
+    std::vector<KnownEnvironment> environments_;        // all that are still in use
 };
 
 }  // namespace neuvv::render

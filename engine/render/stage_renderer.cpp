@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "voctree/half.h"
@@ -31,24 +32,6 @@ std::vector<glm::vec4> download_halves(const gpu::Device& device, const gpu::Buf
     return colours;
 }
 
-// A file that several clips play is one field.
-StageFields fields_of(const std::vector<ClipOnDevice>& clips) {
-    StageFields fields;
-    for (const ClipOnDevice& clip : clips) {
-        std::vector<std::optional<uint32_t>>& numbers = fields.of_segment.emplace_back();
-        for (const auto& segment : clip.segments) {
-            if (!segment) {
-                numbers.emplace_back();
-                continue;
-            }
-            const auto found = std::find(fields.all.begin(), fields.all.end(), &segment->field);
-            numbers.emplace_back(static_cast<uint32_t>(found - fields.all.begin()));
-            if (found == fields.all.end()) fields.all.push_back(&segment->field);
-        }
-    }
-    return fields;
-}
-
 }  // namespace
 
 SetLight set_light(const stage::EvaluatedLight& light) {
@@ -66,21 +49,22 @@ SetLight set_light(const stage::EvaluatedLight& light) {
 
 StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stage, StageAssets assets,
                              const FrameCapacity& capacity)
-    : device_(device), stage_(&stage), capacity_(capacity), assets_(std::move(assets)) {
+    : device_(device), stage_(&stage), capacity_(capacity), clips_(assets) {
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
-                                       capacity.samples * capacity.height, capacity.views, assets_.environment);
-    fields_ = fields_of(assets_.clips);
-    frames_ = std::make_unique<FrameRenderer>(device, fields_.all, capacity, set_.get());
-    apply_paints(stage, make_paints(stage, assets_));
+                                       capacity.samples * capacity.height, capacity.views, assets.environment);
+    fields_ = clips_.fields();
+    frames_ = std::make_unique<FrameRenderer>(device, fields_, capacity, set_.get());
+    frames_->change_fields(fields_, clips_.max_fields());
+    apply_paints(stage, make_paints(stage, assets));
 }
 
 void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
     NextPaints paints = make_paints(stage, assets);
     set_->change(stage.scene, assets.environment);
     // Nothing may fail from here on.
-    fields_ = fields_of(assets.clips);
-    frames_->change_fields(fields_.all);
-    assets_ = std::move(assets);
+    const StageClips before = std::exchange(clips_, StageClips(assets));
+    fields_ = clips_.fields();
+    frames_->change_fields(fields_, clips_.max_fields());
     stage_ = &stage;
     apply_paints(stage, std::move(paints));
 }
@@ -88,7 +72,7 @@ void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
     NextPaints next;
     for (size_t i = 0; i < stage.performers.size(); i++) {
-        next.of_performer.push_back({assets.clips[stage.performers[i].clip].first_readable(), assets.paint[i]});
+        next.of_performer.push_back({assets.clips[stage.performers[i].clip].first, assets.paint[i]});
         const PaintKey& key = next.of_performer.back();
         if (key.layers.empty() || paint_numbers_.contains(key) || next.new_paints.contains(key)) continue;
         std::vector<PaintUse> uses;
@@ -99,7 +83,7 @@ StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, 
 }
 
 uint32_t StageRenderer::number_of(const Field& field) const {
-    return static_cast<uint32_t>(std::find(fields_.all.begin(), fields_.all.end(), &field) - fields_.all.begin());
+    return static_cast<uint32_t>(std::find(fields_.begin(), fields_.end(), &field) - fields_.begin());
 }
 
 // Adds the new paints and removes unused ones. The renderer must have the fields of this stage already.
@@ -119,20 +103,9 @@ void StageRenderer::apply_paints(const stage::Stage& stage, NextPaints next) {
     }
     for (const auto& [key, number] : paint_numbers_) {
         const uint32_t field = number_of(key.clip->field);
-        if (field < fields_.all.size() && !numbers.contains(key)) frames_->paints(field).remove(number);
+        if (field < fields_.size() && !numbers.contains(key)) frames_->paints(field).remove(number);
     }
     paint_numbers_ = std::move(numbers);
-}
-
-std::pair<glm::dvec3, glm::dvec3> StageRenderer::leaf_box(uint32_t clip) const {
-    glm::dvec3 low(INFINITY), high(-INFINITY);
-    for (const auto& segment : assets_.clips[clip].segments) {
-        if (!segment || segment->field.leaf_count == 0) continue;
-        low = glm::min(low, glm::dvec3(segment->field.leaves_min));
-        high = glm::max(high, glm::dvec3(segment->field.leaves_max));
-    }
-    if (low.x <= high.x) return {low, high};
-    return {first_readable(clip)->field.leaves_min, first_readable(clip)->field.leaves_max};
 }
 
 void StageRenderer::resize(uint32_t width, uint32_t height) {
@@ -157,7 +130,11 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
     frames_ = std::make_unique<FrameRenderer>(std::move(*frames_), capacity);
 }
 
-void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment) {
+void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment, MissingSegments missing) {
+    if (const StageClips::Changes changes = clips_.follow(*stage_, evaluated, missing); changes.any) {
+        fields_ = clips_.fields();
+        frames_->change_fields(fields_, clips_.max_fields());
+    }
     std::vector<SetLight> lights;
     for (const stage::EvaluatedLight& light : evaluated.lights) lights.push_back(set_light(light));
     SetAmbient ambient;
@@ -193,6 +170,20 @@ media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, c
     return linear_image(light, metres, capacity_.width, capacity_.height, capacity_.samples, background);
 }
 
+std::optional<Instance> StageRenderer::instance_of(const stage::EvaluatedPerformer& performer) const {
+    if (!performer.visible) return std::nullopt;
+    const std::optional<StageClips::Place> place = clips_.place_of(performer);
+    if (!place) return std::nullopt;
+    return Instance{place->frame,
+                    glm::mat4(performer.world_from_performer),
+                    paints_[performer.performer],
+                    number_of(*place->field),
+                    performer.opacity,
+                    performer.casts_shadow,
+                    performer.receives_shadow,
+                    nullptr};
+}
+
 FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
                                          const PerformerHighlight& highlight) const {
     FrameSettings settings;
@@ -205,14 +196,10 @@ FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
     settings.resolve.background = glm::vec4(stage_->settings.background, 1);
     settings.instances.clear();
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
-        if (!performer.visible) continue;
-        const auto [segment, frame] =
-            voctree::segment_frame(assets_.clips[performer.clip].index, double{performer.frame});
-        const std::optional<uint32_t> field = fields_.of_segment[performer.clip][segment];
-        if (!field) continue;
-        settings.instances.push_back({frame, glm::mat4(performer.world_from_performer), paints_[performer.performer],
-                                      *field, performer.opacity, performer.casts_shadow, performer.receives_shadow});
-        if (performer.performer == highlight.performer) settings.instances.back().highlight = highlight.highlight;
+        std::optional<Instance> instance = instance_of(performer);
+        if (!instance) continue;
+        if (performer.performer == highlight.performer) instance->highlight = highlight.highlight;
+        settings.instances.push_back(std::move(*instance));
     }
     return settings;
 }

@@ -7,8 +7,7 @@
 
 #include "render/frame.h"
 #include "render/linear_image.h"
-#include "render/stage_assets.h"
-#include "stage/evaluated_stage.h"
+#include "render/stage_clips.h"
 
 namespace neuvv::render {
 
@@ -21,12 +20,6 @@ struct PerformerHighlight {
         if (!highlight || !other.highlight) return highlight == other.highlight;
         return performer == other.performer && *highlight == *other.highlight;
     }
-};
-
-// The fields of a stage's clips, in the order of FrameRenderer.
-struct StageFields {
-    std::vector<const Field*> all;
-    std::vector<std::vector<std::optional<uint32_t>>> of_segment;  // by clip: indices into `all`; nothing: not readable
 };
 
 class StageRenderer {
@@ -48,15 +41,22 @@ class StageRenderer {
     // stay. Throws RuntimeFailure where the device has no memory, and then keeps the old size.
     void resize(uint32_t width, uint32_t height);
 
-    // Poses the set and sets its lights for a time of the stage. `show_environment` makes the environment visible as
-    // the background; the environment gives light in any case.
-    void show(const stage::EvaluatedStage& evaluated, bool show_environment = true);
+    // Poses the set, sets its lights and brings segments of clips to the device for a time of the stage.
+    // `show_environment` makes the environment visible as the background; the environment gives light in any case.
+    // Throws RuntimeFailure where the device has no memory.
+    void show(const stage::EvaluatedStage& evaluated, bool show_environment = true,
+              MissingSegments missing = MissingSegments::kWait);
     // The settings of a frame at that time: the visible performers, and the blending, lights and background of the
-    // stage. A part of an image is drawn as an image of smaller width and height, by a camera whose principal point is
-    // moved by the part's position. It may have more samples than the capacity as long as samples · width and samples ·
-    // height do not exceed the capacity's. Parts together equal the whole image within a step of 255, except at edges
-    // of the set.
+    // stage. Performers of which the segment is not on the device are as StageClips::place_of says. A part of an image
+    // is drawn as an image of smaller width and height, by a camera whose principal point is moved by the part's
+    // position. It may have more samples than the capacity as long as samples · width and samples · height do not
+    // exceed the capacity's. Parts together equal the whole image within a step of 255, except at edges of the set.
     FrameSettings settings_at(const stage::EvaluatedStage& evaluated, const PerformerHighlight& highlight = {}) const;
+
+    // StageClips::holds, since the last show().
+    bool holds() const { return clips_.holds(); }
+    // A visible performer as settings_at has it; nothing where it is not drawn.
+    std::optional<Instance> instance_of(const stage::EvaluatedPerformer& performer) const;
 
     // Sets the hidden parts of each view's image (SetRaster::hide) until the next call.
     void hide(std::span<const std::vector<glm::vec2>> corners) { set_->hide(corners); }
@@ -68,21 +68,16 @@ class StageRenderer {
     FrameRenderer& frames() { return *frames_; }
     const FrameRenderer& frames() const { return *frames_; }
     const SetRaster& set() const { return *set_; }
-    // A clip (an index into Stage::clips). Its segments stay on the device for as long as a copy of this exists.
-    const ClipOnDevice& clip(uint32_t number) const { return assets_.clips[number]; }
-    // The field of a clip, valid until the next change(); of a segmented clip, that of its
-    // first segment that could be read.
-    const Field& field(uint32_t clip) const { return first_readable(clip)->field; }
+    // The field of a clip (an index into Stage::clips), valid until the next change(); of a segmented clip, that of its
+    // first segment that can be read.
+    const Field& field(uint32_t clip) const { return first(clip)->field; }
     // The same field, valid for as long as the pointer exists.
-    std::shared_ptr<const Field> shared_field(uint32_t clip) const {
-        return {first_readable(clip), &first_readable(clip)->field};
-    }
-    const voctree::PaintedField& painted_field(uint32_t clip) const { return first_readable(clip)->painted; }
-    // A line for each segment of a clip that could not be read; at its times, the performer is not there.
-    const std::vector<std::string>& problems() const { return assets_.problems; }
-    // The box around all leaves of a clip (min, max), in the performer's space, metres; of a clip without leaves, that
-    // of a tree.
-    std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const;
+    std::shared_ptr<const Field> shared_field(uint32_t clip) const { return {first(clip), &first(clip)->field}; }
+    const voctree::PaintedField& painted_field(uint32_t clip) const { return first(clip)->painted; }
+    // StageClips::problems.
+    const std::vector<std::string>& problems() const { return clips_.problems(); }
+    // ClipOnDevice::leaf_box.
+    std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const { return clips_.clips()[clip].leaf_box; }
     // The number of a performer's paint in frames().paints(); 0: no paint.
     uint32_t paint_of(uint32_t performer) const { return paints_[performer]; }
 
@@ -97,10 +92,8 @@ class StageRenderer {
         std::vector<PaintKey> of_performer;
         std::map<PaintKey, Paint> new_paints;  // those that have no number yet
     };
-    const std::shared_ptr<const LoadedClip>& first_readable(uint32_t clip) const {
-        return assets_.clips[clip].first_readable();
-    }
-    // Among fields_.all; their number where it is not among them.
+    const std::shared_ptr<const LoadedClip>& first(uint32_t clip) const { return clips_.clips()[clip].first; }
+    // Among fields_; their number where it is not among them.
     uint32_t number_of(const Field& field) const;
     NextPaints make_paints(const stage::Stage& stage, const StageAssets& assets) const;
     void apply_paints(const stage::Stage& stage, NextPaints next);
@@ -108,8 +101,8 @@ class StageRenderer {
     const gpu::Device& device_;
     const stage::Stage* stage_;
     FrameCapacity capacity_;  // its size is that of settings_at; the set's size is the largest so far
-    StageAssets assets_;
-    StageFields fields_;  // of assets_
+    StageClips clips_;
+    std::vector<const Field*> fields_;  // of clips_, in the order of FrameRenderer
     std::map<PaintKey, uint32_t> paint_numbers_;
     std::vector<uint32_t> paints_;  // by performer
     std::unique_ptr<SetRaster> set_;

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "base/error.h"
-#include "voctree/nvv.h"
 #include "voctree/plenoctree.h"
 
 namespace neuvv::voctree {
@@ -31,13 +30,27 @@ VOctree read_clip(const std::filesystem::path& path) {
     return is_plenoctree(path) ? read_plenoctree(path) : read_nvv(path);
 }
 
+namespace {
+
+void require_frames(const ClipSegment& segment, uint32_t frames) {
+    if (frames != segment.frames)
+        throw InputError(segment.file.string(), "HEAD",
+                         fmt::format("has {} frames, clip.json says {}", frames, segment.frames),
+                         "train the segment again");
+}
+
+}  // namespace
+
 VOctree read_segment(const ClipSegment& segment) {
     VOctree tree = read_clip(segment.file);
-    if (tree.frames != segment.frames)
-        throw InputError(segment.file.string(), "HEAD",
-                         fmt::format("has {} frames, clip.json says {}", tree.frames, segment.frames),
-                         "train the segment again");
+    require_frames(segment, tree.frames);
     return tree;
+}
+
+NvvHead read_segment_head(const ClipSegment& segment) {
+    const NvvHead head = summarise_nvv(segment.file).head;
+    require_frames(segment, head.frames);
+    return head;
 }
 
 namespace {
@@ -49,7 +62,7 @@ ClipHead read_segmented_head(const std::filesystem::path& path) {
     std::string problem;
     for (const ClipSegment& segment : index.segments) {
         try {
-            const NvvHead head = summarise_nvv(segment.file).head;
+            const NvvHead head = read_segment_head(segment);
             const Box one{head.box_min, head.box_min + head.box_size};
             if (head.leaf_count == 0)
                 empty = one;

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "voctree/clip_index.h"
+#include "voctree/nvv.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {
@@ -16,6 +17,10 @@ VOctree read_clip(const std::filesystem::path& path);
 // Reads a segment of a clip. Throws InputError as read_clip, and where the file has not as many frames as the index
 // says.
 VOctree read_segment(const ClipSegment& segment);
+
+// The head of a segment of a segmented clip, without its leaves. Throws InputError where the file's headers are
+// damaged, and where it has not as many frames as the index says.
+NvvHead read_segment_head(const ClipSegment& segment);
 
 struct ClipHead {
     uint32_t frames;

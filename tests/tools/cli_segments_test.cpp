@@ -3,9 +3,9 @@
 
 #include "render/stage_renderer.h"
 #include "support/child_process.h"
+#include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
-#include "tests/tools/segmented_copy.h"
 #include "training/checkpoint.h"
 #include "training/claim.h"
 

@@ -129,8 +129,9 @@ struct RuntimeContext {
 
     xr::Runtime runtime;
     gpu::Device device;
-    // All clips that were ever on the stage, so that undoing a deletion reads no file between two frames.
-    std::map<std::filesystem::path, render::ClipOnDevice> clips;
+    // All clips that were ever on the stage, so that undoing a deletion reads no file between two frames. Of segmented
+    // clips, it is the first segment.
+    std::map<std::filesystem::path, std::shared_ptr<const render::Field>> clips;
     std::unique_ptr<render::StageLoader> loader;
     std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
     std::shared_ptr<const stage::Stage> drawn_stage;
@@ -154,7 +155,7 @@ void update_clips(HeadsetState& state, RuntimeContext& context) {
     for (const std::string& problem : context.renderer->problems()) print_line("not shown: " + problem);
     for (uint32_t clip = 0; clip < state.stage->clips.size(); clip++) {
         state.leaf_boxes.push_back(context.renderer->leaf_box(clip));
-        context.clips[state.stage->clips[clip].path] = context.renderer->clip(clip);
+        context.clips[state.stage->clips[clip].path] = context.renderer->shared_field(clip);
     }
 }
 
@@ -295,7 +296,7 @@ void update_panel(Program& program, SessionContext& session, double dt_s) {
 bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time) {
     HeadsetState& state = program.state;
     const bool hides_room = context.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
-    context.renderer->show(state.evaluated, hides_room);
+    context.renderer->show(state.evaluated, hides_room, render::MissingSegments::kHold);
     const xr::Pose world = xr::world_from_tracking(state.rig);
     const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
     session.shapes.begin(world * (head ? head->position : glm::dvec3(0)), session.eyes.pixel_rad());

@@ -1,0 +1,153 @@
+// Long clips on a stage: a few segments at a time are on the device, and what is drawn does not depend on which.
+#include "render/stage_clips.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "render/stage_renderer.h"
+#include "support/gpu_test.h"
+#include "support/look_at.h"
+#include "support/random_tree.h"
+#include "support/segmented_copy.h"
+#include "support/stage_on_disk.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv::test::stage_clips_test {
+namespace {
+
+using render::MissingSegments;
+
+constexpr uint32_t kSegments = 12;
+constexpr double kSegment_s = 0.5;
+
+// A clip of 12 segments of two frames, which take half a second each, on a stage.
+struct StageClipsTest : GpuTest {
+    TemporaryFolder folder;
+    std::filesystem::path clip = folder.path / "long.nvv";
+    std::unique_ptr<stage::Stage> stage;
+
+    void SetUp() override {
+        GpuTest::SetUp();
+        voctree::VOctree tree = random_tree({.leaves = 300, .bases = 24, .frames = 2 * kSegments});
+        tree.fps = 4;
+        write_segmented_copy(tree, std::vector<uint32_t>(kSegments, 2), clip);
+        write_stage(folder.path / "show.gltf", clip, "anna");
+        stage = std::make_unique<stage::Stage>(stage::load_stage(folder.path / "show.gltf"));
+    }
+    std::filesystem::path segment(uint32_t number) const { return clip / voctree::segment_file_name(2 * number); }
+    static double middle_of(uint32_t number) { return (number + 0.25) * kSegment_s; }
+
+    // A follower of the stage without a renderer.
+    struct Follower {
+        StageClipsTest& test;
+        render::StageClips clips{render::StageLoader(device()).load(*test.stage)};
+
+        // Where the performer is at a time, after the clips have followed the stage to it.
+        std::optional<render::StageClips::Place> at(double time_s, MissingSegments missing) {
+            const stage::EvaluatedStage evaluated = stage::stage_at(*test.stage, time_s);
+            clips.follow(*test.stage, evaluated, missing);
+            return clips.place_of(evaluated.performers[0]);
+        }
+        const render::Field* field_of(uint32_t number) const {
+            const auto& loaded = clips.clips()[0].segments[number].loaded;
+            return loaded ? &loaded->field : nullptr;
+        }
+        // Follows the stage at a time that does not change until `done`; false after a minute.
+        bool until(double time_s, const std::function<bool()>& done) {
+            for (int i = 0; i < 60'000 && !done(); i++) {
+                at(time_s, MissingSegments::kHold);
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+            return done();
+        }
+    };
+};
+
+media::Image image_at(render::StageRenderer& renderer, const stage::Stage& stage, double time_s) {
+    const stage::EvaluatedStage evaluated = stage::stage_at(stage, time_s);
+    renderer.show(evaluated);
+    return renderer.frames().render(look_at({0, 0.4, 4}, {0, 0.5, 0}, 48, 36, 1), renderer.settings_at(evaluated));
+}
+
+TEST_F(StageClipsTest, ImagesDoNotDependOnWhatWasShownBefore) {
+    render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+    media::Image last;
+    for (const uint32_t number : {0u, 1u, 2u, 3u, 11u, 4u, 3u, 0u}) {
+        const media::Image image = image_at(renderer, *stage, middle_of(number));
+        render::StageRenderer fresh(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+        EXPECT_EQ(image.rgba, image_at(fresh, *stage, middle_of(number)).rgba) << number;
+        EXPECT_NE(image.rgba, last.rgba) << number;
+        last = image;
+    }
+}
+
+TEST_F(StageClipsTest, MemoryDoesNotGrowWithTheClip) {
+    render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+    uint64_t early = 0, late = 0;
+    for (double time_s = 0; time_s < kSegments * kSegment_s; time_s += 0.1) {
+        image_at(renderer, *stage, time_s);
+        uint64_t& most = time_s < 2.5 * kSegment_s ? early : late;
+        most = std::max(most, device().buffer_bytes());
+    }
+    EXPECT_LE(late, early * 23 / 20) << "some slices have room for more entries";
+    Follower follower{*this};
+    for (uint32_t number = 0; number < kSegments; number++) {
+        follower.at(middle_of(number), MissingSegments::kWait);
+        EXPECT_LE(follower.clips.fields().size(), render::kSegmentsOnDevice);
+        EXPECT_NE(follower.field_of(number), nullptr);
+    }
+}
+
+TEST_F(StageClipsTest, AfterASeekThePerformerStaysUntilTheSegmentIsRead) {
+    Follower follower{*this};
+    const auto before = follower.at(middle_of(0), MissingSegments::kHold);
+    ASSERT_TRUE(before);
+    EXPECT_EQ(before->field, follower.field_of(0));
+    const auto held = follower.at(middle_of(9), MissingSegments::kHold);
+    ASSERT_TRUE(held);
+    EXPECT_EQ(held->field, before->field);
+    EXPECT_EQ(held->frame, before->frame);
+    ASSERT_TRUE(follower.until(middle_of(9), [&] { return follower.field_of(9) != nullptr; }));
+    const auto there = follower.at(middle_of(9), MissingSegments::kHold);
+    ASSERT_TRUE(there);
+    EXPECT_EQ(there->field, follower.field_of(9));
+    EXPECT_FLOAT_EQ(there->frame, 0.5f);
+}
+
+TEST_F(StageClipsTest, SegmentsAreReadAheadInTheClocksDirection) {
+    Follower follower{*this};
+    ASSERT_TRUE(follower.until(middle_of(0), [&] { return follower.field_of(4) != nullptr; }));
+    for (const uint32_t number : {1u, 2u, 3u}) EXPECT_NE(follower.field_of(number), nullptr) << number;
+    follower.at(middle_of(9), MissingSegments::kWait);
+    follower.at(middle_of(9) - 0.1, MissingSegments::kHold);
+    EXPECT_TRUE(follower.until(middle_of(9) - 0.1, [&] { return follower.field_of(6) != nullptr; }));
+    EXPECT_EQ(follower.field_of(10), nullptr);
+}
+
+void damage_leaves(const std::filesystem::path& file) {
+    std::fstream bytes(file, std::ios::binary | std::ios::in | std::ios::out);
+    bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file) / 2));
+    bytes.write("damaged", 7);
+}
+
+// The head of the file is whole, so that the damage is found only when the segment is read.
+TEST_F(StageClipsTest, ADamagedSegmentCostsItselfAlone) {
+    damage_leaves(segment(3));
+    std::filesystem::remove(segment(5));
+    Follower follower{*this};
+    ASSERT_EQ(follower.clips.problems().size(), 1u);
+    EXPECT_NE(follower.clips.problems()[0].find(segment(5).filename().string()), std::string::npos);
+    EXPECT_TRUE(follower.at(middle_of(2), MissingSegments::kWait));
+    EXPECT_FALSE(follower.at(middle_of(3), MissingSegments::kWait)) << "nobody is there";
+    ASSERT_EQ(follower.clips.problems().size(), 2u);
+    EXPECT_NE(follower.clips.problems()[1].find(segment(3).filename().string()), std::string::npos);
+    EXPECT_TRUE(follower.at(middle_of(4), MissingSegments::kWait));
+    EXPECT_FALSE(follower.at(middle_of(5), MissingSegments::kWait));
+    EXPECT_TRUE(follower.at(middle_of(6), MissingSegments::kWait));
+}
+
+}  // namespace
+}  // namespace neuvv::test::stage_clips_test
