@@ -2,6 +2,7 @@
 #include "motion/detector.h"
 #include "motion/skeleton_file.h"
 #include "support/body_tree.h"
+#include "support/segmented_copy.h"
 #include "tests/tools/cli_gpu.h"
 
 namespace neuvv {
@@ -24,8 +25,8 @@ nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::
 
 TEST(Bench, EveryVerbHelpsWithExamples) {
     const std::string overview = run_neuvv({"--help"}).out;
-    for (const char* verb :
-         {"open", "render", "walk", "slice", "stereo", "instances", "far", "stage", "xr", "train", "edit", "coach"}) {
+    for (const char* verb : {"open", "render", "walk", "slice", "stereo", "instances", "far", "stage", "play", "xr",
+                             "train", "edit", "coach"}) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
@@ -75,6 +76,19 @@ TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     expect_refused({"render", scene, "--size", "0x9"}, 2, {"--size"});
     expect_refused({"render", scene, "--views", "0"}, 2, {"--views"});
     expect_refused({"render", file("none.nvv")}, 2, {"none.nvv"});
+}
+
+TEST_F(CliGpu, BenchPlayCountsFramesAndSeeks) {
+    write_segmented_copy(tree, {1, 1, 2}, file("parts.nvv"));
+    const std::vector<std::string> command = {"play", file("parts.nvv"), "--size", "64x48", "--seconds",
+                                              "1",    "--seek-every",    "0.25"};
+    expect_words(command, {"were missed", "was held", "after a seek", "in the second"});
+    const nlohmann::json json = json_of(command);
+    EXPECT_GT(json["images"], 3);
+    EXPECT_GT(json["frames"], 0);
+    EXPECT_GT(json["seek_ms"], 0.0);
+    EXPECT_GT(json["late_bytes"], 0);
+    expect_refused({"play", file("parts.nvv"), "--seconds", "0"}, 2, {"--seconds"});
 }
 
 TEST_F(CliGpu, BenchFarComparesLevels) {

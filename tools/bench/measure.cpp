@@ -13,7 +13,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "training/metrics.h"
-#include "voctree/nvv.h"
+#include "voctree/clip.h"
 
 namespace neuvv::bench {
 
@@ -79,7 +79,7 @@ render::FrameSettings play_settings(media::ImageSize size) {
 stage::Stage stage_of_copies(const std::filesystem::path& clip, uint32_t copies, double widths_apart) {
     const std::filesystem::path file_of_clip = std::filesystem::absolute(clip);
     stage::StageFile file = edit::new_stage(file_of_clip.parent_path() / "bench.gltf");
-    const voctree::NvvHead head = voctree::summarise_nvv(file_of_clip).head;
+    const voctree::ClipHead head = voctree::read_clip_head(file_of_clip);
     const double step_m = widths_apart * head.box_size.x;
     for (uint32_t i = 0; i < copies; i++) {
         edit::Placement placement;

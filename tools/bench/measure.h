@@ -106,6 +106,7 @@ void add_instances(tools::Command app, const tools::CommonOptions& common);
 void add_stereo(tools::Command app, const tools::CommonOptions& common);
 void add_far(tools::Command app, const tools::CommonOptions& common);
 void add_stage(tools::Command app, const tools::CommonOptions& common);
+void add_play(tools::Command app, const tools::CommonOptions& common);
 void add_xr(tools::Command app, const tools::CommonOptions& common);
 void add_train(tools::Command app, const tools::CommonOptions& common);
 void add_edit(tools::Command app, const tools::CommonOptions& common);

@@ -1,0 +1,144 @@
+// neuvv-bench play: a clip that plays in real time, while its segments are read.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "base/platform.h"
+#include "render/stage_renderer.h"
+#include "tools/bench/measure.h"
+#include "tools/options.h"
+#include "tools/report.h"
+
+namespace neuvv::bench {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct PlayOptions : BenchOptions {
+    PlayOptions() { size = "320x320"; }
+    double seconds = 20, seek_every_s = 4;
+};
+
+double milliseconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+struct Result {
+    std::vector<double> image_ms;  // from the clock to the image, of each image
+    std::vector<double> seek_ms;   // from a seek to the first image that shows the performer at its time
+    uint64_t frames = 0, missed = 0, held_images = 0;
+    uint64_t early_bytes = 0, late_bytes = 0;  // the most buffers on the device in either half
+};
+
+// Plays from one seek to the next.
+void play_from(double from_s, double until_s, const stage::Stage& stage, const stage::Camera& camera,
+               render::StageRenderer& renderer, Result& result, uint64_t& bytes) {
+    const Clock::time_point begin = Clock::now();
+    bool waiting = true;
+    int64_t last_frame = -1;
+    for (double played_s = 0; played_s < until_s && !stop_requested();) {
+        const Clock::time_point image_begin = Clock::now();
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, from_s + played_s);
+        renderer.show(evaluated, true, render::MissingSegments::kHold);
+        const bool held = renderer.holds();
+        renderer.frames().draw({&camera, 1}, renderer.settings_at(evaluated));
+        result.image_ms.push_back(milliseconds_since(image_begin));
+        result.held_images += held ? 1 : 0;
+        if (waiting && !held) result.seek_ms.push_back(milliseconds_since(begin));
+        waiting = waiting && held;
+        bytes = std::max(bytes, renderer.frames().device().buffer_bytes());
+        const auto frame = static_cast<int64_t>(std::floor(played_s * stage.fps));
+        if (last_frame >= 0) result.missed += static_cast<uint64_t>(std::max<int64_t>(frame - last_frame - 1, 0));
+        last_frame = frame;
+        played_s = milliseconds_since(begin) / 1000;
+    }
+    result.frames += static_cast<uint64_t>(last_frame + 1);
+}
+
+Result measure(const gpu::Device& device, const stage::Stage& stage, const PlayOptions& options) {
+    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
+    const media::ImageSize size = tools::parse_size(options.size);
+    const stage::Camera camera = stage::camera_of(stage, "camera", stage::stage_at(stage, 0), size.width, size.height);
+    std::mt19937 random(1);
+    const double clip_s = stage.clips[0].frames / stage.clips[0].fps;
+    Result result;
+    uint64_t warm_up_bytes = 0;
+    Result warm_up;  // pipelines are compiled
+    play_from(0, 0.1, stage, camera, renderer, warm_up, warm_up_bytes);
+    tools::Progress progress("seconds", static_cast<uint64_t>(options.seconds));
+    for (double done_s = 0; done_s < options.seconds && !stop_requested(); done_s += options.seek_every_s) {
+        const double from_s = clip_s * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
+        play_from(from_s, std::min(options.seek_every_s, options.seconds - done_s), stage, camera, renderer, result,
+                  done_s < options.seconds / 2 ? result.early_bytes : result.late_bytes);
+        progress.update(static_cast<uint64_t>(done_s));
+    }
+    return result;
+}
+
+double mebibytes(uint64_t bytes) {
+    return static_cast<double>(bytes) / 1048576;
+}
+
+void print(const Result& result, const gpu::Device& device, const PlayOptions& options) {
+    fmt::print("{}: {}, {}\n", device.summary().name, options.scene, options.size);
+    fmt::print("{} frames, of which {} were missed; in {} of {} images the performer was held\n", result.frames,
+               result.missed, result.held_images, result.image_ms.size());
+    fmt::print("an image: {:.1f} ms median, {:.1f} ms p99, {:.1f} ms at most\n", median(result.image_ms),
+               quantile(result.image_ms, 0.99), quantile(result.image_ms, 1));
+    fmt::print("after a seek: {:.1f} ms median, {:.1f} ms at most, to the performer at its time\n",
+               median(result.seek_ms), quantile(result.seek_ms, 1));
+    fmt::print(
+        "buffers on the device: at most {:.1f} MiB in the first half, {:.1f} MiB in the second; the process at "
+        "most {:.0f} MiB\n",
+        mebibytes(result.early_bytes), mebibytes(result.late_bytes), mebibytes(peak_memory_bytes()));
+}
+
+nlohmann::ordered_json json_of(const Result& result) {
+    return {{"frames", result.frames},
+            {"missed", result.missed},
+            {"images", result.image_ms.size()},
+            {"held_images", result.held_images},
+            {"ms", median(result.image_ms)},
+            {"p99_ms", quantile(result.image_ms, 0.99)},
+            {"most_ms", quantile(result.image_ms, 1)},
+            {"seek_ms", median(result.seek_ms)},
+            {"most_seek_ms", quantile(result.seek_ms, 1)},
+            {"early_bytes", result.early_bytes},
+            {"late_bytes", result.late_bytes}};
+}
+
+void run(const PlayOptions& options, const tools::CommonOptions& common) {
+    catch_stop_signals();
+    const stage::Stage stage = stage_of_copies(options.scene, 1, 0);
+    const gpu::Device device(common.device);
+    const Result result = measure(device, stage, options);
+    expect_not_stopped();
+    report(options, device, json_of(result), [&] { print(result, device, options); });
+}
+
+}  // namespace
+
+void add_play(tools::Command app, const tools::CommonOptions& common) {
+    auto [verb, options] = add_verb(app, common,
+                                    {"play",
+                                     "A clip that plays in real time, with seeks",
+                                     "Plays a clip on a stage for some seconds, from a random place every few seconds, "
+                                     "and loops. Prints frames that "
+                                     "were missed because an image took too long, the time until the performer is "
+                                     "there after a seek, and memory.\n",
+                                     {"build/performer.nvv", "show.nvv --seconds 3600 --seek-every 10"},
+                                     "A .nvv, in segments or not"},
+                                    run);
+    add_size_option(verb, options);
+    verb.add_option("--seconds", options.seconds, "How long it plays").number_between(0.1, 1e6).show_default();
+    verb.add_option("--seek-every", options.seek_every_s, "Seconds from one seek to the next")
+        .number_between(0.1, 1e6)
+        .show_default();
+    add_json_flag(verb, options);
+}
+
+}  // namespace neuvv::bench
