@@ -16,10 +16,10 @@
 #include "tools/commands.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
-#include "training/compact.h"
 #include "training/metrics.h"
 #include "voctree/clip.h"
 #include "voctree/coarse.h"
+#include "voctree/frames.h"
 #include "voctree/nvv.h"
 #include "voctree/round.h"
 
@@ -82,7 +82,7 @@ double worst_psnr(const std::vector<media::Image>& truth, const std::vector<medi
 voctree::VOctree rounded(const voctree::VOctree& tree, int strength) {
     voctree::VOctree result = tree;
     voctree::round_weights(result, error_of(strength));
-    training::drop_empty_leaves(result);
+    voctree::drop_empty_leaves(result);
     return result;
 }
 

@@ -13,6 +13,7 @@
 #include "base/platform.h"
 #include "base/text.h"
 #include "media/image.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
@@ -66,6 +67,23 @@ std::vector<double> parse_numbers(const std::string& option, const std::string& 
     if (!valid)
         throw InputError(option, text, count == 1 ? "is no number" : fmt::format("is not {} numbers", count), fix);
     return numbers;
+}
+
+uint32_t parse_frames(const std::string& option, const std::string& text, double fps) {
+    constexpr const char* kFix = "write for instance 8 for frames, 0.5s for seconds, or 2:10 for minutes and seconds";
+    const size_t colon = text.find(':');
+    const bool in_seconds = text.ends_with('s') || colon != std::string::npos;
+    double number = 0;
+    if (colon != std::string::npos)
+        number = 60 * parse_numbers(option, text.substr(0, colon), 1, kFix)[0] +
+                 parse_numbers(option, text.substr(colon + 1), 1, kFix)[0];
+    else
+        number = parse_numbers(option, in_seconds ? text.substr(0, text.size() - 1) : text, 1, kFix)[0];
+    if (in_seconds && fps <= 0) throw InputError(option, text, "needs a frame rate, which is not known here", kFix);
+    const double frames = std::round(in_seconds ? number * fps : number);
+    if (frames < 0 || frames > voctree::kMaxClipFrames)
+        throw InputError(option, text, fmt::format("is {} frames", frames), kFix);
+    return static_cast<uint32_t>(frames);
 }
 
 glm::vec4 parse_colour(const std::string& option, const std::string& text) {

@@ -22,6 +22,10 @@ media::ImageSize parse_size(const std::string& text);
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, size_t count,
                                   const std::string& fix);
 
+// A number of frames, or a place in a clip: frames ("24"), seconds ("1.5s"), or minutes and seconds ("2:10") at `fps`
+// frames a second (0: not known), rounded. Throws InputError.
+uint32_t parse_frames(const std::string& option, const std::string& text, double fps);
+
 // Linear RGB and opacity of a colour: "#rrggbb" or "rrggbb" (sRGB), one of CSS's sixteen basic names, "grey" or
 // "clear". `option` is for the error.
 glm::vec4 parse_colour(const std::string& option, const std::string& text);

@@ -16,17 +16,10 @@ namespace neuvv::tools {
 
 namespace {
 
-// The longest segment in frames, of "4" or "0.5s".
 uint32_t longest_segment(const std::string& text, double fps) {
-    constexpr const char* kFix = "write for instance 8 for frames, or 0.5s for seconds";
-    const bool seconds = text.ends_with('s');
-    const double number = parse_numbers("--segment", seconds ? text.substr(0, text.size() - 1) : text, 1, kFix)[0];
-    if (seconds && fps <= 0)
-        throw InputError("--segment", text, "needs a frame rate, which the data set does not give", kFix);
-    const double frames = std::round(seconds ? number * fps : number);
-    if (frames < 1 || frames > voctree::kMaxClipFrames)
-        throw InputError("--segment", text, fmt::format("is {} frames", frames), "give at least one frame");
-    return static_cast<uint32_t>(frames);
+    const uint32_t frames = parse_frames("--segment", text, fps);
+    if (frames < 1) throw InputError("--segment", text, "is no frame", "give at least one frame");
+    return frames;
 }
 
 // The steps of a part of a budget; of none, none.

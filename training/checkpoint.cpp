@@ -16,6 +16,7 @@
 #include "training/compact.h"
 #include "training/schedule.h"
 #include "voctree/coarse.h"
+#include "voctree/frames.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::training {
@@ -314,7 +315,7 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
 
 uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree) {
     empty_thin_leaves(tree);
-    drop_empty_leaves(tree);
+    voctree::drop_empty_leaves(tree);
     make_compact(tree);
     voctree::write_nvv(nvv, tree, {}, 1, voctree::coarse_tree(tree));
     return tree.leaf_count;

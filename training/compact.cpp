@@ -42,20 +42,6 @@ void empty_thin_leaves(voctree::VOctree& tree) {
     });
 }
 
-void drop_empty_leaves(voctree::VOctree& tree) {
-    if (!has_basis_per_frame(tree)) return;
-    const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(tree);
-    std::vector<voctree::LeafPosition> kept;
-    std::vector<const float*> weights;
-    for (uint32_t i = 0; i < tree.leaf_count; i++) {
-        const float* sigma = tree.leaf(i);
-        if (std::none_of(sigma, sigma + tree.bases, [](float value) { return value > 0; })) continue;
-        kept.push_back(positions[i]);
-        weights.push_back(sigma);
-    }
-    voctree::replace_leaves(tree, kept, weights);
-}
-
 void make_compact(voctree::VOctree& tree) {
     const uint32_t bases = tree.bases;
     const bool basis_per_frame = has_basis_per_frame(tree);

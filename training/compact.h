@@ -23,7 +23,4 @@ void empty_thin_leaves(voctree::VOctree& tree);
 // interval.
 void make_compact(voctree::VOctree& tree);
 
-// Removes the leaves that are empty in every frame. Does nothing where frames share bases.
-void drop_empty_leaves(voctree::VOctree& tree);
-
 }  // namespace neuvv::training

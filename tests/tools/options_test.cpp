@@ -98,5 +98,15 @@ TEST(Options, Texts) {
     EXPECT_EQ(tools::format_duration(3723), "1:02:03");
 }
 
+TEST(Options, FramesAreCountedInSecondsToo) {
+    EXPECT_EQ(tools::parse_frames("--to", "24", 0), 24u);
+    EXPECT_EQ(tools::parse_frames("--to", "1.5s", 30), 45u);
+    EXPECT_EQ(tools::parse_frames("--to", "2:10", 25), 3250u);
+    EXPECT_EQ(tools::parse_frames("--to", "0:00.04", 25), 1u);
+    for (const char* text : {"", "s", ":", "1:", "2:1s", "-1", "1:2:3", "20000000", "nans"})
+        expect_input_error([&] { tools::parse_frames("--to", text, 25); }, {"--to"});
+    expect_input_error([&] { tools::parse_frames("--to", "1s", 0); }, {"--to", "frame rate"});
+}
+
 }  // namespace
 }  // namespace neuvv

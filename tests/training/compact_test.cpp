@@ -7,6 +7,7 @@
 #include "reference/slice.h"
 #include "support/random_tree.h"
 #include "training/bases.h"
+#include "voctree/frames.h"
 
 namespace neuvv::test {
 namespace {
@@ -93,7 +94,7 @@ TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
             live.push_back(leaf);
     ASSERT_GT(live.size(), tree.leaf_count / 2);
     voctree::VOctree after = tree;
-    training::drop_empty_leaves(after);
+    voctree::drop_empty_leaves(after);
     EXPECT_EQ(voctree::defect_of(after), "");
     ASSERT_EQ(after.leaf_count, live.size());
     const std::vector<voctree::LeafPosition> positions_after = voctree::leaf_positions(after);
@@ -103,10 +104,12 @@ TEST(Compact, LeavesThatAreEmptyInEveryFrameGo) {
     }
 
     voctree::VOctree shared = tree_of(6, 5);  // a frame between two knots has shares of both bases
+    for (uint32_t leaf = 0; leaf < shared.leaf_count; leaf++) std::fill_n(shared.leaf(leaf), 5, 1.0f);
     const uint32_t leaves = shared.leaf_count;
-    std::fill_n(shared.leaf(0), 5, -1.0f);
-    training::drop_empty_leaves(shared);
-    EXPECT_EQ(shared.leaf_count, leaves);
+    shared.leaf(0)[1] = -1.0f;  // still dense in other frames
+    std::fill_n(shared.leaf(1), 5, -1.0f);
+    voctree::drop_empty_leaves(shared);
+    EXPECT_EQ(shared.leaf_count, leaves - 1);
 }
 
 // Where frames share bases, a negative weight contributes to several frames, so it must stay.

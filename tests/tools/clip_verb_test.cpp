@@ -1,0 +1,77 @@
+// `neuvv clip`: cut and join.
+#include <gtest/gtest.h>
+
+#include "base/output_path.h"
+#include "support/random_tree.h"
+#include "support/segmented_copy.h"
+#include "support/temporary_folder.h"
+#include "tests/tools/run_neuvv.h"
+#include "voctree/clip.h"
+
+namespace neuvv {
+namespace {
+
+struct ClipVerb : testing::Test {
+    TemporaryFolder folder;
+    voctree::VOctree tree = test::random_tree({.leaves = 300, .bases = 6, .frames = 6});
+    std::string whole = file("whole.nvv"), parts = file("parts.nvv");
+
+    void SetUp() override {
+        tree.fps = 2;
+        voctree::write_nvv(whole, tree);
+        write_segmented_copy(tree, {2, 3, 1}, parts);
+    }
+    std::string file(const std::string& name) const { return (folder.path / name).string(); }
+    static std::string bytes_of(const std::string& path) {
+        std::ifstream file(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    void run(const std::vector<std::string>& words, const char* says) {
+        const ProgramResult result = run_neuvv(words);
+        ASSERT_EQ(result.code, 0) << result.err;
+        EXPECT_NE(result.out.find(says), std::string::npos) << result.out;
+        EXPECT_EQ(folder.entries(), 3u) << "nothing but the output";
+    }
+};
+
+TEST_F(ClipVerb, APartOfAFileIsAFile) {
+    run({"clip", "cut", whole, "-o", file("a.nvv"), "--from", "1", "--to", "2s"}, "3 frames in 1 segment");
+    const voctree::VOctree read = voctree::read_nvv(file("a.nvv"));
+    EXPECT_EQ(read.weights, voctree::frames_of(tree, 1, 3).weights);
+    EXPECT_EQ(read.fps, 2);
+}
+
+TEST_F(ClipVerb, WholeSegmentsAreCopied) {
+    run({"clip", "cut", parts, "-o", file("a.nvv"), "--from", "0:0.5"}, "5 frames in 3 segments");
+    const voctree::ClipIndex index = voctree::read_clip_index(file("a.nvv"));
+    ASSERT_EQ(index.segments.size(), 3u);
+    EXPECT_EQ(index.segments[0].frames, 1u);
+    EXPECT_EQ(voctree::read_segment(index.segments[0]).weights, voctree::frames_of(tree, 1, 1).weights);
+    EXPECT_EQ(bytes_of(index.segments[1].file), bytes_of(parts + "/000002.nvv"));
+    EXPECT_EQ(bytes_of(index.segments[2].file), bytes_of(parts + "/000005.nvv"));
+}
+
+TEST_F(ClipVerb, JoinedClipsFollowEachOther) {
+    run({"clip", "join", parts, whole, "-o", file("a.nvv") + "/"}, "12 frames in 4 segments");
+    const voctree::ClipIndex index = voctree::read_clip_index(file("a.nvv"));
+    EXPECT_EQ(index.fps, 2);
+    EXPECT_EQ(index.segments[3].first, 6u);
+    EXPECT_EQ(bytes_of(index.segments[3].file), bytes_of(whole));
+}
+
+TEST_F(ClipVerb, WhatCannotBeIsRefused) {
+    expect_refused({"clip", "cut", whole, "-o", file("a.nvv"), "--from", "4", "--to", "4"}, 2, {"--from", "6 frames"});
+    expect_refused({"clip", "cut", whole, "-o", file("a.nvv"), "--to", "4s"}, 2, {"whole.nvv", "6 frames"});
+    expect_refused({"clip", "cut", whole, "-o", file("a.nvv"), "--to", "soon"}, 2, {"--to", "soon"});
+    expect_refused({"clip", "cut", whole, "-o", parts}, 2, {"parts.nvv", "is there already"});
+    expect_refused({"clip", "cut", file("none.nvv"), "-o", file("a.nvv")}, 2, {"none.nvv"});
+    tree.fps = 25;
+    voctree::write_nvv(whole, tree);
+    expect_refused({"clip", "join", parts, whole, "-o", file("a.nvv")}, 2, {"whole.nvv", "25 frames a second"});
+    write_text_file(parts + "/000002.nvv", "no tree");
+    expect_refused({"clip", "cut", parts, "-o", file("a.nvv")}, 2, {"000002.nvv"});
+    EXPECT_EQ(folder.entries(), 2u) << "nothing is left behind";
+}
+
+}  // namespace
+}  // namespace neuvv

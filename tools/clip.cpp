@@ -1,0 +1,176 @@
+// neuvv clip: parts of clips, and clips one after the other, without training.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "base/error.h"
+#include "base/output_path.h"
+#include "base/platform.h"
+#include "tools/commands.h"
+#include "tools/options.h"
+#include "tools/report.h"
+#include "voctree/clip.h"
+#include "voctree/coarse.h"
+#include "voctree/frames.h"
+#include "voctree/nvv.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+struct CutOptions {
+    std::string clip, output, from, to;
+};
+
+struct JoinOptions {
+    std::vector<std::string> clips;
+    std::string output;
+};
+
+// Frames of a clip's file, which become a segment.
+struct Piece {
+    voctree::ClipSegment source;
+    uint32_t first = 0, frames = 1;  // in the file
+    bool is_whole() const { return frames == source.frames; }
+};
+
+// The frames `begin` to `end` − 1 of a clip.
+std::vector<Piece> pieces_of(const voctree::ClipIndex& index, uint32_t begin, uint32_t end) {
+    std::vector<Piece> pieces;
+    for (const voctree::ClipSegment& segment : index.segments) {
+        const uint32_t first = std::max(begin, segment.first), last = std::min(end, segment.end());
+        if (first < last) pieces.push_back({segment, first - segment.first, last - first});
+    }
+    return pieces;
+}
+
+// Whole .nvv files are copied byte by byte.
+void write_piece(const Piece& piece, const std::filesystem::path& output) {
+    if (piece.is_whole() && !voctree::is_plenoctree(piece.source.file)) {
+        std::error_code error;
+        std::filesystem::copy_file(piece.source.file, output, error);
+        if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output.string(), error.message()));
+        return;
+    }
+    const voctree::VOctree part = voctree::frames_of(voctree::read_segment(piece.source), piece.first, piece.frames);
+    voctree::write_nvv(output, part, {}, 9, voctree::coarse_tree(part));
+}
+
+// The folder in which a clip is made. It gets the clip's name when all is written, and is removed when that fails.
+struct UnfinishedClip {
+    std::filesystem::path output, folder;
+
+    explicit UnfinishedClip(const std::filesystem::path& path) : output(path), folder(path.string() + ".unfinished") {
+        if (std::filesystem::exists(output))
+            throw InputError("--output", output.string(), "is there already", "name another, or remove it");
+        prepare_output_folder("--output", folder);
+    }
+    UnfinishedClip(const UnfinishedClip&) = delete;
+    UnfinishedClip& operator=(const UnfinishedClip&) = delete;
+    ~UnfinishedClip() {
+        std::error_code ignored;
+        std::filesystem::remove_all(folder, ignored);
+    }
+    void finish(const std::filesystem::path& made) const {
+        std::error_code error;
+        std::filesystem::rename(made, output, error);
+        if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output.string(), error.message()));
+    }
+};
+
+// Writes the pieces as one clip: as a file where there is only one, else in segments.
+void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& output) {
+    for (const Piece& piece : pieces)  // before anything is written
+        if (!voctree::is_plenoctree(piece.source.file)) voctree::read_segment_head(piece.source);
+    catch_stop_signals();
+    const UnfinishedClip clip(voctree::clip_path(output));
+    voctree::ClipIndex index{fps, {}};
+    Progress progress("segments", pieces.size());
+    for (const Piece& piece : pieces) {
+        if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", output));
+        const uint32_t first = index.segments.empty() ? 0 : index.frames();
+        index.segments.push_back({clip.folder / voctree::segment_file_name(first), first, piece.frames});
+        write_piece(piece, index.segments.back().file);
+        progress.update(index.segments.size());
+    }
+    progress.finish();
+    if (pieces.size() > 1) voctree::write_clip_index(clip.folder, index);
+    clip.finish(pieces.size() > 1 ? clip.folder : index.segments[0].file);
+    fmt::print("wrote {}: {} frames in {} segment{}\n", output, index.frames(), pieces.size(),
+               pieces.size() == 1 ? "" : "s");
+}
+
+void cut(const CutOptions& options) {
+    const voctree::ClipIndex index = voctree::read_clip_index(options.clip);
+    const double fps = double{index.fps};
+    const uint32_t begin = options.from.empty() ? 0 : parse_frames("--from", options.from, fps);
+    const uint32_t end = options.to.empty() ? index.frames() : parse_frames("--to", options.to, fps);
+    if (begin >= end || end > index.frames())
+        throw InputError("--from, --to", fmt::format("frames {} to {}", begin, end),
+                         fmt::format("are no part of {}, which has {} frames", options.clip, index.frames()),
+                         "--from is the first frame of the part, --to the first after it");
+    write_clip(pieces_of(index, begin, end), index.fps, options.output);
+}
+
+void join(const JoinOptions& options) {
+    std::vector<Piece> pieces;
+    uint64_t frames = 0;
+    std::optional<float> fps;
+    for (const std::string& clip : options.clips) {
+        const voctree::ClipIndex index = voctree::read_clip_index(clip);
+        if (fps && std::abs(*fps - index.fps) > 1e-3f * *fps)
+            throw InputError(clip, "",
+                             fmt::format("has {:g} frames a second, {} has {:g}", index.fps, options.clips[0], *fps),
+                             "join clips of one frame rate; on a stage, `speed` changes it");
+        fps = index.fps;
+        frames += index.frames();
+        for (const Piece& piece : pieces_of(index, 0, index.frames())) pieces.push_back(piece);
+    }
+    if (frames > voctree::kMaxClipFrames)
+        throw InputError("--output", options.output, fmt::format("would have {} frames", frames),
+                         fmt::format("a clip has at most {}", voctree::kMaxClipFrames));
+    write_clip(pieces, *fps, options.output);
+}
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  neuvv clip cut build/long.nvv -o build/entrance.nvv --to 1s\n"
+    "  neuvv clip cut build/long.nvv -o build/dance.nvv --from 24 --to 1:10\n"
+    "  neuvv clip join build/dance.nvv build/entrance.nvv -o build/show.nvv\n";
+
+}  // namespace
+
+void add_clip(Command app, CommonOptions&) {
+    Command verb = app.add_verb("clip", "Cut clips and join them, without training");
+    verb.require_verb();
+    verb.footer({kExamples});
+
+    Command cut_verb = verb.add_verb("cut", "Write a part of a clip as a clip of its own");
+    const auto cut_options = std::make_shared<CutOptions>();
+    cut_verb.add_option("clip", cut_options->clip, "The .nvv, in segments or not").required();
+    cut_verb.add_option("-o,--output", cut_options->output, "The .nvv to write, which must not be there yet")
+        .required();
+    cut_verb.add_option("--from", cut_options->from,
+                        "Where the part begins: a frame (24), seconds (1.5s) or minutes (2:10); else at the clip's "
+                        "first frame");
+    cut_verb.add_option("--to", cut_options->to,
+                        "Where it ends: the first frame that is not in it; else at the clip's end");
+    cut_verb.footer(
+        {"Images of the part are those of the clip. Where the part has frames of several segments, it is in "
+         "segments, too;\nwhole segments are copied as they are.\n\n",
+         kExamples});
+    cut_verb.callback([cut_options] { cut(*cut_options); });
+
+    Command join_verb = verb.add_verb("join", "Write clips that follow each other as one clip, in segments");
+    const auto join_options = std::make_shared<JoinOptions>();
+    join_verb.add_option("clips", join_options->clips, "Two or more .nvv, in segments or not, of one frame rate")
+        .required();
+    join_verb.add_option("-o,--output", join_options->output, "The .nvv to write, which must not be there yet")
+        .required();
+    join_verb.footer({"Files are copied as they are, so nothing is lost.\n\n", kExamples});
+    join_verb.callback([join_options] { join(*join_options); });
+}
+
+}  // namespace neuvv::tools
