@@ -39,48 +39,79 @@ void expect_even_times(const training::Rig& rig, const std::vector<double>& time
                              "give each frame f of n the time f / (n − 1), or train without --segment");
 }
 
-// The segments of the clip, and those that its folder holds, which may have been cut elsewhere.
-std::vector<voctree::ClipSegment> segments_in_the_way(const TrainOptions& options, const voctree::ClipIndex& index) {
-    std::vector<voctree::ClipSegment> segments = index.segments;
-    if (!voctree::is_segmented(options.output)) return segments;
+// The plan's segments, and where the whole clip is trained, also those that its folder holds, which may have been cut
+// elsewhere.
+std::vector<voctree::ClipSegment> segments_in_the_way(const TrainOptions& options, const SegmentPlan& plan) {
+    std::vector<voctree::ClipSegment> segments = plan.segments;
+    if (options.is_part() || !voctree::is_segmented(options.output)) return segments;
     const voctree::ClipIndex before = voctree::read_clip_index(options.output);
     segments.insert(segments.end(), before.segments.begin(), before.segments.end());
     return segments;
 }
 
+// The index of a clip that is there already.
+voctree::ClipIndex index_before(const TrainOptions& options, const training::Rig& rig, uint32_t frames) {
+    if (!voctree::is_segmented(options.output))
+        throw InputError(options.output.string(), "", "has no clip.json: no run to go on with",
+                         "train without --resume");
+    if (options.settings.minutes == 0 && options.settings.steps == 0)
+        throw InputError(
+            options.output.string(), "",
+            "is a clip in segments, whose budget is not known when it is resumed or a part is trained again",
+            "give --minutes or --steps; with --resume, those of the command that began it");
+    voctree::ClipIndex index = voctree::read_clip_index(options.output);
+    if (index.frames() != frames)
+        throw InputError(options.output.string(), "",
+                         fmt::format("has {} frames, {} has {}", index.frames(), options.dataset.string(), frames),
+                         "use the data set that the run began with");
+    if (!options.segment.empty() &&
+        training::segment_lengths(frames, longest_segment(options.segment, rig.fps)).size() != index.segments.size())
+        throw InputError("--segment", options.segment,
+                         fmt::format("{} has {} segments", options.output.string(), index.segments.size()),
+                         "leave it out: the clip keeps its segments");
+    return index;
+}
+
+// The segments with frames of the part that --from and --to give.
+std::vector<voctree::ClipSegment> segments_of_part(const TrainOptions& options, const voctree::ClipIndex& index) {
+    const double fps = double{index.fps};
+    const uint32_t begin = options.from.empty() ? 0 : parse_frames("--from", options.from, fps);
+    const uint32_t end = options.to.empty() ? index.frames() : parse_frames("--to", options.to, fps);
+    if (begin >= end || end > index.frames())
+        throw InputError("--from, --to", fmt::format("frames {} to {}", begin, end),
+                         fmt::format("are no part of {}, which has {} frames", options.output.string(), index.frames()),
+                         "--from is the first frame of the part, --to the first after it");
+    std::vector<voctree::ClipSegment> segments;
+    for (const voctree::ClipSegment& segment : index.segments)
+        if (segment.first < end && segment.end() > begin) segments.push_back(segment);
+    return segments;
+}
+
 }  // namespace
 
-voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig) {
+uint32_t SegmentPlan::frames() const {
+    uint32_t frames = 0;
+    for (const voctree::ClipSegment& segment : segments) frames += segment.frames;
+    return frames;
+}
+
+SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig) {
     const std::vector<double> times = training::times_of(rig);
     const auto frames = static_cast<uint32_t>(times.size());
     expect_even_times(rig, times);
-    voctree::ClipIndex index;
-    if (options.settings.resume) {
-        if (!voctree::is_segmented(options.output))
-            throw InputError(options.output.string(), "", "has no clip.json: no run to go on with",
-                             "train without --resume");
-        if (options.settings.minutes == 0 && options.settings.steps == 0)
-            throw InputError("--resume", options.output.string(), "is a clip in segments, whose budget is not known",
-                             "repeat the command that began it, with its --minutes or --steps");
-        index = voctree::read_clip_index(options.output);
-        if (index.frames() != frames)
-            throw InputError(options.output.string(), "",
-                             fmt::format("has {} frames, {} has {}", index.frames(), options.dataset.string(), frames),
-                             "resume with the data set that the run began with");
-        if (!options.segment.empty() &&
-            training::segment_lengths(frames, longest_segment(options.segment, rig.fps)).size() !=
-                index.segments.size())
-            throw InputError("--segment", options.segment,
-                             fmt::format("{} has {} segments", options.output.string(), index.segments.size()),
-                             "leave it out: a resumed clip keeps its segments");
-        return index;
+    SegmentPlan plan;
+    if (options.settings.resume || options.is_part()) {
+        plan.clip = index_before(options, rig, frames);
+        plan.segments = segments_of_part(options, plan.clip);
+        return plan;
     }
-    if (rig.fps > 0) index.fps = static_cast<float>(rig.fps);
+    if (rig.fps > 0) plan.clip.fps = static_cast<float>(rig.fps);
     for (const uint32_t length : training::segment_lengths(frames, longest_segment(options.segment, rig.fps))) {
-        const uint32_t first = index.segments.empty() ? 0 : index.frames();
-        index.segments.push_back({options.output / voctree::segment_file_name(first), first, length});
+        const uint32_t first = plan.clip.segments.empty() ? 0 : plan.clip.frames();
+        plan.clip.segments.push_back({options.output / voctree::segment_file_name(first), first, length});
     }
-    return index;
+    plan.segments = plan.clip.segments;
+    return plan;
 }
 
 TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames) {
@@ -100,18 +131,18 @@ TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& se
     return options;
 }
 
-void expect_nobody_trains(const TrainOptions& options, const voctree::ClipIndex& index) {
-    for (const voctree::ClipSegment& segment : segments_in_the_way(options, index))
+void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan) {
+    for (const voctree::ClipSegment& segment : segments_in_the_way(options, plan))
         if (const auto claim = training::claim_of(segment.file))
             throw InputError(segment.file.string(), "", fmt::format("is being trained by {}", claim->owner),
                              "stop that first, or help it: the same command with --resume");
 }
 
-void begin_segments(const TrainOptions& options, const voctree::ClipIndex& index) {
-    for (const voctree::ClipSegment& segment : segments_in_the_way(options, index))
+void begin_segments(const TrainOptions& options, const SegmentPlan& plan) {
+    for (const voctree::ClipSegment& segment : segments_in_the_way(options, plan))
         for (const std::filesystem::path& file : {segment.file, training::state_path(segment.file)})
             std::filesystem::remove(file);
-    voctree::write_clip_index(options.output, index);
+    if (!options.is_part()) voctree::write_clip_index(options.output, plan.clip);
 }
 
 }  // namespace neuvv::tools

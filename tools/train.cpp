@@ -35,7 +35,8 @@ void prepare_live_outputs(const LiveOptions& options) {
 
 // Whether the output is a segmented clip.
 bool is_in_segments(const TrainOptions& options) {
-    return !options.segment.empty() || (options.settings.resume && voctree::is_segmented(options.output));
+    return !options.segment.empty() ||
+           ((options.settings.resume || options.is_part()) && voctree::is_segmented(options.output));
 }
 
 // Throws InputError, before any work is done, where the result could not be written.
@@ -65,6 +66,9 @@ void expect_compatible(const TrainOptions& options, const Ranks& ranks) {
                          "leave out one of the two");
     if (!is_in_segments(options)) {
         if (options.plan) throw InputError("--plan", "", "is for clips in segments", "give --segment, or leave it out");
+        if (options.is_part())
+            throw InputError("--from, --to", "", "train a part of a clip in segments again, which OUTPUT is not",
+                             "leave them out, or train the whole clip with --segment first");
         if (ranks.count > 1)
             throw InputError("--segment", "",
                              fmt::format("is missing: {} processes cannot share one tree", ranks.count),
@@ -101,24 +105,24 @@ std::optional<training::RunClaim> claim_file(const std::filesystem::path& output
 
 void run_in_segments(const TrainOptions& options, const training::Rig& rig, const Ranks& ranks,
                      const CommonOptions& common) {
-    const voctree::ClipIndex index = plan_segments(options, rig);
+    const SegmentPlan plan = plan_segments(options, rig);
     std::optional<training::RunClaim> clip;  // of the process that begins it, so that nobody else does
     if (ranks.is_first() && !options.settings.resume) {
         clip = training::RunClaim::take(options.output);
         if (!clip) throw_taken(options.output);
-        expect_nobody_trains(options, index);
+        expect_nobody_trains(options, plan);
         std::filesystem::remove(job_file(options.output));
     }
     if (options.plan) {
-        begin_segments(options, index);
+        begin_segments(options, plan);
         fmt::print(
             "planned {}: {} frames in {} segments; the same command with --resume in place of --plan trains them\n",
-            options.output.string(), index.frames(), index.segments.size());
+            options.output.string(), plan.frames(), plan.segments.size());
         return;
     }
     const gpu::Device device(device_of_rank(ranks, common.device));
     fmt::print(stderr, "training on {}\n", device.summary().name);
-    train_segments(device, options, rig, index, ranks);
+    train_segments(device, options, rig, plan, ranks);
 }
 
 void run_train(const TrainOptions& options, const CommonOptions& common) {
@@ -176,6 +180,10 @@ Option add_segment_options(Command verb, TrainOptions& options) {
         "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
         "own; OUTPUT becomes a folder. For clips of any length: the memory of training does not grow with it "
         "(default: one tree)");
+    verb.add_option("--from", options.from,
+                    "Train a part of a clip in segments again: those that have frames from this one on (24, 1.5s or "
+                    "2:10), with a budget of their own. Their files are removed first");
+    verb.add_option("--to", options.to, "The first frame behind that part");
     return verb.add_flag("--plan", options.plan,
                          "With --segment: only write the folder and its index; with --resume in place of this, any "
                          "number of processes train it");
@@ -250,6 +258,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/rig.nvv --refine auto\n"
          "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
          "  neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
+         "  neuvv train build/performer -o build/long.nvv --from 8 --to 16 --minutes 10\n"
          "  mpirun -n 2 neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "gpu/device.h"
 #include "tools/ranks.h"
@@ -22,6 +23,7 @@ struct LiveOptions {
 struct TrainOptions {
     std::filesystem::path dataset, output;
     std::string segment;      // the length of segments as the user wrote it; empty: the clip is one tree
+    std::string from, to;     // the part of a segmented clip that is trained again, as the user wrote it; empty: all
     bool plan = false;        // of a segmented clip: only write the folder and its index
     bool is_segment = false;  // whether it is a segment that is trained, in which the performer need not be
     std::string format = training::kAnyFormat;
@@ -33,6 +35,8 @@ struct TrainOptions {
     std::string init = "hull";  // or "psi"
     double psi_minutes = 2;
     uint64_t psi_steps = 0;
+
+    bool is_part() const { return !from.empty() || !to.empty(); }
 };
 
 // How a run shows itself while it goes on.
@@ -49,21 +53,30 @@ struct RunView {
 bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
                const RunView& view = {});
 
-// The segments of a clip that --segment cuts; of a resumed run those with which it began. Throws InputError.
-voctree::ClipIndex plan_segments(const TrainOptions& options, const training::Rig& rig);
+// What a run in segments trains.
+struct SegmentPlan {
+    voctree::ClipIndex clip;
+    std::vector<voctree::ClipSegment> segments;  // that are trained: all, or those with frames of the part
+    uint32_t frames() const;                     // of `segments` together
+};
+
+// The segments that --segment cuts; those that the clip has where a run is resumed, or a part is trained again. Throws
+// InputError.
+SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig);
 
 // Where the first of several ranks says for which start of the program (Ranks::job) it has begun the clip.
 inline std::filesystem::path job_file(const std::filesystem::path& clip) {
     return clip / "job";
 }
 
-// Throws InputError where a process trains a segment of the clip, or one that its folder held before.
-void expect_nobody_trains(const TrainOptions& options, const voctree::ClipIndex& index);
+// Throws InputError where a process trains a segment that begin_segments would remove.
+void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan);
 
-// Removes what the folder of a segmented clip held, and writes its index. Throws RuntimeFailure.
-void begin_segments(const TrainOptions& options, const voctree::ClipIndex& index);
+// Removes the files of the plan's segments, and where the whole clip is trained, also what else its folder held; then
+// it writes the index. Throws RuntimeFailure.
+void begin_segments(const TrainOptions& options, const SegmentPlan& plan);
 
-// The options of a segment, whose share of all budgets is that of its frames.
+// The options of a segment, whose share of all budgets is that of its frames among `frames`.
 TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames);
 
 // Trains the segments of a clip, which become a folder (voctree/clip_index.h); the budget is shared by frames. Without
@@ -73,6 +86,6 @@ TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& se
 // all segments are finished; a process that was started alone leaves to others what they train. A segment that cannot
 // be trained is named, and the others are trained nevertheless; then throws InputError or RuntimeFailure.
 void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-                    const voctree::ClipIndex& index, const Ranks& ranks);
+                    const SegmentPlan& plan, const Ranks& ranks);
 
 }  // namespace neuvv::tools

@@ -37,9 +37,9 @@ bool has_begun(const std::filesystem::path& clip, const Ranks& ranks) {
 }
 
 // The first rank begins the clip, and the others wait for that.
-void begin_together(const TrainOptions& options, const voctree::ClipIndex& index, const Ranks& ranks) {
+void begin_together(const TrainOptions& options, const SegmentPlan& plan, const Ranks& ranks) {
     if (ranks.is_first()) {
-        begin_segments(options, index);
+        begin_segments(options, plan);
         if (ranks.count > 1) write_text_file(job_file(options.output), ranks.job);
         return;
     }
@@ -52,23 +52,22 @@ void begin_together(const TrainOptions& options, const voctree::ClipIndex& index
 class SegmentedRun {
   public:
     SegmentedRun(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-                 const voctree::ClipIndex& index, const Ranks& ranks)
+                 const SegmentPlan& plan, const Ranks& ranks)
         : device_(device),
           options_(options),
           rig_(rig),
           times_(training::times_of(rig)),
-          index_(index),
+          segments_(plan.segments),
+          frames_(plan.frames()),
           ranks_(ranks),
-          finished_(index.segments.size()) {}
+          finished_(plan.segments.size()) {}
 
     // Returns when all segments are finished that this process is to wait for, or when it was stopped.
     void run();
 
   private:
     bool is_finished(size_t segment);
-    std::string name_of(size_t segment) const {
-        return fmt::format("segment {} of {}", segment + 1, index_.segments.size());
-    }
+    std::string name_of(size_t segment) const { return fmt::format("segment {} of {}", segment + 1, segments_.size()); }
     // Trains all segments that nobody else trains.
     void train_free_ones();
     void train(size_t segment, const training::RunClaim& claim);
@@ -84,7 +83,8 @@ class SegmentedRun {
     const TrainOptions& options_;
     const training::Rig& rig_;
     std::vector<double> times_;
-    const voctree::ClipIndex& index_;
+    const std::vector<voctree::ClipSegment>& segments_;
+    uint32_t frames_;  // of all of these
     const Ranks& ranks_;
     std::vector<bool> finished_;  // what is known; is_finished() looks again
     std::set<size_t> failed_;
@@ -96,7 +96,7 @@ class SegmentedRun {
 
 // A segment is finished when it is there and its checkpoint file is gone.
 bool SegmentedRun::is_finished(size_t segment) {
-    const std::filesystem::path& file = index_.segments[segment].file;
+    const std::filesystem::path& file = segments_[segment].file;
     if (!finished_[segment])
         finished_[segment] = std::filesystem::exists(file) && !std::filesystem::exists(training::state_path(file));
     return finished_[segment];
@@ -104,7 +104,7 @@ bool SegmentedRun::is_finished(size_t segment) {
 
 std::vector<size_t> SegmentedRun::unfinished() {
     std::vector<size_t> segments;
-    for (size_t i = 0; i < index_.segments.size(); i++)
+    for (size_t i = 0; i < segments_.size(); i++)
         if (!failed_.contains(i) && !is_finished(i)) segments.push_back(i);
     return segments;
 }
@@ -112,23 +112,22 @@ std::vector<size_t> SegmentedRun::unfinished() {
 double SegmentedRun::fraction_of_all(size_t own, double own_fraction) {
     if (seconds_now() - looked_at_ > kLookAround_s) {
         others_fraction_ = 0;
-        for (size_t i = 0; i < index_.segments.size(); i++) {
+        for (size_t i = 0; i < segments_.size(); i++) {
             if (i == own) continue;
-            const double share = static_cast<double>(index_.segments[i].frames) / index_.frames();
+            const double share = static_cast<double>(segments_[i].frames) / frames_;
             if (is_finished(i))
                 others_fraction_ += share;
-            else if (const auto claim = training::claim_of(index_.segments[i].file))
+            else if (const auto claim = training::claim_of(segments_[i].file))
                 others_fraction_ += share * claim->fraction;
         }
         looked_at_ = seconds_now();
     }
-    const double own_share =
-        own < index_.segments.size() ? static_cast<double>(index_.segments[own].frames) / index_.frames() : 0;
+    const double own_share = own < segments_.size() ? static_cast<double>(segments_[own].frames) / frames_ : 0;
     return others_fraction_ + own_share * own_fraction;
 }
 
 void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
-    const voctree::ClipSegment& frames = index_.segments[segment];
+    const voctree::ClipSegment& frames = segments_[segment];
     if (ranks_.is_first())
         fmt::print(stderr, "{}: frames {} to {}\n", name_of(segment), frames.first, frames.end() - 1);
     RunView view{!ranks_.is_first(), [&](double fraction) {
@@ -137,7 +136,7 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
                                         100 * fraction_of_all(segment, fraction));
                  }};
     try {
-        if (train_rig(device_, options_of(options_, frames, index_.frames()),
+        if (train_rig(device_, options_of(options_, frames, frames_),
                       training::rig_of_frames(rig_, times_, frames.first, frames.frames), view))
             std::filesystem::remove(training::state_path(frames.file));
         else
@@ -163,14 +162,14 @@ void SegmentedRun::train_free_ones() {
                 fmt::print("interrupted; the same command with --resume goes on from here\n");
             return;
         }
-        const std::optional<training::RunClaim> claim = training::RunClaim::take(index_.segments[i].file);
+        const std::optional<training::RunClaim> claim = training::RunClaim::take(segments_[i].file);
         if (claim && !is_finished(i)) train(i, *claim);
     }
 }
 
 void SegmentedRun::say_who_trains(const std::vector<size_t>& segments) const {
     for (const size_t i : segments)
-        if (const auto claim = training::claim_of(index_.segments[i].file))
+        if (const auto claim = training::claim_of(segments_[i].file))
             fmt::print("{} is left to {}, which trains it\n", name_of(i), claim->owner);
 }
 
@@ -180,9 +179,8 @@ void SegmentedRun::run() {
         train_free_ones();
         const std::vector<size_t> left = unfinished();
         if (left.empty() || stop_requested()) break;
-        const bool all_taken = std::all_of(left.begin(), left.end(), [&](size_t i) {
-            return training::claim_of(index_.segments[i].file).has_value();
-        });
+        const bool all_taken = std::all_of(left.begin(), left.end(),
+                                           [&](size_t i) { return training::claim_of(segments_[i].file).has_value(); });
         if (all_taken && ranks_.count == 1) {
             say_who_trains(left);
             break;
@@ -190,8 +188,7 @@ void SegmentedRun::run() {
         sleep_for(0.2);
         if (ranks_.is_first() && line.is_due())
             line.print(fmt::format("all {:.0f} % | {} of {} segments are being trained by other processes",
-                                   100 * fraction_of_all(index_.segments.size(), 0), left.size(),
-                                   index_.segments.size()));
+                                   100 * fraction_of_all(segments_.size(), 0), left.size(), segments_.size()));
     }
     line.end();
     conclude();
@@ -200,22 +197,21 @@ void SegmentedRun::run() {
 void SegmentedRun::conclude() const {
     if (!failed_.empty() && !stop_requested()) {
         const std::string problem = fmt::format("{} of {} segments could not be trained, the first because of {}",
-                                                failed_.size(), index_.segments.size(), problem_);
+                                                failed_.size(), segments_.size(), problem_);
         const std::string fix = "mend that, and give the same command with --resume";
         if (machine_failed_) throw RuntimeFailure(fmt::format("{}: {}; {}", options_.output.string(), problem, fix));
         throw InputError(options_.output.string(), "", problem, fix);
     }
     if (ranks_.is_first() && std::find(finished_.begin(), finished_.end(), false) == finished_.end())
-        fmt::print("wrote {}: {} frames in {} segments\n", options_.output.string(), index_.frames(),
-                   index_.segments.size());
+        fmt::print("wrote {}: {} frames in {} segments\n", options_.output.string(), frames_, segments_.size());
 }
 
 }  // namespace
 
 void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-                    const voctree::ClipIndex& index, const Ranks& ranks) {
-    if (!options.settings.resume) begin_together(options, index, ranks);
-    if (!stop_requested()) SegmentedRun(device, options, rig, index, ranks).run();
+                    const SegmentPlan& plan, const Ranks& ranks) {
+    if (!options.settings.resume) begin_together(options, plan, ranks);
+    if (!stop_requested()) SegmentedRun(device, options, rig, plan, ranks).run();
 }
 
 }  // namespace neuvv::tools
