@@ -6,11 +6,11 @@
 #include <memory>
 
 #include "base/error.h"
-#include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/unfinished_clip.h"
 #include "voctree/clip.h"
 #include "voctree/coarse.h"
 #include "voctree/frames.h"
@@ -58,46 +58,24 @@ void write_piece(const Piece& piece, const std::filesystem::path& output) {
     voctree::write_nvv(output, part, {}, 9, voctree::coarse_tree(part));
 }
 
-// The folder in which a clip is made. It gets the clip's name when all is written, and is removed when that fails.
-struct UnfinishedClip {
-    std::filesystem::path output, folder;
-
-    explicit UnfinishedClip(const std::filesystem::path& path) : output(path), folder(path.string() + ".unfinished") {
-        if (std::filesystem::exists(output))
-            throw InputError("--output", output.string(), "is there already", "name another, or remove it");
-        prepare_output_folder("--output", folder);
-    }
-    UnfinishedClip(const UnfinishedClip&) = delete;
-    UnfinishedClip& operator=(const UnfinishedClip&) = delete;
-    ~UnfinishedClip() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder, ignored);
-    }
-    void finish(const std::filesystem::path& made) const {
-        std::error_code error;
-        std::filesystem::rename(made, output, error);
-        if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output.string(), error.message()));
-    }
-};
-
 // Writes the pieces as one clip: as a file where there is only one, else in segments.
 void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& output) {
     for (const Piece& piece : pieces)  // before anything is written
         if (!voctree::is_plenoctree(piece.source.file)) voctree::read_segment_head(piece.source);
     catch_stop_signals();
-    const UnfinishedClip clip(voctree::clip_path(output));
+    const UnfinishedClip clip(output);
     voctree::ClipIndex index{fps, {}};
     Progress progress("segments", pieces.size());
     for (const Piece& piece : pieces) {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", output));
         const uint32_t first = index.segments.empty() ? 0 : index.frames();
-        index.segments.push_back({clip.folder / voctree::segment_file_name(first), first, piece.frames});
+        index.segments.push_back({clip.folder() / voctree::segment_file_name(first), first, piece.frames});
         write_piece(piece, index.segments.back().file);
         progress.update(index.segments.size());
     }
     progress.finish();
-    if (pieces.size() > 1) voctree::write_clip_index(clip.folder, index);
-    clip.finish(pieces.size() > 1 ? clip.folder : index.segments[0].file);
+    if (pieces.size() > 1) voctree::write_clip_index(clip.folder(), index);
+    clip.finish(pieces.size() > 1 ? clip.folder() : index.segments[0].file);
     fmt::print("wrote {}: {} frames in {} segment{}\n", output, index.frames(), pieces.size(),
                pieces.size() == 1 ? "" : "s");
 }

@@ -15,6 +15,7 @@
 #include "render/frame.h"
 #include "tools/commands.h"
 #include "tools/report.h"
+#include "tools/unfinished_clip.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
 #include "voctree/clip.h"
@@ -116,39 +117,71 @@ Rounding find_rounding(const voctree::VOctree& tree, const Views& views, const C
 }
 
 struct Outcome {
-    Rounding rounding;
+    double psnr = INFINITY;  // of the worst image
+    float error = 0;         // the largest that rounding may make
     uint32_t leaves_before = 0, leaves = 0;
-    uint64_t bytes_before = 0, bytes = 0;
+    uint64_t bytes_before = 0, bytes = 0, images = 0;
 };
 
+// Writes `file` smaller, and adds what came of it.
+void convert_file(const gpu::Device& device, const std::filesystem::path& file, const std::filesystem::path& output,
+                  const ConvertOptions& options, Outcome& outcome) {
+    const voctree::VOctree tree = voctree::read_clip(file);
+    const uint64_t bytes_before = std::filesystem::file_size(file);
+    voctree::VOctree result = tree;
+    if (tree.leaf_count > 0) {  // else the performer is not in this segment
+        const Rounding rounding = find_rounding(tree, Views(device, tree, options), options);
+        result = rounded(tree, rounding.strength);
+        outcome.psnr = std::min(outcome.psnr, rounding.psnr);
+        outcome.error = std::max(outcome.error, error_of(rounding.strength));
+        outcome.images += options.views;
+    }
+    voctree::write_nvv(output, result, {}, options.compression, voctree::coarse_tree(result));
+    outcome.leaves_before += tree.leaf_count;
+    outcome.leaves += result.leaf_count;
+    outcome.bytes_before += bytes_before;
+    outcome.bytes += std::filesystem::file_size(output);
+}
+
+// Each segment keeps the quality by itself.
+Outcome convert_segments(const gpu::Device& device, const ConvertOptions& options) {
+    const voctree::ClipIndex index = voctree::read_clip_index(options.scene);
+    const UnfinishedClip clip(options.output);
+    voctree::ClipIndex smaller = index;
+    Outcome outcome;
+    for (size_t i = 0; i < index.segments.size(); i++) {
+        fmt::print(stderr, "segment {} of {}\n", i + 1, index.segments.size());
+        smaller.segments[i].file = clip.folder() / voctree::segment_file_name(index.segments[i].first);
+        convert_file(device, index.segments[i].file, smaller.segments[i].file, options, outcome);
+    }
+    voctree::write_clip_index(clip.folder(), smaller);
+    clip.finish(clip.folder());
+    return outcome;
+}
+
 Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
-    prepare_output_file("--output", options.output);
     std::error_code ignored;  // of a file that is missing
     if (std::filesystem::equivalent(options.scene, options.output, ignored))
         throw InputError("--output", options.output, "is the scene itself, of which it would keep less",
                          "name another file");
-    const voctree::VOctree tree = voctree::read_clip(options.scene);
-    const uint64_t bytes_before = std::filesystem::file_size(options.scene);
+    const bool segmented = voctree::is_segmented(options.scene);
+    if (!segmented) prepare_output_file("--output", options.output);
     const gpu::Device device(common.device);
     catch_stop_signals();
-    const Views views(device, tree, options);
-    Outcome outcome{find_rounding(tree, views, options), tree.leaf_count, 0, bytes_before, 0};
-    const voctree::VOctree result = rounded(tree, outcome.rounding.strength);
-    voctree::write_nvv(options.output, result, {}, options.compression, voctree::coarse_tree(result));
-    outcome.leaves = result.leaf_count;
-    outcome.bytes = std::filesystem::file_size(options.output);
+    if (segmented) return convert_segments(device, options);
+    Outcome outcome;
+    convert_file(device, options.scene, options.output, options, outcome);
     return outcome;
 }
 
 void run(const ConvertOptions& options, const CommonOptions& common) {
     const Outcome outcome = convert(options, common);
-    const float error = error_of(outcome.rounding.strength);
     if (options.json)
         fmt::print("{}", json_text({{"input", options.scene},
                                     {"output", options.output},
                                     {"quality_db", options.quality},
-                                    {"psnr_db", outcome.rounding.psnr},
-                                    {"error", error},
+                                    {"psnr_db", outcome.psnr},
+                                    {"error", outcome.error},
                                     {"bytes_before", outcome.bytes_before},
                                     {"bytes", outcome.bytes},
                                     {"leaves_before", outcome.leaves_before},
@@ -157,7 +190,7 @@ void run(const ConvertOptions& options, const CommonOptions& common) {
         fmt::print("{}: {} instead of {} ({:.0f} %), {} leaves instead of {}; the worst of {} images has {:.1f} dB\n",
                    options.output, size_text(outcome.bytes), size_text(outcome.bytes_before),
                    100 * static_cast<double>(outcome.bytes) / static_cast<double>(outcome.bytes_before), outcome.leaves,
-                   outcome.leaves_before, options.views, outcome.rounding.psnr);
+                   outcome.leaves_before, outcome.images, outcome.psnr);
     if (outcome.bytes >= outcome.bytes_before)
         fmt::print(stderr, "{} was packed as well already: a lower --quality makes it smaller\n", options.scene);
 }
@@ -167,8 +200,8 @@ void run(const ConvertOptions& options, const CommonOptions& common) {
 void add_convert(Command app, CommonOptions& common) {
     Command verb = app.add_verb("convert", "Write a scene smaller, its images as good as asked for");
     const auto options = std::make_shared<ConvertOptions>();
-    verb.add_option("scene", options->scene, "The .nvv file, or the .npz of a PlenOctree").required();
-    verb.add_option("-o,--output", options->output, "The .nvv to write; may be the same").required();
+    verb.add_option("scene", options->scene, "The .nvv, in segments or not, or the .npz of a PlenOctree").required();
+    verb.add_option("-o,--output", options->output, "The .nvv to write").required();
     verb.add_option("--quality", options->quality,
                     "PSNR in dB that each image keeps at least, against the scene's own image")
         .number_between(10, 90)

@@ -50,6 +50,22 @@ TEST_F(CliSegments, TheyMeasureAsOneFileDoes) {
     EXPECT_EQ(many.at("images"), one.at("images"));
 }
 
+TEST_F(CliSegments, TheyAreMadeSmallerOneByOne) {
+    const ProgramResult run =
+        run_neuvv({"convert", parts, "-o", file("small.nvv"), "--quality", "35", "--size", "48x36"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const voctree::ClipIndex before = voctree::read_clip_index(parts),
+                             index = voctree::read_clip_index(file("small.nvv"));
+    ASSERT_EQ(index.segments.size(), 2u);
+    for (size_t i = 0; i < 2; i++) {
+        EXPECT_EQ(index.segments[i].frames, before.segments[i].frames);
+        EXPECT_LT(std::filesystem::file_size(index.segments[i].file),
+                  std::filesystem::file_size(before.segments[i].file));
+    }
+    EXPECT_NE(still(file("small.nvv"), "1").rgba, still(file("small.nvv"), "0").rgba);
+    expect_refused({"convert", parts, "-o", file("small.nvv")}, 2, {"small.nvv", "is there already"});
+}
+
 TEST_F(CliSegments, InfoNamesWhatCannotBePlayed) {
     const ProgramResult sound = run_neuvv({"info", parts, "--check"});
     ASSERT_EQ(sound.code, 0) << sound.err;

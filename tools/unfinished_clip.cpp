@@ -1,0 +1,29 @@
+#include "tools/unfinished_clip.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/output_path.h"
+#include "voctree/clip_index.h"
+
+namespace neuvv::tools {
+
+UnfinishedClip::UnfinishedClip(const std::filesystem::path& output)
+    : output_(voctree::clip_path(output)), folder_(output_.string() + ".unfinished") {
+    if (std::filesystem::exists(output_))
+        throw InputError("--output", output_.string(), "is there already", "name another, or remove it");
+    prepare_output_folder("--output", folder_);
+}
+
+UnfinishedClip::~UnfinishedClip() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+}
+
+void UnfinishedClip::finish(const std::filesystem::path& made) const {
+    std::error_code error;
+    std::filesystem::rename(made, output_, error);
+    if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output_.string(), error.message()));
+}
+
+}  // namespace neuvv::tools
