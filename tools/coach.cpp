@@ -130,7 +130,6 @@ uint32_t render_performance(const CoachScene& scene, const CoachOptions& options
     const double fps = scene.stage.fps, step_s = 1 / fps;
     render::StageRenderer renderer(device, scene.stage, render::StageLoader(device).load(scene.stage),
                                    {scene.size.width, scene.size.height, options.samples});
-    for (const std::string& problem : renderer.problems()) fmt::print(stderr, "neuvv: not shown: {}\n", problem);
     media::ImageSink sink(scene.output, scene.size, fps, {}, false);
     CoachCamera flying(coach, scene.size);
     const double most_s = kMostStretch * scene.stage.duration_s / options.speed;
@@ -146,6 +145,7 @@ uint32_t render_performance(const CoachScene& scene, const CoachOptions& options
         if (!options.camera.empty())
             camera = stage::camera_of(scene.stage, options.camera, evaluated, scene.size.width, scene.size.height);
         renderer.show(evaluated);
+        tell_not_shown(renderer.take_problems());
         render::FrameSettings settings = renderer.settings_at(evaluated, {scene.trainer.performer, coach.highlight()});
         settings.far_levels = options.far_levels.value_or(true);
         media::Image image = renderer.frames().render(camera, settings);

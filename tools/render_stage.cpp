@@ -212,6 +212,7 @@ void render_image(render::StageRenderer& renderer, const RenderOptions& options,
     const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
     const stage::Camera camera = camera_of(options, plan, evaluated, i);
     renderer.show(evaluated, options.background.empty());
+    tell_not_shown(renderer.take_problems());
     render::FrameSettings settings = renderer.settings_at(evaluated);
     settings.scale = options.scale;
     settings.far_levels = options.far_levels.value_or(true);
@@ -238,7 +239,7 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     };
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);
     reading.finish();
-    for (const std::string& problem : renderer.problems()) fmt::print(stderr, "neuvv: not shown: {}\n", problem);
+    tell_not_shown(renderer.take_problems());
     return render_images(options, plan.output, plan.size, plan.fps, plan.images, sink, device, [&](uint32_t i) {
         render_image(renderer, options, plan, i, sink);
         return times_of(renderer.frames());

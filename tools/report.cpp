@@ -114,4 +114,8 @@ std::string doubtful_mattes_text(const training::Dataset& dataset, const std::ve
     return text;
 }
 
+void tell_not_shown(const std::vector<std::string>& problems) {
+    for (const std::string& problem : problems) fmt::print(stderr, "neuvv: not shown: {}\n", problem);
+}
+
 }  // namespace neuvv::tools

@@ -80,4 +80,7 @@ constexpr const char* kExamplesHead =
 // A line for each doubtful matte, at most ten, and what to do about them; empty where there are none.
 std::string doubtful_mattes_text(const training::Dataset& dataset, const std::vector<training::DoubtfulMatte>& mattes);
 
+// Says which segments of clips cannot be read, and so are not shown (StageRenderer::take_problems).
+void tell_not_shown(const std::vector<std::string>& problems);
+
 }  // namespace neuvv::tools

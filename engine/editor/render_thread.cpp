@@ -292,19 +292,16 @@ void RenderThread::load(const std::shared_ptr<const edit::Document>& document, u
             state_.leaf_boxes.push_back(renderer_->leaf_box(clip));
         state_.displayed.finished = false;
     }
-    reported_segments_ = 0;
     report_unreadable_segments();
     wake_();
 }
 
-// Reports the first segment that cannot be read, and afterwards the newest of those that are found while the stage
-// plays.
+// Reports the first of the segments of which it is newly known that they cannot be read.
 void RenderThread::report_unreadable_segments() {
-    const std::vector<std::string>& problems = renderer_->problems();
-    if (problems.size() == reported_segments_) return;
+    const std::vector<std::string> problems = renderer_->take_problems();
+    if (problems.empty()) return;
     const std::lock_guard lock(mutex_);
-    state_.problem = reported_segments_ == 0 ? problems.front() : problems.back();
-    reported_segments_ = problems.size();
+    state_.problem = problems[0];
 }
 
 // Draws the newest view at once, so that a stage that changes all the time is drawn, too.

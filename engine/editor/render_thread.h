@@ -162,7 +162,6 @@ class RenderThread {
     std::shared_ptr<const stage::Stage> stage_;
     std::unique_ptr<render::StageLoader> loader_;  // null before the first renderer
     std::unique_ptr<render::StageRenderer> renderer_;
-    size_t reported_segments_ = 0;  // of StageRenderer::problems, since the stage was loaded
     VkExtent2D capacity_{};
     uint64_t stage_id_ = 0;
     std::shared_ptr<const gpu::DeviceImage> image_;  // to be displayed once something was drawn into it

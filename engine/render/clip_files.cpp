@@ -1,9 +1,12 @@
 #include "render/clip_files.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
+#include "base/error.h"
 #include "voctree/clip.h"
+#include "voctree/nvv.h"
 
 namespace neuvv::render {
 
@@ -29,31 +32,42 @@ std::shared_ptr<const LoadedClip> ClipFiles::find(const voctree::ClipSegment& se
     return find_locked(segment.file, stamp);
 }
 
-std::shared_ptr<const LoadedClip> ClipFiles::load(const voctree::ClipSegment& segment, const FileStamp& stamp) {
-    const voctree::VOctree tree = voctree::read_segment(segment);
-    auto clip = std::make_shared<const LoadedClip>(
-        LoadedClip{segment.file, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
-    const std::lock_guard lock(mutex_);
-    std::erase_if(known_, [](const auto& one) { return one.expired(); });
-    known_.push_back(clip);
-    return clip;
-}
-
+// A file is read by one thread at a time; others wait, and then find it.
 std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& segment) {
     const FileStamp stamp = stamp_of(segment.file);
     {
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return being_read_ != segment.file; });
+        changed_.wait(lock, [&] { return !being_read_.contains(segment.file); });
         if (auto known = find_locked(segment.file, stamp)) return known;
+        being_read_.insert(segment.file);
     }
-    return load(segment, stamp);
+    const auto end_reading = [&](const std::shared_ptr<const LoadedClip>& clip) {
+        {
+            const std::lock_guard lock(mutex_);
+            being_read_.erase(segment.file);
+            std::erase_if(known_, [](const auto& one) { return one.expired(); });
+            if (clip) known_.push_back(clip);
+        }
+        changed_.notify_all();
+    };
+    try {
+        const voctree::VOctree tree = voctree::read_segment(segment);
+        auto clip = std::make_shared<const LoadedClip>(
+            LoadedClip{segment.file, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
+        end_reading(clip);
+        return clip;
+    } catch (...) {
+        end_reading(nullptr);
+        throw;
+    }
 }
 
-void ClipFiles::read_ahead(std::vector<voctree::ClipSegment> wanted) {
+void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
     {
         const std::lock_guard lock(mutex_);
+        if (wanted_.empty() && wanted.empty()) return;
         wanted_.assign(wanted.begin(), wanted.end());
-        if (!thread_.joinable() && !wanted_.empty()) thread_ = std::thread([this] { run(); });
+        if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
     }
     changed_.notify_all();
 }
@@ -63,33 +77,49 @@ std::vector<ClipFiles::Result> ClipFiles::take_results() {
     return std::exchange(results_, {});
 }
 
-ClipFiles::Result ClipFiles::load_ahead(const voctree::ClipSegment& segment) {
+void ClipFiles::add_result(Result result) {
+    const std::lock_guard lock(mutex_);
+    results_.push_back(std::move(result));
+}
+
+// Nothing where the file has no coarse tree, or cannot be read: reading the whole tree says what is wrong.
+void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
+    const FileStamp stamp = stamp_of(segment.file);
     try {
-        auto known = find(segment);
-        return {segment.file, known ? known : load(segment, stamp_of(segment.file)), ""};
-    } catch (const std::exception& error) {
-        return {segment.file, nullptr, error.what()};
+        const auto tree = voctree::read_nvv_coarse(segment.file);
+        if (!tree || tree->frames != segment.frames) return;
+        add_result({segment.file, stamp,
+                    std::make_shared<const LoadedClip>(
+                        LoadedClip{segment.file, stamp, upload_field(device_, *tree, WeightPrecision::kHalf), {}}),
+                    "", true});
+    } catch (const InputError&) {
+    }
+}
+
+void ClipFiles::read_one_ahead(const Wanted& wanted) {
+    const FileStamp stamp = stamp_of(wanted.segment.file);
+    try {
+        if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
+        add_result({wanted.segment.file, stamp, read(wanted.segment), "", false});
+    } catch (const InputError& problem) {
+        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false});
+    } catch (const std::exception&) {  // no memory: there may be some later, and who waits for it is told
+        std::unique_lock lock(mutex_);
+        changed_.wait_for(lock, std::chrono::seconds(1), [this] { return stop_; });
     }
 }
 
 void ClipFiles::run() {
     for (;;) {
-        voctree::ClipSegment next;
+        Wanted next;
         {
             std::unique_lock lock(mutex_);
             changed_.wait(lock, [this] { return stop_ || !wanted_.empty(); });
             if (stop_) return;
             next = wanted_.front();
             wanted_.pop_front();
-            being_read_ = next.file;
         }
-        Result result = load_ahead(next);
-        {
-            const std::lock_guard lock(mutex_);
-            results_.push_back(std::move(result));
-            being_read_.clear();
-        }
-        changed_.notify_all();
+        read_one_ahead(next);
     }
 }
 

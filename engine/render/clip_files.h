@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -24,6 +25,7 @@ struct LoadedClip {
     voctree::PaintedField painted;
 };
 
+// All functions may be called from any thread.
 class ClipFiles {
   public:
     // The device must outlive this and all that it reads.
@@ -40,33 +42,40 @@ class ClipFiles {
     // device has no memory.
     std::shared_ptr<const LoadedClip> read(const voctree::ClipSegment& segment);
 
+    struct Wanted {
+        voctree::ClipSegment segment;
+        bool is_urgent = false;  // its coarse tree is read first, where the file has one
+    };
     // Has these segments read on the thread, one after the other. They replace those of earlier calls that are not
-    // being read yet.
-    void read_ahead(std::vector<voctree::ClipSegment> wanted);
+    // being read yet. Where the device has no memory for one, the thread leaves it out and pauses for a second.
+    void read_ahead(std::vector<Wanted> wanted);
 
     // A segment that the thread has read, or the line that says why it could not.
     struct Result {
         std::filesystem::path file;
+        FileStamp stamp;
         std::shared_ptr<const LoadedClip> clip;
         std::string problem;
+        bool is_coarse = false;  // this is its coarse tree; the whole one follows
     };
     // The results since the last call. Until then, they keep what was read on the device.
     std::vector<Result> take_results();
 
   private:
     std::shared_ptr<const LoadedClip> find_locked(const std::filesystem::path& path, const FileStamp& stamp) const;
-    std::shared_ptr<const LoadedClip> load(const voctree::ClipSegment& segment, const FileStamp& stamp);
-    Result load_ahead(const voctree::ClipSegment& segment);
+    void read_coarse(const voctree::ClipSegment& segment);
+    void read_one_ahead(const Wanted& wanted);
+    void add_result(Result result);
     void run();
     const gpu::Device& device_;
     std::mutex mutex_;  // guards all that follows
     std::condition_variable changed_;
     std::vector<std::weak_ptr<const LoadedClip>> known_;  // all that are in use
-    std::deque<voctree::ClipSegment> wanted_;
-    std::filesystem::path being_read_;  // by the thread; empty: none
+    std::deque<Wanted> wanted_;
+    std::set<std::filesystem::path> being_read_;
     std::vector<Result> results_;
     bool stop_ = false;
-    std::thread thread_;  // begins with the first read_ahead()
+    std::thread thread_;  // begins with the first that is wanted
 };
 
 }  // namespace neuvv::render

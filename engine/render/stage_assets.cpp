@@ -71,7 +71,7 @@ ClipOnDevice StageLoader::load_clip(const std::filesystem::path& path, std::vect
             throw InputError(path.string(), "", "none of its segments can be read: " + problems[known_problems]);
     } else {
         clip.first = files_->read(clip.index.segments[0]);
-        clip.segments.push_back({clip.first});
+        clip.segments.push_back({clip.first, nullptr});
     }
     if (clip.leaf_box.first.x > clip.leaf_box.second.x)
         clip.leaf_box = {clip.first->field.leaves_min, clip.first->field.leaves_max};

@@ -19,6 +19,7 @@ namespace neuvv::render {
 struct ClipOnDevice {
     struct Segment {
         std::shared_ptr<const LoadedClip> loaded;  // null: not on the device
+        std::shared_ptr<const LoadedClip> coarse;  // its coarse tree, until the whole is there; mostly null
         bool readable = true;                      // false: it is missing or damaged, and is not shown
     };
     voctree::ClipIndex index;

@@ -15,6 +15,11 @@ constexpr double kAhead_s = 2, kAheadStep_s = 0.25;
 // A larger step of the clock is a jump, which says nothing about its direction.
 constexpr double kJump_s = 0.5;
 
+// What is drawn of a segment; null: nothing is there.
+const LoadedClip* drawn(const ClipOnDevice::Segment& segment) {
+    return segment.loaded ? segment.loaded.get() : segment.coarse.get();
+}
+
 bool contains(const auto& list, const auto& one) {
     return std::find(list.begin(), list.end(), one) != list.end();
 }
@@ -23,19 +28,50 @@ bool contains(const auto& list, const auto& one) {
 
 StageClips::StageClips(const StageAssets& assets)
     : clips_(assets.clips), files_(assets.files), problems_(assets.problems), shown_(assets.paint.size()) {
-    segmented_ =
-        std::any_of(clips_.begin(), clips_.end(), [](const ClipOnDevice& clip) { return clip.segments.size() > 1; });
+    for (uint32_t clip = 0; clip < clips_.size(); clip++) {
+        const auto segments = static_cast<uint32_t>(clips_[clip].segments.size());
+        for (uint32_t i = 0; i < segments && segments > 1; i++) {
+            const Id id{clip, i};
+            ids_[file_of(id).file].push_back(id);
+            if (at(id).loaded) on_device_.insert(id);
+            if (at(id).loaded == clips_[clip].first) first_.insert(id);
+        }
+    }
+    if (!ids_.empty()) return;
+    files_->read_ahead({});  // for an earlier version of the stage
+    files_->take_results();
+}
+
+void StageClips::go_on_from(const StageClips& before) {
+    last_s_ = before.last_s_;
+    direction_ = before.direction_;
+    // The same file at the same place in the same clip, though that may have another number now.
+    const auto now = [&](const Id& id) -> std::optional<Id> {
+        const auto found = ids_.find(before.file_of(id).file);
+        if (found == ids_.end()) return std::nullopt;
+        for (const Id& one : found->second)
+            if (one.segment == id.segment) return one;
+        return std::nullopt;
+    };
+    for (size_t i = 0; i < std::min(shown_.size(), before.shown_.size()); i++)
+        if (const auto& shown = before.shown_[i])
+            if (const std::optional<Id> id = now(shown->id)) shown_[i] = Shown{*id, shown->frame};
+    for (const Id& id : before.recent_)
+        if (const std::optional<Id> one = now(id); one && on_device_.contains(*one)) recent_.push_back(*one);
 }
 
 std::vector<const Field*> StageClips::fields() const {
     std::vector<const Field*> fields;
+    const auto add = [&](const LoadedClip* one) {
+        if (one && !contains(fields, &one->field)) fields.push_back(&one->field);
+    };
     for (const ClipOnDevice& clip : clips_)
-        for (const ClipOnDevice::Segment& segment : clip.segments)
-            if (segment.loaded && !contains(fields, &segment.loaded->field)) fields.push_back(&segment.loaded->field);
+        if (clip.segments.size() == 1) add(drawn(clip.segments[0]));
+    for (const Id& id : on_device_) add(drawn(at(id)));
     return fields;
 }
 
-uint32_t StageClips::max_fields() const {
+uint32_t StageClips::usual_fields() const {
     uint32_t fields = 0;
     for (const ClipOnDevice& clip : clips_)
         fields += std::min(static_cast<uint32_t>(clip.segments.size()), kSegmentsOnDevice);
@@ -49,56 +85,51 @@ StageClips::Shown StageClips::wanted_by(const stage::EvaluatedPerformer& perform
 
 std::optional<StageClips::Place> StageClips::place_of(const stage::EvaluatedPerformer& performer) const {
     Shown shown = wanted_by(performer);
-    if (!at(shown.id).loaded && at(shown.id).readable && shown_[performer.performer])
-        shown = *shown_[performer.performer];
-    if (shown.id.clip != performer.clip || !at(shown.id).loaded) return std::nullopt;
-    return Place{&at(shown.id).loaded->field, shown.frame};
+    const std::optional<Shown>& last = shown_[performer.performer];
+    if (!drawn(at(shown.id)) && at(shown.id).readable && last && last->id.clip == performer.clip) shown = *last;
+    const LoadedClip* loaded = drawn(at(shown.id));
+    if (!loaded) return std::nullopt;
+    return Place{&loaded->field, shown.frame};
 }
 
-void StageClips::fail(Id id, const std::string& problem) {
+bool StageClips::holds(const stage::EvaluatedStage& evaluated) const {
+    return std::any_of(evaluated.performers.begin(), evaluated.performers.end(),
+                       [this](const stage::EvaluatedPerformer& performer) {
+                           const ClipOnDevice::Segment& wanted = at(wanted_by(performer).id);
+                           return performer.visible && wanted.readable && !drawn(wanted);
+                       });
+}
+
+void StageClips::fail(const Id& id, const std::string& problem) {
     at(id).readable = false;
     if (!contains(problems_, problem)) problems_.push_back(problem);
 }
 
-// Takes what the thread has read. Returns whether there was anything.
-bool StageClips::take_results() {
-    bool any = false;
-    for (const ClipFiles::Result& result : files_->take_results())
-        for (uint32_t clip = 0; clip < clips_.size(); clip++)
-            for (uint32_t i = 0; i < clips_[clip].segments.size(); i++) {
-                if (clips_[clip].index.segments[i].file != result.file) continue;
-                if (result.clip)
-                    at({clip, i}).loaded = result.clip;
-                else
-                    fail({clip, i}, result.problem);
-                any = true;
+// Takes what the thread has read of files that have not changed since.
+void StageClips::take_results() {
+    for (const ClipFiles::Result& result : files_->take_results()) {
+        const auto found = ids_.find(result.file);
+        if (found == ids_.end() || result.stamp != stamp_of(result.file)) continue;
+        for (const Id& id : found->second) {
+            ClipOnDevice::Segment& segment = at(id);
+            if (segment.loaded) continue;
+            if (!result.clip) {
+                fail(id, result.problem);
+                continue;
             }
-    return any;
-}
-
-// Returns whether the segment was not on the device and now is.
-bool StageClips::read_now(Id id) {
-    if (at(id).loaded || !at(id).readable) return false;
-    try {
-        at(id).loaded = files_->read(clips_[id.clip].index.segments[id.segment]);
-    } catch (const InputError& problem) {
-        fail(id, problem.what());
+            (result.is_coarse ? segment.coarse : segment.loaded) = result.clip;
+            on_device_.insert(id);
+        }
     }
-    return at(id).loaded != nullptr;
 }
 
-// What the performers show at this time, and what they show in place of what is not on the device.
+// What the performers show at this time.
 std::vector<StageClips::Id> StageClips::needed_at(const stage::EvaluatedStage& evaluated) const {
-    std::vector<Id> needed, held;
+    std::vector<Id> needed;
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
-        if (!performer.visible) continue;
-        const Id id = wanted_by(performer).id;
-        if (!contains(needed, id)) needed.push_back(id);
-        if (at(id).loaded || !shown_[performer.performer]) continue;
-        if (const Id last = shown_[performer.performer]->id; last.clip == id.clip) held.push_back(last);
+        if (!performer.visible || clips_[performer.clip].segments.size() == 1) continue;
+        if (const Id id = wanted_by(performer).id; !contains(needed, id)) needed.push_back(id);
     }
-    for (const Id& id : held)
-        if (!contains(needed, id)) needed.push_back(id);
     return needed;
 }
 
@@ -116,63 +147,78 @@ std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage,
     return ahead;
 }
 
-// Of each segmented clip: its first readable segment, those that are needed, and as many of those ahead and then of
-// those that were shown as there is room for.
+// Of each segmented clip: its first readable segment, those that are needed or drawn in their place, and as many of
+// those ahead and then of those that were shown as there is room for.
 std::set<StageClips::Id> StageClips::chosen(const std::vector<Id>& needed, const std::vector<Id>& ahead) const {
-    std::set<Id> chosen(needed.begin(), needed.end());
-    std::vector<uint32_t> count(clips_.size());
-    for (uint32_t clip = 0; clip < clips_.size(); clip++)
-        for (uint32_t i = 0; i < clips_[clip].segments.size(); i++)
-            if (at({clip, i}).loaded == clips_[clip].first) chosen.insert({clip, i});
-    for (const Id& id : chosen) count[id.clip]++;
+    std::set<Id> chosen = first_;
+    chosen.insert(needed.begin(), needed.end());
+    for (const std::optional<Shown>& last : shown_)
+        if (last && std::any_of(needed.begin(), needed.end(), [&](const Id& id) {
+                return id.clip == last->id.clip && at(id).readable && !drawn(at(id));
+            }))
+            chosen.insert(last->id);
+    std::vector<uint32_t> room(clips_.size(), kSegmentsOnDevice);
+    for (const Id& id : chosen) room[id.clip] -= std::min(room[id.clip], 1u);
+    for (uint32_t& one : room) one = std::max(one, kLeastSegmentsAhead);
     for (const std::vector<Id>* list : {&ahead, &recent_})
         for (const Id& id : *list)
-            if (count[id.clip] < kSegmentsOnDevice && at(id).readable && chosen.insert(id).second) count[id.clip]++;
+            if (room[id.clip] > 0 && at(id).readable && chosen.insert(id).second) room[id.clip]--;
     return chosen;
+}
+
+// Coarse trees of segments that are there as a whole go, too.
+void StageClips::drop_all_but(const std::set<Id>& kept) {
+    std::erase_if(on_device_, [&](const Id& id) {
+        ClipOnDevice::Segment& segment = at(id);
+        const bool stays = kept.contains(id);
+        if (segment.coarse && (!stays || segment.loaded)) dropped_.push_back(std::exchange(segment.coarse, nullptr));
+        if (segment.loaded && !stays) dropped_.push_back(std::exchange(segment.loaded, nullptr));
+        return !stays || !drawn(segment);
+    });
+    std::erase_if(recent_, [&](const Id& id) { return !on_device_.contains(id); });
 }
 
 // Notes what performers show now, for when a segment is missing.
 void StageClips::remember(const stage::EvaluatedStage& evaluated) {
-    holds_ = false;
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
+        if (!performer.visible || clips_[performer.clip].segments.size() == 1) continue;
         const Shown shown = wanted_by(performer);
-        if (performer.visible && !at(shown.id).loaded && at(shown.id).readable) holds_ = true;
-        if (!performer.visible || !at(shown.id).loaded) continue;
+        if (!drawn(at(shown.id))) continue;
         shown_[performer.performer] = shown;
         std::erase(recent_, shown.id);
         recent_.insert(recent_.begin(), shown.id);
     }
 }
 
-StageClips::Changes StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated,
-                                       MissingSegments missing) {
-    Changes changes;
-    if (!segmented_) return changes;
+void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
+    if (ids_.empty()) return;
     if (const double step_s = evaluated.time_s - last_s_; step_s != 0 && std::abs(step_s) < kJump_s)
         direction_ = step_s < 0 ? -1 : 1;
     last_s_ = evaluated.time_s;
-    changes.any = take_results();
+    take_results();
     const std::vector<Id> needed = needed_at(evaluated), ahead = ahead_of(stage, evaluated);
-    if (missing == MissingSegments::kWait)
-        for (const Id& id : needed) changes.any |= read_now(id);
     const std::set<Id> kept = chosen(needed, ahead);
-    for (uint32_t clip = 0; clip < clips_.size(); clip++)
-        for (uint32_t i = 0; i < clips_[clip].segments.size(); i++)
-            if (at({clip, i}).loaded && !kept.contains({clip, i}))
-                changes.dropped.push_back(std::exchange(at({clip, i}).loaded, nullptr));
-    changes.any |= !changes.dropped.empty();
-    std::erase_if(recent_, [&](const Id& id) { return !kept.contains(id); });
+    drop_all_but(kept);
     remember(evaluated);
-    std::vector<Id> request;
-    for (const std::vector<Id>* list : {&needed, &ahead})
-        for (const Id& id : *list)
-            if (kept.contains(id) && !at(id).loaded && at(id).readable && !contains(request, id)) request.push_back(id);
-    if (request == requested_) return changes;
-    std::vector<voctree::ClipSegment> segments;
-    for (const Id& id : request) segments.push_back(clips_[id.clip].index.segments[id.segment]);
-    files_->read_ahead(std::move(segments));
-    requested_ = std::move(request);
-    return changes;
+    std::vector<ClipFiles::Wanted> wanted;
+    for (const Id& id : needed)
+        if (is_missing(id)) wanted.push_back({file_of(id), !at(id).coarse});
+    for (const Id& id : ahead)
+        if (kept.contains(id) && is_missing(id) && !contains(needed, id)) wanted.push_back({file_of(id), false});
+    files_->read_ahead(std::move(wanted));
+}
+
+void StageClips::read_missing(const stage::EvaluatedStage& evaluated) {
+    for (const Id& id : needed_at(evaluated)) {
+        if (!is_missing(id)) continue;
+        try {
+            at(id).loaded = files_->read(file_of(id));
+            on_device_.insert(id);
+        } catch (const InputError& problem) {
+            fail(id, problem.what());
+        }
+    }
+    remember(evaluated);
 }
 
 }  // namespace neuvv::render

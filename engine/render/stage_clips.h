@@ -1,7 +1,8 @@
 // Stage clips: which segments of a stage's clips are on the device. Those that performers show are, and some that the
-// stage's clock comes to next, so that neither memory nor the time of an image grows with the length of a clip.
+// stage's clock comes to next, so that memory does not grow with the length of a clip.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <set>
 
@@ -13,29 +14,37 @@ namespace neuvv::render {
 // What happens where a performer shows a segment that is not on the device.
 enum class MissingSegments {
     kWait,  // it is read before the image is drawn
-    kHold,  // the performer stays as it was shown last, until a thread has read the segment: no image waits for a disk
+    // The performer stays as it was shown last until a thread has read the segment's coarse tree, which it shows until
+    // the whole one is there: no image waits for a disk.
+    kHold,
 };
 
-// Segments of a segmented clip that are on the device at once, unless its performers show more of them.
-constexpr uint32_t kSegmentsOnDevice = 5;
+// Segments of a segmented clip that are on the device at once; where performers show more than three of them, two more
+// than those.
+constexpr uint32_t kSegmentsOnDevice = 5, kLeastSegmentsAhead = 2;
 
+// Whoever draws fields() must call follow(), then draw the fields that there are now, and then call free_dropped().
 class StageClips {
   public:
     StageClips() = default;
     explicit StageClips(const StageAssets& assets);
 
-    struct Changes {
-        bool any = false;
-        // What is no longer among fields(). The renderer's fields must be replaced before this is destroyed.
-        std::vector<std::shared_ptr<const LoadedClip>> dropped;
-    };
-    // Follows the stage, which the assets are of, to a time. Throws RuntimeFailure where the device has no memory.
-    Changes follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing);
+    // Takes over the clock, and what performers showed, from the clips of an earlier version of the stage.
+    void go_on_from(const StageClips& before);
 
-    // The fields of all segments that are on the device. A file that several clips play is one field.
+    // Follows the stage, which the assets are of, to a time: takes what the thread has read, drops what is far from
+    // this time, and has the thread read what is missing.
+    void follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated);
+    // Reads what performers show at this time and is not there. Throws RuntimeFailure where the device has no memory.
+    void read_missing(const stage::EvaluatedStage& evaluated);
+    // Frees what follow() has dropped, which must not be drawn any more.
+    void free_dropped() { dropped_.clear(); }
+
+    // The fields of all segments that are on the device, or coarse trees in their place. A file that several clips play
+    // is one field.
     std::vector<const Field*> fields() const;
-    // The largest number of fields, unless performers show more of them at once.
-    uint32_t max_fields() const;
+    // The largest number of fields, unless performers show many segments at once.
+    uint32_t usual_fields() const;
 
     // Where a performer is in its clip. Nothing where its segment cannot be read, or is held and was not shown before.
     struct Place {
@@ -44,9 +53,8 @@ class StageClips {
     };
     std::optional<Place> place_of(const stage::EvaluatedPerformer& performer) const;
 
-    // Whether follow() left a visible performer as it was shown before, or undrawn, because its segment is not read
-    // yet.
-    bool holds() const { return holds_; }
+    // Whether a performer that is visible at this time is held, because nothing of its segment is read yet.
+    bool holds(const stage::EvaluatedStage& evaluated) const;
 
     const std::vector<ClipOnDevice>& clips() const { return clips_; }
     // A line for each segment of which it is known that it cannot be read; at its times, the performer is not there.
@@ -63,22 +71,27 @@ class StageClips {
     };
     ClipOnDevice::Segment& at(const Id& id) { return clips_[id.clip].segments[id.segment]; }
     const ClipOnDevice::Segment& at(const Id& id) const { return clips_[id.clip].segments[id.segment]; }
+    const voctree::ClipSegment& file_of(const Id& id) const { return clips_[id.clip].index.segments[id.segment]; }
     Shown wanted_by(const stage::EvaluatedPerformer& performer) const;
-    bool take_results();
-    void fail(Id id, const std::string& problem);
-    bool read_now(Id id);
+    bool is_missing(const Id& id) const { return at(id).readable && !at(id).loaded; }
+    void take_results();
+    void fail(const Id& id, const std::string& problem);
     std::vector<Id> needed_at(const stage::EvaluatedStage& evaluated) const;
     std::vector<Id> ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) const;
     std::set<Id> chosen(const std::vector<Id>& needed, const std::vector<Id>& ahead) const;
+    void drop_all_but(const std::set<Id>& kept);
     void remember(const stage::EvaluatedStage& evaluated);
     std::vector<ClipOnDevice> clips_;
     std::shared_ptr<ClipFiles> files_;
     std::vector<std::string> problems_;
-    bool segmented_ = false, holds_ = false;   // segmented: any clip is
-    std::vector<std::optional<Shown>> shown_;  // by performer: what it showed last, of a segmented clip
-    std::vector<Id> recent_;                   // segments that were shown and are on the device, the newest first
-    std::vector<Id> requested_;                // what the thread was asked for last
-    double last_s_ = 0, direction_ = 1;        // of the stage's clock: 1 or −1
+    // Of segmented clips only:
+    std::map<std::filesystem::path, std::vector<Id>> ids_;  // by file
+    std::set<Id> first_;                                    // the segment of each that stays on the device
+    std::set<Id> on_device_;                                // those with a loaded or a coarse tree
+    std::vector<std::optional<Shown>> shown_;               // by performer: what it showed last
+    std::vector<Id> recent_;                                // what was shown and is on the device, the newest first
+    std::vector<std::shared_ptr<const LoadedClip>> dropped_;
+    double last_s_ = 0, direction_ = 1;  // of the stage's clock: 1 or −1
 };
 
 }  // namespace neuvv::render

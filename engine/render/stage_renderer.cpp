@@ -54,7 +54,8 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
                                        capacity.samples * capacity.height, capacity.views, assets.environment);
     fields_ = clips_.fields();
     frames_ = std::make_unique<FrameRenderer>(device, fields_, capacity, set_.get());
-    frames_->change_fields(fields_, clips_.max_fields());
+    slice_shares_ = clips_.usual_fields();
+    update_fields();
     apply_paints(stage, make_paints(stage, assets));
 }
 
@@ -62,11 +63,29 @@ void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
     NextPaints paints = make_paints(stage, assets);
     set_->change(stage.scene, assets.environment);
     // Nothing may fail from here on.
-    const StageClips before = std::exchange(clips_, StageClips(assets));
-    fields_ = clips_.fields();
-    frames_->change_fields(fields_, clips_.max_fields());
+    StageClips next(assets);
+    next.go_on_from(clips_);
+    const StageClips before = std::exchange(clips_, std::move(next));
+    slice_shares_ = clips_.usual_fields();
+    told_problems_ = 0;
+    update_fields();
     stage_ = &stage;
     apply_paints(stage, std::move(paints));
+}
+
+// Gives the frame renderer the fields of the clips. While a stage plays, the slice budget is divided into more shares
+// where there are more fields, but never into fewer, because slices of another size must be built again.
+void StageRenderer::update_fields() {
+    fields_ = clips_.fields();
+    while (slice_shares_ < fields_.size()) slice_shares_ = std::max(2 * slice_shares_, 1u);
+    frames_->change_fields(fields_, slice_shares_);
+    clips_.free_dropped();
+}
+
+std::vector<std::string> StageRenderer::take_problems() {
+    const std::vector<std::string>& all = clips_.problems();
+    const size_t told = std::exchange(told_problems_, all.size());
+    return {all.begin() + static_cast<ptrdiff_t>(told), all.end()};
 }
 
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
@@ -131,9 +150,16 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
 }
 
 void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment, MissingSegments missing) {
-    if (const StageClips::Changes changes = clips_.follow(*stage_, evaluated, missing); changes.any) {
-        fields_ = clips_.fields();
-        frames_->change_fields(fields_, clips_.max_fields());
+    clips_.follow(*stage_, evaluated);
+    update_fields();
+    if (missing == MissingSegments::kWait) {
+        try {
+            clips_.read_missing(evaluated);
+        } catch (const RuntimeFailure&) {
+            update_fields();  // of those that were read
+            throw;
+        }
+        update_fields();
     }
     std::vector<SetLight> lights;
     for (const stage::EvaluatedLight& light : evaluated.lights) lights.push_back(set_light(light));

@@ -53,8 +53,8 @@ class StageRenderer {
     // exceed the capacity's. Parts together equal the whole image within a step of 255, except at edges of the set.
     FrameSettings settings_at(const stage::EvaluatedStage& evaluated, const PerformerHighlight& highlight = {}) const;
 
-    // StageClips::holds, since the last show().
-    bool holds() const { return clips_.holds(); }
+    // StageClips::holds, of the time of the last show().
+    bool holds(const stage::EvaluatedStage& evaluated) const { return clips_.holds(evaluated); }
     // A visible performer as settings_at has it; nothing where it is not drawn.
     std::optional<Instance> instance_of(const stage::EvaluatedPerformer& performer) const;
 
@@ -74,8 +74,9 @@ class StageRenderer {
     // The same field, valid for as long as the pointer exists.
     std::shared_ptr<const Field> shared_field(uint32_t clip) const { return {first(clip), &first(clip)->field}; }
     const voctree::PaintedField& painted_field(uint32_t clip) const { return first(clip)->painted; }
-    // StageClips::problems.
-    const std::vector<std::string>& problems() const { return clips_.problems(); }
+    // A line for each segment that cannot be read, of those that were found since the last call, or since change(); at
+    // its times, the performer is not there.
+    std::vector<std::string> take_problems();
     // ClipOnDevice::leaf_box.
     std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const { return clips_.clips()[clip].leaf_box; }
     // The number of a performer's paint in frames().paints(); 0: no paint.
@@ -93,6 +94,7 @@ class StageRenderer {
         std::map<PaintKey, Paint> new_paints;  // those that have no number yet
     };
     const std::shared_ptr<const LoadedClip>& first(uint32_t clip) const { return clips_.clips()[clip].first; }
+    void update_fields();
     // Among fields_; their number where it is not among them.
     uint32_t number_of(const Field& field) const;
     NextPaints make_paints(const stage::Stage& stage, const StageAssets& assets) const;
@@ -102,7 +104,9 @@ class StageRenderer {
     const stage::Stage* stage_;
     FrameCapacity capacity_;  // its size is that of settings_at; the set's size is the largest so far
     StageClips clips_;
+    size_t told_problems_ = 0;          // of clips_, by take_problems()
     std::vector<const Field*> fields_;  // of clips_, in the order of FrameRenderer
+    uint32_t slice_shares_ = 0;         // FrameRenderer::change_fields
     std::map<PaintKey, uint32_t> paint_numbers_;
     std::vector<uint32_t> paints_;  // by performer
     std::unique_ptr<SetRaster> set_;

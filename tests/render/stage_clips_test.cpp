@@ -14,6 +14,7 @@
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "support/temporary_folder.h"
+#include "voctree/coarse.h"
 
 namespace neuvv::test::stage_clips_test {
 namespace {
@@ -48,7 +49,9 @@ struct StageClipsTest : GpuTest {
         // Where the performer is at a time, after the clips have followed the stage to it.
         std::optional<render::StageClips::Place> at(double time_s, MissingSegments missing) {
             const stage::EvaluatedStage evaluated = stage::stage_at(*test.stage, time_s);
-            clips.follow(*test.stage, evaluated, missing);
+            clips.follow(*test.stage, evaluated);
+            if (missing == MissingSegments::kWait) clips.read_missing(evaluated);
+            clips.free_dropped();
             return clips.place_of(evaluated.performers[0]);
         }
         const render::Field* field_of(uint32_t number) const {
@@ -125,6 +128,88 @@ TEST_F(StageClipsTest, SegmentsAreReadAheadInTheClocksDirection) {
     follower.at(middle_of(9) - 0.1, MissingSegments::kHold);
     EXPECT_TRUE(follower.until(middle_of(9) - 0.1, [&] { return follower.field_of(6) != nullptr; }));
     EXPECT_EQ(follower.field_of(10), nullptr);
+}
+
+TEST_F(StageClipsTest, TheCoarseTreeOfAnUrgentSegmentIsReadFirst) {
+    const voctree::VOctree whole = voctree::read_nvv(segment(9)), coarse = voctree::cut_tree(whole, 1);
+    voctree::write_nvv(segment(9), whole, {}, 3, coarse);
+    render::ClipFiles files(device());
+    files.read_ahead({{{segment(9), 18, 2}, true}, {{segment(8), 16, 2}, false}});
+    std::vector<render::ClipFiles::Result> results;
+    for (int i = 0; i < 60'000 && results.size() < 3; i++) {
+        for (render::ClipFiles::Result& result : files.take_results()) results.push_back(std::move(result));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_EQ(results.size(), 3u);
+    EXPECT_TRUE(results[0].is_coarse);
+    ASSERT_TRUE(results[0].clip && results[1].clip && results[2].clip);
+    EXPECT_EQ(results[0].clip->field.leaf_count, coarse.leaf_count);
+    EXPECT_FALSE(results[1].is_coarse);
+    EXPECT_EQ(results[1].file, segment(9));
+    EXPECT_EQ(results[1].clip->field.leaf_count, whole.leaf_count);
+    EXPECT_EQ(results[2].file, segment(8));
+}
+
+// An edit of the stage changes nothing of what is on the device or is held.
+TEST_F(StageClipsTest, AnEditKeepsWhatIsShown) {
+    render::StageLoader loader(device());
+    render::StageClips before(loader.load(*stage));
+    for (const double time_s : {5.9, 5.8}) {  // backwards
+        const stage::EvaluatedStage evaluated = stage::stage_at(*stage, time_s);
+        before.follow(*stage, evaluated);
+        before.read_missing(evaluated);
+    }
+    render::StageClips after(loader.load(*stage));
+    after.go_on_from(before);
+    const stage::EvaluatedStage far = stage::stage_at(*stage, middle_of(4));
+    after.follow(*stage, far);
+    EXPECT_TRUE(after.holds(far));
+    const auto place = after.place_of(far.performers[0]);
+    ASSERT_TRUE(place);
+    EXPECT_EQ(place->field, &before.clips()[0].segments[11].loaded->field);
+    for (int i = 0; i < 60'000 && !after.clips()[0].segments[3].loaded; i++) {
+        after.follow(*stage, far);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_TRUE(after.clips()[0].segments[3].loaded) << "the clock still runs backwards";
+}
+
+TEST_F(StageClipsTest, AFileThatWasWrittenAgainIsReadAgain) {
+    render::StageLoader loader(device());
+    render::StageClips clips(loader.load(*stage));
+    const stage::EvaluatedStage evaluated = stage::stage_at(*stage, middle_of(9));
+    clips.follow(*stage, evaluated);
+    clips.read_missing(evaluated);
+    const auto first = clips.clips()[0].segments[9].loaded;
+    ASSERT_TRUE(first);
+    voctree::VOctree tree = voctree::read_nvv(segment(9));
+    tree.leaf(0)[0] += 1;
+    voctree::write_nvv(segment(9), tree, {{"note", {1, 2, 3}}});
+    render::StageClips again(loader.load(*stage));
+    EXPECT_FALSE(again.clips()[0].segments[9].loaded);
+    again.follow(*stage, evaluated);
+    again.read_missing(evaluated);
+    EXPECT_NE(again.clips()[0].segments[9].loaded, first);
+}
+
+// Until the whole segment is there, the performer is at its time in one way or the other.
+TEST_F(StageClipsTest, AfterASeekTheCoarseTreeIsShown) {
+    const voctree::VOctree whole = voctree::read_nvv(segment(9));
+    voctree::write_nvv(segment(9), whole, {}, 3, voctree::cut_tree(whole, 1));
+    render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+    image_at(renderer, *stage, middle_of(0));
+    const stage::EvaluatedStage evaluated = stage::stage_at(*stage, middle_of(9));
+    const stage::Camera camera = look_at({0, 0.4, 4}, {0, 0.5, 0}, 48, 36, 1);
+    media::Image image;
+    for (int i = 0; i < 60'000; i++) {
+        renderer.show(evaluated, true, MissingSegments::kHold);
+        image = renderer.frames().render(camera, renderer.settings_at(evaluated));
+        if (!renderer.holds(evaluated) && renderer.instance_of(evaluated.performers[0])->frame == 0.5f) break;
+    }
+    EXPECT_FALSE(renderer.holds(evaluated));
+    render::StageRenderer fresh(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+    EXPECT_EQ(image_at(renderer, *stage, middle_of(9)).rgba, image_at(fresh, *stage, middle_of(9)).rgba)
+        << "whoever waits gets the whole one";
 }
 
 void damage_leaves(const std::filesystem::path& file) {

@@ -44,7 +44,7 @@ void play_from(double from_s, double until_s, const stage::Stage& stage, const s
         const Clock::time_point image_begin = Clock::now();
         const stage::EvaluatedStage evaluated = stage::stage_at(stage, from_s + played_s);
         renderer.show(evaluated, true, render::MissingSegments::kHold);
-        const bool held = renderer.holds();
+        const bool held = renderer.holds(evaluated);
         renderer.frames().draw({&camera, 1}, renderer.settings_at(evaluated));
         result.image_ms.push_back(milliseconds_since(image_begin));
         result.held_images += held ? 1 : 0;

@@ -152,7 +152,6 @@ RuntimeContext::RuntimeContext(Program& program)
 
 void update_clips(HeadsetState& state, RuntimeContext& context) {
     state.leaf_boxes.clear();
-    for (const std::string& problem : context.renderer->problems()) print_line("not shown: " + problem);
     for (uint32_t clip = 0; clip < state.stage->clips.size(); clip++) {
         state.leaf_boxes.push_back(context.renderer->leaf_box(clip));
         context.clips[state.stage->clips[clip].path] = context.renderer->shared_field(clip);
@@ -297,6 +296,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     HeadsetState& state = program.state;
     const bool hides_room = context.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
     context.renderer->show(state.evaluated, hides_room, render::MissingSegments::kHold);
+    for (const std::string& problem : context.renderer->take_problems()) print_line("not shown: " + problem);
     const xr::Pose world = xr::world_from_tracking(state.rig);
     const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
     session.shapes.begin(world * (head ? head->position : glm::dvec3(0)), session.eyes.pixel_rad());
