@@ -96,13 +96,14 @@ void join(const JoinOptions& options) {
     std::vector<Piece> pieces;
     uint64_t frames = 0;
     std::optional<float> fps;
+    if (options.clips.size() < 2) throw InputError("clips", options.clips[0], "is one clip alone", "name two or more");
     for (const std::string& clip : options.clips) {
         const voctree::ClipIndex index = voctree::read_clip_index(clip);
-        if (fps && std::abs(*fps - index.fps) > 1e-3f * *fps)
+        if (!fps) fps = index.fps;
+        if (std::abs(*fps - index.fps) > 1e-3f * *fps)
             throw InputError(clip, "",
                              fmt::format("has {:g} frames a second, {} has {:g}", index.fps, options.clips[0], *fps),
                              "join clips of one frame rate; on a stage, `speed` changes it");
-        fps = index.fps;
         frames += index.frames();
         for (const Piece& piece : pieces_of(index, 0, index.frames())) pieces.push_back(piece);
     }

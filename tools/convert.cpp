@@ -94,7 +94,8 @@ struct Rounding {
 };
 
 // Searches by bisection for the greatest strength whose images keep the quality. Throws InputError where none does.
-Rounding find_rounding(const voctree::VOctree& tree, const Views& views, const ConvertOptions& options) {
+Rounding find_rounding(const std::filesystem::path& file, const voctree::VOctree& tree, const Views& views,
+                       const ConvertOptions& options) {
     const std::vector<media::Image> truth = views.render(tree);
     Progress progress("convert", std::bit_width(static_cast<unsigned>(kStrengths)));
     Rounding best, last;
@@ -110,27 +111,27 @@ Rounding find_rounding(const voctree::VOctree& tree, const Views& views, const C
         progress.update(++done, fmt::format("error {:.4f}: {:.1f} dB", error_of(last.strength), last.psnr));
     }
     if (best.psnr == 0)
-        throw InputError(options.scene, "",
+        throw InputError(file.string(), "",
                          fmt::format("the finest steps show {:.1f} dB, not {:.1f}", last.psnr, options.quality),
                          fmt::format("ask for --quality {:.0f}", std::floor(last.psnr)));
     return best;
 }
 
 struct Outcome {
-    double psnr = INFINITY;  // of the worst image
-    float error = 0;         // the largest that rounding may make
+    double psnr = 99;  // of the worst image
+    float error = 0;   // the largest that rounding may make
     uint32_t leaves_before = 0, leaves = 0;
     uint64_t bytes_before = 0, bytes = 0, images = 0;
 };
 
 // Writes `file` smaller, and adds what came of it.
-void convert_file(const gpu::Device& device, const std::filesystem::path& file, const std::filesystem::path& output,
+void convert_file(const gpu::Device& device, const voctree::ClipSegment& file, const std::filesystem::path& output,
                   const ConvertOptions& options, Outcome& outcome) {
-    const voctree::VOctree tree = voctree::read_clip(file);
-    const uint64_t bytes_before = std::filesystem::file_size(file);
+    const voctree::VOctree tree = voctree::read_segment(file);
+    const uint64_t bytes_before = std::filesystem::file_size(file.file);
     voctree::VOctree result = tree;
     if (tree.leaf_count > 0) {  // else the performer is not in this segment
-        const Rounding rounding = find_rounding(tree, Views(device, tree, options), options);
+        const Rounding rounding = find_rounding(file.file, tree, Views(device, tree, options), options);
         result = rounded(tree, rounding.strength);
         outcome.psnr = std::min(outcome.psnr, rounding.psnr);
         outcome.error = std::max(outcome.error, error_of(rounding.strength));
@@ -146,13 +147,14 @@ void convert_file(const gpu::Device& device, const std::filesystem::path& file, 
 // Each segment keeps the quality by itself.
 Outcome convert_segments(const gpu::Device& device, const ConvertOptions& options) {
     const voctree::ClipIndex index = voctree::read_clip_index(options.scene);
+    for (const voctree::ClipSegment& segment : index.segments) voctree::read_segment_head(segment);
     const UnfinishedClip clip(options.output);
     voctree::ClipIndex smaller = index;
     Outcome outcome;
     for (size_t i = 0; i < index.segments.size(); i++) {
         fmt::print(stderr, "segment {} of {}\n", i + 1, index.segments.size());
         smaller.segments[i].file = clip.folder() / voctree::segment_file_name(index.segments[i].first);
-        convert_file(device, index.segments[i].file, smaller.segments[i].file, options, outcome);
+        convert_file(device, index.segments[i], smaller.segments[i].file, options, outcome);
     }
     voctree::write_clip_index(clip.folder(), smaller);
     clip.finish(clip.folder());
@@ -170,7 +172,7 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     catch_stop_signals();
     if (segmented) return convert_segments(device, options);
     Outcome outcome;
-    convert_file(device, options.scene, options.output, options, outcome);
+    convert_file(device, voctree::read_clip_index(options.scene).segments[0], options.output, options, outcome);
     return outcome;
 }
 

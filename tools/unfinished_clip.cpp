@@ -10,9 +10,17 @@ namespace neuvv::tools {
 
 UnfinishedClip::UnfinishedClip(const std::filesystem::path& output)
     : output_(voctree::clip_path(output)), folder_(output_.string() + ".unfinished") {
+    if (output_.extension() != ".nvv")
+        throw InputError("--output", output_.string(), "is no name of a clip", "write for instance show.nvv");
     if (std::filesystem::exists(output_))
         throw InputError("--output", output_.string(), "is there already", "name another, or remove it");
-    prepare_output_folder("--output", folder_);
+    prepare_output_file("--output", output_);
+    std::error_code error;
+    if (std::filesystem::create_directory(folder_, error)) return;
+    if (error) throw InputError("--output", folder_.string(), "cannot be made: " + error.message());
+    throw InputError("--output", folder_.string(),
+                     "is there already: the clip is being written, or that was interrupted",
+                     "wait for that, or remove it");
 }
 
 UnfinishedClip::~UnfinishedClip() {

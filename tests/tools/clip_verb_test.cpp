@@ -64,6 +64,11 @@ TEST_F(ClipVerb, WhatCannotBeIsRefused) {
     expect_refused({"clip", "cut", whole, "-o", file("a.nvv"), "--to", "4s"}, 2, {"whole.nvv", "6 frames"});
     expect_refused({"clip", "cut", whole, "-o", file("a.nvv"), "--to", "soon"}, 2, {"--to", "soon"});
     expect_refused({"clip", "cut", whole, "-o", parts}, 2, {"parts.nvv", "is there already"});
+    expect_refused({"clip", "cut", whole, "-o", file("a.mp4")}, 2, {"a.mp4", "no name of a clip"});
+    expect_refused({"clip", "join", whole, "-o", file("a.nvv")}, 2, {"whole.nvv", "two or more"});
+    std::filesystem::create_directory(file("a.nvv.unfinished"));
+    expect_refused({"clip", "cut", whole, "-o", file("a.nvv")}, 2, {"a.nvv.unfinished", "is there already"});
+    EXPECT_TRUE(std::filesystem::remove(file("a.nvv.unfinished"))) << "it is somebody else's";
     expect_refused({"clip", "cut", file("none.nvv"), "-o", file("a.nvv")}, 2, {"none.nvv"});
     tree.fps = 25;
     voctree::write_nvv(whole, tree);
