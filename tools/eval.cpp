@@ -18,6 +18,7 @@
 #include "tools/report.h"
 #include "training/contact_sheet.h"
 #include "training/evaluate.h"
+#include "training/flicker.h"
 #include "training/formats.h"
 #include "training/lpips.h"
 #include "voctree/clip_index.h"
@@ -136,6 +137,32 @@ void print(const training::Evaluation& evaluation, const training::Dataset& data
     print_row("mean", evaluation.compared, evaluation.mean);
 }
 
+// The steps from the last frame of a segment to the first of the next.
+std::vector<size_t> cuts_of(const voctree::ClipIndex& clip) {
+    std::vector<size_t> cuts;
+    for (size_t i = 1; i < clip.segments.size(); i++) cuts.push_back(clip.segments[i].first - 1);
+    return cuts;
+}
+
+void print(const training::FlickerMeter::Summary& flicker) {
+    fmt::print(
+        "flicker, steps of 255 from frame to frame: {:.2f} where the truth stands still, {:.2f} where it moves\n",
+        flicker.others.still, flicker.others.moving);
+    if (flicker.cut_count > 0)
+        fmt::print("at {} cuts: {:.2f} ({:.2f} times) and {:.2f} ({:.2f} times)\n", flicker.cut_count,
+                   flicker.cuts.still, flicker.cuts.still / flicker.others.still, flicker.cuts.moving,
+                   flicker.cuts.moving / flicker.others.moving);
+}
+
+nlohmann::ordered_json json_of(const training::FlickerMeter::Summary& flicker) {
+    nlohmann::ordered_json json = {{"still", flicker.others.still}, {"moving", flicker.others.moving}};
+    if (flicker.cut_count > 0)
+        json.update({{"cuts", flicker.cut_count},
+                     {"still_at_cuts", flicker.cuts.still},
+                     {"moving_at_cuts", flicker.cuts.moving}});
+    return json;
+}
+
 // Throws InputError, before any work is done, where a result could not be written.
 void prepare_outputs(const EvalOptions& options) {
     if (!options.json.empty() && options.json != "-") prepare_output_file("--json", options.json);
@@ -157,6 +184,7 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     std::vector<double> lpips(network ? dataset.views.size() : 0);
     ImageFolder folder{options.images, training::spread_views(dataset, kSheetRows)};
     PageCollector page{training::spread_views(dataset, kPageImages)};
+    training::FlickerMeter meter(dataset.cameras.size(), dataset.times.size());
     const gpu::Device device(common.device);
     catch_stop_signals();
     Progress progress("eval", dataset.views.size());
@@ -165,6 +193,7 @@ void run(const EvalOptions& options, const CommonOptions& common) {
                                             const training::Quality& quality) {
         if (!options.images.empty()) folder.add(view, dataset.views[view].name, truth, render);
         if (!options.html.empty()) page.add(view, truth, render, quality.psnr);
+        meter.add(dataset.views[view].camera, training::frame_of_view(dataset, dataset.views[view]), truth, render);
         if (network) lpips[view] = network->distance(truth, render);
         progress.update(++compared, fmt::format("{:.2f} dB", quality.psnr));
         return !stop_requested();
@@ -178,13 +207,13 @@ void run(const EvalOptions& options, const CommonOptions& common) {
         const PageFacts facts{options.scene, options.dataset, options.split, device.summary().name};
         write_text_file(options.html, comparison_page(facts, dataset, evaluation, page.images));
     }
-    const std::string json = json_text(json_of(options, dataset, evaluation, lpips));
-    if (options.json == "-") {
-        fmt::print("{}", json);
-        return;
-    }
-    if (!options.json.empty()) write_text_file(options.json, json);
+    const auto flicker = meter.summary(clip.frames() == dataset.times.size() ? cuts_of(clip) : std::vector<size_t>());
+    nlohmann::ordered_json facts = json_of(options, dataset, evaluation, lpips);
+    if (flicker) facts["flicker"] = json_of(*flicker);
+    if (!options.json.empty() && options.json != "-") write_text_file(options.json, json_text(facts));
+    if (options.json == "-") return fmt::print("{}", json_text(facts));
     print(evaluation, dataset, options.per);
+    if (flicker) print(*flicker);
     if (network) fmt::print("LPIPS, mean over images: {:.5f}\n", mean_lpips(lpips));
 }
 
@@ -220,6 +249,9 @@ void add_eval(Command app, CommonOptions& common) {
          "  MAE   mean absolute error\n"
          "  FLIP  LDR-FLIP (Andersson et al. 2020), mean over pixels, seen from 67 pixels per degree: 0 where\n"
          "        nobody sees a difference, at most 1\n"
+         "Flicker is how much a render changes from frame to frame in another way than the truth, over the "
+         "performer's\n"
+         "pixels, in steps of 255: the median over the clip, and over the cuts between segments.\n"
          "The mean is over images, also per camera and per frame. In the error image, 0.25 and more is "
          "white.\n",
          kDeviceHelp, kExamplesHead,
