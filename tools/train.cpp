@@ -61,14 +61,17 @@ void prepare_output(const TrainOptions& options, const Ranks& ranks) {
 // Throws InputError for combinations of options that make no sense.
 void expect_compatible(const TrainOptions& options, const Ranks& ranks) {
     const Refine refine = refine_of(options.refine);
+    optional_parts_of(options.leave_out);
     if (refine.needs_search() && options.init == "psi")
         throw InputError("--refine", options.refine, "cannot be combined with --init psi, but for colours",
                          "leave out one of the two");
+    if (options.is_part() && !voctree::is_segmented(options.output))
+        throw InputError("--from, --to", "", "train a part of a clip in segments again, which OUTPUT is not",
+                         "leave them out, or train the whole clip with --segment first");
+    if (options.is_part() && options.plan)
+        throw InputError("--plan", "", "is for whole clips", "leave out --from and --to");
     if (!is_in_segments(options)) {
         if (options.plan) throw InputError("--plan", "", "is for clips in segments", "give --segment, or leave it out");
-        if (options.is_part())
-            throw InputError("--from, --to", "", "train a part of a clip in segments again, which OUTPUT is not",
-                             "leave them out, or train the whole clip with --segment first");
         if (ranks.count > 1)
             throw InputError("--segment", "",
                              fmt::format("is missing: {} processes cannot share one tree", ranks.count),
@@ -151,8 +154,8 @@ std::string weight_option(const training::NamedLossWeight& weight) {
 // Names the given options that a resumed run ignores, because it keeps its own values.
 void warn_of_ignored_options(const Command& verb) {
     std::string given;
-    std::vector<std::string> names{"--resolution", "--bases",   "--hh-degree", "--init",  "--max-leaves",
-                                   "--max-memory", "--uniform", "--seed",      "--refine"};
+    std::vector<std::string> names{"--resolution", "--bases",   "--hh-degree", "--init",   "--max-leaves",
+                                   "--max-memory", "--uniform", "--seed",      "--refine", "--leave-out"};
     for (const training::NamedLossWeight& weight : training::kLossWeights) names.push_back(weight_option(weight));
     for (const std::string& name : names)
         if (verb.count(name) > 0) given += fmt::format("{}{}", given.empty() ? "" : ", ", name);
@@ -219,6 +222,10 @@ void add_train(Command app, CommonOptions& common) {
     verb.add_flag("--uniform", options->uniform, "Leaves stay of one size: no pruning, no division by the loss's pull")
         .excludes(max_leaves)
         .excludes(max_memory);
+    verb.add_option("--leave-out", options->leave_out,
+                    fmt::format("Parts of the training to leave out, for comparisons, with commas between them: {} "
+                                "(training/schedule.h says what they are)",
+                                fmt::join(training::kOptionalParts, ", ")));
     for (const training::NamedLossWeight& named : training::kLossWeights)
         verb.add_option(weight_option(named), options->settings.weights.*named.weight, named.meaning)
             .number_between(0.0, 100.0)

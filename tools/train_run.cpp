@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/platform.h"
 #include "base/seconds.h"
+#include "base/text.h"
 #include "tools/refine.h"
 #include "tools/report.h"
 #include "training/images.h"
@@ -167,12 +168,26 @@ void write_empty(const TrainOptions& options, const training::Dataset& dataset) 
 
 }  // namespace
 
+training::OptionalParts optional_parts_of(const std::string& names) {
+    training::OptionalParts parts = 0;
+    for (const std::string& name : split(names, ',')) {
+        if (names.empty()) break;
+        const auto found = std::find(training::kOptionalParts.begin(), training::kOptionalParts.end(), name);
+        if (found == training::kOptionalParts.end())
+            throw InputError("--leave-out", names, fmt::format("there is no part \"{}\"", name),
+                             fmt::format("the parts are {}", fmt::join(training::kOptionalParts, ", ")));
+        parts |= 1u << (found - training::kOptionalParts.begin());
+    }
+    return parts;
+}
+
 bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig, const RunView& view) {
     training::TrainSettings settings = options.settings;
     const Refine refine = refine_of(options.refine);
     settings.refine = refine.what.colour;
     settings.program = "NeuVV " NEUVV_VERSION;
     settings.adaptive = !options.uniform;
+    settings.left_out = optional_parts_of(options.leave_out);
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
     const training::LoadOptions load = load_options(options);
     training::Dataset dataset = load_images(options, rig, load, view.quiet);

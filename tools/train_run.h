@@ -31,7 +31,7 @@ struct TrainOptions {
     double max_megabytes = 0, image_gigabytes = 0;
     bool uniform = false;
     LiveOptions live;
-    std::string refine;
+    std::string refine, leave_out;
     std::string init = "hull";  // or "psi"
     double psi_minutes = 2;
     uint64_t psi_steps = 0;
@@ -46,6 +46,9 @@ struct RunView {
     // line.
     std::function<std::string(double)> label;
 };
+
+// The parts of training that are named, with commas between them. Throws InputError for a name that there is not.
+training::OptionalParts optional_parts_of(const std::string& names);
 
 // Trains `rig`, the whole clip or a segment of it, into options.output. Returns whether the budget is spent; false
 // where Ctrl-C ended the run. What was trained is saved in any case, unless that happened before the first step. Throws

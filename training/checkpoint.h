@@ -5,6 +5,7 @@
 
 #include "training/camera_colour.h"
 #include "training/rig_changes.h"
+#include "training/schedule.h"
 #include "training/step.h"
 
 namespace neuvv::training {
@@ -22,6 +23,7 @@ struct RunState {
     uint32_t max_leaves = 0;                  // the run's bounds; 0: none
     uint64_t max_bytes = 0;
     bool adaptive = true;
+    OptionalParts left_out = 0;
     double elapsed_s = 0;
     double other_s = 0;  // of elapsed_s: what was no step, but checkpoints, changes of the tree and reports
     double rays = 0;

@@ -2,6 +2,9 @@
 // spent, 0..1.
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "training/slice_adjoint.h"
 
 namespace neuvv::training {
@@ -39,6 +42,18 @@ constexpr double kCoarseDensityShare = 0.2;
 constexpr float kLeastDepth = 0.003f;
 // Runs of fewer epochs do without the bound: too few steps have gone wrong in them, and they need their rays for less.
 constexpr double kBoundedEpochs = 15;
+
+// What a run can leave out, so that it can be measured what each of these is worth: `divide`, that leaves of high
+// opacity sensitivity divide; `merge`, that siblings that agree become one leaf; `revive`, that holes get a little
+// density; `bound`, kLeastDepth; `rays`, the several rays per pixel at the end.
+enum class OptionalPart : uint32_t { kDivide, kMerge, kRevive, kBound, kRays };
+constexpr std::array<const char*, 5> kOptionalParts = {"divide", "merge", "revive", "bound", "rays"};
+
+// A set of optional parts: the bit 1 << part for each.
+using OptionalParts = uint32_t;
+inline bool has(OptionalParts parts, OptionalPart part) {
+    return (parts >> static_cast<uint32_t>(part) & 1u) != 0;
+}
 
 // How many epochs a phase needs before its LeafUse is trusted. Before the first, "no ray saw this leaf" may only mean
 // that few rays were traced; before the second, the same holds for single frames; before the third, a low maximum

@@ -155,6 +155,7 @@ const Dataset& Run::begin() {
         run_.max_leaves = settings_.max_leaves;
         run_.max_bytes = settings_.max_bytes;
         run_.adaptive = settings_.adaptive;
+        run_.left_out = settings_.left_out;
         run_.tiles_per_step = settings_.tiles_per_step;
         run_.weights = settings_.weights;
         run_.program = settings_.program;
@@ -248,7 +249,7 @@ void Run::begin_phase_if_due() {
     settings.hull_margin = settings_.shape.hull_margin;
     settings.prune_below = covered && run_.adaptive ? phase.prune_below : 0;
     settings.empty_unused = epochs > kMinEpochsForFrameUse && !coarse;
-    settings.divide_share = phase.divide_share;
+    settings.divide_share = !coarse && has(run_.left_out, OptionalPart::kDivide) ? 0 : phase.divide_share;
     settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelowPixel);
     settings.min_pixels_to_divide = coarse ? 0 : kMinPixelsToDivide;
     // Finer leaves need rays: a run that does not see all images in a phase is better without them.
@@ -257,9 +258,10 @@ void Run::begin_phase_if_due() {
     settings.min_weight_to_divide =
         run_.adaptive && (!coarse || epochs > kMinEpochsForMaxWeight) ? kMinWeightToDivide : 0;
     LeafUse use = read_use(device_, step_->tally(), tree_);
-    if (phase.merge_within > 0 && epochs > kMinEpochsForFrameUse) merge_alike(tree_, use, phase.merge_within);
+    if (phase.merge_within > 0 && epochs > kMinEpochsForFrameUse && !has(run_.left_out, OptionalPart::kMerge))
+        merge_alike(tree_, use, phase.merge_within);
     tree_ = grow(dataset_, tree_, use, settings);
-    if (!coarse) revive_holes(tree_);
+    if (!coarse && !has(run_.left_out, OptionalPart::kRevive)) revive_holes(tree_);
     make_step();
     run_.adam_step = 0;
     run_.phase_rays = 0;
@@ -299,7 +301,8 @@ void Run::fit_to_max_bytes() {
 }
 
 Batch Run::next_batch(uint64_t step) {
-    if (run_.several_rays_from == UINT64_MAX && fraction() >= kSeveralRaysFrom && epochs_done() >= kSeveralRaysEpochs)
+    if (run_.several_rays_from == UINT64_MAX && !has(run_.left_out, OptionalPart::kRays) &&
+        fraction() >= kSeveralRaysFrom && epochs_done() >= kSeveralRaysEpochs)
         run_.several_rays_from = step;
     return sampler_.next(samples_of(step));
 }
@@ -311,7 +314,8 @@ StepSettings Run::step_settings(double time) const {
     if (run_.phase < kLevelsAbovePixel) settings.rates.sigma *= static_cast<float>(kCoarseDensityShare);
     settings.adam.step = run_.adam_step;
     settings.adam.min_used_weight = kPhases[std::min(run_.phase + 1, kPhaseCount - 1)].prune_below;
-    if (has_basis_per_frame(tree_) && epochs_of_run() >= kBoundedEpochs && settings.frame == std::round(settings.frame))
+    if (has_basis_per_frame(tree_) && epochs_of_run() >= kBoundedEpochs && !has(run_.left_out, OptionalPart::kBound) &&
+        settings.frame == std::round(settings.frame))
         settings.adam.least_depth = kLeastDepth;
     settings.stop = kTrainingStop;
     settings.weights = run_.weights;

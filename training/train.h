@@ -28,9 +28,10 @@ struct TrainSettings {
     uint64_t steps = 0;
     TreeShape shape;
     uint64_t seed = 1;
-    uint32_t max_leaves = 0;  // bound on the leaves of the tree (0: as many as the device can train)
-    uint64_t max_bytes = 0;   // bound on the size of the finished .nvv (0: none)
-    bool adaptive = true;     // false: all leaves end at the depth of `shape`; none is removed or becomes finer
+    uint32_t max_leaves = 0;     // bound on the leaves of the tree (0: as many as the device can train)
+    uint64_t max_bytes = 0;      // bound on the size of the finished .nvv (0: none)
+    bool adaptive = true;        // false: all leaves end at the depth of `shape`; none is removed or becomes finer
+    OptionalParts left_out = 0;  // schedule.h
     uint32_t tiles_per_step = 512;
     LossWeights weights = kDefaultLossWeights;
     ColourRefinement refine;  // what is learnt of how cameras show colours; a resumed run does what it did

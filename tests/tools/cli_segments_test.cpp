@@ -64,6 +64,8 @@ TEST_F(CliSegments, TheyAreMadeSmallerOneByOne) {
     }
     EXPECT_NE(still(file("small.nvv"), "1").rgba, still(file("small.nvv"), "0").rgba);
     expect_refused({"convert", parts, "-o", file("small.nvv")}, 2, {"small.nvv", "is there already"});
+    std::filesystem::remove(parts + "/000001.nvv");
+    expect_refused({"convert", parts, "-o", file("other.nvv")}, 2, {"000001.nvv"});
 }
 
 TEST_F(CliSegments, InfoNamesWhatCannotBePlayed) {
@@ -137,6 +139,9 @@ TEST_F(CliSegments, APartIsTrainedAgain) {
     refuse({"-o", show, "--to", "4", "--steps", "1"}, {"--from", "3 frames"});
     refuse({"-o", scene, "--steps", "1"}, {"--from", "--segment"});
     refuse({"-o", show, "--segment", "2", "--steps", "1"}, {"--segment", "3 segments"});
+    refuse({"-o", show, "--segment", "1", "--steps", "1", "--plan"}, {"--plan", "--from"});
+    refuse({"-o", file("new.nvv"), "--segment", "1", "--steps", "1"}, {"--from", "--segment"});
+    EXPECT_FALSE(std::filesystem::exists(file("new.nvv")));
     EXPECT_EQ(read_text(show + "/000000.nvv"), before[0]);
 }
 

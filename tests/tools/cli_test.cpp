@@ -78,6 +78,12 @@ TEST_F(Cli, WrongUseIsBadInput) {
     expect_refused({"render", scene, "-o", file("x.mp4"), "--orbit", "--camera", "c.json"}, 2, {"--orbit", "--camera"});
 }
 
+TEST_F(Cli, OnlyPartsOfTheTrainingCanBeLeftOut) {
+    for (const char* names : {"colour", "merge,colour", "merge,,bound", "merge,"})
+        expect_refused({"train", file("data"), "-o", file("x.nvv"), "--leave-out", names}, 2,
+                       {"--leave-out", names, "divide, merge, revive, bound, rays"});
+}
+
 TEST_F(Cli, NaNIsNoNumberOfAnything) {
     for (const char* option : {"--minutes", "--max-memory", "--image-memory", "--psi-minutes", "--lambda-grad",
                                "--lambda-point", "--lambda-smooth", "--seed"})

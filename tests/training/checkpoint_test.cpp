@@ -38,6 +38,7 @@ training::RunState some_run() {
             .max_leaves = 123456,
             .max_bytes = 60000000,
             .adaptive = false,
+            .left_out = 5,
             .elapsed_s = 12.5,
             .other_s = 3.25,
             .rays = 3e12,
@@ -108,6 +109,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.max_leaves, run.max_leaves);
     EXPECT_EQ(loaded.run.max_bytes, run.max_bytes);
     EXPECT_EQ(loaded.run.adaptive, run.adaptive);
+    EXPECT_EQ(loaded.run.left_out, run.left_out);
     EXPECT_EQ(loaded.run.elapsed_s, run.elapsed_s);
     EXPECT_EQ(loaded.run.other_s, run.other_s);
     EXPECT_EQ(loaded.run.rays, run.rays);

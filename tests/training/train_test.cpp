@@ -162,6 +162,21 @@ TEST_F(TrainTest, UniformLeavesStayOfOneSize) {
     for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) ASSERT_EQ(position.depth, 6u);
 }
 
+TEST_F(TrainTest, PartsCanBeLeftOut) {
+    const auto leaves_without = [&](training::OptionalParts parts) {
+        const TemporaryFolder folder;
+        training::TrainSettings settings = small_run(200);
+        settings.left_out = parts;
+        training::train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
+        EXPECT_EQ(training::load_checkpoint(folder.path / "sphere.nvv").run.left_out, parts);
+        return voctree::read_nvv(folder.path / "sphere.nvv").leaf_count;
+    };
+    const auto bit = [](training::OptionalPart part) { return 1u << static_cast<uint32_t>(part); };
+    const uint32_t all = leaves_without(0);
+    EXPECT_GT(leaves_without(bit(training::OptionalPart::kMerge)), all);
+    EXPECT_LT(leaves_without(bit(training::OptionalPart::kDivide)), all);
+}
+
 TEST_F(TrainTest, TheSameSeedGivesNearlyTheSameRun) {
     const TemporaryFolder folder;
     std::vector<std::vector<media::Image>> renders;
