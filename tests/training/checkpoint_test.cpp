@@ -13,6 +13,7 @@
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
 #include "training/train.h"
+#include "voctree/frames.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {
@@ -121,7 +122,9 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.weights.smoothness, run.weights.smoothness);
     EXPECT_EQ(loaded.run.program, run.program);
     EXPECT_EQ(folder.entries(), 2u) << "nothing lies about";
-    EXPECT_EQ(voctree::read_nvv(nvv).leaf_count, tree.leaf_count);
+    voctree::VOctree written = tree;
+    voctree::drop_empty_leaves(written);
+    EXPECT_EQ(voctree::read_nvv(nvv).leaf_count, written.leaf_count);
 }
 
 TEST_F(CheckpointTest, ARestoredStepIsTheOldOne) {
