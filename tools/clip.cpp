@@ -113,7 +113,7 @@ void join(const JoinOptions& options) {
     write_clip(pieces, *fps, options.output);
 }
 
-constexpr const char* kExamples =
+constexpr const char* kClipExamples =
     "Examples:\n"
     "  neuvv clip cut build/long.nvv -o build/entrance.nvv --to 1s\n"
     "  neuvv clip cut build/long.nvv -o build/dance.nvv --from 24 --to 1:10\n"
@@ -124,7 +124,7 @@ constexpr const char* kExamples =
 void add_clip(Command app, CommonOptions&) {
     Command verb = app.add_verb("clip", "Cut clips and join them, without training");
     verb.require_verb();
-    verb.footer({kExamples});
+    verb.footer({kClipExamples});
 
     Command cut_verb = verb.add_verb("cut", "Write a part of a clip as a clip of its own");
     const auto cut_options = std::make_shared<CutOptions>();
@@ -139,7 +139,7 @@ void add_clip(Command app, CommonOptions&) {
     cut_verb.footer(
         {"Images of the part are those of the clip. Where the part has frames of several segments, it is in "
          "segments, too;\nwhole segments are copied as they are.\n\n",
-         kExamples});
+         kClipExamples});
     cut_verb.callback([cut_options] { cut(*cut_options); });
 
     Command join_verb = verb.add_verb("join", "Write clips that follow each other as one clip, in segments");
@@ -148,7 +148,7 @@ void add_clip(Command app, CommonOptions&) {
         .required();
     join_verb.add_option("-o,--output", join_options->output, "The .nvv to write, which must not be there yet")
         .required();
-    join_verb.footer({"Files are copied as they are, so nothing is lost.\n\n", kExamples});
+    join_verb.footer({"Files are copied as they are, so nothing is lost.\n\n", kClipExamples});
     join_verb.callback([join_options] { join(*join_options); });
 }
 

@@ -47,7 +47,7 @@ SetLight set_light(const stage::EvaluatedLight& light) {
     return out;
 }
 
-StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stage, StageAssets assets,
+StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stage, const StageAssets& assets,
                              const FrameCapacity& capacity)
     : device_(device), stage_(&stage), capacity_(capacity), clips_(assets) {
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
@@ -59,7 +59,7 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
     apply_paints(stage, make_paints(stage, assets));
 }
 
-void StageRenderer::change(const stage::Stage& stage, StageAssets assets) {
+void StageRenderer::change(const stage::Stage& stage, const StageAssets& assets) {
     NextPaints paints = make_paints(stage, assets);
     set_->change(stage.scene, assets.environment);
     // Nothing may fail from here on.

@@ -26,7 +26,7 @@ class StageRenderer {
   public:
     // `assets` are what a StageLoader has loaded for this stage. The stage must outlive the renderer or be replaced by
     // change(). Throws RuntimeFailure where the device has no memory.
-    StageRenderer(const gpu::Device& device, const stage::Stage& stage, StageAssets assets,
+    StageRenderer(const gpu::Device& device, const stage::Stage& stage, const StageAssets& assets,
                   const FrameCapacity& capacity);
 
     // Replaces the stage by another object; the old one may be destroyed after the call. show() must be called before
@@ -34,7 +34,7 @@ class StageRenderer {
     // vertices, textures and materials are the same. Clips that no performer plays any more are dropped; a clip that is
     // still in use elsewhere (shared_field) need not be read again when it returns. Throws as the constructor does, and
     // then still draws the old stage.
-    void change(const stage::Stage& stage, StageAssets assets);
+    void change(const stage::Stage& stage, const StageAssets& assets);
 
     // Sets the size of the images that settings_at describes, in pixels. Images that are larger than any before need
     // new targets: frames() then returns another object, which has drawn nothing yet. Fields, slices, paint and set
