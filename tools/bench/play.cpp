@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <thread>
 
 #include "base/platform.h"
 #include "render/stage_renderer.h"
@@ -34,7 +35,12 @@ struct Result {
     uint64_t early_bytes = 0, late_bytes = 0;  // the most buffers on the device in either half
 };
 
-// Plays from one seek to the next.
+void sleep_until(Clock::time_point begin, double after_s) {
+    std::this_thread::sleep_until(begin +
+                                  std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after_s)));
+}
+
+// Plays from one seek to the next, an image for each frame that is due.
 void play_from(double from_s, double until_s, const stage::Stage& stage, const stage::Camera& camera,
                render::StageRenderer& renderer, Result& result, uint64_t& bytes) {
     const Clock::time_point begin = Clock::now();
@@ -54,6 +60,7 @@ void play_from(double from_s, double until_s, const stage::Stage& stage, const s
         const auto frame = static_cast<int64_t>(std::floor(played_s * stage.fps));
         if (last_frame >= 0) result.missed += static_cast<uint64_t>(std::max<int64_t>(frame - last_frame - 1, 0));
         last_frame = frame;
+        sleep_until(begin, std::min(static_cast<double>(frame + 1) / stage.fps, until_s));
         played_s = milliseconds_since(begin) / 1000;
     }
     result.frames += static_cast<uint64_t>(last_frame + 1);
