@@ -72,14 +72,16 @@ TEST_F(ClipIndexTest, TheHeadHoldsAllSegments) {
 
 TEST_F(ClipIndexTest, SegmentsAreFilesOfTheirFrames) {
     write_segment("a.nvv", 2, {0, 0, 0});
+    const voctree::VOctree sound = write_segment("b.nvv", 2, {4, 1, 0});
     write_index(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 3},
-                    {"file": "inside.nvv", "frames": 2}]})");
+                    {"file": "inside.nvv", "frames": 2}, {"file": "b.nvv", "frames": 2}]})");
     const voctree::ClipIndex index = voctree::read_clip_index(clip);
     expect_input_error([&] { voctree::read_segment(index.segments[0]); }, {"a.nvv", "2 frames", "says 3"});
     // A segment that is the folder itself: a reader that followed it would not end.
     std::filesystem::create_directory_symlink(clip, clip / "inside.nvv");
     expect_input_error([&] { voctree::read_segment(index.segments[1]); }, {"inside.nvv"});
-    EXPECT_EQ(voctree::read_clip_head(clip).frames, 5u);
+    EXPECT_EQ(voctree::read_clip_head(clip).frames, 7u);
+    EXPECT_EQ(voctree::read_clip_head(clip).box_min, sound.box_min) << "of the segments that can be played";
 }
 
 TEST_F(ClipIndexTest, AnEmptySegmentHasNoSayInTheBox) {
