@@ -116,7 +116,7 @@ void join(const JoinOptions& options) {
 constexpr const char* kClipExamples =
     "Examples:\n"
     "  neuvv clip cut build/long.nvv -o build/entrance.nvv --to 1s\n"
-    "  neuvv clip cut build/long.nvv -o build/dance.nvv --from 24 --to 1:10\n"
+    "  neuvv clip cut build/long.nvv -o build/dance.nvv --from 25 --to 0:02.5\n"
     "  neuvv clip join build/dance.nvv build/entrance.nvv -o build/show.nvv\n";
 
 }  // namespace
