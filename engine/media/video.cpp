@@ -8,10 +8,9 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "media/libav.h"
 
 extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
 #include <libavutil/opt.h>
 #include <libswscale/swscale.h>
 }
@@ -25,47 +24,15 @@ constexpr int kMpeg4Quantiser = 3;   // the same quality with the fallback encod
 constexpr uint32_t kHdLines = 720;   // from this height on, video without a matrix is taken as BT.709
 constexpr int kMaxTimeBase = 65535;  // the finest that MPEG-4 part 2 can store
 
-std::string error_text(int code) {
-    char text[AV_ERROR_MAX_STRING_SIZE] = "";
-    av_strerror(code, text, sizeof(text));
-    return text;
-}
-
-// A URL of the file: in a path without a scheme, a colon would be taken for the end of a protocol's name.
-std::string file_url(const std::filesystem::path& path) {
-    return "file:" + path.string();
-}
-
 void free_context(AVCodecContext* context) {
     avcodec_free_context(&context);
 }
 void free_frame(AVFrame* frame) {
     av_frame_free(&frame);
 }
-void free_packet(AVPacket* packet) {
-    av_packet_free(&packet);
-}
-void close_input(AVFormatContext* context) {
-    avformat_close_input(&context);
-}
-void close_output(AVFormatContext* context) {
-    avio_closep(&context->pb);
-    avformat_free_context(context);
-}
-
-template <auto release>
-struct Release {
-    template <typename T>
-    void operator()(T* object) const {
-        release(object);
-    }
-};
-template <typename T, auto release>
-using Owned = std::unique_ptr<T, Release<release>>;
 
 using OwnedCodec = Owned<AVCodecContext, free_context>;
 using OwnedFrame = Owned<AVFrame, free_frame>;
-using OwnedPacket = Owned<AVPacket, free_packet>;
 
 }  // namespace
 
@@ -73,7 +40,7 @@ struct VideoWriter::State {
     std::filesystem::path path;
     std::filesystem::path temporary;
     uint32_t width = 0, height = 0;  // of the frames that are added; the sides of the video are even
-    Owned<AVFormatContext, close_output> output;
+    OwnedOutput output;
     OwnedCodec codec;
     OwnedFrame rgba, yuv;
     OwnedPacket packet;
@@ -244,7 +211,7 @@ void VideoWriter::finish() {
 
 struct VideoReader::State {
     std::filesystem::path path;
-    Owned<AVFormatContext, close_input> input;
+    OwnedInput input;
     OwnedCodec codec;
     OwnedFrame frame, rgba;
     OwnedPacket packet;
@@ -269,13 +236,8 @@ struct VideoReader::State {
 };
 
 void VideoReader::State::open() {
-    AVDictionary* options = nullptr;  // so that a file cannot make FFmpeg open other files or the network
-    av_dict_set(&options, "protocol_whitelist", "file", 0);
-    av_dict_set(&options, "format_whitelist", "mp4,matroska,avi", 0);
     AVFormatContext* opened = nullptr;
-    const int opening = avformat_open_input(&opened, file_url(path).c_str(), nullptr, &options);
-    av_dict_free(&options);
-    check(opening, "cannot open as a video");
+    check(open_video_file(path, &opened), "cannot open as a video");
     input.reset(opened);
     check(avformat_find_stream_info(opened, nullptr), "cannot find its streams");
 }

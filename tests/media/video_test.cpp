@@ -43,16 +43,6 @@ TEST(Video, SummaryIsWhatWasWritten) {
     EXPECT_EQ(folder.entries(), 1u) << "a temporary file stayed";
 }
 
-TEST(Video, OddSizesArePaddedAndFractionalRatesKept) {
-    const TemporaryFolder folder;
-    write_video(folder.path / "odd.mp4", 33, 17, 30000.0 / 1001, 7);
-    const media::VideoSummary summary = media::summarise_video(folder.path / "odd.mp4");
-    EXPECT_EQ(summary.width, 34u);
-    EXPECT_EQ(summary.height, 18u);
-    EXPECT_EQ(summary.frames, 7u);
-    EXPECT_NEAR(summary.fps, 30000.0 / 1001, 1e-3);
-}
-
 // Presentation times of a file's packets, ascending, in units of `base`.
 std::vector<int64_t> times_of(const std::filesystem::path& path, AVRational& base) {
     AVFormatContext* input = nullptr;
@@ -71,6 +61,65 @@ std::vector<int64_t> times_of(const std::filesystem::path& path, AVRational& bas
 }
 
 // Frame i is at i / fps, without rounding and so without drift.
+// A joined video shows the frames of its parts, at the times that one video would have.
+TEST(Video, PartsAreJoined) {
+    const TemporaryFolder folder;
+    const std::filesystem::path whole = folder.path / "whole.mp4", joined = folder.path / "joined.mp4";
+    const int ends[] = {2, 3, 20};
+    media::VideoWriter all(whole, 62, 48, 30000.0 / 1001);
+    std::vector<std::filesystem::path> parts;
+    for (int part = 0, i = 0; part < 3; part++) {
+        parts.push_back(folder.path / (std::to_string(part) + ".mp4"));
+        media::VideoWriter video(parts.back(), 62, 48, 30000.0 / 1001);
+        for (; i < ends[part]; i++) {
+            const media::Image image =
+                plain(62, 48, static_cast<uint8_t>(10 * i), 80, static_cast<uint8_t>(200 - 7 * i));
+            video.add(image);
+            all.add(image);
+        }
+        video.finish();
+    }
+    all.finish();
+    media::join_videos(parts, joined);
+    EXPECT_EQ(folder.entries(), 5u) << "a temporary file stayed";
+    const media::VideoSummary summary = media::summarise_video(joined);
+    EXPECT_EQ(summary.frames, 20u);
+    EXPECT_NEAR(summary.fps, 30000.0 / 1001, 1e-3);
+    media::VideoReader a(whole), b(joined);
+    media::Image of_a, of_b;
+    for (int i = 0; i < 20; i++) {
+        ASSERT_TRUE(a.next(of_a) && b.next(of_b)) << i;
+        for (size_t p = 0; p < of_a.rgba.size(); p++) ASSERT_NEAR(of_a.rgba[p], of_b.rgba[p], 4) << "frame " << i;
+    }
+    AVRational base_a{}, base_b{};
+    EXPECT_EQ(times_of(whole, base_a), times_of(joined, base_b));
+    EXPECT_EQ(av_cmp_q(base_a, base_b), 0);
+}
+
+TEST(Video, PartsThatDoNotFitAreNotJoined) {
+    const TemporaryFolder folder;
+    const auto path = [&](const char* name) { return folder.path / name; };
+    write_video(path("a.mp4"), 64, 48, 25, 3);
+    write_video(path("small.mp4"), 32, 48, 25, 3);
+    write_video(path("slow.mp4"), 64, 48, 24, 3);
+    std::filesystem::copy_file(path("a.mp4"), path("cut.mp4"));
+    std::filesystem::resize_file(path("cut.mp4"), std::filesystem::file_size(path("cut.mp4")) / 2);
+    for (const char* other : {"small.mp4", "slow.mp4", "cut.mp4", "none.mp4"})
+        expect_input_error([&] { media::join_videos({path("a.mp4"), path(other)}, path("joined.mp4")); }, {other});
+    EXPECT_FALSE(std::filesystem::exists(path("joined.mp4")));
+    EXPECT_FALSE(std::filesystem::exists(path("joined.mp4.tmp.mp4")));
+}
+
+TEST(Video, OddSizesArePaddedAndFractionalRatesKept) {
+    const TemporaryFolder folder;
+    write_video(folder.path / "odd.mp4", 33, 17, 30000.0 / 1001, 7);
+    const media::VideoSummary summary = media::summarise_video(folder.path / "odd.mp4");
+    EXPECT_EQ(summary.width, 34u);
+    EXPECT_EQ(summary.height, 18u);
+    EXPECT_EQ(summary.frames, 7u);
+    EXPECT_NEAR(summary.fps, 30000.0 / 1001, 1e-3);
+}
+
 TEST(Video, TimestampsAreExact) {
     const TemporaryFolder folder;
     const auto path = folder.path / "a.mp4";

@@ -1,0 +1,138 @@
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "media/libav.h"
+#include "media/video.h"
+
+namespace neuvv::media {
+
+namespace {
+
+// A part, opened at its first packet.
+struct Part {
+    std::filesystem::path path;
+    OwnedInput input;
+    const AVStream* stream = nullptr;  // owned by input
+
+    [[noreturn]] void fail(const std::string& problem) const {
+        throw InputError(path.string(), "", problem, "render this part again");
+    }
+};
+
+Part open_part(const std::filesystem::path& path) {
+    Part part{path, nullptr, nullptr};
+    AVFormatContext* opened = nullptr;
+    if (open_video_file(path, &opened) < 0) part.fail("cannot be opened as a video");
+    part.input.reset(opened);
+    const int found = avformat_find_stream_info(opened, nullptr);
+    const int index = found < 0 ? found : av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+    if (index < 0) part.fail("has no video");
+    part.stream = opened->streams[index];
+    if (part.stream->avg_frame_rate.num <= 0 || part.stream->avg_frame_rate.den <= 0) part.fail("has no frame rate");
+    return part;
+}
+
+// Whether a decoder of `a` also decodes `b`.
+bool is_alike(const AVCodecParameters& a, const AVCodecParameters& b) {
+    return a.codec_id == b.codec_id && a.width == b.width && a.height == b.height && a.format == b.format &&
+           a.extradata_size == b.extradata_size &&
+           std::memcmp(a.extradata, b.extradata, static_cast<size_t>(a.extradata_size)) == 0;
+}
+
+class Joined {
+  public:
+    Joined(const std::filesystem::path& path, const Part& first);
+    ~Joined() {
+        output_.reset();
+        std::error_code ignored;
+        if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
+    }
+    Joined(const Joined&) = delete;
+    Joined& operator=(const Joined&) = delete;
+
+    void append(const Part& part);
+    void finish();
+
+  private:
+    void check(int code, const char* what) const {
+        if (code < 0) throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path_.string(), what, error_text(code)));
+    }
+    std::filesystem::path path_, temporary_;
+    OwnedOutput output_;
+    OwnedPacket packet_;
+    AVStream* stream_ = nullptr;  // owned by output_
+    int64_t frames_ = 0;
+};
+
+Joined::Joined(const std::filesystem::path& path, const Part& first)
+    : path_(path), temporary_(path.string() + ".tmp.mp4"), packet_(av_packet_alloc()) {
+    AVFormatContext* allocated = nullptr;
+    check(avformat_alloc_output_context2(&allocated, nullptr, "mp4", file_url(temporary_).c_str()), "open a muxer");
+    output_.reset(allocated);
+    stream_ = avformat_new_stream(allocated, nullptr);
+    if (!stream_ || !packet_) throw RuntimeFailure("out of memory while joining videos");
+    check(avcodec_parameters_copy(stream_->codecpar, first.stream->codecpar), "describe the stream");
+    stream_->codecpar->codec_tag = 0;  // the muxer's own
+    stream_->time_base = first.stream->time_base;
+    stream_->avg_frame_rate = first.stream->avg_frame_rate;
+    check(avio_open(&allocated->pb, file_url(temporary_).c_str(), AVIO_FLAG_WRITE), "create the file");
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "movflags", "+faststart", 0);
+    const int written = avformat_write_header(allocated, &options);
+    av_dict_free(&options);
+    check(written, "write the header");
+}
+
+// Each part's times begin at 0 again, so the frames before it are added to them. The times at which frames are decoded
+// run evenly over all parts, as far before their display as the codec reorders frames.
+void Joined::append(const Part& part) {
+    const AVRational frame = av_inv_q(part.stream->avg_frame_rate);
+    const auto time_of = [&](int64_t frames) { return av_rescale_q(frames, frame, stream_->time_base); };
+    int64_t count = 0;
+    for (int read = 0; (read = av_read_frame(part.input.get(), packet_.get())) != AVERROR_EOF;
+         av_packet_unref(packet_.get())) {
+        if (read < 0) part.fail(fmt::format("cannot be read: {}", error_text(read)));
+        if (packet_->stream_index != part.stream->index) continue;
+        av_packet_rescale_ts(packet_.get(), part.stream->time_base, stream_->time_base);
+        packet_->pts += time_of(frames_);
+        packet_->dts = time_of(frames_ + count - part.stream->codecpar->video_delay);
+        packet_->duration = time_of(1);
+        packet_->stream_index = stream_->index;
+        packet_->pos = -1;
+        count++;
+        check(av_interleaved_write_frame(output_.get(), packet_.get()), "write a frame");
+    }
+    if (count == 0 || count < part.stream->nb_frames)
+        part.fail(fmt::format("holds {} of {} frames", count, part.stream->nb_frames));
+    frames_ += count;
+}
+
+void Joined::finish() {
+    check(av_write_trailer(output_.get()), "complete the file");
+    check(avio_closep(&output_->pb), "close the file");
+    std::error_code error;
+    std::filesystem::rename(temporary_, path_, error);
+    if (error) throw RuntimeFailure(fmt::format("{}: cannot replace: {}", path_.string(), error.message()));
+    temporary_.clear();
+}
+
+}  // namespace
+
+void join_videos(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& path) {
+    av_log_set_level(AV_LOG_QUIET);  // only tools print
+    const Part first = open_part(parts.at(0));
+    Joined joined(link_target(path), first);
+    for (const std::filesystem::path& file : parts) {
+        const Part part = open_part(file);
+        if (!is_alike(*part.stream->codecpar, *first.stream->codecpar) ||
+            av_cmp_q(part.stream->avg_frame_rate, first.stream->avg_frame_rate) != 0)
+            part.fail(fmt::format("was not encoded as {}", parts[0].string()));
+        joined.append(part);
+    }
+    joined.finish();
+}
+
+}  // namespace neuvv::media

@@ -1,0 +1,61 @@
+// What the files share that call libav*: owners of its objects, and the opening of files that may be hostile.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
+namespace neuvv::media {
+
+inline std::string error_text(int code) {
+    char text[AV_ERROR_MAX_STRING_SIZE] = "";
+    av_strerror(code, text, sizeof(text));
+    return text;
+}
+
+// A URL of the file: in a path without a scheme, a colon would be taken for the end of a protocol's name.
+inline std::string file_url(const std::filesystem::path& path) {
+    return "file:" + path.string();
+}
+
+inline void free_packet(AVPacket* packet) {
+    av_packet_free(&packet);
+}
+inline void close_input(AVFormatContext* context) {
+    avformat_close_input(&context);
+}
+inline void close_output(AVFormatContext* context) {
+    avio_closep(&context->pb);
+    avformat_free_context(context);
+}
+
+template <auto release>
+struct Release {
+    template <typename T>
+    void operator()(T* object) const {
+        release(object);
+    }
+};
+template <typename T, auto release>
+using Owned = std::unique_ptr<T, Release<release>>;
+
+using OwnedPacket = Owned<AVPacket, free_packet>;
+using OwnedInput = Owned<AVFormatContext, close_input>;
+using OwnedOutput = Owned<AVFormatContext, close_output>;
+
+// Opens a file as a video, so that it cannot make FFmpeg open other files or the network. Returns libav's error code.
+inline int open_video_file(const std::filesystem::path& path, AVFormatContext** opened) {
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "protocol_whitelist", "file", 0);
+    av_dict_set(&options, "format_whitelist", "mp4,matroska,avi", 0);
+    const int code = avformat_open_input(opened, file_url(path).c_str(), nullptr, &options);
+    av_dict_free(&options);
+    return code;
+}
+
+}  // namespace neuvv::media
