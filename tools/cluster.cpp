@@ -1,4 +1,4 @@
-// neuvv cluster: gives the training of a clip in segments to a cluster's scheduler.
+// neuvv cluster: gives the training of a clip in segments, or a render in parts, to a cluster's scheduler.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,9 @@
 #include "base/error.h"
 #include "base/output_path.h"
 #include "base/platform.h"
+#include "media/image_sink.h"
 #include "tools/commands.h"
+#include "tools/render_share.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -21,12 +23,13 @@ constexpr const char* kExamples =
     "  neuvv cluster sbatch --tasks 8 --sbatch=\"--gres=gpu:1 --time=4:00:00\" -- \\\n"
     "      train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
     "  neuvv cluster sbatch --dry-run -- train build/performer -o build/long.nvv --segment 8 --steps 900\n"
-    "  neuvv info build/long.nvv";
+    "  neuvv info build/long.nvv\n"
+    "  neuvv cluster sbatch --tasks 8 -- render build/long.nvv -o build/turn.mp4 --size 1920x1080";
 
 struct ClusterOptions {
     uint32_t tasks = 4;
     std::string sbatch;                // options for it, "--gres=gpu:1 --time=4:00:00"
-    std::vector<std::string> command;  // "train", "data", "-o", …
+    std::vector<std::string> command;  // "train", "data", "-o", …, or "render", …
     bool dry_run = false;
 };
 
@@ -69,34 +72,69 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-// The folder of the clip that the command trains. Throws InputError where the command is none that a cluster can share.
-std::filesystem::path clip_of(const std::vector<std::string>& command) {
+// What is submitted: a job array whose tasks all run the same command.
+struct Job {
+    std::filesystem::path folder;  // of the job script and the logs
+    std::string name;
+    std::string task;  // the command of a task, without the program, as the shell reads it
+};
+
+std::string output_of(const std::vector<std::string>& command, const char* fix) {
+    const std::optional<std::string> output = value_of(command, {"-o", "--output"});
+    if (!output) throw InputError("COMMAND", joined(command), "has no --output", fix);
+    return *output;
+}
+
+// Throws InputError where the command is none that a cluster can share.
+Job training_job(const std::vector<std::string>& command) {
     constexpr const char* kFix =
         "write for instance: neuvv cluster sbatch -- train data -o show.nvv --segment 1s --minutes 60";
-    if (command.empty() || command[0] != "train")
-        throw InputError("COMMAND", command.empty() ? "" : command[0], "is not `train`", kFix);
-    const std::optional<std::string> output = value_of(command, {"-o", "--output"});
-    if (!output) throw InputError("COMMAND", joined(command), "has no --output", kFix);
+    const std::filesystem::path clip = voctree::clip_path(output_of(command, kFix));
     if (!has(command, "--resume") && !value_of(command, {"--segment"}))
-        throw InputError("COMMAND", joined(command), "has no --segment: one tree is trained by one process", kFix);
+        throw InputError("COMMAND", joined(command), "has no --segment, whose segments the tasks would train", kFix);
     if (!value_of(command, {"--minutes"}) && !value_of(command, {"--steps"}))
         throw InputError("COMMAND", joined(command), "has no budget", "give --minutes or --steps, of the whole clip");
     if (has(command, "--plan"))
         throw InputError("COMMAND", joined(command), "has --plan, which comes of itself", "leave it out");
-    return voctree::clip_path(*output);
+    std::vector<std::string> task = command;
+    if (!has(command, "--resume")) task.emplace_back("--resume");
+    return {clip, clip.stem().string(), joined(task)};
+}
+
+// Throws InputError where the command renders nothing that has parts.
+Job render_job(const std::vector<std::string>& command, uint32_t tasks) {
+    const media::ImageOutput output = media::parse_output(
+        output_of(command, "write for instance: neuvv cluster sbatch -- render show.nvv -o turn.mp4"));
+    if (output.kind == media::ImageOutput::Kind::kImage)
+        throw InputError("COMMAND", output.path.string(), "is a single image", "render it without a cluster");
+    if (has(command, "--part") || value_of(command, {"--part"}))
+        throw InputError("COMMAND", joined(command), "has --part, which comes of itself", "leave it out");
+    const std::filesystem::path folder = output.kind == media::ImageOutput::Kind::kVideo
+                                             ? folder_of_parts(output.path)
+                                             : std::filesystem::absolute(output.path).parent_path();
+    prepare_output_folder("--output", folder);
+    std::vector<std::string> task = command;
+    if (!has(command, "--resume")) task.emplace_back("--resume");
+    return {folder, output.path.stem().string(),
+            fmt::format("{} --part \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"", joined(task), tasks)};
+}
+
+Job job_of(const ClusterOptions& options) {
+    const std::string verb = options.command.empty() ? "" : options.command[0];
+    if (verb == "train") return training_job(options.command);
+    if (verb == "render") return render_job(options.command, options.tasks);
+    throw InputError("COMMAND", verb, "is neither `train` nor `render`",
+                     "write for instance: neuvv cluster sbatch -- train data -o show.nvv --segment 1s --minutes 60");
 }
 
 // The job script. Two minutes before a task's time is over, Slurm sends SIGUSR1: the task saves, ends and asks to be
-// queued again. On preemption and cancellation Slurm sends SIGTERM: the task saves and ends, and Slurm itself decides
-// whether it comes back.
-std::string script_of(const ClusterOptions& options, const std::filesystem::path& program,
-                      const std::filesystem::path& clip) {
-    std::vector<std::string> command = options.command;
-    if (!has(command, "--resume")) command.emplace_back("--resume");
-    const std::filesystem::path folder = std::filesystem::absolute(clip);
+// queued again, unless its command makes no sense (exit code 2). On preemption and cancellation Slurm sends SIGTERM:
+// the task saves and ends, and Slurm itself decides whether it comes back.
+std::string script_of(const ClusterOptions& options, const std::filesystem::path& program, const Job& job) {
+    const std::filesystem::path folder = std::filesystem::absolute(job.folder);
     std::string text = "#!/bin/sh\n";
     const auto line = [&](const std::string& option) { text += "#SBATCH " + option + "\n"; };
-    line("--job-name=" + quoted(clip.stem().string()));
+    line("--job-name=" + quoted(job.name));
     line(fmt::format("--array=0-{}", options.tasks - 1));
     line("--requeue");
     line("--open-mode=append");
@@ -106,20 +144,20 @@ std::string script_of(const ClusterOptions& options, const std::filesystem::path
     if (!options.sbatch.empty()) line(options.sbatch);
     text += fmt::format(R"(
 time_is_over=
-trap 'interrupted=1; kill -TERM "$training"' TERM
-trap 'interrupted=1; time_is_over=1; kill -TERM "$training"' USR1
+trap 'interrupted=1; kill -TERM "$task"' TERM
+trap 'interrupted=1; time_is_over=1; kill -TERM "$task"' USR1
 {} {} &
-training=$!
+task=$!
 while :; do
     interrupted=
-    wait "$training"
+    wait "$task"
     code=$?
     [ "$interrupted" ] || break  # else a signal ended `wait`, and the program still saves
 done
-if [ "$time_is_over" ] && [ $code -eq 0 ]; then scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID"; fi
+if [ "$time_is_over" ] && [ $code -ne 2 ]; then scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID"; fi
 exit $code
 )",
-                        quoted(program.string()), joined(command));
+                        quoted(program.string()), job.task);
     return text;
 }
 
@@ -137,40 +175,53 @@ void run_or_throw(const std::vector<std::string>& words) {
     throw RuntimeFailure(fmt::format("{} ended with exit code {}: {}", name, result.code, line));
 }
 
+// Writes the folder and the index of the clip that the command trains, which all tasks then go on with.
+void plan_clip(const std::vector<std::string>& command, const std::filesystem::path& program) {
+    std::vector<std::string> plan = command;
+    plan.insert(plan.begin(), program.string());
+    plan.emplace_back("--plan");
+    run_or_throw(plan);
+}
+
 void run(const ClusterOptions& options) {
-    const std::filesystem::path clip = clip_of(options.command), program = program_file();
-    expect_one_line("--output", std::filesystem::absolute(clip).string());
+    const std::filesystem::path program = program_file();
     expect_one_line("the working directory", std::filesystem::current_path().string());
     expect_one_line("--sbatch", options.sbatch);
-    if (!has(options.command, "--resume")) {
-        std::vector<std::string> plan = options.command;
-        plan.insert(plan.begin(), program.string());
-        plan.emplace_back("--plan");
-        run_or_throw(plan);
-    }
-    const std::filesystem::path script = clip / "job.sh";
-    write_text_file(script, script_of(options, program, clip));
+    expect_one_line("COMMAND", joined(options.command));
+    const Job job = job_of(options);
+    const bool trains = options.command[0] == "train";
+    if (trains && !has(options.command, "--resume")) plan_clip(options.command, program);
+    const std::filesystem::path script = job.folder / "job.sh";
+    write_text_file(script, script_of(options, program, job));
     if (options.dry_run) {
         fmt::print("wrote {}; `sbatch {}` submits it\n", script.string(), quoted(script.string()));
         return;
     }
     run_or_throw({"sbatch", script.string()});
-    fmt::print("`neuvv info {}` says how far it is; the tasks' logs are {}/log-*.txt\n", clip.string(), clip.string());
+    if (trains)
+        fmt::print("`neuvv info {}` says how far it is; ", job.folder.string());
+    else
+        fmt::print("`squeue` says how far it is; ");
+    fmt::print("the tasks' logs are {}/log-*.txt\n", job.folder.string());
 }
 
 }  // namespace
 
 void add_cluster(Command app, CommonOptions&) {
-    Command verb = app.add_verb("cluster", "Train a clip in segments on a cluster");
+    Command verb = app.add_verb("cluster", "Train a clip in segments, or render in parts, on a cluster");
     verb.require_verb();
     verb.footer({kExamples});
-    Command sbatch = verb.add_verb("sbatch", "Submit the training of a clip in segments to Slurm, as a job array");
+    Command sbatch =
+        verb.add_verb("sbatch", "Submit the training of a clip in segments, or a render, to Slurm, as a job array");
     const auto options = std::make_shared<ClusterOptions>();
-    sbatch.add_option("command", options->command, "After `--`: a `train` command with --segment, without `neuvv`")
+    sbatch
+        .add_option("command", options->command,
+                    "After `--`, without `neuvv`: a `train` command with --segment, or a `render` command")
         .required();
     sbatch
-        .add_option("--tasks", options->tasks,
-                    "Processes that train at the same time at most; --sbatch says what each gets")
+        .add_option(
+            "--tasks", options->tasks,
+            "Processes that work at the same time at most, and the parts of a render; --sbatch says what each gets")
         .in_range(1u, 10000u)
         .show_default();
     sbatch.add_option("--sbatch", options->sbatch,
@@ -183,6 +234,9 @@ void add_cluster(Command app, CommonOptions&) {
          "leaves "
          "its\n"
          "segment to the others. With --resume in COMMAND, a clip that was begun goes on.\n"
+         "Of a render, each task renders a part of the images; the one that ends last joins the parts of a video. Its\n"
+         "script and logs lie in OUTPUT.parts, or beside numbered images. The same command again renders parts that\n"
+         "are missing.\n"
          "Another scheduler needs a script that runs `neuvv COMMAND --resume` in as many tasks as wanted.\n\n",
          kExamples});
     sbatch.callback([options] { run(*options); });

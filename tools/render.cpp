@@ -72,6 +72,9 @@ void add_run_options(Command verb, RenderOptions& options) {
     add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
     add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
     add_far_levels_option(verb, options.far_levels);
+    verb.add_option("--part", options.part,
+                    "2/8: render the second of eight parts of the images, as other processes render the others. Who "
+                    "finds all parts of a video joins them. The ranks of mpirun and srun take parts without it");
     verb.add_flag("--resume", options.resume,
                   "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
@@ -199,6 +202,10 @@ double checked_fps(const RenderOptions& options, double path_fps, double fallbac
     return options.fps.value_or(path_fps > 0 ? std::clamp(path_fps, kMinFps, kMaxFps) : fallback);
 }
 
+std::string device_of(const CommonOptions& common) {
+    return device_of_rank(ranks_of_environment(), common.device);
+}
+
 media::RenderFacts render_facts(const RenderOptions& options, double fps, media::ImageSize size, size_t images) {
     return {{"--fps", fmt::format("{}", fps)},
             {"--size", fmt::format("{}x{}", size.width, size.height)},
@@ -241,15 +248,22 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
     return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
 }
 
-RenderTotals render_images(const RenderOptions& options, const media::ImageOutput& output, media::ImageSize size,
-                           double fps, uint32_t images, media::ImageSink& sink, const gpu::Device& device,
+RenderTotals conclude_share(const RenderOptions& options, const RenderShare& share, media::ImageSize size, double fps) {
+    if (const std::string text = share.conclude(); !text.empty()) fmt::print(stderr, "{}: {}\n", options.output, text);
+    const bool video = share.output().kind == media::ImageOutput::Kind::kVideo;
+    const media::ImageSize encoded{media::video_side(size.width), media::video_side(size.height)};
+    return {share.end() - share.first(), 0, video ? encoded : size, fps};
+}
+
+RenderTotals render_images(const RenderOptions& options, media::ImageSize size, double fps, const RenderShare& share,
+                           media::ImageSink& sink, const gpu::Device& device,
                            const std::function<FrameTimes(uint32_t)>& render) {
     catch_stop_signals();
-    const bool video = output.kind == media::ImageOutput::Kind::kVideo;
-    const media::ImageSize encoded{media::video_side(size.width), media::video_side(size.height)};
-    RenderTotals totals{images, 0, video ? encoded : size, fps};
-    Progress progress("render", images);
-    for (uint32_t i = 0; i < images; ++i) {
+    const bool video = share.output().kind == media::ImageOutput::Kind::kVideo;
+    size_t rendered = 0;
+    double seconds = 0;
+    Progress progress("render", share.end() - share.first());
+    for (uint32_t i = share.first(); i < share.end(); ++i) {
         if (stop_requested())
             throw RuntimeFailure(fmt::format("{}: stopped before the end; {}", options.output,
                                              sink.resumable() ? "--resume goes on with it"
@@ -257,18 +271,21 @@ RenderTotals render_images(const RenderOptions& options, const media::ImageOutpu
                                                      : "begin it anew"));
         if (!sink.has(i)) {
             std::optional<gpu::FrameCapture> capture;
-            if (options.capture && totals.rendered == 0) capture.emplace(device);
+            if (options.capture && rendered == 0) capture.emplace(device);
             const FrameTimes times = render(i);
             if (capture) fmt::print(stderr, "captured image {}: {}\n", i, capture->finish());
-            ++totals.rendered;
-            totals.seconds += times.milliseconds / 1000;
+            ++rendered;
+            seconds += times.milliseconds / 1000;
             if (trace_wanted()) fmt::print(stderr, "image {}: {}\n", i, pass_times_text(times.passes));
         }
-        progress.update(i + 1);
+        progress.update(i + 1 - share.first());
     }
-    sink.finish(images);
-    const double rays_per_image = size.width * size.height * std::pow(options.scale * samples_of(options), 2);
-    totals.rays = static_cast<double>(totals.rendered) * rays_per_image;
+    sink.finish(share.end());
+    RenderTotals totals = conclude_share(options, share, size, fps);
+    totals.rendered = rendered;
+    totals.seconds = seconds;
+    totals.rays =
+        static_cast<double>(rendered) * size.width * size.height * std::pow(options.scale * samples_of(options), 2);
     return totals;
 }
 
@@ -286,6 +303,9 @@ void add_render(Command app, CommonOptions& common) {
          "--size 480x480\n"
          "  neuvv render build/performer.nvv -o build/shot/out_%04d.exr --camera path.json --resume\n"
          "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
+         "  neuvv render build/performer.nvv -o build/half.mp4 --part 1/2\n"
+         "  neuvv render build/performer.nvv -o build/half.mp4 --part 2/2\n"
+         "  mpirun -n 2 neuvv render build/performer.nvv -o build/turn.mp4\n"
          "  neuvv render build/performer.nvv -o build/cost.png --cost --cost-max 64 --frames 0\n"
          "  neuvv render --pass list\n"
          "  neuvv render build/performer.nvv -o build/near.png --pass tile-near --frames 0\n"

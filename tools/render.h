@@ -9,11 +9,13 @@
 #include "render/frame.h"
 #include "stage/stage_settings.h"
 #include "tools/commands.h"
+#include "tools/render_share.h"
 
 namespace neuvv::tools {
 
 struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
+    std::string part;                // "2/8": the second of eight parts of the images; empty: all, or by the ranks
     std::string pass;                // the intermediate buffer to show, of frame_passes(); empty: the frame itself
     std::vector<std::string> paint;  // layers, of a clip
     std::optional<double> fps;       // nothing: the camera path's, the clip's or the stage's
@@ -32,7 +34,7 @@ struct RenderOptions {
 };
 
 struct RenderTotals {
-    size_t images = 0, rendered = 0;
+    size_t images = 0, rendered = 0;  // images of the share
     media::ImageSize size;
     double fps = 0, rays = 0, seconds = 0;
 };
@@ -73,10 +75,17 @@ FrameTimes times_of(const Renderer& renderer) {
 // The buffer of --pass of the last frame as an image; prints the range of its values.
 media::Image pass_image(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i);
 
-// Renders the images that the sink does not have yet, one after the other: `render` adds image i to it. Throws
-// RuntimeFailure where the user stops it.
-RenderTotals render_images(const RenderOptions& options, const media::ImageOutput& output, media::ImageSize size,
-                           double fps, uint32_t images, media::ImageSink& sink, const gpu::Device& device,
+// The device of this process, which may render a part of what others render, too.
+std::string device_of(const CommonOptions& common);
+
+// Says what became of the share, whose images are all written; where it is the last part of a video, joins all.
+// Returns the totals of a run that rendered nothing.
+RenderTotals conclude_share(const RenderOptions& options, const RenderShare& share, media::ImageSize size, double fps);
+
+// Renders the images of the share that the sink does not have yet, one after the other: `render` adds image i to it.
+// Throws RuntimeFailure where the user stops it.
+RenderTotals render_images(const RenderOptions& options, media::ImageSize size, double fps, const RenderShare& share,
+                           media::ImageSink& sink, const gpu::Device& device,
                            const std::function<FrameTimes(uint32_t)>& render);
 
 }  // namespace neuvv::tools

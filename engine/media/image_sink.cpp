@@ -52,7 +52,7 @@ constexpr char kAnew[] = "render anew without --resume, or choose another --outp
 
 struct RenderRecord {
     RenderFacts facts;
-    uint32_t finished = 0;  // images, from the first
+    uint32_t finished = 0;  // the image behind the last one that is finished
 };
 
 RenderRecord read_record(const std::filesystem::path& path) {
@@ -124,8 +124,15 @@ std::string content_fact(const std::filesystem::path& path) {
     return fmt::format("{}{:016x}", kContent, XXH3_64bits_digest(state.get()));
 }
 
-ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume)
-    : output_(std::move(output)), size_(size), fps_(fps), facts_(std::move(facts)) {
+ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume, ImageRange range)
+    : output_(std::move(output)),
+      size_(size),
+      fps_(fps),
+      facts_(std::move(facts)),
+      first_(range.first),
+      finished_(range.first) {
+    const bool is_part = range.end != UINT32_MAX;
+    if (is_part) facts_["--part"] = fmt::format("images {} to {}", range.first, range.end);
     using Kind = ImageOutput::Kind;
     if (output_.kind == Kind::kVideo && resume) {
         video_path_ = output_.path;
@@ -135,13 +142,14 @@ ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts
     }
     if (output_.kind == Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
     if (output_.kind != Kind::kNumberedImages) return;
-    record_path_ = output_.file(kRecordName).replace_extension(".json");
-    if (resume) finished_ = finished_images(record_path_, facts_);
+    const std::string name = is_part ? fmt::format("{}_from_{}", kRecordName, range.first) : kRecordName;
+    record_path_ = output_.file(name).replace_extension(".json");
+    if (resume) finished_ = std::max(finished_images(record_path_, facts_), first_);
     write_record(record_path_, facts_, finished_);
 }
 
 bool ImageSink::has(uint32_t i) const {
-    return i < finished_ && is_file(output_.file(i));
+    return i >= first_ && i < finished_ && is_file(output_.file(i));
 }
 
 void ImageSink::record_finished(uint32_t i) {
@@ -165,15 +173,15 @@ void ImageSink::add(uint32_t i, const LinearImage& image) {
     record_finished(i);
 }
 
-void ImageSink::finish(uint32_t images) {
+void ImageSink::finish(uint32_t end) {
     if (!video_path_.empty()) {
         video_.emplace(video_path_, size_.width, size_.height, fps_);
-        for (uint32_t i = 0; i < images; ++i) video_->add(read_png(output_.file(i)));
+        for (uint32_t i = first_; i < end; ++i) video_->add(read_png(output_.file(i)));
     }
     if (video_) video_->finish();
     if (video_path_.empty()) return;
     std::error_code ignored;  // the kept images are not needed any more; a folder with other files in it stays
-    for (uint32_t i = 0; i < images; ++i) std::filesystem::remove(output_.file(i), ignored);
+    for (uint32_t i = first_; i < end; ++i) std::filesystem::remove(output_.file(i), ignored);
     std::filesystem::remove(record_path_, ignored);
     std::filesystem::remove(record_path_.parent_path(), ignored);
 }

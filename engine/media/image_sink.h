@@ -35,14 +35,20 @@ using RenderFacts = std::map<std::string, std::string>;
 // "xxh3:…" of a file's content: the same wherever the file lies and whenever it was written. Throws InputError.
 std::string content_fact(const std::filesystem::path& file);
 
+// Images of a render, by their numbers: from `first` to before `end`.
+struct ImageRange {
+    uint32_t first = 0, end = UINT32_MAX;
+};
+
 // Numbered images have a record beside them ("out_render.json" for out_%04d.png), so that `resume` goes on with those
 // that an interrupted render left. A video can only go on where it was begun with `resume`: its images are then kept
 // as PNGs in "out.mp4.frames/", which takes disk space and their encoding (some ms each), and they become the video at
 // the end. Without `resume` they are encoded as they come, and nothing is kept of a render that is interrupted.
 class ImageSink {
   public:
-    // Throws InputError where `resume` would mix two renders.
-    ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume);
+    // `range`: the images that the sink gets, of a render that several processes share. Throws InputError where
+    // `resume` would mix two renders.
+    ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume, ImageRange range = {});
 
     // Whether an earlier run has finished image i.
     bool has(uint32_t i) const;
@@ -54,8 +60,8 @@ class ImageSink {
     // Adds an image that the sink does not have yet; call it in order of i.
     void add(uint32_t i, const Image& image);
     void add(uint32_t i, const LinearImage& image);
-    // After the last of `images`.
-    void finish(uint32_t images);
+    // After the last image, the one before `end`.
+    void finish(uint32_t end);
 
   private:
     void record_finished(uint32_t i);
@@ -66,7 +72,8 @@ class ImageSink {
     std::optional<VideoWriter> video_;
     std::filesystem::path record_path_;  // empty: nothing is recorded
     RenderFacts facts_;
-    uint32_t finished_ = 0;  // images, from the first
+    uint32_t first_;
+    uint32_t finished_;  // the image behind the last one that is finished
 };
 
 }  // namespace neuvv::media

@@ -112,6 +112,22 @@ TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
     EXPECT_FALSE(b.next(of_b));
 }
 
+// Two processes that each write a part of the numbered images have a record each.
+TEST_F(Sink, PartsOfNumberedPicturesGoOnByThemselves) {
+    const auto part = [&](media::ImageRange range, bool resume) {
+        return media::ImageSink(media::parse_output((folder.path / "o_%02d.png").string()), {16, 8}, 25, facts, resume,
+                                range);
+    };
+    media::ImageSink first = part({0, 3}, false), second = part({3, 6}, false);
+    second.add(3, image_of(3));
+    first.add(0, image_of(0));
+    EXPECT_TRUE(part({3, 6}, true).has(3));
+    EXPECT_FALSE(part({3, 6}, true).has(4));
+    EXPECT_FALSE(part({3, 6}, true).has(0)) << "not of this part";
+    EXPECT_FALSE(part({0, 3}, true).has(1));
+    expect_input_error([&] { part({3, 7}, true); }, {"o_render_from_3.json", "--part"});
+}
+
 TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {
     media::ImageSink video = sink("v.mp4", true);
     write_text(folder.path / "v.mp4.frames/notes.txt", "mine");

@@ -73,6 +73,53 @@ TEST_F(CliRender, PathsAreFollowed) {
     expect_refused(command("o_%d.png", {"--camera", file("other.json")}), 2, {"other.json", "no camera path"});
 }
 
+// Parts of a render, as several processes make them, are what one process makes.
+TEST_F(CliRender, PartsAreTheWhole) {
+    const auto part = [&](const char* output, const char* which) {
+        const ProgramResult result = run_neuvv(command(output, {"--part", which}));
+        EXPECT_EQ(result.code, 0) << result.err;
+        return result.err;
+    };
+    ASSERT_EQ(run_neuvv(command("one_%d.png", {})).code, 0);
+    part("parts_%d.png", "1/2");
+    EXPECT_FALSE(std::filesystem::exists(file("parts_7.png")));
+    part("parts_%d.png", "2/2");
+    for (int i = 0; i < 8; i++)
+        EXPECT_EQ(media::read_png(folder.path / ("parts_" + std::to_string(i) + ".png")).rgba,
+                  media::read_png(folder.path / ("one_" + std::to_string(i) + ".png")).rgba);
+
+    ASSERT_EQ(run_neuvv(command("one.mp4", {})).code, 0);
+    EXPECT_NE(part("parts.mp4", "3/3").find("2 more are missing"), std::string::npos);
+    EXPECT_NE(part("parts.mp4", "1/3").find("1 more are missing"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(file("parts.mp4")));
+    const ProgramResult again = run_neuvv(command("parts.mp4", {"--part", "1/3", "--resume", "--json"}));
+    EXPECT_EQ(nlohmann::json::parse(again.out).at("rendered"), 0) << "it is there";
+    part("parts.mp4", "2/4");  // of another division, which does not mix with these
+    EXPECT_NE(part("parts.mp4", "2/3").find("joined all 3 parts: 8 images"), std::string::npos);
+    const media::VideoSummary one = media::summarise_video(file("one.mp4")),
+                              joined = media::summarise_video(file("parts.mp4"));
+    EXPECT_EQ(joined.frames, one.frames);
+    EXPECT_EQ(joined.fps, one.fps);
+    EXPECT_FALSE(std::filesystem::exists(file("parts.mp4.lock")));
+
+    for (const char* wrong : {"0/2", "3/2", "2", "a/b", "1/0", "1/2x", "-1/2"})
+        expect_refused(command("x.mp4", {"--part", wrong}), 2, {"--part", wrong});
+    expect_refused(command("x.mp4", {"--part", "1/9"}), 2, {"--part", "8 images"});
+}
+
+// Ranks take parts by themselves.
+TEST_F(CliRender, RanksOfMpirunRenderParts) {
+    if (std::system("mpirun --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    std::vector<std::string> words = command("ranks.mp4", {});
+    words.insert(words.begin(), {"/usr/bin/env", "mpirun", "--oversubscribe", "-n", "2", NEUVV_PROGRAM});
+    test::ChildProcess job(words, folder.path / "log");
+    EXPECT_EQ(job.wait(), 0) << read_text(folder.path / "log");
+    EXPECT_EQ(media::summarise_video(file("ranks.mp4")).frames, 8u) << read_text(folder.path / "log");
+    EXPECT_FALSE(std::filesystem::exists(file("ranks.mp4.parts")));
+}
+
 // A path of nerfstudio has its own rate; a clip and a stage show both ends of a path.
 TEST_F(CliRender, AClipInSegmentsShowsWhatOneFileDoes) {
     const std::string path = write_path(true), parts = file("parts.nvv");

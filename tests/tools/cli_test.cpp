@@ -60,6 +60,18 @@ TEST_F(Cli, AClusterIsGivenAScript) {
                              "'train' 'it'\\''s data' '-o'", "'--resume' '--minutes' '5' &"})
         EXPECT_NE(script.find(part), std::string::npos) << part << " not in: " << script;
     EXPECT_EQ(std::system(("sh -n " + shell_quoted(show + "/job.sh")).c_str()), 0);
+
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "render", show, "-o", file("one.png")}, 2,
+                   {"single image"});
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "render", show, "-o", file("o.mp4"), "--part", "1/2"}, 2,
+                   {"--part"});
+    ASSERT_EQ(
+        run_neuvv({"cluster", "sbatch", "--dry-run", "--tasks", "3", "--", "render", show, "-o", file("o.mp4")}).code,
+        0);
+    const std::string render = file("o.mp4") + ".parts/job.sh";
+    EXPECT_NE(read_text(render).find("'--resume' --part \"$((SLURM_ARRAY_TASK_ID + 1))/3\" &"), std::string::npos)
+        << read_text(render);
+    EXPECT_EQ(std::system(("sh -n " + shell_quoted(render)).c_str()), 0);
 }
 
 TEST_F(Cli, WrongUseIsBadInput) {
