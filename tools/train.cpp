@@ -8,6 +8,7 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/commands.h"
+#include "tools/mpi.h"
 #include "tools/options.h"
 #include "tools/refine.h"
 #include "tools/report.h"
@@ -72,10 +73,9 @@ void expect_compatible(const TrainOptions& options, const Ranks& ranks) {
         throw InputError("--plan", "", "is for whole clips", "leave out --from and --to");
     if (!is_in_segments(options)) {
         if (options.plan) throw InputError("--plan", "", "is for clips in segments", "give --segment, or leave it out");
-        if (ranks.count > 1)
-            throw InputError("--segment", "",
-                             fmt::format("is missing: {} processes cannot share one tree", ranks.count),
-                             "give it, or start one process");
+        if (ranks.count > 1 && (!options.refine.empty() || options.init != "hull"))
+            throw InputError("--refine, --init", "", "are not for several processes that train one tree",
+                             "leave them out, or start one process");
         return;
     }
     if (refine.needs_search())
@@ -136,15 +136,20 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     catch_stop_signals();
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
     if (is_in_segments(options)) return run_in_segments(options, rig, ranks, common);
-    const std::optional<training::RunClaim> claim = claim_file(options.output);
-    const gpu::Device device(common.device);
-    fmt::print(stderr, "training on {}\n", device.summary().name);
-    RunView view;
-    view.label = [&](double fraction) {
-        if (claim) claim->report(fraction);
-        return "";
-    };
-    train_rig(device, options, rig, view);
+    std::optional<training::RunClaim> claim;
+    if (ranks.is_first()) claim = claim_file(options.output);
+    const gpu::Device device(device_of_rank(ranks, common.device));
+    if (ranks.is_first())
+        fmt::print(stderr, "training on {}{}\n", device.summary().name,
+                   ranks.count > 1 ? fmt::format(", the first of {} processes", ranks.count) : "");
+    TrainOptions own = options;
+    if (ranks.count > 1) own.settings.team = join_team(ranks);
+    if (!ranks.is_first()) own.live = {};
+    RunView view{!ranks.is_first(), [&](double fraction) {
+                     if (claim) claim->report(fraction);
+                     return "";
+                 }};
+    train_rig(device, own, rig, view);
 }
 
 std::string weight_option(const training::NamedLossWeight& weight) {
@@ -266,6 +271,7 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
          "  neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/long.nvv --from 8 --to 16 --minutes 10\n"
+         "  mpirun -n 2 neuvv train build/performer -o build/performer.nvv --minutes 20\n"
          "  mpirun -n 2 neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {

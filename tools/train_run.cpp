@@ -142,7 +142,8 @@ training::Dataset load_images(const TrainOptions& options, const training::Rig& 
                    size_text(load.memory_bytes),
                    on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
     const std::vector<training::DoubtfulMatte> doubtful = training::ignore_doubtful_mattes(dataset);
-    fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
+    // Of processes that train one tree, one says it.
+    if (!quiet || options.is_segment) fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
     return dataset;
 }
 
@@ -214,14 +215,15 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
             return !stop_requested();
         });
     line.end();
+    const bool complete = last.fraction >= 1;
+    if (!settings.team.is_first()) return complete;
     fmt::print("wrote {}: {} leaves after {} steps, {:.1f} epochs, {}\n", options.output.string(), last.leaves,
                last.step, last.epochs, format_duration(last.elapsed_s));
     print_corrections(last, rig.cameras);
     if (settings.resume && last.step == last.began_at_step)
         fmt::print("the run had spent its budget; more --minutes or --steps go on from there\n");
-    if (stop_requested() && last.fraction < 1)
-        fmt::print("interrupted; the same command with --resume goes on from here\n");
-    return last.fraction >= 1;
+    if (stop_requested() && !complete) fmt::print("interrupted; the same command with --resume goes on from here\n");
+    return complete;
 }
 
 }  // namespace neuvv::tools

@@ -20,6 +20,12 @@ float uniform(std::mt19937_64& random) {
     return static_cast<float>(random() >> 40) * 0x1p-24f;
 }
 
+// How many random numbers append() draws for an image tile: its background, and where the rays of each tile of rays lie
+// in their pixels.
+uint64_t numbers_of_tile(uint32_t samples) {
+    return 1 + uint64_t{2} * samples * samples;
+}
+
 static_assert(TiledImage::kSide == kTile, "the tiles of a batch are those of the images");
 
 }  // namespace
@@ -80,7 +86,7 @@ BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
     return drawn;
 }
 
-Batch BatchSampler::next(uint32_t samples) {
+Batch BatchSampler::next(uint32_t samples, uint32_t part, uint32_t parts) {
     const Drawn drawn = draw(samples);
     Batch batch;
     batch.samples = samples;
@@ -88,7 +94,9 @@ Batch BatchSampler::next(uint32_t samples) {
     batch.frame = drawn.frame;
     // A generator for this batch alone, so that skip() need not draw its numbers.
     std::mt19937_64 random(seed_ ^ batches_drawn_ * 0x9e3779b97f4a7c15u);
-    for (const ViewTile& tile : drawn.tiles) append(batch, tile, random);
+    const size_t first = drawn.tiles.size() * part / parts, end = drawn.tiles.size() * (part + 1) / parts;
+    random.discard(first * numbers_of_tile(samples));
+    for (size_t i = first; i < end; i++) append(batch, drawn.tiles[i], random);
     return batch;
 }
 

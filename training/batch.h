@@ -32,8 +32,9 @@ class BatchSampler {
     BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row = 1);
 
     // A batch has at least one image tile, and no more than fit into tiles_per_batch tiles: an image tile becomes
-    // samples² tiles of rays. `samples` must divide kTile.
-    Batch next(uint32_t samples = 1);
+    // samples² tiles of rays. `samples` must divide kTile. Of the batch's image tiles, the share `part` of `parts`
+    // shares of about equal size is returned, whose rays are those that the whole batch has there; it may be empty.
+    Batch next(uint32_t samples = 1, uint32_t part = 0, uint32_t parts = 1);
 
     // Draws a batch without building it. A resumed run skips the batches that it has trained on before.
     void skip(uint32_t samples = 1) { draw(samples); }

@@ -8,11 +8,10 @@ namespace neuvv::training {
 // The comments say what each pass reads → writes, by the names of buffers in their structs: Field (field_), Slice
 // (slice_), RayBatch (rays_), LossBatch (batch_), SliceGradients (gradients_), Moments (moments_) and LeafTally
 // (tally_).
-void TrainingStep::record_step(const StepSettings& settings) {
+void TrainingStep::record_gradients(const StepSettings& settings) {
     // field_ weights, sigma_basis, gamma_basis, inner_cells → slice_ rows, node_live, head, slot_leaf, live, sh
     if (sliced_frame_ != settings.frame) render::record_slice(commands_, slicer_, settings.frame);
     sliced_frame_ = settings.frame;
-    if (settings.learn_rows) sliced_frame_.reset();
     // field_ top, nodes, children; slice_ node_live, head, sh; rays_ cameras, tiles → rays_ radiance, depth
     render::record_trace(commands_, tracer_, settings.tiles, settings.stop);
     // rays_ radiance; batch_ target, background, colours → batch_ adjoint, sums, colour_gradients
@@ -22,19 +21,22 @@ void TrainingStep::record_step(const StepSettings& settings) {
                          settings.pixel_share());
     // gradients_ max_weight; slice_ live → gradients_ touched, touched_count
     record_touched(commands_, touched_list_);
+    // batch_ sums, colour_gradients, slice_ live, gradients_ touched_count → the host
+    if (settings.tiles > 0) gpu::copy(commands_, batch_.sums, sums_readback_, uint64_t{16} * settings.tiles);
+    if (settings.colours)
+        gpu::copy(commands_, batch_.colour_gradients, colours_readback_, sizeof(CameraColour) * settings.tiles);
+    gpu::copy(commands_, slice_.live, live_readback_, sizeof(LiveCount));
+    gpu::copy(commands_, gradients_.touched_count, touched_readback_, sizeof(LiveCount));
+}
+
+void TrainingStep::record_update(const StepSettings& settings) {
+    if (settings.learn_rows) sliced_frame_.reset();
     // tree and slice at gradients_ touched and their neighbours → adds to gradients_ gradients
     if (settings.weights.smoothness > 0) record_smooth(commands_, smoother_, settings.weights, settings.pixel_share());
     // gradients_ touched, gradients, max_weight; slice_ rows, slot_leaf; moments_ → field_ weights, moments_, tally_,
     // slice_ head and sh of the moved weights; clears gradients and max_weight. Where rows learn, also gradients_
     // partials, and then gradients_ partials → field_ sigma_basis, gamma_basis, moments_ rows_first, rows_second
     record_slice_adjoint(commands_, slice_adjoint_, settings.frame, settings.rates, settings.adam, settings.learn_rows);
-    // batch_ sums, colour_gradients, slice_ live, gradients_ touched_count → the host
-    gpu::copy(commands_, batch_.sums, sums_readback_, uint64_t{16} * settings.tiles);
-    if (settings.colours)
-        gpu::copy(commands_, batch_.colour_gradients, colours_readback_, sizeof(CameraColour) * settings.tiles);
-    gpu::copy(commands_, slice_.live, live_readback_, sizeof(LiveCount));
-    gpu::copy(commands_, gradients_.touched_count, touched_readback_, sizeof(LiveCount));
-    gpu::host_barrier(commands_);
 }
 
 render::Field training_field(const gpu::Device& device, const voctree::VOctree& tree) {
@@ -43,8 +45,10 @@ render::Field training_field(const gpu::Device& device, const voctree::VOctree& 
     return field;
 }
 
-TrainingStep::TrainingStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles)
+TrainingStep::TrainingStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles,
+                           const Team& team)
     : device_(device),
+      team_(team),
       field_(training_field(device, tree)),
       slice_(device, field_, std::min(field_.leaf_count, max_training_slots(device, field_.hh_degree))),
       rays_(device, cameras, tiles),
@@ -64,14 +68,22 @@ TrainingStep::TrainingStep(const gpu::Device& device, const voctree::VOctree& tr
       touched_list_(device, slice_, gradients_),
       smoother_(device, field_, slice_, gradients_),
       slice_adjoint_(device, field_, slice_, gradients_, moments_, tally_),
-      commands_(device, "training step") {}
+      record_sum_(team.is_alone() ? 0 : field_.leaf_count, record_words(field_.hh_degree)),
+      commands_(device, "training step") {
+    if (!team.is_alone()) records_.emplace(device, field_, slice_, gradients_);
+}
 
 void TrainingStep::submit(const StepSettings& settings) {
     assert((!settings.learn_rows || field_.busy_planes == field_.basis_planes()) && "rows that learn are all busy");
     assert(settings.tiles <= rays_.tile_capacity && "more tiles than the step was made for");
-    tiles_ = settings.tiles;
+    settings_ = settings;
     commands_.begin();
-    record_step(settings);
+    record_gradients(settings);
+    if (records_)
+        record_gather(commands_, *records_);
+    else
+        record_update(settings);
+    gpu::host_barrier(commands_);
     commands_.submit();
 }
 
@@ -89,14 +101,51 @@ StepResult summed_losses(const glm::vec4* sums, uint32_t tiles) {
     return result;
 }
 
-StepResult TrainingStep::wait() {
-    commands_.wait();
-    StepResult result = summed_losses(sums_readback_.as<glm::vec4>(), tiles_);
+StepResult TrainingStep::own_result() const {
+    StepResult result = summed_losses(sums_readback_.as<glm::vec4>(), settings_.tiles);
     const LiveCount& live = *live_readback_.as<LiveCount>();
     result.slots = std::min(live.slots, slice_.capacity);
     result.overflow = live.overflow;
     result.touched = touched_readback_.as<LiveCount>()->slots;
     return result;
+}
+
+StepResult TrainingStep::wait() {
+    commands_.wait();
+    const StepResult own = own_result();
+    return records_ ? update_together(own) : own;
+}
+
+StepResult summed_results(const std::vector<StepResult>& results) {
+    StepResult sum;
+    for (const StepResult& result : results) {
+        const auto pixels = static_cast<double>(result.pixels);
+        sum.rgb_loss += result.rgb_loss * pixels;
+        sum.grad_loss += result.grad_loss * pixels;
+        sum.pixels += result.pixels;
+        sum.slots = std::max(sum.slots, result.slots);
+        sum.overflow = std::max(sum.overflow, result.overflow);
+    }
+    sum.rgb_loss /= std::max(static_cast<double>(sum.pixels), 1.0);
+    sum.grad_loss /= std::max(static_cast<double>(sum.pixels), 1.0);
+    return sum;
+}
+
+StepResult TrainingStep::update_together(const StepResult& own) {
+    StepResult sum = summed_results(gather_values(team_, own));
+    const auto* words = records_->own.as<uint32_t>();
+    const std::vector<Bytes> all =
+        team_.gather({reinterpret_cast<const uint8_t*>(words), size_t{4} * records_->words * own.touched});
+    std::vector<std::span<const uint32_t>> of_members;
+    for (const Bytes& bytes : all)
+        of_members.push_back({reinterpret_cast<const uint32_t*>(bytes.data()), bytes.size() / 4});
+    sum.touched = record_sum_.add_up(of_members, records_->summed.as<uint32_t>(), slice_.capacity);
+    commands_.begin();
+    record_scatter(commands_, *records_, sum.touched);
+    record_update(settings_);
+    commands_.submit();
+    commands_.wait();
+    return sum;
 }
 
 const glm::vec4* TrainingStep::trace(float frame, uint32_t tiles, float stop) {

@@ -3,9 +3,11 @@
 
 #include <optional>
 
+#include "training/gradient_records.h"
 #include "training/loss.h"
 #include "training/slice_adjoint.h"
 #include "training/smooth.h"
+#include "training/team.h"
 #include "training/touched.h"
 #include "training/trace_adjoint.h"
 
@@ -45,12 +47,15 @@ render::Field training_field(const gpu::Device& device, const voctree::VOctree& 
 StepResult summed_losses(const glm::vec4* sums, uint32_t tiles);
 
 // The buffers of a training run on the device: field, slice, rays, gradients, moments. For each step: fill rays() and
-// batch() with tiles (load_batch() does so), call submit(), prepare the next tiles meanwhile, call wait().
+// batch() with tiles (load_batch() does so), call submit(), prepare the next tiles meanwhile, call wait(). The members
+// of a team do so together, each with tiles of its own, all with the same tree and settings but for the number of
+// tiles: wait() then moves the weights by the sum of all members' gradients.
 class TrainingStep {
   public:
     // A step has at most `cameras` cameras and `tiles` tiles. Throws RuntimeFailure where the device's memory is too
     // small.
-    TrainingStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles);
+    TrainingStep(const gpu::Device& device, const voctree::VOctree& tree, uint32_t cameras, uint32_t tiles,
+                 const Team& team = {});
 
     const render::RayBatch& rays() const { return rays_; }
     const LossBatch& batch() const { return batch_; }
@@ -58,6 +63,7 @@ class TrainingStep {
     const Moments& moments() const { return moments_; }
 
     void submit(const StepSettings& settings);
+    // Losses and pixels are those of all members together.
     StepResult wait();
     // Per tile of the last step that had `colours`: the derivative of its loss by its camera's colour. After wait().
     const CameraColour* colour_gradients() const { return colours_readback_.as<CameraColour>(); }
@@ -73,9 +79,16 @@ class TrainingStep {
     const LeafTally& tally() const { return tally_; }
 
   private:
-    // The whole step, pass by pass. It slices only where slice_ is not that of the frame already.
-    void record_step(const StepSettings& settings);
+    // The step's first half, from weights to gradients, pass by pass. It slices only where slice_ is not that of the
+    // frame already. The second half moves the weights.
+    void record_gradients(const StepSettings& settings);
+    void record_update(const StepSettings& settings);
+    StepResult own_result() const;
+    // Does the second half with the gradients of all members.
+    StepResult update_together(const StepResult& own);
+
     const gpu::Device& device_;
+    Team team_;
     render::Field field_;
     render::Slice slice_;
     render::RayBatch rays_;
@@ -91,8 +104,10 @@ class TrainingStep {
     TouchedList touched_list_;
     Smoother smoother_;
     SliceAdjoint slice_adjoint_;
+    std::optional<GradientRecords> records_;  // of a member of a team
+    RecordSum record_sum_;
     gpu::Commands commands_;
-    uint32_t tiles_ = 0;
+    StepSettings settings_;              // of the submitted step
     std::optional<float> sliced_frame_;  // the frame of slice_, if slice_ is that of the current weights
 };
 

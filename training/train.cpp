@@ -63,7 +63,7 @@ class Run {
           began_(seconds_now()),
           given_hash_(hash_of(dataset)),
           // Braces evaluate from left to right: begin() sets seed and tree, which the arguments after it read.
-          sampler_{begin(), run_.tiles_per_step, run_.seed, batches_in_a_row(tree_)} {
+          sampler_{begin(), run_.tiles_per_step * settings.team.size, run_.seed, batches_in_a_row(tree_)} {
         if (settings_.resume && run_.dataset_hash != given_hash_)
             throw InputError(state_path(output_).string(), "",
                              fmt::format("is of a run on other images, mattes or cameras than those of {}",
@@ -77,8 +77,18 @@ class Run {
 
   private:
     const Dataset& begin();
-    double elapsed() const { return run_.elapsed_s + seconds_now() - began_; }
-    double steps_s() const { return elapsed() - run_.other_s; }
+    const Team& team() const { return settings_.team; }
+    // What the run has taken. In a team it is what the first member said before this step, so that all members decide
+    // alike.
+    struct Clock {
+        double elapsed_s, other_s;  // as in RunState
+    };
+    Clock own_clock() const { return {run_.elapsed_s + seconds_now() - began_, run_.other_s}; }
+    Clock clock() const { return team().is_alone() ? own_clock() : clock_of_team_; }
+    double elapsed() const { return clock().elapsed_s; }
+    double steps_s() const { return clock().elapsed_s - clock().other_s; }
+    // Takes over the first member's clock. Returns whether all members want to go on.
+    bool agree(bool go_on);
     // Does what is no step of training: its time does not count as progress.
     template <typename Work>
     void aside(const Work& work) {
@@ -96,6 +106,7 @@ class Run {
     void correct_rig(const RigChanges& changes);
     void make_step();
     void begin_phase_if_due();
+    void change_tree(double epochs);
     bool may_go_on();
     void save();
     StepSettings step_settings(double time) const;
@@ -106,6 +117,7 @@ class Run {
     TrainSettings settings_;
     std::filesystem::path output_;
     double began_;
+    Clock clock_of_team_{};
     uint64_t given_hash_;  // before the rig was corrected
     RunState run_;
     voctree::VOctree tree_;
@@ -172,6 +184,7 @@ const Dataset& Run::begin() {
                              fmt::format("already the first tree has {} leaves, and this device trains {}",
                                          tree_.leaf_count, max_leaves()),
                              "choose a lower resolution or --hh-degree");
+        adopt_first_tree(team(), tree_);
         run_.max_depth = voctree::leaf_positions(tree_)[0].depth + kLevelsAbovePixel;
         make_step();
     }
@@ -232,7 +245,10 @@ void Run::make_step() {
     step_.reset();  // frees its memory before the next one takes some
     // search_rig() also traces variants of a camera.
     const uint32_t cameras = std::max(static_cast<uint32_t>(dataset_.cameras.size()), kPoseVariants);
-    step_ = std::make_unique<TrainingStep>(device_, tree_, cameras, run_.tiles_per_step);
+    // A member's share of a batch may be larger than its tiles_per_step by a part of an image tile.
+    constexpr uint32_t kRaysOfPixel = kSeveralRays * kSeveralRays;
+    const uint32_t tiles = (run_.tiles_per_step + kRaysOfPixel - 1) / kRaysOfPixel * kRaysOfPixel;
+    step_ = std::make_unique<TrainingStep>(device_, tree_, cameras, tiles, team());
 }
 
 void Run::begin_phase_if_due() {
@@ -241,9 +257,20 @@ void Run::begin_phase_if_due() {
     const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase < kLevelsAbovePixel;
     if (!covered && !coarse) return;  // the change waits until enough rays were traced
     if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
-    const Phase& phase = kPhases[++run_.phase];
+    run_.phase++;
     if (!coarse && !run_.adaptive) return;
     step_->download(tree_);
+    if (team().is_first()) change_tree(epochs);
+    adopt_first_tree(team(), tree_);
+    make_step();
+    run_.adam_step = 0;
+    run_.phase_rays = 0;
+}
+
+// Changes the tree as the phase that has just begun says. `epochs`: how many the phase before had.
+void Run::change_tree(double epochs) {
+    const Phase& phase = kPhases[run_.phase];
+    const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase <= kLevelsAbovePixel;
     GrowSettings settings;
     settings.max_leaves = max_leaves();
     settings.hull_margin = settings_.shape.hull_margin;
@@ -262,9 +289,17 @@ void Run::begin_phase_if_due() {
         merge_alike(tree_, use, phase.merge_within);
     tree_ = grow(dataset_, tree_, use, settings);
     if (!coarse && !has(run_.left_out, OptionalPart::kRevive)) revive_holes(tree_);
-    make_step();
-    run_.adam_step = 0;
-    run_.phase_rays = 0;
+}
+
+bool Run::agree(bool go_on) {
+    if (team().is_alone()) return go_on;
+    struct Word {
+        Clock clock;
+        bool go_on;
+    };
+    const std::vector<Word> words = gather_values(team(), Word{own_clock(), go_on});
+    clock_of_team_ = words[0].clock;
+    return std::all_of(words.begin(), words.end(), [](const Word& word) { return word.go_on; });
 }
 
 // Asks TrainSettings::between_steps.
@@ -274,10 +309,10 @@ bool Run::may_go_on() {
 }
 
 void Run::save() {
-    if (output_.empty()) return;
+    if (output_.empty() || !team().is_first()) return;
     const double start = seconds_now();
     RunState now = run_;
-    now.elapsed_s = elapsed();
+    now.elapsed_s = own_clock().elapsed_s;
     written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now, colours_, rig_));
     file_bytes_ = std::filesystem::file_size(output_);
     saved_step_ = run_.step;
@@ -304,7 +339,7 @@ Batch Run::next_batch(uint64_t step) {
     if (run_.several_rays_from == UINT64_MAX && !has(run_.left_out, OptionalPart::kRays) &&
         fraction() >= kSeveralRaysFrom && epochs_done() >= kSeveralRaysEpochs)
         run_.several_rays_from = step;
-    return sampler_.next(samples_of(step));
+    return sampler_.next(samples_of(step), team().rank, team().size);
 }
 
 StepSettings Run::step_settings(double time) const {
@@ -359,7 +394,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     began_at_step_ = run_.step;
     save();
     run_.other_s += seconds_now() - began_;
-    bool go_on = true, first_saved = false;
+    bool go_on = agree(true), first_saved = false;
     Batch batch = next_batch(run_.step + 1);
     reported_at_ = seconds_now();
     while (go_on && fraction() < 1) {
@@ -405,6 +440,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
             aside([&] { save(); });
             first_saved = true;
         }
+        go_on = agree(go_on);
     }
     const double reached = fraction();  // the last checkpoint does not finish a run that was stopped before its end
     save();

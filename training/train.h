@@ -7,6 +7,7 @@
 #include "training/checkpoint.h"
 #include "training/grow.h"
 #include "training/rig_changes.h"
+#include "training/team.h"
 
 namespace neuvv::training {
 
@@ -28,11 +29,11 @@ struct TrainSettings {
     uint64_t steps = 0;
     TreeShape shape;
     uint64_t seed = 1;
-    uint32_t max_leaves = 0;     // bound on the leaves of the tree (0: as many as the device can train)
-    uint64_t max_bytes = 0;      // bound on the size of the finished .nvv (0: none)
-    bool adaptive = true;        // false: all leaves end at the depth of `shape`; none is removed or becomes finer
-    OptionalParts left_out = 0;  // schedule.h
-    uint32_t tiles_per_step = 512;
+    uint32_t max_leaves = 0;        // bound on the leaves of the tree (0: as many as the device can train)
+    uint64_t max_bytes = 0;         // bound on the size of the finished .nvv (0: none)
+    bool adaptive = true;           // false: all leaves end at the depth of `shape`; none is removed or becomes finer
+    OptionalParts left_out = 0;     // schedule.h
+    uint32_t tiles_per_step = 512;  // of each member of the team
     LossWeights weights = kDefaultLossWeights;
     ColourRefinement refine;  // what is learnt of how cameras show colours; a resumed run does what it did
     // Corrections of the rig that search_rig() found, kept in checkpoint files; a resumed run has its own.
@@ -45,6 +46,9 @@ struct TrainSettings {
     // Called between steps; returns false to end the run. It may move the data set's cameras, and may use the step as
     // long as it changes no weights.
     std::function<bool(const BetweenSteps&)> between_steps;
+    // Processes that train this tree together, all with the same data set and settings. What is refined is refined by
+    // one process alone, so `refine` and `rig` must be empty in a larger team.
+    Team team;
 };
 
 constexpr double kDefaultMinutes = 20;
@@ -79,7 +83,8 @@ using TrainCallback = std::function<bool(const TrainProgress&)>;
 
 // Trains until the budget is spent. The first checkpoint is written to `output` before the first step, later ones so
 // that they take at most a twentieth of the time, the last one at the end; where `output` is empty, none is. The run
-// applies the corrections of the rig to the data set, which stays so. Throws InputError (for instance
+// applies the corrections of the rig to the data set, which stays so. Of a team, the first member alone writes files,
+// its clock is that of the run, and a callback of any member can stop all. Throws InputError (for instance
 // for a data set without matter, or a checkpoint file of another data set) and RuntimeFailure.
 TrainProgress train(const gpu::Device& device, Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback);

@@ -65,6 +65,28 @@ CONSTEXPR uint kTouchedLive = 1u;
 CONSTEXPR uint kTouchedSlots = 2u;  // slots, in the order of the workgroups that found them
 CONSTEXPR uint kTouchedCount = 3u;  // a LiveCount
 
+// gather_gradients.comp and scatter_gradients.comp, where several processes train a tree together. A record is what one
+// process, or all together, say of a leaf: its index, the bits of the largest blending weight, its gradient.
+CONSTEXPR uint kRecordsTouched = 0u;    // as kTouchedSlots: read, and written
+CONSTEXPR uint kRecordsCount = 1u;      // a LiveCount, of kRecordsTouched
+CONSTEXPR uint kRecordsLeaves = 2u;     // gather: per slot its leaf
+CONSTEXPR uint kRecordsHead = 2u;       // scatter: as kSliceHead
+CONSTEXPR uint kRecordsGradients = 3u;  // as kTraceGradients
+CONSTEXPR uint kRecordsMaxWeight = 4u;  // as kTraceMaxWeight
+CONSTEXPR uint kRecords = 5u;           // record_words each
+
+#ifdef __cplusplus
+constexpr
+#endif
+    uint
+    record_words(uint degree) {
+    return 2u + gradient_stride(degree);
+}
+
+struct ScatterPush {
+    uint records;
+};
+
 // smooth.comp has the bindings of trace.comp except those of rays and radiance, and:
 CONSTEXPR uint kSmoothLeaves = 4u;     // per slot: its leaf
 CONSTEXPR uint kSmoothPositions = 5u;  // per leaf: as Field::leaf_positions
@@ -141,6 +163,7 @@ NEUVV_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::LossPush) == 20);
+static_assert(sizeof(neuvv::ScatterPush) == 4);
 static_assert(sizeof(neuvv::SmoothPush) == 28);
 static_assert(sizeof(neuvv::TraceAdjointPush) == 60);
 static_assert(sizeof(neuvv::SliceAdjointPush) == 64);

@@ -50,6 +50,26 @@ std::map<TileKey, uint32_t> draws_of_an_epoch(training::BatchSampler& sampler) {
     return draws;
 }
 
+TEST(Batch, PartsTogetherAreTheWholeBatch) {
+    for (const uint32_t samples : {1u, 2u}) {
+        const training::Batch whole = training::BatchSampler(batch_capture(), 60, 3).next(samples);
+        std::vector<Tile> tiles;
+        std::vector<glm::vec4> background;
+        for (uint32_t part = 0; part < 4; part++) {
+            const training::Batch share = training::BatchSampler(batch_capture(), 60, 3).next(samples, part, 4);
+            EXPECT_EQ(share.time, whole.time);
+            tiles.insert(tiles.end(), share.tiles.begin(), share.tiles.end());
+            background.insert(background.end(), share.background.begin(), share.background.end());
+        }
+        ASSERT_EQ(tiles.size(), whole.tiles.size());
+        for (size_t i = 0; i < tiles.size(); i++) {
+            EXPECT_EQ(key_of(whole, tiles[i]), key_of(whole, whole.tiles[i]));
+            EXPECT_EQ(tiles[i].jitter, whole.tiles[i].jitter) << "rays leave from other places in their pixels";
+        }
+        EXPECT_EQ(background, whole.background);
+    }
+}
+
 TEST(Batch, EveryForegroundTileOnceAnEpochAndAFifthOfTheOthers) {
     training::BatchSampler sampler(batch_capture(), 100000, 3);
     size_t background = 0, background_drawn = 0, rays = 0;

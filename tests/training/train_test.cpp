@@ -7,13 +7,11 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "render/frame.h"
 #include "support/child_process.h"
 #include "support/edit_image.h"
 #include "support/gpu_test.h"
-#include "support/sphere_capture.h"
+#include "support/sphere_renders.h"
 #include "training/checkpoint.h"
-#include "training/metrics.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {
@@ -38,47 +36,6 @@ bool go_on(const training::TrainProgress&) {
     return true;
 }
 
-media::Image over_white(const media::Image& image) {
-    const uint8_t white[3] = {255, 255, 255};
-    return media::composite_over(image, white);
-}
-
-// Renders of a field in every frame, by cameras between those of the capture.
-std::vector<media::Image> held_out_renders(const gpu::Device& device, const render::Field& field) {
-    SphereCapture between = kCapture;
-    between.first_angle += std::numbers::pi / kCapture.cameras;
-    render::FrameRenderer renderer(device, field, {kCapture.size, kCapture.size});
-    std::vector<media::Image> renders;
-    for (const uint32_t camera : {1u, 6u})
-        for (uint32_t frame = 0; frame < kCapture.frames; frame++)
-            renders.push_back(renderer.render(
-                sphere_camera(between, camera),
-                {.instances = {{static_cast<float>(frame)}}, .width = kCapture.size, .height = kCapture.size}));
-    return renders;
-}
-
-std::vector<media::Image> held_out_renders(const gpu::Device& device, const std::filesystem::path& nvv) {
-    return held_out_renders(device,
-                            render::upload_field(device, voctree::read_nvv(nvv), render::WeightPrecision::kHalf));
-}
-
-std::vector<media::Image> held_out_truths() {
-    SphereCapture between = kCapture;
-    between.first_angle += std::numbers::pi / kCapture.cameras;
-    std::vector<media::Image> truths;
-    for (const uint32_t camera : {1u, 6u})
-        for (uint32_t frame = 0; frame < kCapture.frames; frame++)
-            truths.push_back(sphere_image(kCapture, sphere_camera(between, camera), kCapture.time(frame)));
-    return truths;
-}
-
-double mean_psnr(const std::vector<media::Image>& truths, const std::vector<media::Image>& renders) {
-    double sum = 0;
-    for (size_t i = 0; i < truths.size(); i++)
-        sum += training::compare(over_white(truths[i]), over_white(renders[i])).psnr;
-    return sum / static_cast<double>(truths.size());
-}
-
 using TrainTest = GpuTest;
 
 TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
@@ -89,8 +46,8 @@ TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
     EXPECT_EQ(last.fraction, 1);
     EXPECT_GT(last.leaves, 100u);
     EXPECT_EQ(last.depth, 7u);  // one level finer than a pixel where the opacity sensitivity is high
-    const std::vector<media::Image> truths = held_out_truths();
-    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), 32);  // 40.8 measured
+    const std::vector<media::Image> truths = held_out_truths(kCapture);
+    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), kCapture, nvv)), 32);  // 40.8 measured
     EXPECT_EQ(folder.entries(), 2u);
 
     // The comparison can fail: it does with the sphere at a wrong time.
@@ -119,10 +76,10 @@ TEST_F(TrainTest, AnInterruptedRunEndsAsAWholeOne) {
     } while (ends.back() < 240 && ends.size() < 100);
     EXPECT_EQ(ends.back(), 240u);
     EXPECT_GT(ends.size(), 1u) << "never interrupted";
-    const std::vector<media::Image> truths = held_out_truths();
-    EXPECT_NEAR(mean_psnr(truths, held_out_renders(device(), parts)),
-                mean_psnr(truths, held_out_renders(device(), whole)), 0.5);
-    EXPECT_GT(mean_psnr(held_out_renders(device(), whole), held_out_renders(device(), parts)), 40);
+    const std::vector<media::Image> truths = held_out_truths(kCapture);
+    EXPECT_NEAR(mean_psnr(truths, held_out_renders(device(), kCapture, parts)),
+                mean_psnr(truths, held_out_renders(device(), kCapture, whole)), 0.5);
+    EXPECT_GT(mean_psnr(held_out_renders(device(), kCapture, whole), held_out_renders(device(), kCapture, parts)), 40);
 }
 
 TEST_F(TrainTest, AFinishedFileIsNoLargerThanAsked) {
@@ -134,7 +91,7 @@ TEST_F(TrainTest, AFinishedFileIsNoLargerThanAsked) {
     training::train(device(), capture(), settings, small, go_on);
     EXPECT_LE(std::filesystem::file_size(small), settings.max_bytes);
     EXPECT_GT(std::filesystem::file_size(small), settings.max_bytes / 2);
-    EXPECT_GT(mean_psnr(held_out_truths(), held_out_renders(device(), small)), 25);
+    EXPECT_GT(mean_psnr(held_out_truths(kCapture), held_out_renders(device(), kCapture, small)), 25);
 }
 
 TEST_F(TrainTest, ATreeNeverHasMoreLeavesThanAsked) {
@@ -185,7 +142,7 @@ TEST_F(TrainTest, TheSameSeedGivesNearlyTheSameRun) {
         training::TrainSettings settings = small_run(25);
         settings.seed = seed;
         training::train(device(), capture(), settings, nvv, go_on);
-        renders.push_back(held_out_renders(device(), nvv));
+        renders.push_back(held_out_renders(device(), kCapture, nvv));
     }
     const double same = mean_psnr(renders[0], renders[1]), other = mean_psnr(renders[0], renders[2]);
     EXPECT_GT(same, 40);
@@ -215,8 +172,8 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
     training::train(device(), capture(), small_run(8), nvv, go_on);
-    const std::vector<media::Image> truths = held_out_truths();
-    const double before = mean_psnr(truths, held_out_renders(device(), nvv));
+    const std::vector<media::Image> truths = held_out_truths(kCapture);
+    const double before = mean_psnr(truths, held_out_renders(device(), kCapture, nvv));
     training::TrainSettings settings = small_run(70);
     settings.resume = true;
     settings.shape.hh_degree = 3;  // a resumed run keeps its shape, losses and batches, whatever the settings are
@@ -226,20 +183,20 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     const training::TrainProgress last =
         training::train(device(), capture(), settings, nvv, [&](const training::TrainProgress& now) {
             EXPECT_EQ(now.began_at_step, 8u);
-            seen_in_callback = held_out_renders(device(), *now.field);
+            seen_in_callback = held_out_renders(device(), kCapture, *now.field);
             return true;
         });
     EXPECT_EQ(last.step, 70u);
     EXPECT_EQ(last.field, nullptr);
     EXPECT_GT(last.epochs, 0);
     // The last call came after the last step, so its field is that of the file up to rounding to half precision.
-    EXPECT_GT(mean_psnr(held_out_renders(device(), nvv), seen_in_callback), 50);
+    EXPECT_GT(mean_psnr(held_out_renders(device(), kCapture, nvv), seen_in_callback), 50);
     EXPECT_EQ(voctree::read_nvv(nvv).hh_degree, 1u);
     const training::RunState run = training::load_checkpoint(nvv).run;
     EXPECT_EQ(run.step, 70u);
     EXPECT_EQ(run.weights.grad, training::TrainSettings().weights.grad);
     EXPECT_EQ(run.tiles_per_step, small_run(8).tiles_per_step);
-    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), nvv)), before + 1);
+    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), kCapture, nvv)), before + 1);
 }
 
 TEST_F(TrainTest, AnotherDataSetIsRefused) {

@@ -1,0 +1,84 @@
+#include "training/gradient_records.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "base/error.h"
+#include "spirv/gather_gradients.comp.h"
+#include "spirv/scatter_gradients.comp.h"
+
+namespace neuvv::training {
+
+namespace {
+
+uint64_t record_bytes(const render::Field& field, const render::Slice& slice) {
+    return uint64_t{4} * record_words(field.hh_degree) * slice.capacity;
+}
+
+void add(uint32_t* to, const uint32_t* record, uint32_t words) {
+    to[1] = std::max(to[1], record[1]);  // weights are not negative, so their bits are in their order
+    for (uint32_t i = 2; i < words; i++)
+        to[i] = std::bit_cast<uint32_t>(std::bit_cast<float>(to[i]) + std::bit_cast<float>(record[i]));
+}
+
+}  // namespace
+
+GradientRecords::GradientRecords(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
+                                 const SliceGradients& given_gradients)
+    : words(record_words(field.hh_degree)),
+      own(device, "own gradient records", record_bytes(field, slice), gpu::MemoryKind::kReadback),
+      summed(device, "summed gradient records", record_bytes(field, slice), gpu::MemoryKind::kUpload),
+      gradients(given_gradients),
+      gather(device, "gather gradients", gather_gradients_comp, {field.hh_degree}),
+      scatter(device, "scatter gradients", scatter_gradients_comp, {field.hh_degree}),
+      gather_set(gather, {{kRecordsTouched, &gradients.touched},
+                          {kRecordsCount, &gradients.touched_count},
+                          {kRecordsLeaves, &slice.slot_leaf},
+                          {kRecordsGradients, &gradients.gradients},
+                          {kRecordsMaxWeight, &gradients.max_weight},
+                          {kRecords, &own}}),
+      scatter_set(scatter, {{kRecordsTouched, &gradients.touched},
+                            {kRecordsCount, &gradients.touched_count},
+                            {kRecordsHead, &slice.head},
+                            {kRecordsGradients, &gradients.gradients},
+                            {kRecordsMaxWeight, &gradients.max_weight},
+                            {kRecords, &summed}}) {}
+
+void record_gather(gpu::Commands& commands, const GradientRecords& records) {
+    const gpu::PassScope scope(commands, "gather gradients");
+    gpu::dispatch_indirect(commands, records.gather, records.gather_set, records.gradients.touched_count, 0, nullptr,
+                           0);
+    gpu::compute_barrier(commands);
+}
+
+void record_scatter(gpu::Commands& commands, const GradientRecords& records, uint32_t count) {
+    const gpu::PassScope scope(commands, "scatter gradients");
+    gpu::update(commands, records.gradients.touched_count, LiveCount{0, 1, 1, 0, 0});
+    gpu::compute_barrier(commands);
+    gpu::dispatch(commands, records.scatter, records.scatter_set, count, ScatterPush{count});
+    gpu::compute_barrier(commands);
+}
+
+uint32_t RecordSum::add_up(const std::vector<std::span<const uint32_t>>& of_processes, uint32_t* sum, uint32_t room) {
+    uint32_t count = 0;
+    for (const std::span<const uint32_t> records : of_processes) {
+        if (records.size() % words_ != 0) throw RuntimeFailure("gradients of another process are not whole");
+        for (const uint32_t* record = records.data(); record < records.data() + records.size(); record += words_) {
+            if (record[0] >= place_of_leaf_.size())
+                throw RuntimeFailure("gradients of another process are of another tree");
+            uint32_t& place = place_of_leaf_[record[0]];
+            if (place != kNowhere) {
+                add(sum + size_t{place} * words_, record, words_);
+                continue;
+            }
+            if (count == room) throw RuntimeFailure("more leaves have gradients than this device has slots");
+            place = count++;
+            std::memcpy(sum + size_t{place} * words_, record, sizeof(uint32_t) * words_);
+        }
+    }
+    for (uint32_t i = 0; i < count; i++) place_of_leaf_[sum[size_t{i} * words_]] = kNowhere;
+    return count;
+}
+
+}  // namespace neuvv::training
