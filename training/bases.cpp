@@ -47,6 +47,13 @@ bool has_basis_per_frame(const voctree::VOctree& tree) {
            is_identity(tree.gamma_basis, tree.bases);
 }
 
+void sigma_of_frames(const voctree::VOctree& tree, const float* leaf, std::vector<float>& values) {
+    for (uint32_t t = 0; t < tree.frames; t++) {
+        values[t] = 0;
+        for (uint32_t c = 0; c < tree.bases; c++) values[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
+    }
+}
+
 std::vector<float> initial_gamma_weights(uint32_t bases) {
     std::vector<float> weights(bases);
     for (uint32_t c = 0; c < bases; c++) {

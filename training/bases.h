@@ -16,6 +16,9 @@ std::vector<float> hat_basis(uint32_t frames, uint32_t bases);
 // Whether A and B are identities. Then element c of a leaf's w^σ and w^γ belongs to frame c alone.
 bool has_basis_per_frame(const voctree::VOctree& tree);
 
+// The σ of a leaf in every frame before relu, from its w^σ at the beginning of `leaf`. `values`: one per frame.
+void sigma_of_frames(const voctree::VOctree& tree, const float* leaf, std::vector<float>& values);
+
 // The w^γ with which γ goes from 0.1π to 0.9π over the clip under hat_basis. The functions H_n·· then differ between
 // the first frame and the last. With a single basis γ is 0.3π, as functions of odd n vanish at γ = π/2.
 std::vector<float> initial_gamma_weights(uint32_t bases);

@@ -18,7 +18,8 @@ struct RunState {
     uint32_t phase = 0;
     uint64_t phase_rays = 0;                  // rays since the phase began, counted as pixels
     uint64_t dataset_hash = 0;                // shows whether a resumed run has the same data set
-    uint32_t max_depth = 0;                   // octree depth of leaves of a pixel's size
+    uint32_t max_depth = 0;                   // octree depth of leaves of a pixel's size, or as large as they become
+    bool natural = false;                     // whether that is natural_resolution, and no user's choice
     uint64_t several_rays_from = UINT64_MAX;  // the first step with several rays per pixel
     uint32_t max_leaves = 0;                  // the run's bounds; 0: none
     uint64_t max_bytes = 0;

@@ -130,14 +130,6 @@ void set_initial_weights(const Dataset& dataset, voctree::VOctree& tree, const C
     });
 }
 
-// The σ of a leaf in every frame before relu.
-void sigma_of_frames(const voctree::VOctree& tree, const float* leaf, std::vector<float>& values) {
-    for (uint32_t t = 0; t < tree.frames; t++) {
-        values[t] = 0;
-        for (uint32_t c = 0; c < tree.bases; c++) values[t] += tree.sigma_basis[size_t{t} * tree.bases + c] * leaf[c];
-    }
-}
-
 // The metres that a pixel covers at a position, in the camera where it covers least.
 double footprint_at(const Dataset& dataset, glm::dvec3 position) {
     double smallest = std::numeric_limits<double>::infinity();

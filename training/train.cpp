@@ -7,8 +7,10 @@
 #include <bit>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/seconds.h"
 #include "training/bases.h"
 #include "training/batch.h"
@@ -50,6 +52,20 @@ uint64_t hash_of(const Dataset& dataset) {
     }
     for (const media::Image& plate : dataset.plates) add_image(plate.width, plate.height, plate.rgba);
     return XXH3_64bits_digest(state.get());
+}
+
+// How often leaves live in a frame, summed over leaves and frames. Leaves that rays did not see do not count.
+double count_of_lives(const voctree::VOctree& tree, const LeafUse& use) {
+    std::vector<double> lives(tree.leaf_count);
+    parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
+        std::vector<float> sigma(tree.frames);
+        for (size_t i = begin; i < end; i++) {
+            if (use.max_weight[i] < kMinWeightToDivide) continue;
+            sigma_of_frames(tree, tree.leaf(static_cast<uint32_t>(i)), sigma);
+            lives[i] = static_cast<double>(std::count_if(sigma.begin(), sigma.end(), [](float s) { return s > 0; }));
+        }
+    });
+    return std::accumulate(lives.begin(), lives.end(), 0.0);
 }
 
 // One run: the tree on the host (for its topology), the step on the device, and how far they have come.
@@ -107,6 +123,7 @@ class Run {
     void make_step();
     void begin_phase_if_due();
     void change_tree(double epochs);
+    bool are_rays_few(const LeafUse& use) const;
     bool may_go_on();
     void save();
     StepSettings step_settings(double time) const;
@@ -167,6 +184,7 @@ const Dataset& Run::begin() {
         run_.max_leaves = settings_.max_leaves;
         run_.max_bytes = settings_.max_bytes;
         run_.adaptive = settings_.adaptive;
+        run_.natural = settings_.shape.resolution == 0;
         run_.left_out = settings_.left_out;
         run_.tiles_per_step = settings_.tiles_per_step;
         run_.weights = settings_.weights;
@@ -267,6 +285,12 @@ void Run::begin_phase_if_due() {
     run_.phase_rays = 0;
 }
 
+// Whether so few rays are to be expected for each leaf and frame that it lives in that leaves better stay large.
+bool Run::are_rays_few(const LeafUse& use) const {
+    if (run_.minutes <= 0 || !run_.natural || !run_.adaptive) return false;
+    return run_.rays / fraction() < kMinRaysOfLeaf * count_of_lives(tree_, use);
+}
+
 // Changes the tree as the phase that has just begun says. `epochs`: how many the phase before had.
 void Run::change_tree(double epochs) {
     const Phase& phase = kPhases[run_.phase];
@@ -285,6 +309,10 @@ void Run::change_tree(double epochs) {
     settings.min_weight_to_divide =
         run_.adaptive && (!coarse || epochs > kMinEpochsForMaxWeight) ? kMinWeightToDivide : 0;
     LeafUse use = read_use(device_, step_->tally(), tree_);
+    if (run_.phase == kLevelsAbovePixel && are_rays_few(use)) {
+        settings.divide_share = 0;
+        run_.max_depth--;
+    }
     if (phase.merge_within > 0 && epochs > kMinEpochsForFrameUse && !has(run_.left_out, OptionalPart::kMerge))
         merge_alike(tree_, use, phase.merge_within);
     tree_ = grow(dataset_, tree_, use, settings);

@@ -119,6 +119,25 @@ TEST_F(TrainTest, UniformLeavesStayOfOneSize) {
     for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) ASSERT_EQ(position.depth, 6u);
 }
 
+// Where a budget in minutes leaves few rays to each leaf, leaves stay twice as large, unless the user chose a
+// resolution.
+TEST_F(TrainTest, AShortRunHasLargerLeaves) {
+    const auto depth_of = [&](double minutes, uint64_t steps, uint32_t resolution) {
+        const TemporaryFolder folder;
+        training::TrainSettings settings = small_run(steps);
+        settings.minutes = minutes;
+        settings.shape.resolution = resolution;
+        settings.tiles_per_step = 1;  // few rays, however fast the device is
+        const training::TrainProgress last =
+            training::train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
+        EXPECT_EQ(last.fraction, 1);
+        return training::load_checkpoint(folder.path / "sphere.nvv").run.max_depth;
+    };
+    const uint32_t natural = depth_of(0, 60, 0);
+    EXPECT_EQ(depth_of(0.02, 0, 0), natural - 1);
+    EXPECT_EQ(depth_of(0.02, 0, 1u << natural), natural);
+}
+
 TEST_F(TrainTest, PartsCanBeLeftOut) {
     const auto leaves_without = [&](training::OptionalParts parts) {
         const TemporaryFolder folder;
