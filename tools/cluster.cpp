@@ -11,7 +11,7 @@
 #include "base/platform.h"
 #include "media/image_sink.h"
 #include "tools/commands.h"
-#include "tools/render_share.h"
+#include "tools/render_part.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -77,6 +77,8 @@ struct Job {
     std::filesystem::path folder;  // of the job script and the logs
     std::string name;
     std::string task;  // the command of a task, without the program, as the shell reads it
+    // The exit code of a task that was told that its time is nearly over, and that has more to do.
+    int unfinished_code = 0;
 };
 
 std::string output_of(const std::vector<std::string>& command, const char* fix) {
@@ -85,7 +87,7 @@ std::string output_of(const std::vector<std::string>& command, const char* fix) 
     return *output;
 }
 
-// Throws InputError where the command is none that a cluster can share.
+// Throws InputError where the command is none that a cluster can part.
 Job training_job(const std::vector<std::string>& command) {
     constexpr const char* kFix =
         "write for instance: neuvv cluster sbatch -- train data -o show.nvv --segment 1s --minutes 60";
@@ -98,7 +100,7 @@ Job training_job(const std::vector<std::string>& command) {
         throw InputError("COMMAND", joined(command), "has --plan, which comes of itself", "leave it out");
     std::vector<std::string> task = command;
     if (!has(command, "--resume")) task.emplace_back("--resume");
-    return {clip, clip.stem().string(), joined(task)};
+    return {clip, clip.stem().string(), joined(task), 0};
 }
 
 // Throws InputError where the command renders nothing that has parts.
@@ -109,14 +111,14 @@ Job render_job(const std::vector<std::string>& command, uint32_t tasks) {
         throw InputError("COMMAND", output.path.string(), "is a single image", "render it without a cluster");
     if (has(command, "--part") || value_of(command, {"--part"}))
         throw InputError("COMMAND", joined(command), "has --part, which comes of itself", "leave it out");
-    const std::filesystem::path folder = output.kind == media::ImageOutput::Kind::kVideo
-                                             ? folder_of_parts(output.path)
-                                             : std::filesystem::absolute(output.path).parent_path();
-    prepare_output_folder("--output", folder);
+    prepare_output_folder("--output", folder_of_parts(output));
     std::vector<std::string> task = command;
-    if (!has(command, "--resume")) task.emplace_back("--resume");
-    return {folder, output.path.stem().string(),
-            fmt::format("{} --part \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"", joined(task), tasks)};
+    if (!has(command, "--resume")) {
+        task.emplace_back("--resume");
+        if (output.kind == media::ImageOutput::Kind::kNumberedImages) media::forget_renders(output);
+    }
+    return {folder_of_parts(output), folder_of_parts(output).stem().string(),
+            fmt::format("{} --part \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"", joined(task), tasks), 1};
 }
 
 Job job_of(const ClusterOptions& options) {
@@ -124,11 +126,12 @@ Job job_of(const ClusterOptions& options) {
     if (verb == "train") return training_job(options.command);
     if (verb == "render") return render_job(options.command, options.tasks);
     throw InputError("COMMAND", verb, "is neither `train` nor `render`",
-                     "write for instance: neuvv cluster sbatch -- train data -o show.nvv --segment 1s --minutes 60");
+                     "write for instance: neuvv cluster sbatch -- train data -o show.nvv --segment 1s --minutes 60, or "
+                     "neuvv cluster sbatch -- render show.nvv -o turn.mp4");
 }
 
 // The job script. Two minutes before a task's time is over, Slurm sends SIGUSR1: the task saves, ends and asks to be
-// queued again, unless its command makes no sense (exit code 2). On preemption and cancellation Slurm sends SIGTERM:
+// queued again. On preemption and cancellation Slurm sends SIGTERM:
 // the task saves and ends, and Slurm itself decides whether it comes back.
 std::string script_of(const ClusterOptions& options, const std::filesystem::path& program, const Job& job) {
     const std::filesystem::path folder = std::filesystem::absolute(job.folder);
@@ -154,10 +157,10 @@ while :; do
     code=$?
     [ "$interrupted" ] || break  # else a signal ended `wait`, and the program still saves
 done
-if [ "$time_is_over" ] && [ $code -ne 2 ]; then scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID"; fi
+if [ "$time_is_over" ] && [ $code -eq {} ]; then scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_$SLURM_ARRAY_TASK_ID"; fi
 exit $code
 )",
-                        quoted(program.string()), job.task);
+                        quoted(program.string()), job.task, job.unfinished_code);
     return text;
 }
 
@@ -201,7 +204,7 @@ void run(const ClusterOptions& options) {
     if (trains)
         fmt::print("`neuvv info {}` says how far it is; ", job.folder.string());
     else
-        fmt::print("`squeue` says how far it is; ");
+        fmt::print("`squeue` lists the tasks that are left; ");
     fmt::print("the tasks' logs are {}/log-*.txt\n", job.folder.string());
 }
 
@@ -234,10 +237,12 @@ void add_cluster(Command app, CommonOptions&) {
          "leaves "
          "its\n"
          "segment to the others. With --resume in COMMAND, a clip that was begun goes on.\n"
-         "Of a render, each task renders a part of the images; the one that ends last joins the parts of a video. Its\n"
-         "script and logs lie in OUTPUT.parts, or beside numbered images. The same command again renders parts that\n"
-         "are missing.\n"
-         "Another scheduler needs a script that runs `neuvv COMMAND --resume` in as many tasks as wanted.\n\n",
+         "Of a render, each task renders a part of the images, so there must be as many images as tasks at least. The\n"
+         "task that ends last joins the parts of a video. The job's script and logs lie in OUTPUT.parts. The same\n"
+         "command again renders parts of a video that are missing; of numbered images, it begins anew without "
+         "--resume.\n"
+         "Another scheduler needs a script that runs `neuvv COMMAND --resume` in as many tasks as wanted, of a render\n"
+         "with another --part K/N in each.\n\n",
          kExamples});
     sbatch.callback([options] { run(*options); });
 }

@@ -73,8 +73,9 @@ void add_run_options(Command verb, RenderOptions& options) {
     add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
     add_far_levels_option(verb, options.far_levels);
     verb.add_option("--part", options.part,
-                    "2/8: render the second of eight parts of the images, as other processes render the others. Who "
-                    "finds all parts of a video joins them. The ranks of mpirun and srun take parts without it");
+                    "2/8: render the second of eight parts of the images, as other processes render the others. The "
+                    "process that finds all parts of a video joins them. All need the same options. The ranks of "
+                    "mpirun and srun take parts without it");
     verb.add_flag("--resume", options.resume,
                   "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
@@ -248,22 +249,23 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
     return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
 }
 
-RenderTotals conclude_share(const RenderOptions& options, const RenderShare& share, media::ImageSize size, double fps) {
-    if (const std::string text = share.conclude(); !text.empty()) fmt::print(stderr, "{}: {}\n", options.output, text);
-    const bool video = share.output().kind == media::ImageOutput::Kind::kVideo;
+RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part, media::ImageSize size, double fps) {
+    if (const std::string text = part.join_if_complete(); !text.empty())
+        fmt::print(stderr, "{}: {}\n", options.output, text);
+    const bool video = part.output().kind == media::ImageOutput::Kind::kVideo;
     const media::ImageSize encoded{media::video_side(size.width), media::video_side(size.height)};
-    return {share.end() - share.first(), 0, video ? encoded : size, fps};
+    return {part.end() - part.first(), 0, video ? encoded : size, fps};
 }
 
-RenderTotals render_images(const RenderOptions& options, media::ImageSize size, double fps, const RenderShare& share,
+RenderTotals render_images(const RenderOptions& options, media::ImageSize size, double fps, const RenderPart& part,
                            media::ImageSink& sink, const gpu::Device& device,
                            const std::function<FrameTimes(uint32_t)>& render) {
     catch_stop_signals();
-    const bool video = share.output().kind == media::ImageOutput::Kind::kVideo;
+    const bool video = part.output().kind == media::ImageOutput::Kind::kVideo;
     size_t rendered = 0;
     double seconds = 0;
-    Progress progress("render", share.end() - share.first());
-    for (uint32_t i = share.first(); i < share.end(); ++i) {
+    Progress progress("render", part.end() - part.first());
+    for (uint32_t i = part.first(); i < part.end(); ++i) {
         if (stop_requested())
             throw RuntimeFailure(fmt::format("{}: stopped before the end; {}", options.output,
                                              sink.resumable() ? "--resume goes on with it"
@@ -278,10 +280,10 @@ RenderTotals render_images(const RenderOptions& options, media::ImageSize size, 
             seconds += times.milliseconds / 1000;
             if (trace_wanted()) fmt::print(stderr, "image {}: {}\n", i, pass_times_text(times.passes));
         }
-        progress.update(i + 1 - share.first());
+        progress.update(i + 1 - part.first());
     }
-    sink.finish(share.end());
-    RenderTotals totals = conclude_share(options, share, size, fps);
+    sink.finish(part.end());
+    RenderTotals totals = conclude_part(options, part, size, fps);
     totals.rendered = rendered;
     totals.seconds = seconds;
     totals.rays =
@@ -305,7 +307,7 @@ void add_render(Command app, CommonOptions& common) {
          "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
          "  neuvv render build/performer.nvv -o build/half.mp4 --part 1/2\n"
          "  neuvv render build/performer.nvv -o build/half.mp4 --part 2/2\n"
-         "  mpirun -n 2 neuvv render build/performer.nvv -o build/turn.mp4\n"
+         "  mpirun --bind-to none -n 2 neuvv render build/performer.nvv -o build/turn.mp4\n"
          "  neuvv render build/performer.nvv -o build/cost.png --cost --cost-max 64 --frames 0\n"
          "  neuvv render --pass list\n"
          "  neuvv render build/performer.nvv -o build/near.png --pass tile-near --frames 0\n"

@@ -1,5 +1,5 @@
 // What a user may set of `neuvv render`, and what rendering a clip (render_clip.cpp) and a stage (render_stage.cpp)
-// share.
+// part.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 #include "render/frame.h"
 #include "stage/stage_settings.h"
 #include "tools/commands.h"
-#include "tools/render_share.h"
+#include "tools/render_part.h"
 
 namespace neuvv::tools {
 
@@ -34,7 +34,7 @@ struct RenderOptions {
 };
 
 struct RenderTotals {
-    size_t images = 0, rendered = 0;  // images of the share
+    size_t images = 0, rendered = 0;  // images of the part
     media::ImageSize size;
     double fps = 0, rays = 0, seconds = 0;
 };
@@ -78,13 +78,13 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
 // The device of this process, which may render a part of what others render, too.
 std::string device_of(const CommonOptions& common);
 
-// Says what became of the share, whose images are all written; where it is the last part of a video, joins all.
+// Says what became of the part, whose images are all written; joins the parts of a video if no other is missing.
 // Returns the totals of a run that rendered nothing.
-RenderTotals conclude_share(const RenderOptions& options, const RenderShare& share, media::ImageSize size, double fps);
+RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part, media::ImageSize size, double fps);
 
-// Renders the images of the share that the sink does not have yet, one after the other: `render` adds image i to it.
+// Renders the images of the part that the sink does not have yet, one after the other: `render` adds image i to it.
 // Throws RuntimeFailure where the user stops it.
-RenderTotals render_images(const RenderOptions& options, media::ImageSize size, double fps, const RenderShare& share,
+RenderTotals render_images(const RenderOptions& options, media::ImageSize size, double fps, const RenderPart& part,
                            media::ImageSink& sink, const gpu::Device& device,
                            const std::function<FrameTimes(uint32_t)>& render);
 

@@ -287,12 +287,13 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     for (size_t i = 0; i < plan.paint.files.size(); i++)
         facts["--paint " + options.paint[i]] = media::content_fact(plan.paint.files[i]);
     facts["--direct"] = fmt::format("{}", options.direct);
-    const RenderShare share(part_of(options.part, ranks_of_environment()), plan.output, facts, images);
-    if (options.resume && share.is_there()) return conclude_share(options, share, size, plan.playback.output_fps);
-    media::ImageSink sink(share.output(), size, plan.playback.output_fps, facts, options.resume, share.range());
+    const RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, images,
+                          options.resume);
+    if (options.resume && part.is_there()) return conclude_part(options, part, size, plan.playback.output_fps);
+    media::ImageSink sink(part.output(), size, plan.playback.output_fps, facts, options.resume, part.range());
     const gpu::Device device(device_of(common));
     const auto render_all = [&](auto renderer) {
-        return render_images(options, size, plan.playback.output_fps, share, sink, device,
+        return render_images(options, size, plan.playback.output_fps, part, sink, device,
                              [&](uint32_t i) { return renderer->render(i, sink); });
     };
     if (options.direct) return render_all(std::make_unique<DirectRenderer>(device, plan));

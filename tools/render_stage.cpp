@@ -229,9 +229,10 @@ void render_image(render::StageRenderer& renderer, const RenderOptions& options,
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common) {
     const StagePlan plan = plan_stage(options);
     const media::RenderFacts facts = stage_facts(options, plan);
-    const RenderShare share(part_of(options.part, ranks_of_environment()), plan.output, facts, plan.images);
-    if (options.resume && share.is_there()) return conclude_share(options, share, plan.size, plan.fps);
-    media::ImageSink sink(share.output(), plan.size, plan.fps, facts, options.resume, share.range());
+    const RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, plan.images,
+                          options.resume);
+    if (options.resume && part.is_there()) return conclude_part(options, part, plan.size, plan.fps);
+    media::ImageSink sink(part.output(), plan.size, plan.fps, facts, options.resume, part.range());
     const gpu::Device device(device_of(common));
     render::FrameCapacity capacity{plan.size.width, plan.size.height, samples_of(options)};
     capacity.slice_budget = bytes_of_mebibytes(options.slice_budget_mb);
@@ -243,7 +244,7 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);
     reading.finish();
     tell_not_shown(renderer.take_problems());
-    return render_images(options, plan.size, plan.fps, share, sink, device, [&](uint32_t i) {
+    return render_images(options, plan.size, plan.fps, part, sink, device, [&](uint32_t i) {
         render_image(renderer, options, plan, i, sink);
         return times_of(renderer.frames());
     });

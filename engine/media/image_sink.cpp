@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cassert>
+#include <cctype>
 #include <fstream>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -52,7 +55,7 @@ constexpr char kAnew[] = "render anew without --resume, or choose another --outp
 
 struct RenderRecord {
     RenderFacts facts;
-    uint32_t finished = 0;  // the image behind the last one that is finished
+    uint32_t finished = 0;  // the number after that of the last finished image
 };
 
 RenderRecord read_record(const std::filesystem::path& path) {
@@ -111,7 +114,47 @@ uint32_t finished_images(const std::filesystem::path& file, const RenderFacts& f
         kAnew);
 }
 
+std::filesystem::path record_file(const ImageOutput& output, const std::string& name) {
+    return output.file(name).replace_extension(".json");
+}
+
+bool is_number(std::string_view text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+// The records that there are of renders into these images, of all and of parts.
+std::vector<std::filesystem::path> records_of(const ImageOutput& output) {
+    const std::string marked = record_file(output, "\n").filename().string();
+    const std::string begin = marked.substr(0, marked.find('\n')) + kRecordName;
+    const std::string end = marked.substr(marked.find('\n') + 1);
+    std::vector<std::filesystem::path> found;
+    std::error_code ignored;
+    const std::filesystem::path folder = output.file("x").parent_path();
+    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, ignored)) {
+        const std::string file = entry.path().filename().string();
+        if (file.size() < begin.size() + end.size() || !file.starts_with(begin) || !file.ends_with(end)) continue;
+        const std::string range = file.substr(begin.size(), file.size() - begin.size() - end.size());
+        const size_t dash = std::min(range.find('-'), range.size());
+        const bool is_part = range.starts_with("_") && dash < range.size() && is_number(range.substr(1, dash - 1)) &&
+                             is_number(range.substr(dash + 1));
+        if (range.empty() || is_part) found.push_back(folder / file);
+    }
+    return found;
+}
+
+bool is_record_of(const std::filesystem::path& file, const RenderFacts& facts) {
+    try {
+        return read_record(file).facts == facts;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
 }  // namespace
+
+void forget_renders(const ImageOutput& output) {
+    for (const std::filesystem::path& record : records_of(output)) std::filesystem::remove(record);
+}
 
 std::string content_fact(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -124,15 +167,14 @@ std::string content_fact(const std::filesystem::path& path) {
     return fmt::format("{}{:016x}", kContent, XXH3_64bits_digest(state.get()));
 }
 
-ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume, ImageRange range)
+ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume,
+                     std::optional<ImageRange> range)
     : output_(std::move(output)),
       size_(size),
       fps_(fps),
       facts_(std::move(facts)),
-      first_(range.first),
-      finished_(range.first) {
-    const bool is_part = range.end != UINT32_MAX;
-    if (is_part) facts_["--part"] = fmt::format("images {} to {}", range.first, range.end);
+      first_(range ? range->first : 0),
+      finished_(first_) {
     using Kind = ImageOutput::Kind;
     if (output_.kind == Kind::kVideo && resume) {
         video_path_ = output_.path;
@@ -142,8 +184,20 @@ ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts
     }
     if (output_.kind == Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
     if (output_.kind != Kind::kNumberedImages) return;
-    const std::string name = is_part ? fmt::format("{}_from_{}", kRecordName, range.first) : kRecordName;
-    record_path_ = output_.file(name).replace_extension(".json");
+    open_record(resume, range);
+}
+
+// Renders of a part of the images and of all have records of their own, but the same images.
+void ImageSink::open_record(bool resume, const std::optional<ImageRange>& range) {
+    const std::string name = range ? fmt::format("{}_{}-{}", kRecordName, range->first, range->end) : kRecordName;
+    record_path_ = record_file(output_, name);
+    for (const std::filesystem::path& other : records_of(output_)) {
+        if (other == record_path_) continue;
+        if (resume)
+            finished_images(other, facts_);
+        else if (!is_record_of(other, facts_))
+            std::filesystem::remove(other);
+    }
     if (resume) finished_ = std::max(finished_images(record_path_, facts_), first_);
     write_record(record_path_, facts_, finished_);
 }

@@ -37,18 +37,23 @@ std::string content_fact(const std::filesystem::path& file);
 
 // Images of a render, by their numbers: from `first` to before `end`.
 struct ImageRange {
-    uint32_t first = 0, end = UINT32_MAX;
+    uint32_t first = 0, end = 0;
 };
 
-// Numbered images have a record beside them ("out_render.json" for out_%04d.png), so that `resume` goes on with those
-// that an interrupted render left. A video can only go on where it was begun with `resume`: its images are then kept
-// as PNGs in "out.mp4.frames/", which takes disk space and their encoding (some ms each), and they become the video at
-// the end. Without `resume` they are encoded as they come, and nothing is kept of a render that is interrupted.
+// Removes the records of renders into these numbered images, so that a render with `resume` begins anew.
+void forget_renders(const ImageOutput& output);
+
+// Numbered images have a record beside them ("out_render.json" for out_%04d.png; of a part of the images,
+// "out_render_0-25.json"), so that `resume` goes on with those that an interrupted render left. A video can only go on
+// where it was begun with `resume`: its images are then kept as PNGs in "out.mp4.frames/", which takes disk space and
+// their encoding (some ms each), and they become the video at the end. Without `resume` they are encoded as they come,
+// and nothing is kept of a render that is interrupted.
 class ImageSink {
   public:
-    // `range`: the images that the sink gets, of a render that several processes share. Throws InputError where
-    // `resume` would mix two renders.
-    ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume, ImageRange range = {});
+    // `range`: the images that the sink gets of a render that several processes share; nothing: all. Throws InputError
+    // where `resume` would mix two renders.
+    ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume,
+              std::optional<ImageRange> range = std::nullopt);
 
     // Whether an earlier run has finished image i.
     bool has(uint32_t i) const;
@@ -60,10 +65,11 @@ class ImageSink {
     // Adds an image that the sink does not have yet; call it in order of i.
     void add(uint32_t i, const Image& image);
     void add(uint32_t i, const LinearImage& image);
-    // After the last image, the one before `end`.
+    // After the last image, whose number is end − 1.
     void finish(uint32_t end);
 
   private:
+    void open_record(bool resume, const std::optional<ImageRange>& range);
     void record_finished(uint32_t i);
     ImageOutput output_;  // of kept images where the video is made of them at the end
     ImageSize size_;
@@ -72,8 +78,8 @@ class ImageSink {
     std::optional<VideoWriter> video_;
     std::filesystem::path record_path_;  // empty: nothing is recorded
     RenderFacts facts_;
-    uint32_t first_;
-    uint32_t finished_;  // the image behind the last one that is finished
+    uint32_t first_;     // the number of the sink's first image
+    uint32_t finished_;  // the number after that of the last finished image
 };
 
 }  // namespace neuvv::media

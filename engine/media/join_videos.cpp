@@ -11,14 +11,17 @@ namespace neuvv::media {
 
 namespace {
 
+constexpr const char* kComment = "comment";  // libav's name of it
+
 // A part, opened at its first packet.
 struct Part {
     std::filesystem::path path;
     OwnedInput input;
     const AVStream* stream = nullptr;  // owned by input
 
-    [[noreturn]] void fail(const std::string& problem) const {
-        throw InputError(path.string(), "", problem, "render this part again");
+    [[noreturn]] void fail(const std::string& problem,
+                           const char* fix = "remove it, and render this part again") const {
+        throw InputError(path.string(), "", problem, fix);
     }
 };
 
@@ -39,20 +42,22 @@ Part open_part(const std::filesystem::path& path) {
 bool is_alike(const AVCodecParameters& a, const AVCodecParameters& b) {
     return a.codec_id == b.codec_id && a.width == b.width && a.height == b.height && a.format == b.format &&
            a.extradata_size == b.extradata_size &&
-           std::memcmp(a.extradata, b.extradata, static_cast<size_t>(a.extradata_size)) == 0;
+           (a.extradata_size == 0 || std::memcmp(a.extradata, b.extradata, static_cast<size_t>(a.extradata_size)) == 0);
 }
 
-class Joined {
+class JoinedVideo {
   public:
-    Joined(const std::filesystem::path& path, const Part& first);
-    ~Joined() {
+    explicit JoinedVideo(const std::filesystem::path& path) : path_(path), temporary_(path.string() + ".tmp.mp4") {}
+    ~JoinedVideo() {
         output_.reset();
         std::error_code ignored;
         if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
     }
-    Joined(const Joined&) = delete;
-    Joined& operator=(const Joined&) = delete;
+    JoinedVideo(const JoinedVideo&) = delete;
+    JoinedVideo& operator=(const JoinedVideo&) = delete;
 
+    // Before the first append(): the video is encoded as `first`.
+    void open(const Part& first, const std::string& comment);
     void append(const Part& part);
     void finish();
 
@@ -67,8 +72,8 @@ class Joined {
     int64_t frames_ = 0;
 };
 
-Joined::Joined(const std::filesystem::path& path, const Part& first)
-    : path_(path), temporary_(path.string() + ".tmp.mp4"), packet_(av_packet_alloc()) {
+void JoinedVideo::open(const Part& first, const std::string& comment) {
+    packet_.reset(av_packet_alloc());
     AVFormatContext* allocated = nullptr;
     check(avformat_alloc_output_context2(&allocated, nullptr, "mp4", file_url(temporary_).c_str()), "open a muxer");
     output_.reset(allocated);
@@ -78,6 +83,7 @@ Joined::Joined(const std::filesystem::path& path, const Part& first)
     stream_->codecpar->codec_tag = 0;  // the muxer's own
     stream_->time_base = first.stream->time_base;
     stream_->avg_frame_rate = first.stream->avg_frame_rate;
+    av_dict_set(&allocated->metadata, kComment, comment.c_str(), 0);
     check(avio_open(&allocated->pb, file_url(temporary_).c_str(), AVIO_FLAG_WRITE), "create the file");
     AVDictionary* options = nullptr;
     av_dict_set(&options, "movflags", "+faststart", 0);
@@ -88,7 +94,7 @@ Joined::Joined(const std::filesystem::path& path, const Part& first)
 
 // Each part's times begin at 0 again, so the frames before it are added to them. The times at which frames are decoded
 // run evenly over all parts, as far before their display as the codec reorders frames.
-void Joined::append(const Part& part) {
+void JoinedVideo::append(const Part& part) {
     const AVRational frame = av_inv_q(part.stream->avg_frame_rate);
     const auto time_of = [&](int64_t frames) { return av_rescale_q(frames, frame, stream_->time_base); };
     int64_t count = 0;
@@ -96,7 +102,10 @@ void Joined::append(const Part& part) {
          av_packet_unref(packet_.get())) {
         if (read < 0) part.fail(fmt::format("cannot be read: {}", error_text(read)));
         if (packet_->stream_index != part.stream->index) continue;
+        if (packet_->flags & AV_PKT_FLAG_CORRUPT) part.fail("was cut short");
         av_packet_rescale_ts(packet_.get(), part.stream->time_base, stream_->time_base);
+        if (packet_->pts < 0 || packet_->pts > time_of(part.stream->nb_frames))  // also where there is no time
+            part.fail("has a frame at a wrong time");
         packet_->pts += time_of(frames_);
         packet_->dts = time_of(frames_ + count - part.stream->codecpar->video_delay);
         packet_->duration = time_of(1);
@@ -110,7 +119,7 @@ void Joined::append(const Part& part) {
     frames_ += count;
 }
 
-void Joined::finish() {
+void JoinedVideo::finish() {
     check(av_write_trailer(output_.get()), "complete the file");
     check(avio_closep(&output_->pb), "close the file");
     std::error_code error;
@@ -121,18 +130,30 @@ void Joined::finish() {
 
 }  // namespace
 
-void join_videos(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& path) {
+void join_videos(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& path,
+                 const std::string& comment) {
     av_log_set_level(AV_LOG_QUIET);  // only tools print
     const Part first = open_part(parts.at(0));
-    Joined joined(link_target(path), first);
+    JoinedVideo joined(link_target(path));
+    joined.open(first, comment);
     for (const std::filesystem::path& file : parts) {
         const Part part = open_part(file);
         if (!is_alike(*part.stream->codecpar, *first.stream->codecpar) ||
             av_cmp_q(part.stream->avg_frame_rate, first.stream->avg_frame_rate) != 0)
-            part.fail(fmt::format("was not encoded as {}", parts[0].string()));
+            part.fail(fmt::format("is of another size, rate or encoder than {}", parts[0].string()),
+                      "render all parts by the same program with the same FFmpeg");
         joined.append(part);
     }
     joined.finish();
+}
+
+std::string comment_of_video(const std::filesystem::path& path) {
+    av_log_set_level(AV_LOG_QUIET);  // only tools print
+    AVFormatContext* opened = nullptr;
+    if (open_video_file(path, &opened) < 0) return {};
+    const OwnedInput input(opened);
+    const AVDictionaryEntry* entry = av_dict_get(opened->metadata, kComment, nullptr, 0);
+    return entry ? entry->value : "";
 }
 
 }  // namespace neuvv::media

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "media/image.h"
@@ -59,10 +60,15 @@ class VideoReader {
     std::unique_ptr<State> state_;
 };
 
-// Writes the videos one after the other into one, without encoding them again. They must be of VideoWriters of the same
-// program, size and rate. `path` is replaced when all of it is written. Throws InputError, which names the part that is
-// damaged or was encoded otherwise, and RuntimeFailure. `parts` must not be empty.
-void join_videos(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& path);
+// Writes the videos one after the other into one, without encoding them again. They must be of VideoWriters with the
+// same encoder, size and rate. `path`, which gets the comment, is replaced when all of it is written. Throws
+// InputError, which names the part that is damaged or was encoded otherwise, and RuntimeFailure. `parts` must not be
+// empty.
+void join_videos(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& path,
+                 const std::string& comment = "");
+
+// A video's comment; empty where it has none, or is no video.
+std::string comment_of_video(const std::filesystem::path& path);
 
 // Size, number of frames and frame rate of a video, found by decoding all of it. Throws InputError.
 struct VideoSummary {

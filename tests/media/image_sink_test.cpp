@@ -114,7 +114,7 @@ TEST_F(Sink, VideosKeepTheirPicturesWhereAsked) {
 
 // Two processes that each write a part of the numbered images have a record each.
 TEST_F(Sink, PartsOfNumberedPicturesGoOnByThemselves) {
-    const auto part = [&](media::ImageRange range, bool resume) {
+    const auto part = [&](const media::ImageRange& range, bool resume) {
         return media::ImageSink(media::parse_output((folder.path / "o_%02d.png").string()), {16, 8}, 25, facts, resume,
                                 range);
     };
@@ -125,7 +125,35 @@ TEST_F(Sink, PartsOfNumberedPicturesGoOnByThemselves) {
     EXPECT_FALSE(part({3, 6}, true).has(4));
     EXPECT_FALSE(part({3, 6}, true).has(0)) << "not of this part";
     EXPECT_FALSE(part({0, 3}, true).has(1));
-    expect_input_error([&] { part({3, 7}, true); }, {"o_render_from_3.json", "--part"});
+    EXPECT_FALSE(part({3, 7}, true).has(3)) << "another part has a record of its own";
+    EXPECT_TRUE(there("o_render_3-6.json"));
+}
+
+// Images of another render, whole or in parts, do not count as those of this one.
+TEST_F(Sink, PartsAndTheWholeDoNotMix) {
+    const auto part = [&](bool resume) {
+        return media::ImageSink(media::parse_output((folder.path / "o_%02d.png").string()), {16, 8}, 25, facts, resume,
+                                media::ImageRange{0, 2});
+    };
+    write_text(folder.path / "o_render_notes.json", "mine");
+    {
+        media::ImageSink whole = sink("o_%02d.png", false);
+        whole.add(0, image_of(1));
+        whole.add(1, image_of(2));
+    }
+    EXPECT_TRUE(sink("o_%02d.png", true).has(1));
+    part(false);
+    EXPECT_TRUE(there("o_render.json")) << "it is of the same images";
+    facts["--size"] = "8x8";
+    expect_input_error([&] { part(true); }, {"o_render", "--size"});
+    part(false);
+    EXPECT_FALSE(there("o_render.json"));
+    facts["--size"] = "16x8";
+    expect_input_error([&] { sink("o_%02d.png", true); }, {"o_render_0-2.json", "--size"});
+    media::forget_renders(media::parse_output((folder.path / "o_%02d.png").string()));
+    EXPECT_FALSE(sink("o_%02d.png", true).has(1));
+    EXPECT_FALSE(there("o_render_0-2.json"));
+    EXPECT_EQ(read_text(folder.path / "o_render_notes.json"), "mine");
 }
 
 TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {

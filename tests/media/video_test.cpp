@@ -60,7 +60,6 @@ std::vector<int64_t> times_of(const std::filesystem::path& path, AVRational& bas
     return times;
 }
 
-// Frame i is at i / fps, without rounding and so without drift.
 // A joined video shows the frames of its parts, at the times that one video would have.
 TEST(Video, PartsAreJoined) {
     const TemporaryFolder folder;
@@ -80,7 +79,9 @@ TEST(Video, PartsAreJoined) {
         video.finish();
     }
     all.finish();
-    media::join_videos(parts, joined);
+    media::join_videos(parts, joined, "the joined ones");
+    EXPECT_EQ(media::comment_of_video(joined), "the joined ones");
+    EXPECT_EQ(media::comment_of_video(whole), "");
     EXPECT_EQ(folder.entries(), 5u) << "a temporary file stayed";
     const media::VideoSummary summary = media::summarise_video(joined);
     EXPECT_EQ(summary.frames, 20u);
@@ -102,10 +103,21 @@ TEST(Video, PartsThatDoNotFitAreNotJoined) {
     write_video(path("a.mp4"), 64, 48, 25, 3);
     write_video(path("small.mp4"), 32, 48, 25, 3);
     write_video(path("slow.mp4"), 64, 48, 24, 3);
-    std::filesystem::copy_file(path("a.mp4"), path("cut.mp4"));
-    std::filesystem::resize_file(path("cut.mp4"), std::filesystem::file_size(path("cut.mp4")) / 2);
-    for (const char* other : {"small.mp4", "slow.mp4", "cut.mp4", "none.mp4"})
-        expect_input_error([&] { media::join_videos({path("a.mp4"), path(other)}, path("joined.mp4")); }, {other});
+    const auto refuse = [&](const char* other, const char* reason) {
+        expect_input_error(
+            [&] {
+                media::join_videos({path("a.mp4"), path(other)}, path("joined.mp4"));
+            },
+            {other, reason});
+    };
+    refuse("small.mp4", "another size");
+    refuse("slow.mp4", "another size, rate");
+    refuse("none.mp4", "cannot be opened");
+    for (const uintmax_t missing : {3, 100}) {
+        std::filesystem::copy_file(path("a.mp4"), path("cut.mp4"), std::filesystem::copy_options::overwrite_existing);
+        std::filesystem::resize_file(path("cut.mp4"), std::filesystem::file_size(path("a.mp4")) - missing);
+        refuse("cut.mp4", "cut");
+    }
     EXPECT_FALSE(std::filesystem::exists(path("joined.mp4")));
     EXPECT_FALSE(std::filesystem::exists(path("joined.mp4.tmp.mp4")));
 }
@@ -120,6 +132,7 @@ TEST(Video, OddSizesArePaddedAndFractionalRatesKept) {
     EXPECT_NEAR(summary.fps, 30000.0 / 1001, 1e-3);
 }
 
+// Frame i is at i / fps, without rounding and so without drift.
 TEST(Video, TimestampsAreExact) {
     const TemporaryFolder folder;
     const auto path = folder.path / "a.mp4";
