@@ -9,6 +9,9 @@ namespace neuvv::training {
 namespace {
 
 constexpr float kBackgroundShare = 0.2f;
+// Of tiles without foreground, only those so many tiles away from one with foreground at most are drawn. Rays farther
+// away meet no leaf, as the hull ends at the outlines of the mattes, give or take a leaf.
+constexpr uint32_t kBackgroundReach = 2;
 constexpr double kMaxShareInARow = 0.125;  // of a time's epoch; larger shares make the field forget other times
 
 glm::vec4 linear_rgb(const uint8_t* srgb) {
@@ -18,6 +21,21 @@ glm::vec4 linear_rgb(const uint8_t* srgb) {
 
 float uniform(std::mt19937_64& random) {
     return static_cast<float>(random() >> 40) * 0x1p-24f;
+}
+
+// By rows of tiles: whether a tile has foreground, or lies near one that does.
+std::vector<bool> tiles_near_foreground(const TiledImage& image) {
+    const uint32_t across = image.tiles_across(), down = image.tiles_down();
+    std::vector<bool> near(size_t{across} * down);
+    for (uint32_t y = 0; y < down; y++)
+        for (uint32_t x = 0; x < across; x++) {
+            if (!image.has_tile(x, y)) continue;
+            const uint32_t first_x = x - std::min(x, kBackgroundReach), first_y = y - std::min(y, kBackgroundReach);
+            for (uint32_t v = first_y; v < std::min(y + kBackgroundReach + 1, down); v++)
+                for (uint32_t u = first_x; u < std::min(x + kBackgroundReach + 1, across); u++)
+                    near[size_t{v} * across + u] = true;
+        }
+    return near;
 }
 
 // How many random numbers append() draws for an image tile: its background, and where the rays of each tile of rays lie
@@ -39,8 +57,9 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
         frames_[static_cast<size_t>(time - dataset.times.begin())].views.push_back(i);
         const TiledImage& image = dataset.views[i].image;
         const auto foreground = static_cast<double>(image.tile_count());
-        const auto all = static_cast<double>(size_t{image.tiles_across()} * image.tiles_down());
-        tiles += foreground + double{kBackgroundShare} * (all - foreground);
+        const std::vector<bool> near = tiles_near_foreground(image);
+        const auto drawn_from = static_cast<double>(std::count(near.begin(), near.end(), true));
+        tiles += foreground + double{kBackgroundShare} * (drawn_from - foreground);
     }
     rays_per_epoch_ = static_cast<uint64_t>(tiles * kTilePixels);
     const double batches = tiles / static_cast<double>(frames_.size()) / std::max(tiles_per_batch, 1u);
@@ -56,9 +75,11 @@ void BatchSampler::shuffle(std::vector<T>& values) {
 void BatchSampler::refill(FrameViews& frame) {
     for (const uint32_t view : frame.views) {
         const TiledImage& image = dataset_.views[view].image;
+        const std::vector<bool> near = tiles_near_foreground(image);
         for (uint32_t y = 0; y < image.tiles_down(); y++)
             for (uint32_t x = 0; x < image.tiles_across(); x++)
-                if (image.has_tile(x, y) || uniform(random_) < kBackgroundShare)
+                if (near[size_t{y} * image.tiles_across() + x] &&
+                    (image.has_tile(x, y) || uniform(random_) < kBackgroundShare))
                     frame.queue.push_back({view, static_cast<uint16_t>(x), static_cast<uint16_t>(y)});
     }
     if (frame.queue.empty()) frame.queue.push_back({frame.views[0], 0, 0});

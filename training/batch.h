@@ -22,7 +22,7 @@ struct Batch {
 
 // Draws batches. Times come in random order, `in_a_row` batches of each (fewer where that would be more than an eighth
 // of a time's epoch), until every time had its turn; then they come in a new order. Of a time's images, every tile with
-// foreground is drawn once per epoch, and a fifth of the tiles without. All rays of a tile leave from the same random
+// foreground is drawn once per epoch, and a fifth of the tiles near them. All rays of a tile leave from the same random
 // position inside their pixels, because a pixel is a mean over its area, which its centre does not represent. The
 // background of the rays is the camera's clean plate where there is one, else one random colour per tile. The same seed
 // and data give the same batches.
