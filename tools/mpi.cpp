@@ -13,7 +13,7 @@ namespace neuvv::tools {
 
 namespace {
 
-// Open MPI's name since version 2, by which its binary interface is known: handles are addresses of objects.
+// The library of Open MPI 3, 4 and 5, whose binary interface is known by this name: handles are addresses of objects.
 constexpr const char* kLibrary = "libmpi.so.40";
 
 // How many bytes of all ranks one call moves at most: MPI counts with int.
@@ -123,7 +123,8 @@ training::Team join_team(const Ranks& ranks) {
     const auto world = std::make_shared<World>();
     if (world->rank() != ranks.rank || world->size() != ranks.count)
         throw InputError(kLibrary, "",
-                         fmt::format("knows {} processes, but {} were started", world->size(), ranks.count),
+                         fmt::format("calls this process number {} of {}, the starter {} of {}", world->rank() + 1,
+                                     world->size(), ranks.rank + 1, ranks.count),
                          "start the program by the mpirun of the Open MPI that it loads; with srun, by --mpi=pmix");
     return {ranks.rank, ranks.count, [world](std::span<const uint8_t> own) { return world->gather(own); }};
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
@@ -17,17 +18,21 @@ namespace {
 
 // The variables in which a starter of processes says who is who.
 struct Starter {
-    const char *rank, *count, *local;
+    const char *rank, *count, *local, *on_machine;
     std::vector<const char*> job;  // together they name a start
 };
 
 const std::vector<Starter>& starters() {
-    static const std::vector<Starter> all = {
-        {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_LOCAL_RANK", {"PMIX_NAMESPACE"}},
-        {"SLURM_PROCID",
-         "SLURM_STEP_NUM_TASKS",
-         "SLURM_LOCALID",
-         {"SLURM_JOB_ID", "SLURM_STEP_ID", "SLURM_RESTART_COUNT"}}};
+    static const std::vector<Starter> all = {{"OMPI_COMM_WORLD_RANK",
+                                              "OMPI_COMM_WORLD_SIZE",
+                                              "OMPI_COMM_WORLD_LOCAL_RANK",
+                                              "OMPI_COMM_WORLD_LOCAL_SIZE",
+                                              {"PMIX_NAMESPACE"}},
+                                             {"SLURM_PROCID",
+                                              "SLURM_STEP_NUM_TASKS",
+                                              "SLURM_LOCALID",
+                                              "SLURM_NTASKS_PER_NODE",
+                                              {"SLURM_JOB_ID", "SLURM_STEP_ID", "SLURM_RESTART_COUNT"}}};
     return all;
 }
 
@@ -50,12 +55,13 @@ uint32_t number_of(const char* variable) {
 Ranks ranks_of_environment() {
     for (const Starter& starter : starters()) {
         if (text_of(starter.rank).empty() || text_of(starter.count).empty()) continue;
-        Ranks ranks{number_of(starter.rank), number_of(starter.count), 0, {}};
+        Ranks ranks{.rank = number_of(starter.rank), .count = number_of(starter.count)};
         if (ranks.count == 0 || ranks.rank >= ranks.count)
             throw InputError(starter.rank, text_of(starter.rank), fmt::format("is no rank of {}", ranks.count),
                              "start the program by mpirun or srun, or without it");
         if (ranks.count == 1) return ranks;
         if (!text_of(starter.local).empty()) ranks.local = number_of(starter.local);
+        if (!text_of(starter.on_machine).empty()) ranks.on_machine = std::max(number_of(starter.on_machine), 1u);
         for (const char* part : starter.job) ranks.job += text_of(part) + ".";
         return ranks;
     }

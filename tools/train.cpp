@@ -128,8 +128,15 @@ void run_in_segments(const TrainOptions& options, const training::Rig& rig, cons
     train_segments(device, options, rig, plan, ranks);
 }
 
-void run_train(const TrainOptions& options, const CommonOptions& common) {
+// Ranks of one machine share the memory that images may take.
+void share_memory(TrainOptions& options, const Ranks& ranks) {
+    if (options.image_gigabytes <= 0 && ranks.on_machine > 1)
+        options.image_gigabytes = 1e-9 * static_cast<double>(training::image_budget()) / ranks.on_machine;
+}
+
+void run_train(TrainOptions options, const CommonOptions& common) {
     const Ranks ranks = ranks_of_environment();
+    share_memory(options, ranks);
     expect_compatible(options, ranks);
     prepare_output(options, ranks);
     prepare_live_outputs(options.live);
@@ -142,14 +149,13 @@ void run_train(const TrainOptions& options, const CommonOptions& common) {
     if (ranks.is_first())
         fmt::print(stderr, "training on {}{}\n", device.summary().name,
                    ranks.count > 1 ? fmt::format(", the first of {} processes", ranks.count) : "");
-    TrainOptions own = options;
-    if (ranks.count > 1) own.settings.team = join_team(ranks);
-    if (!ranks.is_first()) own.live = {};
+    if (ranks.count > 1) options.settings.team = join_team(ranks);
+    if (!ranks.is_first()) options.live = {};
     RunView view{!ranks.is_first(), [&](double fraction) {
                      if (claim) claim->report(fraction);
                      return "";
                  }};
-    train_rig(device, own, rig, view);
+    train_rig(device, options, rig, view);
 }
 
 std::string weight_option(const training::NamedLossWeight& weight) {
@@ -209,7 +215,8 @@ void add_train(Command app, CommonOptions& common) {
                          .number_between(0.01, 1e5);
     verb.add_option("--steps", options->settings.steps, "Budget in steps").in_range(1u, 1000000000u).excludes(minutes);
     verb.add_option("--resolution", options->settings.shape.resolution,
-                    "Finest leaves along the longest side (default: one a pixel at the scene's distance)")
+                    "Finest leaves along the longest side (default: one a pixel at the scene's distance; half of that "
+                    "where --minutes leave each leaf few rays)")
         .in_range(8u, training::kMaxResolution);
     verb.add_option("--bases", options->settings.shape.bases, "C: temporal bases; no more than the clip has frames")
         .in_range(1u, kMaxBases)
@@ -271,13 +278,14 @@ void add_train(Command app, CommonOptions& common) {
          "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
          "  neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/long.nvv --from 8 --to 16 --minutes 10\n"
-         "  mpirun -n 2 neuvv train build/performer -o build/performer.nvv --minutes 20\n"
-         "  mpirun -n 2 neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
+         "  mpirun --bind-to none -n 2 neuvv train build/performer -o build/performer.nvv --minutes 20\n"
+         "  mpirun --bind-to none -n 2 neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
          "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {
         options->output = voctree::clip_path(options->output);
         // Segments that are not begun yet take all options of this command.
-        if (options->settings.resume && !is_in_segments(*options)) warn_of_ignored_options(verb);
+        if (options->settings.resume && !is_in_segments(*options) && ranks_of_environment().is_first())
+            warn_of_ignored_options(verb);
         run_train(*options, common);
     });
 }

@@ -204,7 +204,7 @@ voctree::NvvChunk run_chunk(const RunState& run) {
                            {"max_leaves", run.max_leaves},
                            {"max_bytes", run.max_bytes},
                            {"adaptive", run.adaptive},
-                           {"natural", run.natural},
+                           {"natural", run.resolution_is_natural},
                            {"left_out", run.left_out},
                            {"elapsed_s", run.elapsed_s},
                            {"other_s", run.other_s},
@@ -242,7 +242,7 @@ RunState read_run(const std::filesystem::path& path, const voctree::NvvChunk& fo
         read_count(json, "max_leaves", run.max_leaves);
         read_count(json, "max_bytes", run.max_bytes);
         json.at("adaptive").get_to(run.adaptive);
-        run.natural = json.value("natural", false);  // files of before 2026-11-25 do not say it
+        run.resolution_is_natural = json.value("natural", false);
         if (json.contains("left_out")) read_count(json, "left_out", run.left_out, (1u << kOptionalParts.size()) - 1);
         json.at("elapsed_s").get_to(run.elapsed_s);
         json.at("other_s").get_to(run.other_s);

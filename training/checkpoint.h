@@ -16,10 +16,10 @@ struct RunState {
     uint64_t step = 0;
     uint32_t adam_step = 0;  // steps since the moments were 0
     uint32_t phase = 0;
-    uint64_t phase_rays = 0;                  // rays since the phase began, counted as pixels
-    uint64_t dataset_hash = 0;                // shows whether a resumed run has the same data set
-    uint32_t max_depth = 0;                   // octree depth of leaves of a pixel's size, or as large as they become
-    bool natural = false;                     // whether that is natural_resolution, and no user's choice
+    uint64_t phase_rays = 0;    // rays since the phase began, counted as pixels
+    uint64_t dataset_hash = 0;  // shows whether a resumed run has the same data set
+    uint32_t max_depth = 0;  // octree depth of leaves of a pixel's size; less where leaves stay larger (kMinRaysOfLeaf)
+    bool resolution_is_natural = false;       // no user chose it
     uint64_t several_rays_from = UINT64_MAX;  // the first step with several rays per pixel
     uint32_t max_leaves = 0;                  // the run's bounds; 0: none
     uint64_t max_bytes = 0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
 #include "base/error.h"
 #include "spirv/gather_gradients.comp.h"
@@ -12,8 +11,10 @@ namespace neuvv::training {
 
 namespace {
 
-uint64_t record_bytes(const render::Field& field, const render::Slice& slice) {
-    return uint64_t{4} * record_words(field.hh_degree) * slice.capacity;
+// As many records as there are slots, or as one bound storage buffer of the device holds.
+uint32_t capacity_of(const gpu::Device& device, const render::Field& field, const render::Slice& slice) {
+    const uint64_t bytes = std::min<uint64_t>(device.limits().maxStorageBufferRange, device.max_allocation_bytes());
+    return static_cast<uint32_t>(std::min<uint64_t>(slice.capacity, bytes / (4 * record_words(field.hh_degree))));
 }
 
 void add(uint32_t* to, const uint32_t* record, uint32_t words) {
@@ -27,8 +28,9 @@ void add(uint32_t* to, const uint32_t* record, uint32_t words) {
 GradientRecords::GradientRecords(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
                                  const SliceGradients& given_gradients)
     : words(record_words(field.hh_degree)),
-      own(device, "own gradient records", record_bytes(field, slice), gpu::MemoryKind::kReadback),
-      summed(device, "summed gradient records", record_bytes(field, slice), gpu::MemoryKind::kUpload),
+      capacity(capacity_of(device, field, slice)),
+      own(device, "own gradient records", uint64_t{4} * words * capacity, gpu::MemoryKind::kReadback),
+      summed(device, "summed gradient records", uint64_t{4} * words * capacity, gpu::MemoryKind::kUpload),
       gradients(given_gradients),
       gather(device, "gather gradients", gather_gradients_comp, {field.hh_degree}),
       scatter(device, "scatter gradients", scatter_gradients_comp, {field.hh_degree}),
@@ -39,7 +41,6 @@ GradientRecords::GradientRecords(const gpu::Device& device, const render::Field&
                           {kRecordsMaxWeight, &gradients.max_weight},
                           {kRecords, &own}}),
       scatter_set(scatter, {{kRecordsTouched, &gradients.touched},
-                            {kRecordsCount, &gradients.touched_count},
                             {kRecordsHead, &slice.head},
                             {kRecordsGradients, &gradients.gradients},
                             {kRecordsMaxWeight, &gradients.max_weight},
@@ -54,31 +55,31 @@ void record_gather(gpu::Commands& commands, const GradientRecords& records) {
 
 void record_scatter(gpu::Commands& commands, const GradientRecords& records, uint32_t count) {
     const gpu::PassScope scope(commands, "scatter gradients");
-    gpu::update(commands, records.gradients.touched_count, LiveCount{0, 1, 1, 0, 0});
+    gpu::update(commands, records.gradients.touched_count,
+                LiveCount{gpu::groups_of(count, kSliceGroup), 1, 1, count, 0});
     gpu::compute_barrier(commands);
     gpu::dispatch(commands, records.scatter, records.scatter_set, count, ScatterPush{count});
     gpu::compute_barrier(commands);
 }
 
-uint32_t RecordSum::add_up(const std::vector<std::span<const uint32_t>>& of_processes, uint32_t* sum, uint32_t room) {
-    uint32_t count = 0;
+std::span<const uint32_t> RecordSum::add_up(const std::vector<std::span<const uint32_t>>& of_processes) {
+    sum_.clear();
     for (const std::span<const uint32_t> records : of_processes) {
         if (records.size() % words_ != 0) throw RuntimeFailure("gradients of another process are not whole");
         for (const uint32_t* record = records.data(); record < records.data() + records.size(); record += words_) {
             if (record[0] >= place_of_leaf_.size())
                 throw RuntimeFailure("gradients of another process are of another tree");
             uint32_t& place = place_of_leaf_[record[0]];
-            if (place != kNowhere) {
-                add(sum + size_t{place} * words_, record, words_);
-                continue;
+            if (place == kNowhere) {
+                place = static_cast<uint32_t>(sum_.size());
+                sum_.insert(sum_.end(), record, record + words_);
+            } else {
+                add(&sum_[place], record, words_);
             }
-            if (count == room) throw RuntimeFailure("more leaves have gradients than this device has slots");
-            place = count++;
-            std::memcpy(sum + size_t{place} * words_, record, sizeof(uint32_t) * words_);
         }
     }
-    for (uint32_t i = 0; i < count; i++) place_of_leaf_[sum[size_t{i} * words_]] = kNowhere;
-    return count;
+    for (size_t i = 0; i < sum_.size(); i += words_) place_of_leaf_[sum_[i]] = kNowhere;
+    return sum_;
 }
 
 }  // namespace neuvv::training

@@ -14,19 +14,22 @@ struct GradientRecords {
     GradientRecords(const gpu::Device& device, const render::Field& field, const render::Slice& slice,
                     const SliceGradients& gradients);
 
-    uint32_t words;           // of a record: record_words
-    gpu::Buffer own, summed;  // records, host-mapped; as many as the slice has slots at most
+    uint32_t words;     // of a record: record_words
+    uint32_t capacity;  // records
+    // Records, host-mapped. `summed` is for writing alone: reading it from the host is slow.
+    gpu::Buffer own, summed;
     const SliceGradients& gradients;
     gpu::ComputePass gather, scatter;
     gpu::BindingSet gather_set, scatter_set;
 };
 
-// Records after record_touched. Fills `own` with a record for each slot that rays touched, in any order.
+// Records after record_touched. Fills `own` with a record for each slot that rays touched, in any order; those beyond
+// its capacity are missing.
 void record_gather(gpu::Commands& commands, const GradientRecords& records);
 
 // Records the opposite, for the first `count` records of `summed`, whose leaves must all differ: gradients and
-// max_weight of their slots become those of the records, and these slots are the touched ones. Leaves that are not live
-// in the slice are left out.
+// max_weight of their slots become those of the records, and these slots are the touched ones, in the order of the
+// records. In place of a leaf that is not live in the slice, kNoSlot stands.
 void record_scatter(gpu::Commands& commands, const GradientRecords& records, uint32_t count);
 
 // Adds up records of several processes, leaf by leaf: gradients are added in the order of the processes, of the largest
@@ -35,13 +38,14 @@ class RecordSum {
   public:
     RecordSum(uint32_t leaves, uint32_t words) : place_of_leaf_(leaves, kNowhere), words_(words) {}
 
-    // Writes at most `room` records into `sum`, and returns how many. Throws RuntimeFailure where there are more, where
-    // a process sent no whole number of records, or a leaf that the tree does not have.
-    uint32_t add_up(const std::vector<std::span<const uint32_t>>& of_processes, uint32_t* sum, uint32_t room);
+    // Returns a record for each leaf that any process has one of; valid until the next call. Throws RuntimeFailure
+    // where a process sent no whole number of records, or a leaf that the tree does not have.
+    std::span<const uint32_t> add_up(const std::vector<std::span<const uint32_t>>& of_processes);
 
   private:
     static constexpr uint32_t kNowhere = UINT32_MAX;
-    std::vector<uint32_t> place_of_leaf_;  // in `sum`; kNowhere between calls
+    std::vector<uint32_t> place_of_leaf_;  // where in sum_; kNowhere between calls
+    std::vector<uint32_t> sum_;
     uint32_t words_;
 };
 

@@ -46,8 +46,8 @@ bool any_bit(const uint32_t* bits, size_t words) {
 // Positions of leaves in which the hull allows matter in at least one frame.
 struct Carved {
     std::vector<voctree::LeafPosition> positions;
-    std::vector<uint32_t> bits;     // as carve() returns them, one bit per time of the data set
-    std::vector<uint32_t> parents;  // per position: the index of its group of `group` positions given to keep_allowed
+    std::vector<uint32_t> bits;  // as carve() returns them, one bit per time of the data set
+    std::vector<uint32_t> kept;  // per position: its index among those given to keep_allowed
 };
 
 // Removes the cells in which the grid has no matter.
@@ -60,8 +60,7 @@ void remove_empty(const MatterGrid& grid, const voctree::VOctree& tree, std::vec
 }
 
 Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
-                    const std::vector<voctree::LeafPosition>& positions, uint32_t group, uint32_t finest,
-                    double margin) {
+                    const std::vector<voctree::LeafPosition>& positions, uint32_t finest, double margin) {
     const size_t words = hull_words(dataset);
     std::vector<HullCell> cells(positions.size());
     for (size_t i = 0; i < positions.size(); i++) cells[i] = hull_cell(tree, positions[i], finest, margin);
@@ -71,7 +70,7 @@ Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
         if (!any_bit(&bits[i * words], words)) continue;
         kept.positions.push_back(positions[i]);
         kept.bits.insert(kept.bits.end(), &bits[i * words], &bits[i * words] + words);
-        kept.parents.push_back(static_cast<uint32_t>(i / group));
+        kept.kept.push_back(static_cast<uint32_t>(i));
     }
     return kept;
 }
@@ -247,12 +246,12 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
         for (uint32_t y = 0; y < 1u << start; y++)
             for (uint32_t x = 0; x < 1u << start; x++) positions.push_back({x, y, z, start});
     remove_empty(grid, tree, positions);
-    Carved carved = keep_allowed(dataset, tree, positions, 1, depth, shape.hull_margin);
+    Carved carved = keep_allowed(dataset, tree, positions, depth, shape.hull_margin);
     for (uint32_t at = start; at < target; at++) {
         std::vector<voctree::LeafPosition> finer;
         for (const voctree::LeafPosition& position : carved.positions) append_children(finer, position);
         remove_empty(grid, tree, finer);
-        carved = keep_allowed(dataset, tree, finer, 8, depth, shape.hull_margin);
+        carved = keep_allowed(dataset, tree, finer, depth, shape.hull_margin);
     }
     if (carved.positions.empty())
         throw InputError(dataset.folder.string(), "", "the mattes leave no matter at this resolution",
@@ -268,21 +267,24 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
     const std::vector<bool> divided = select_divided(dataset, tree, positions, use, settings);
     const std::vector<bool> stays = select_kept(use.max_weight, settings);
     std::vector<voctree::LeafPosition> grown, children;
-    std::vector<uint32_t> parents, dividing;
+    std::vector<uint32_t> parents, origins;  // the leaf from which each of `grown` and `children` comes
     for (uint32_t i = 0; i < positions.size(); i++) {
         if (!stays[i]) continue;
         if (divided[i]) {
             append_children(children, positions[i]);
-            dividing.push_back(i);
+            origins.insert(origins.end(), 8, i);
+        } else if (settings.carve_kept && positions[i].depth == settings.max_depth) {
+            children.push_back(positions[i]);
+            origins.push_back(i);
         } else {
             grown.push_back(positions[i]);
             parents.push_back(i);
         }
     }
     const size_t kept = grown.size();
-    const Carved carved = keep_allowed(dataset, tree, children, 8, settings.max_depth, settings.hull_margin);
+    const Carved carved = keep_allowed(dataset, tree, children, settings.max_depth, settings.hull_margin);
     grown.insert(grown.end(), carved.positions.begin(), carved.positions.end());
-    for (const uint32_t group : carved.parents) parents.push_back(dividing[group]);
+    for (const uint32_t child : carved.kept) parents.push_back(origins[child]);
     if (grown.empty()) return tree;  // rays saw nothing: an unchanged tree is better than none
 
     voctree::VOctree result = same_shape(tree);

@@ -45,6 +45,9 @@ struct GrowSettings {
     // weight) divide.
     uint32_t max_leaves = 0;
     double hull_margin = 0;  // TreeShape::hull_margin
+    // Leaves of max_depth that stay are removed, or emptied in frames, as the hull says of leaves of the finest depth:
+    // they were made as leaves that were to divide, of which the hull keeps more.
+    bool carve_kept = false;
 };
 
 // The tree after pruning and division. Children inherit their parent's weights, but are empty in the frames in which

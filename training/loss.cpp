@@ -41,6 +41,7 @@ void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBat
     assert(batch.tiles.size() <= rays.tile_capacity && "more tiles than there is room for");
     for (size_t i = 0; i < dataset.cameras.size(); i++)
         rays.cameras.as<ShaderCamera>()[i] = render::shader_camera(stage::enlarged(dataset.cameras[i], batch.samples));
+    if (batch.tiles.empty()) return;  // of a member of a team, where few tiles are left
     std::memcpy(rays.tiles.mapped, batch.tiles.data(), batch.tiles.size() * sizeof(Tile));
     std::memcpy(loss_batch.target.mapped, batch.target.data(), batch.target.size() * sizeof(glm::vec4));
     std::memcpy(loss_batch.background.mapped, batch.background.data(), batch.background.size() * sizeof(glm::vec4));

@@ -169,6 +169,7 @@ TrainSettings RigSearch::draft_settings() const {
     draft.seed = settings_.seed;
     draft.weights = settings_.weights;
     draft.refine = settings_.refine;
+    draft.may_stay_coarse = false;  // the steps of the search follow the size of leaves
     return draft;
 }
 

@@ -33,7 +33,7 @@ constexpr uint32_t kLevelsAbovePixel = 2, kLevelsBelowPixel = 1;
 // long. In a budget of minutes, the last of the divisions above is therefore left out where fewer rays are to be
 // expected, at the speed so far, for each leaf and frame that it lives in: larger leaves that are seen often show more
 // than small ones that are not (RESULTS.md, "Larger leaves"). Only where the resolution was left to the program.
-constexpr double kMinRaysOfLeaf = 350;
+constexpr double kMinRaysOfLeaf = 230;
 
 // The share of the learning rate of densities that applies until all leaves have a pixel's size. Larger leaves lie
 // across silhouettes: each ray that passes beside the performer through such a leaf makes it thinner, and its children

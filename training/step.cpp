@@ -1,7 +1,11 @@
 #include "training/step.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
+
+#include "base/error.h"
 
 namespace neuvv::training {
 
@@ -23,7 +27,7 @@ void TrainingStep::record_gradients(const StepSettings& settings) {
     record_touched(commands_, touched_list_);
     // batch_ sums, colour_gradients, slice_ live, gradients_ touched_count → the host
     if (settings.tiles > 0) gpu::copy(commands_, batch_.sums, sums_readback_, uint64_t{16} * settings.tiles);
-    if (settings.colours)
+    if (settings.colours && settings.tiles > 0)
         gpu::copy(commands_, batch_.colour_gradients, colours_readback_, sizeof(CameraColour) * settings.tiles);
     gpu::copy(commands_, slice_.live, live_readback_, sizeof(LiveCount));
     gpu::copy(commands_, gradients_.touched_count, touched_readback_, sizeof(LiveCount));
@@ -112,6 +116,7 @@ StepResult TrainingStep::own_result() const {
 
 StepResult TrainingStep::wait() {
     commands_.wait();
+    pass_times_ = commands_.pass_times();
     const StepResult own = own_result();
     return records_ ? update_together(own) : own;
 }
@@ -133,18 +138,31 @@ StepResult summed_results(const std::vector<StepResult>& results) {
 
 StepResult TrainingStep::update_together(const StepResult& own) {
     StepResult sum = summed_results(gather_values(team_, own));
+    const auto expect_room = [&](uint32_t records) {
+        if (records > records_->capacity)
+            throw RuntimeFailure(
+                fmt::format("rays touch {} leaves in a step, and this device has room for the gradients "
+                            "of {}; choose a lower --resolution or --hh-degree",
+                            records, records_->capacity));
+    };
+    expect_room(own.touched);
     const auto* words = records_->own.as<uint32_t>();
     const std::vector<Bytes> all =
         team_.gather({reinterpret_cast<const uint8_t*>(words), size_t{4} * records_->words * own.touched});
     std::vector<std::span<const uint32_t>> of_members;
     for (const Bytes& bytes : all)
         of_members.push_back({reinterpret_cast<const uint32_t*>(bytes.data()), bytes.size() / 4});
-    sum.touched = record_sum_.add_up(of_members, records_->summed.as<uint32_t>(), slice_.capacity);
+    const std::span<const uint32_t> summed = record_sum_.add_up(of_members);
+    sum.touched = static_cast<uint32_t>(summed.size() / records_->words);
+    expect_room(sum.touched);
+    std::copy(summed.begin(), summed.end(), records_->summed.as<uint32_t>());
     commands_.begin();
     record_scatter(commands_, *records_, sum.touched);
     record_update(settings_);
     commands_.submit();
     commands_.wait();
+    const std::vector<gpu::PassTime> second_half = commands_.pass_times();
+    pass_times_.insert(pass_times_.end(), second_half.begin(), second_half.end());
     return sum;
 }
 

@@ -67,7 +67,8 @@ class TrainingStep {
     StepResult wait();
     // Per tile of the last step that had `colours`: the derivative of its loss by its camera's colour. After wait().
     const CameraColour* colour_gradients() const { return colours_readback_.as<CameraColour>(); }
-    std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
+    // Of the last step, after wait().
+    const std::vector<gpu::PassTime>& pass_times() const { return pass_times_; }
 
     // Traces the first `tiles` tiles of rays() at a frame, forwards only. Returns by ray the premultiplied linear RGB
     // and alpha, valid until the next call. Not between submit() and wait().
@@ -107,7 +108,8 @@ class TrainingStep {
     std::optional<GradientRecords> records_;  // of a member of a team
     RecordSum record_sum_;
     gpu::Commands commands_;
-    StepSettings settings_;              // of the submitted step
+    StepSettings settings_;  // of the submitted step
+    std::vector<gpu::PassTime> pass_times_;
     std::optional<float> sliced_frame_;  // the frame of slice_, if slice_ is that of the current weights
 };
 

@@ -37,20 +37,16 @@ Bytes bytes_of(const voctree::VOctree& tree) {
     return bytes;
 }
 
-[[noreturn]] void throw_other_program() {
-    throw RuntimeFailure("the processes that train together do not run the same program on the same data set");
-}
-
 void read_tree(const Bytes& bytes, voctree::VOctree& tree) {
     TreeHead head{};
-    if (bytes.size() < sizeof(head)) throw_other_program();
+    if (bytes.size() < sizeof(head)) throw_out_of_step();
     const uint8_t* from = bytes.data();
     take(from, &head, 1);
     const uint64_t numbers =
         uint64_t{head.leaf_count} * tree.weights_per_leaf() + uint64_t{2} * tree.frames * tree.bases;
     if (head.frames != tree.frames || head.bases != tree.bases || head.hh_degree != tree.hh_degree ||
         bytes.size() != sizeof(head) + head.leaf_count * sizeof(voctree::LeafPosition) + 4 * numbers)
-        throw_other_program();
+        throw_out_of_step();
     tree.node_levels = head.node_levels;
     tree.box_min = head.box_min;
     tree.box_size = head.box_size;
@@ -63,6 +59,10 @@ void read_tree(const Bytes& bytes, voctree::VOctree& tree) {
 }
 
 }  // namespace
+
+void throw_out_of_step() {
+    throw RuntimeFailure("the processes that train together do not run the same program with the same options");
+}
 
 void adopt_first_tree(const Team& team, voctree::VOctree& tree) {
     if (team.is_alone()) return;

@@ -25,6 +25,9 @@ struct Team {
     bool is_first() const { return rank == 0; }
 };
 
+// Throws RuntimeFailure: a member did not send what this one expects.
+[[noreturn]] void throw_out_of_step();
+
 // The value of each member, in the order of ranks. Throws RuntimeFailure where one is of another size.
 template <typename T>
 std::vector<T> gather_values(const Team& team, const T& own) {
@@ -32,7 +35,10 @@ std::vector<T> gather_values(const Team& team, const T& own) {
     if (team.is_alone()) return {own};
     std::vector<T> values(team.size);
     const std::vector<Bytes> all = team.gather({reinterpret_cast<const uint8_t*>(&own), sizeof(T)});
-    for (size_t i = 0; i < values.size(); i++) std::memcpy(&values[i], all[i].data(), sizeof(T));
+    for (size_t i = 0; i < values.size(); i++) {
+        if (all.at(i).size() != sizeof(T)) throw_out_of_step();
+        std::memcpy(&values[i], all[i].data(), sizeof(T));
+    }
     return values;
 }
 

@@ -1,23 +1,20 @@
 #include "training/train.h"
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <algorithm>
-#include <bit>
+#include <cassert>
 #include <cmath>
 #include <memory>
-#include <numeric>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/seconds.h"
 #include "training/bases.h"
 #include "training/batch.h"
+#include "training/change_tree.h"
+#include "training/dataset_hash.h"
 #include "training/hull_box.h"
-#include "training/merge.h"
 #include "training/pose_probe.h"
-#include "training/revive.h"
 #include "training/schedule.h"
 
 namespace neuvv::training {
@@ -26,47 +23,6 @@ namespace {
 
 constexpr double kCheckpointShare = 0.05;                       // of the time, at most
 constexpr double kFirstCheckpoint = 10, kCheckpointEvery = 60;  // seconds
-
-// XXH3-64 of cameras, sizes, times, which tiles hold foreground, and every 101st byte of these tiles and of plates:
-// enough to tell data sets apart. What lies under alpha 0 does not count.
-uint64_t hash_of(const Dataset& dataset) {
-    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
-    XXH3_64bits_reset(state.get());
-    const auto add = [&](uint64_t value) { XXH3_64bits_update(state.get(), &value, sizeof(value)); };
-    const auto add_image = [&](uint32_t width, uint32_t height, const std::pmr::vector<uint8_t>& rgba) {
-        add(width);
-        add(height);
-        for (size_t i = 0; i < rgba.size(); i += 101) add(rgba[i]);
-    };
-    const auto add_number = [&](double value) { add(std::bit_cast<uint64_t>(value)); };
-    for (const stage::Camera& camera : dataset.cameras) {
-        for (int i = 0; i < 12; i++) add_number(camera.world_from_camera[i / 3][i % 3]);
-        for (const double number : {camera.fx, camera.fy, camera.cx, camera.cy}) add_number(number);
-    }
-    for (const View& view : dataset.views) {
-        add(view.camera);
-        add_number(view.time);
-        add_image(view.image.width(), view.image.height(), view.image.kept_rgba());
-        for (const TiledImage::Group& group : view.image.groups()) add(group.kept);
-        for (size_t i = 0; i < view.ignored.size(); i += 101) add(view.ignored[i]);
-    }
-    for (const media::Image& plate : dataset.plates) add_image(plate.width, plate.height, plate.rgba);
-    return XXH3_64bits_digest(state.get());
-}
-
-// How often leaves live in a frame, summed over leaves and frames. Leaves that rays did not see do not count.
-double count_of_lives(const voctree::VOctree& tree, const LeafUse& use) {
-    std::vector<double> lives(tree.leaf_count);
-    parallel_for(tree.leaf_count, 1024, [&](size_t begin, size_t end) {
-        std::vector<float> sigma(tree.frames);
-        for (size_t i = begin; i < end; i++) {
-            if (use.max_weight[i] < kMinWeightToDivide) continue;
-            sigma_of_frames(tree, tree.leaf(static_cast<uint32_t>(i)), sigma);
-            lives[i] = static_cast<double>(std::count_if(sigma.begin(), sigma.end(), [](float s) { return s > 0; }));
-        }
-    });
-    return std::accumulate(lives.begin(), lives.end(), 0.0);
-}
 
 // One run: the tree on the host (for its topology), the step on the device, and how far they have come.
 class Run {
@@ -105,6 +61,8 @@ class Run {
     double steps_s() const { return clock().elapsed_s - clock().other_s; }
     // Takes over the first member's clock. Returns whether all members want to go on.
     bool agree(bool go_on);
+    // Throws InputError where members cannot train together. Afterwards all have read what they read.
+    void expect_alike() const;
     // Does what is no step of training: its time does not count as progress.
     template <typename Work>
     void aside(const Work& work) {
@@ -122,8 +80,7 @@ class Run {
     void correct_rig(const RigChanges& changes);
     void make_step();
     void begin_phase_if_due();
-    void change_tree(double epochs);
-    bool are_rays_few(const LeafUse& use) const;
+    void change_own_tree(uint32_t max_leaves);
     bool may_go_on();
     void save();
     StepSettings step_settings(double time) const;
@@ -184,7 +141,7 @@ const Dataset& Run::begin() {
         run_.max_leaves = settings_.max_leaves;
         run_.max_bytes = settings_.max_bytes;
         run_.adaptive = settings_.adaptive;
-        run_.natural = settings_.shape.resolution == 0;
+        run_.resolution_is_natural = settings_.shape.resolution == 0;
         run_.left_out = settings_.left_out;
         run_.tiles_per_step = settings_.tiles_per_step;
         run_.weights = settings_.weights;
@@ -278,45 +235,42 @@ void Run::begin_phase_if_due() {
     run_.phase++;
     if (!coarse && !run_.adaptive) return;
     step_->download(tree_);
-    if (team().is_first()) change_tree(epochs);
+    const std::vector<uint32_t> bounds = gather_values(team(), max_leaves());
+    if (team().is_first()) change_own_tree(*std::min_element(bounds.begin(), bounds.end()));
     adopt_first_tree(team(), tree_);
     make_step();
     run_.adam_step = 0;
     run_.phase_rays = 0;
 }
 
-// Whether so few rays are to be expected for each leaf and frame that it lives in that leaves better stay large.
-bool Run::are_rays_few(const LeafUse& use) const {
-    if (run_.minutes <= 0 || !run_.natural || !run_.adaptive) return false;
-    return run_.rays / fraction() < kMinRaysOfLeaf * count_of_lives(tree_, use);
+void Run::change_own_tree(uint32_t max_leaves) {
+    TreeChange change{run_, dataset_};
+    change.epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_.rays_per_epoch());
+    change.rays_of_run = run_.rays / fraction();
+    change.max_leaves = max_leaves;
+    change.hull_margin = settings_.shape.hull_margin;
+    change.may_stay_coarse = settings_.may_stay_coarse;
+    change_tree(change, tree_, read_use(device_, step_->tally(), tree_));
 }
 
-// Changes the tree as the phase that has just begun says. `epochs`: how many the phase before had.
-void Run::change_tree(double epochs) {
-    const Phase& phase = kPhases[run_.phase];
-    const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase <= kLevelsAbovePixel;
-    GrowSettings settings;
-    settings.max_leaves = max_leaves();
-    settings.hull_margin = settings_.shape.hull_margin;
-    settings.prune_below = covered && run_.adaptive ? phase.prune_below : 0;
-    settings.empty_unused = epochs > kMinEpochsForFrameUse && !coarse;
-    settings.divide_share = !coarse && has(run_.left_out, OptionalPart::kDivide) ? 0 : phase.divide_share;
-    settings.max_depth = run_.max_depth + (coarse ? 0 : kLevelsBelowPixel);
-    settings.min_pixels_to_divide = coarse ? 0 : kMinPixelsToDivide;
-    // Finer leaves need rays: a run that does not see all images in a phase is better without them.
-    if (!coarse && epochs < kMinEpochsForFrameUse) settings.divide_share = 0;
-    // After few rays, a low maximum weight means nothing, so all leaves divide.
-    settings.min_weight_to_divide =
-        run_.adaptive && (!coarse || epochs > kMinEpochsForMaxWeight) ? kMinWeightToDivide : 0;
-    LeafUse use = read_use(device_, step_->tally(), tree_);
-    if (run_.phase == kLevelsAbovePixel && are_rays_few(use)) {
-        settings.divide_share = 0;
-        run_.max_depth--;
-    }
-    if (phase.merge_within > 0 && epochs > kMinEpochsForFrameUse && !has(run_.left_out, OptionalPart::kMerge))
-        merge_alike(tree_, use, phase.merge_within);
-    tree_ = grow(dataset_, tree_, use, settings);
-    if (!coarse && !has(run_.left_out, OptionalPart::kRevive)) revive_holes(tree_);
+void Run::expect_alike() const {
+    if (team().is_alone()) return;
+    assert(!settings_.between_steps && "a team has no hook that could end the run of one member alone");
+    if (!colours_.empty() || !rig_.empty())
+        throw InputError(state_path(output_).string(), "", "is of a run that refines cameras",
+                         "go on with it in one process, without mpirun");
+    struct Word {
+        uint64_t data, step, leaves;
+        bool operator==(const Word&) const = default;
+    };
+    const std::vector<Word> words = gather_values(team(), Word{given_hash_, run_.step, tree_.leaf_count});
+    for (size_t rank = 1; rank < words.size(); rank++)
+        if (words[rank] != words[0])
+            throw InputError(dataset_.folder.string(), "",
+                             fmt::format("is not the same for the first process and process {} of {}, or their "
+                                         "checkpoint files are not",
+                                         rank + 1, words.size()),
+                             "give all processes the same data set and the same output");
 }
 
 bool Run::agree(bool go_on) {
@@ -420,6 +374,7 @@ TrainProgress Run::progress() const {
 
 TrainProgress Run::operator()(const TrainCallback& callback) {
     began_at_step_ = run_.step;
+    expect_alike();
     save();
     run_.other_s += seconds_now() - began_;
     bool go_on = agree(true), first_saved = false;
@@ -439,6 +394,8 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         const Batch trained = std::move(batch);
         batch = next_batch(run_.step + 1);
         const StepResult result = step_->wait();
+        if (!std::isfinite(result.rgb_loss) && !team().is_first())
+            throw RuntimeFailure("training diverged, as the first process says");
         if (!std::isfinite(result.rgb_loss))
             throw RuntimeFailure(
                 fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number; {} "

@@ -29,10 +29,12 @@ struct TrainSettings {
     uint64_t steps = 0;
     TreeShape shape;
     uint64_t seed = 1;
-    uint32_t max_leaves = 0;        // bound on the leaves of the tree (0: as many as the device can train)
-    uint64_t max_bytes = 0;         // bound on the size of the finished .nvv (0: none)
-    bool adaptive = true;           // false: all leaves end at the depth of `shape`; none is removed or becomes finer
-    OptionalParts left_out = 0;     // schedule.h
+    uint32_t max_leaves = 0;     // bound on the leaves of the tree (0: as many as the device can train)
+    uint64_t max_bytes = 0;      // bound on the size of the finished .nvv (0: none)
+    bool adaptive = true;        // false: all leaves end at the depth of `shape`; none is removed or becomes finer
+    OptionalParts left_out = 0;  // schedule.h
+    // Whether leaves may stay larger than a pixel where rays are few (schedule.h, kMinRaysOfLeaf).
+    bool may_stay_coarse = true;
     uint32_t tiles_per_step = 512;  // of each member of the team
     LossWeights weights = kDefaultLossWeights;
     ColourRefinement refine;  // what is learnt of how cameras show colours; a resumed run does what it did
@@ -46,8 +48,8 @@ struct TrainSettings {
     // Called between steps; returns false to end the run. It may move the data set's cameras, and may use the step as
     // long as it changes no weights.
     std::function<bool(const BetweenSteps&)> between_steps;
-    // Processes that train this tree together, all with the same data set and settings. What is refined is refined by
-    // one process alone, so `refine` and `rig` must be empty in a larger team.
+    // Processes that train this tree together, all with the same data set and settings. Cameras are refined by one
+    // process alone: in a larger team, `refine`, `rig` and `between_steps` must be empty (InputError; assert).
     Team team;
 };
 

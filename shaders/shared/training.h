@@ -62,13 +62,14 @@ constexpr
 // touched.comp lists the slots that rays touched, so that the passes after it run over those alone.
 CONSTEXPR uint kTouchedMaxWeight = 0u;
 CONSTEXPR uint kTouchedLive = 1u;
-CONSTEXPR uint kTouchedSlots = 2u;  // slots, in the order of the workgroups that found them
-CONSTEXPR uint kTouchedCount = 3u;  // a LiveCount
+CONSTEXPR uint kNoSlot = 0xffffffffu;  // an element of the list that is to be passed over (scatter_gradients.comp)
+CONSTEXPR uint kTouchedSlots = 2u;     // slots, in the order of the workgroups that found them
+CONSTEXPR uint kTouchedCount = 3u;     // a LiveCount
 
 // gather_gradients.comp and scatter_gradients.comp, where several processes train a tree together. A record is what one
 // process, or all together, say of a leaf: its index, the bits of the largest blending weight, its gradient.
 CONSTEXPR uint kRecordsTouched = 0u;    // as kTouchedSlots: read, and written
-CONSTEXPR uint kRecordsCount = 1u;      // a LiveCount, of kRecordsTouched
+CONSTEXPR uint kRecordsCount = 1u;      // gather: a LiveCount, of kRecordsTouched
 CONSTEXPR uint kRecordsLeaves = 2u;     // gather: per slot its leaf
 CONSTEXPR uint kRecordsHead = 2u;       // scatter: as kSliceHead
 CONSTEXPR uint kRecordsGradients = 3u;  // as kTraceGradients

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -14,40 +16,60 @@ namespace neuvv::test {
 
 class ThreadTeam {
   public:
-    explicit ThreadTeam(uint32_t size) : said_(size) {}
+    explicit ThreadTeam(uint32_t size) : said_(size), gathered_(size), ended_(size) {}
 
-    // Calls `member` once for each member, and returns when all have returned. A member that throws ends the program.
+    // Calls `member` once for each member, and returns when all have returned. Where one throws, or ends while others
+    // still gather, all end, and this throws the first exception.
     void run(const std::function<void(const training::Team&)>& member) {
         std::vector<std::thread> threads;
         for (uint32_t rank = 0; rank < said_.size(); rank++)
-            threads.emplace_back([this, rank, &member] {
-                wait_for_turn(rank);
-                member({rank, static_cast<uint32_t>(said_.size()),
-                        [this, rank](std::span<const uint8_t> own) { return gather(rank, own); }});
-                pass_on();
-            });
+            threads.emplace_back([&, rank] { run_member(rank, member); });
         for (std::thread& thread : threads) thread.join();
+        if (problem_) std::rethrow_exception(problem_);
     }
 
   private:
+    void run_member(uint32_t rank, const std::function<void(const training::Team&)>& member) {
+        wait_for_turn(rank);
+        try {
+            member({rank, static_cast<uint32_t>(said_.size()),
+                    [this, rank](std::span<const uint8_t> own) { return gather(rank, own); }});
+        } catch (...) {
+            if (!problem_) problem_ = std::current_exception();
+        }
+        ended_[rank] = true;
+        pass_on();
+    }
     std::vector<training::Bytes> gather(uint32_t rank, std::span<const uint8_t> own) {
         said_[rank].assign(own.begin(), own.end());
+        gathered_[rank]++;
         pass_on();
         wait_for_turn(rank);
+        for (size_t other = 0; other < said_.size(); other++)
+            if (ended_[other] && gathered_[other] < gathered_[rank])
+                throw std::logic_error("a member has ended, and another one waits for it");
         return heard_;
     }
     void wait_for_turn(uint32_t rank) {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return turn_ == rank; });
     }
+    // To the next member that has not ended; where all have, nobody waits for the turn.
     void pass_on() {
         const std::lock_guard lock(mutex_);
-        turn_ = (turn_ + 1) % static_cast<uint32_t>(said_.size());
-        if (turn_ == 0) heard_ = said_;
+        const auto size = static_cast<uint32_t>(said_.size());
+        for (uint32_t i = 0; i < size; i++) {
+            turn_ = (turn_ + 1) % size;
+            if (turn_ == 0) heard_ = said_;
+            if (!ended_[turn_]) break;
+        }
         changed_.notify_all();
     }
 
     std::vector<training::Bytes> said_, heard_;  // in this round of turns; in the round before
+    std::vector<uint32_t> gathered_;             // how often, by member
+    std::vector<char> ended_;
+    std::exception_ptr problem_;
     std::mutex mutex_;
     std::condition_variable changed_;
     uint32_t turn_ = 0;

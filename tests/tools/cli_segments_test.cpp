@@ -322,6 +322,7 @@ TEST_F(CliSharedTraining, RanksOfMpirunShareOneTree) {
     EXPECT_EQ(second.wait(), 0) << log();
     EXPECT_EQ(training::load_checkpoint(file("one.nvv")).run.step, reached + 20);
     EXPECT_EQ(voctree::read_nvv(file("one.nvv")).frames, 3u);
+    ASSERT_NE(log().find("wrote "), std::string::npos) << log();
     EXPECT_EQ(log().find("wrote "), log().rfind("wrote ")) << "one rank says it: " << log();
 }
 

@@ -12,9 +12,17 @@
 namespace neuvv {
 namespace {
 
-constexpr const char* kVariables[] = {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_LOCAL_RANK",
-                                      "PMIX_NAMESPACE",       "SLURM_PROCID",         "SLURM_STEP_NUM_TASKS",
-                                      "SLURM_LOCALID",        "SLURM_JOB_ID",         "SLURM_STEP_ID",
+constexpr const char* kVariables[] = {"OMPI_COMM_WORLD_RANK",
+                                      "OMPI_COMM_WORLD_SIZE",
+                                      "OMPI_COMM_WORLD_LOCAL_RANK",
+                                      "OMPI_COMM_WORLD_LOCAL_SIZE",
+                                      "SLURM_NTASKS_PER_NODE",
+                                      "PMIX_NAMESPACE",
+                                      "SLURM_PROCID",
+                                      "SLURM_STEP_NUM_TASKS",
+                                      "SLURM_LOCALID",
+                                      "SLURM_JOB_ID",
+                                      "SLURM_STEP_ID",
                                       "SLURM_RESTART_COUNT"};
 
 struct RanksOf : testing::Test {
@@ -47,10 +55,12 @@ TEST_F(RanksOf, OpenMpi) {
     const tools::Ranks third = ranks({{"OMPI_COMM_WORLD_RANK", "2"},
                                       {"OMPI_COMM_WORLD_SIZE", "4"},
                                       {"OMPI_COMM_WORLD_LOCAL_RANK", "1"},
+                                      {"OMPI_COMM_WORLD_LOCAL_SIZE", "2"},
                                       {"PMIX_NAMESPACE", "77"}});
     EXPECT_EQ(third.rank, 2u);
     EXPECT_EQ(third.count, 4u);
     EXPECT_EQ(third.local, 1u);
+    EXPECT_EQ(third.on_machine, 2u);
     EXPECT_EQ(third.job, "77.");
     EXPECT_FALSE(third.is_first());
     EXPECT_EQ(tools::device_of_rank(third, "some device"), "some device");

@@ -35,7 +35,7 @@ training::RunState some_run() {
             .phase_rays = 1u << 31,
             .dataset_hash = 987654321,
             .max_depth = 4,
-            .natural = true,
+            .resolution_is_natural = true,
             .several_rays_from = 77,
             .max_leaves = 123456,
             .max_bytes = 60000000,
@@ -111,7 +111,7 @@ TEST_F(CheckpointTest, RoundTripKeepsWeightsMomentsAndRun) {
     EXPECT_EQ(loaded.run.max_leaves, run.max_leaves);
     EXPECT_EQ(loaded.run.max_bytes, run.max_bytes);
     EXPECT_EQ(loaded.run.adaptive, run.adaptive);
-    EXPECT_EQ(loaded.run.natural, run.natural);
+    EXPECT_EQ(loaded.run.resolution_is_natural, run.resolution_is_natural);
     EXPECT_EQ(loaded.run.left_out, run.left_out);
     EXPECT_EQ(loaded.run.elapsed_s, run.elapsed_s);
     EXPECT_EQ(loaded.run.other_s, run.other_s);

@@ -38,19 +38,16 @@ TEST(RecordSum, AddsGradientsLeafByLeaf) {
     const Words first{7, bits(0.5f), bits(1), bits(2), 3, bits(0.1f), bits(-1), bits(4)};
     const Words second{3, bits(0.2f), bits(0.5f), bits(-4), 9, bits(0.3f), bits(8), bits(9)};
     for (int repeat = 0; repeat < 2; repeat++) {  // nothing is left of the first call
-        Words result(12);
-        ASSERT_EQ(sum.add_up({first, second}, result.data(), 3), 3u);
-        EXPECT_EQ(result, (Words{7, bits(0.5f), bits(1), bits(2), 3, bits(0.2f), bits(-0.5f), bits(0), 9, bits(0.3f),
-                                 bits(8), bits(9)}));
+        const std::span<const uint32_t> result = sum.add_up({first, second});
+        EXPECT_EQ(Words(result.begin(), result.end()), (Words{7, bits(0.5f), bits(1), bits(2), 3, bits(0.2f),
+                                                              bits(-0.5f), bits(0), 9, bits(0.3f), bits(8), bits(9)}));
     }
 }
 
 TEST(RecordSum, RefusesWhatDoesNotFit) {
-    Words result(12);
-    const Words record{3, 0, 0, 0}, other{4, 0, 0, 0}, foreign{10, 0, 0, 0}, cut{3, 0, 0};
-    EXPECT_THROW(training::RecordSum(10, 4).add_up({record, other}, result.data(), 1), RuntimeFailure);
-    EXPECT_THROW(training::RecordSum(10, 4).add_up({foreign}, result.data(), 3), RuntimeFailure);
-    EXPECT_THROW(training::RecordSum(10, 4).add_up({cut}, result.data(), 3), RuntimeFailure);
+    const Words foreign{10, 0, 0, 0}, cut{3, 0, 0};
+    EXPECT_THROW(training::RecordSum(10, 4).add_up({foreign}), RuntimeFailure);
+    EXPECT_THROW(training::RecordSum(10, 4).add_up({cut}), RuntimeFailure);
 }
 
 TEST(Team, ValuesComeInTheOrderOfRanks) {
@@ -60,6 +57,15 @@ TEST(Team, ValuesComeInTheOrderOfRanks) {
     });
     for (const std::vector<int>& values : heard) EXPECT_EQ(values, (std::vector<int>{0, 10, 20}));
     EXPECT_EQ(training::gather_values({}, 5), std::vector<int>{5});
+}
+
+TEST(Team, AMemberThatIsOutOfStepIsNoticed) {
+    run_team(2, [](const training::Team& team) {
+        if (team.is_first())
+            EXPECT_THROW(training::gather_values(team, uint64_t{1}), RuntimeFailure);
+        else
+            EXPECT_THROW(training::gather_values(team, uint32_t{1}), RuntimeFailure);
+    });
 }
 
 TEST(Team, AllMembersGetTheFirstOnesTree) {
@@ -86,7 +92,9 @@ TEST(Team, ATreeOfAnotherShapeIsRefused) {
     });
 }
 
-using TeamTest = GpuTest;
+struct TeamTest : GpuTest {
+    static const gpu::Device& shared_device() { return device(); }
+};
 
 // The gradients of all weights (in the first moments) and the largest blending weights after one step of the first
 // batch.
@@ -139,38 +147,84 @@ TEST_F(TeamTest, AStepHasTheGradientsOfAllMembersTiles) {
     }
 }
 
-training::TrainSettings run_of(uint32_t tiles, const training::Team& team) {
+training::TrainSettings run_of(uint32_t tiles, uint32_t bases, const training::Team& team) {
     training::TrainSettings settings;
     settings.steps = 60;
-    settings.shape = {.resolution = 40, .bases = 3, .hh_degree = 1};
+    settings.shape = {.resolution = 40, .bases = bases, .hh_degree = 1};
     settings.tiles_per_step = tiles;
     settings.team = team;
     return settings;
 }
 
-// Through all changes of the tree: both members end with the same tree, as good as that of one process with as many
-// tiles a step. Only the first writes files.
+// What a member's device holds at the end.
+struct Member {
+    training::TrainProgress last;
+    std::vector<float> weights, sigma_basis;
+};
+
+Member train_member(const training::TrainSettings& settings, const std::filesystem::path& nvv) {
+    training::Dataset own = capture();
+    Member member;
+    const auto look = [&](const training::TrainProgress& now) {
+        const gpu::Buffer &weights = now.field->weights, &basis = now.field->sigma_basis;
+        member.weights.resize(weights.bytes / sizeof(float));
+        member.sigma_basis.resize(basis.bytes / sizeof(float));
+        gpu::download(*weights.device, weights, member.weights.data(), weights.bytes);
+        gpu::download(*basis.device, basis, member.sigma_basis.data(), basis.bytes);
+        return true;
+    };
+    member.last = training::train(TeamTest::shared_device(), own, settings, nvv, look);
+    return member;
+}
+
+// Through all changes of the tree, with a basis for each frame and with shared ones: all members end with the same
+// numbers, and with a model as good as that of one process with as many tiles a step. Only the first writes files.
 TEST_F(TeamTest, ARunEndsAsThatOfOneProcess) {
-    const TemporaryFolder folder;
-    const auto go_on = [](const training::TrainProgress&) { return true; };
-    const training::TrainProgress alone =
-        training::train(device(), capture(), run_of(128, {}), folder.path / "alone.nvv", go_on);
-    std::vector<training::Dataset> captures{capture(), capture()};
-    std::vector<training::TrainProgress> last(2);
-    run_team(2, [&](const training::Team& team) {
-        last[team.rank] = training::train(device(), captures[team.rank], run_of(64, team),
-                                          folder.path / (team.is_first() ? "team.nvv" : "no.nvv"), go_on);
-    });
-    EXPECT_FALSE(std::filesystem::exists(folder.path / "no.nvv"));
-    for (const training::TrainProgress& member : last) {
-        EXPECT_EQ(member.step, 60u);
-        EXPECT_EQ(member.depth, last[0].depth);
-        EXPECT_NEAR(member.epochs, alone.epochs, 1e-9);
+    for (const uint32_t bases : {3u, 2u}) {
+        const TemporaryFolder folder;
+        const Member alone = train_member(run_of(128, bases, {}), folder.path / "alone.nvv");
+        std::vector<Member> members(2);
+        run_team(2, [&](const training::Team& team) {
+            members[team.rank] =
+                train_member(run_of(64, bases, team), folder.path / (team.is_first() ? "team.nvv" : "no.nvv"));
+        });
+        EXPECT_FALSE(std::filesystem::exists(folder.path / "no.nvv"));
+        for (const Member& member : members) {
+            EXPECT_EQ(member.last.step, 60u);
+            EXPECT_NEAR(member.last.epochs, alone.last.epochs, 1e-9);
+            EXPECT_EQ(member.weights, members[0].weights);
+            EXPECT_EQ(member.sigma_basis, members[0].sigma_basis);
+        }
+        const auto leaves = static_cast<double>(voctree::read_nvv(folder.path / "alone.nvv").leaf_count);
+        EXPECT_NEAR(voctree::read_nvv(folder.path / "team.nvv").leaf_count / leaves, 1, 0.05);
+        const auto renders_of = [&](const char* name) {
+            return held_out_renders(device(), kCapture, folder.path / name);
+        };
+        EXPECT_GT(mean_psnr(renders_of("alone.nvv"), renders_of("team.nvv")), 38);  // as two runs of one seed
     }
-    const auto leaves = static_cast<double>(voctree::read_nvv(folder.path / "alone.nvv").leaf_count);
-    EXPECT_NEAR(voctree::read_nvv(folder.path / "team.nvv").leaf_count / leaves, 1, 0.05);
-    const auto renders_of = [&](const char* name) { return held_out_renders(device(), kCapture, folder.path / name); };
-    EXPECT_GT(mean_psnr(renders_of("alone.nvv"), renders_of("team.nvv")), 40);  // as two runs of one seed
+}
+
+// Where a batch has fewer image tiles than there are members, some trace nothing.
+TEST_F(TeamTest, MembersWithoutTilesGoOn) {
+    std::vector<uint64_t> steps(5);
+    run_team(5, [&](const training::Team& team) {
+        training::TrainSettings settings = run_of(1, 3, team);
+        settings.steps = 60;  // so that times reach the ends of their epochs, where few tiles are left
+        steps[team.rank] = train_member(settings, {}).last.step;
+    });
+    EXPECT_EQ(steps, (std::vector<uint64_t>(5, 60)));
+}
+
+TEST_F(TeamTest, MembersWithOtherDataAreRefused) {
+    training::Dataset other = capture();
+    other.cameras[0].fx *= 1.01;
+    EXPECT_THROW(run_team(2,
+                          [&](const training::Team& team) {
+                              training::Dataset own = team.is_first() ? capture() : other;
+                              training::train(device(), own, run_of(64, 3, team), {},
+                                              [](const training::TrainProgress&) { return true; });
+                          }),
+                 InputError);
 }
 
 TEST_F(TeamTest, AnyMemberCanStopAll) {
@@ -178,7 +232,7 @@ TEST_F(TeamTest, AnyMemberCanStopAll) {
     std::vector<training::Dataset> captures{capture(), capture()};
     std::vector<training::TrainProgress> last(2);
     run_team(2, [&](const training::Team& team) {
-        training::TrainSettings settings = run_of(64, team);
+        training::TrainSettings settings = run_of(64, 3, team);
         settings.steps = 10000000;
         last[team.rank] = training::train(device(), captures[team.rank], settings, folder.path / "team.nvv",
                                           [&](const training::TrainProgress&) { return team.is_first(); });

@@ -1,6 +1,6 @@
 // Where several processes train a tree together: writes the gradients of the slots that this process's rays touched as
 // records (shared/training.h), which the host sends to the others. One thread per touched slot, dispatched indirectly.
-// Bound by memory: each record is read and written once.
+// Bound by writing the records, which lie in the host's memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/training.h"
@@ -19,6 +19,7 @@ void main() {
     const uint slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
     const uint to = gl_GlobalInvocationID.x * record_words(kHhDegree);
     const uint from = slot * gradient_stride(kHhDegree);
+    if (to + record_words(kHhDegree) > records.length()) return;  // the host sees that there are too many
     records[to] = texelFetch(slot_leaf, int(slot)).x;
     records[to + 1u] = max_weight[slot];
     for (uint i = 0u; i < gradient_stride(kHhDegree); i++)

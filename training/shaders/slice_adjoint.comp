@@ -126,11 +126,11 @@ void note_use(uint leaf, float weight, float opacity_sensitivity) {
 }
 
 void main() {
-    const bool inside = gl_GlobalInvocationID.x < count.slots;
-    uint leaf = 0u, slot = 0u;
+    uint leaf = 0u, slot = kNoSlot;
+    if (gl_GlobalInvocationID.x < count.slots) slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+    const bool inside = slot != kNoSlot;
     float d_sigma = 0.0, d_raw_gamma = 0.0;
     if (inside) {
-        slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
         const uint base = slot * gradient_stride(kHhDegree);
         leaf = texelFetch(slot_leaf, int(slot)).x;
         note_use(leaf, uintBitsToFloat(max_weight[slot]), gradients[base + 1u]);

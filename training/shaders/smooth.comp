@@ -59,6 +59,7 @@ float sum_of_faces(float alpha, float edge, ivec3 low, int size) {
 void main() {
     if (gl_GlobalInvocationID.x >= count.slots) return;
     const uint own_slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+    if (own_slot == kNoSlot) return;
     const uint leaf = texelFetch(slot_leaf, int(own_slot)).x;
     const uvec2 position = texelFetch(leaf_positions, int(leaf)).xy;
     const uint depth = position.y >> 16u, shift = 2u * kNodeLevels - depth;
