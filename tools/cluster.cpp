@@ -87,7 +87,7 @@ std::string output_of(const std::vector<std::string>& command, const char* fix) 
     return *output;
 }
 
-// Throws InputError where the command is none that a cluster can part.
+// Throws InputError where the command is none that a cluster can share.
 Job training_job(const std::vector<std::string>& command) {
     constexpr const char* kFix =
         "write for instance: neuvv cluster sbatch -- train data -o show.nvv --segment 1s --minutes 60";
@@ -113,10 +113,7 @@ Job render_job(const std::vector<std::string>& command, uint32_t tasks) {
         throw InputError("COMMAND", joined(command), "has --part, which comes of itself", "leave it out");
     prepare_output_folder("--output", folder_of_parts(output));
     std::vector<std::string> task = command;
-    if (!has(command, "--resume")) {
-        task.emplace_back("--resume");
-        if (output.kind == media::ImageOutput::Kind::kNumberedImages) media::forget_renders(output);
-    }
+    if (!has(command, "--resume")) task.emplace_back("--resume");
     return {folder_of_parts(output), folder_of_parts(output).stem().string(),
             fmt::format("{} --part \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"", joined(task), tasks), 1};
 }
@@ -200,6 +197,8 @@ void run(const ClusterOptions& options) {
         fmt::print("wrote {}; `sbatch {}` submits it\n", script.string(), quoted(script.string()));
         return;
     }
+    if (!trains && !has(options.command, "--resume"))
+        media::forget_renders(media::parse_output(output_of(options.command, "")));
     run_or_throw({"sbatch", script.string()});
     if (trains)
         fmt::print("`neuvv info {}` says how far it is; ", job.folder.string());
@@ -238,8 +237,9 @@ void add_cluster(Command app, CommonOptions&) {
          "its\n"
          "segment to the others. With --resume in COMMAND, a clip that was begun goes on.\n"
          "Of a render, each task renders a part of the images, so there must be as many images as tasks at least. The\n"
-         "task that ends last joins the parts of a video. The job's script and logs lie in OUTPUT.parts. The same\n"
-         "command again renders parts of a video that are missing; of numbered images, it begins anew without "
+         "task that ends last joins the parts of a video. The job's script and logs lie in OUTPUT.parts, of\n"
+         "out_%04d.png in out_render.parts. The same command again renders parts of a video that are missing; of "
+         "numbered images, it begins anew without "
          "--resume.\n"
          "Another scheduler needs a script that runs `neuvv COMMAND --resume` in as many tasks as wanted, of a render\n"
          "with another --part K/N in each.\n\n",

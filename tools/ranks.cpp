@@ -18,8 +18,9 @@ namespace {
 
 // The variables in which a starter of processes says who is who.
 struct Starter {
-    const char *rank, *count, *local, *on_machine;
-    std::vector<const char*> job;  // together they name a start
+    const char *rank, *count, *local;
+    const char *on_machine, *machines;  // how many ranks its machine has, or how many machines there are
+    std::vector<const char*> job;       // together they name a start
 };
 
 const std::vector<Starter>& starters() {
@@ -27,11 +28,13 @@ const std::vector<Starter>& starters() {
                                               "OMPI_COMM_WORLD_SIZE",
                                               "OMPI_COMM_WORLD_LOCAL_RANK",
                                               "OMPI_COMM_WORLD_LOCAL_SIZE",
+                                              "",
                                               {"PMIX_NAMESPACE"}},
                                              {"SLURM_PROCID",
                                               "SLURM_STEP_NUM_TASKS",
                                               "SLURM_LOCALID",
-                                              "SLURM_NTASKS_PER_NODE",
+                                              "",
+                                              "SLURM_STEP_NUM_NODES",
                                               {"SLURM_JOB_ID", "SLURM_STEP_ID", "SLURM_RESTART_COUNT"}}};
     return all;
 }
@@ -62,6 +65,10 @@ Ranks ranks_of_environment() {
         if (ranks.count == 1) return ranks;
         if (!text_of(starter.local).empty()) ranks.local = number_of(starter.local);
         if (!text_of(starter.on_machine).empty()) ranks.on_machine = std::max(number_of(starter.on_machine), 1u);
+        if (!text_of(starter.machines).empty()) {
+            const uint32_t machines = std::max(number_of(starter.machines), 1u);
+            ranks.on_machine = (ranks.count + machines - 1) / machines;
+        }
         for (const char* part : starter.job) ranks.job += text_of(part) + ".";
         return ranks;
     }

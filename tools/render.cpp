@@ -25,6 +25,7 @@ namespace {
 constexpr double kMinFps = 0.01, kMaxFps = 1000;
 
 void run(const RenderOptions& options, const CommonOptions& common) {
+    catch_stop_signals();  // before the files of a long clip are read, too, so that a job is told that it was stopped
     const RenderTotals totals =
         editor::has_stage_ending(options.scene) ? render_stage(options, common) : render_clip(options, common);
     const double mrays_per_s = totals.seconds > 0 ? totals.rays / totals.seconds / 1e6 : 0;
@@ -260,7 +261,6 @@ RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part,
 RenderTotals render_images(const RenderOptions& options, media::ImageSize size, double fps, const RenderPart& part,
                            media::ImageSink& sink, const gpu::Device& device,
                            const std::function<FrameTimes(uint32_t)>& render) {
-    catch_stop_signals();
     const bool video = part.output().kind == media::ImageOutput::Kind::kVideo;
     size_t rendered = 0;
     double seconds = 0;

@@ -1,5 +1,5 @@
 // What a user may set of `neuvv render`, and what rendering a clip (render_clip.cpp) and a stage (render_stage.cpp)
-// part.
+// share.
 #pragma once
 
 #include <functional>

@@ -67,7 +67,7 @@ RenderPart::RenderPart(PartNumber number, media::ImageOutput whole, const media:
     if (number_.parts > images)
         throw InputError("--part", "", fmt::format("{} parts are too many for {} images", number_.parts, images),
                          "choose fewer parts, or start fewer processes");
-    if (!is_part_of_video()) return;
+    if (!is_part_of_video() || (resume && is_joined())) return;
     prepare_output_folder("--output", folder_of_parts(whole_));
     const std::filesystem::path video = video_of(number_.part);
     lock_ = FileLock::try_lock(lock_of(video));
@@ -127,7 +127,8 @@ std::string RenderPart::join_if_complete() const {
     const FileLock only(lock_of_join());  // several processes may find all parts at the same time
     std::string rest;
     if (!can_be_opened(video_of(number_.part))) {
-        rest = "another process joined all parts";
+        rest = "all parts are joined already";
+        remove_if_there(folder_of_parts(whole_));
     } else if (const uint32_t left = missing(); left > 0) {
         rest = fmt::format("parts that are still missing in {}: {}", folder_of_parts(whole_).string(), left);
     } else {

@@ -28,9 +28,9 @@ std::filesystem::path folder_of_parts(const media::ImageOutput& whole);
 // of the whole render would.
 class RenderPart {
   public:
-    // Creates the folder of parts. Without `resume`, removes this part of a video, which an earlier run may have left.
-    // Throws InputError where there are fewer images than parts, and where another process renders this part;
-    // RuntimeFailure where the folder's file system has no locks.
+    // Of a part of a video, creates the folder of parts, and without `resume` removes what an earlier run may have left
+    // of this part. Throws InputError where there are fewer images than parts, and where another process renders this
+    // part of a video; RuntimeFailure where the folder's file system has no locks.
     RenderPart(PartNumber number, media::ImageOutput whole, const media::RenderFacts& facts, uint32_t images,
                bool resume);
 

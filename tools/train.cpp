@@ -251,7 +251,8 @@ void add_train(Command app, CommonOptions& common) {
         "(default: nothing)");
     const Option plan = add_segment_options(verb, *options);
     verb.add_option("--image-memory", options->image_gigabytes,
-                    "GB that images may take in memory; more are streamed from disk (default: half of what is free)")
+                    "GB that images may take in memory; more are streamed from disk (default: half of what is free, "
+                    "shared by the ranks of a machine)")
         .number_between(1e-6, 1e6);
     verb.add_option("--seed", options->settings.seed, "Same seed, same batches").not_negative().show_default();
     verb.add_flag("--resume", options->settings.resume,

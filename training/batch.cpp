@@ -9,9 +9,6 @@ namespace neuvv::training {
 namespace {
 
 constexpr float kBackgroundShare = 0.2f;
-// Of tiles without foreground, only those so many tiles away from one with foreground at most are drawn. Rays farther
-// away meet no leaf, as the hull ends at the outlines of the mattes, give or take a leaf.
-constexpr uint32_t kBackgroundReach = 2;
 constexpr double kMaxShareInARow = 0.125;  // of a time's epoch; larger shares make the field forget other times
 
 glm::vec4 linear_rgb(const uint8_t* srgb) {
@@ -23,16 +20,17 @@ float uniform(std::mt19937_64& random) {
     return static_cast<float>(random() >> 40) * 0x1p-24f;
 }
 
-// By rows of tiles: whether a tile has foreground, or lies near one that does.
-std::vector<bool> tiles_near_foreground(const TiledImage& image) {
+// By rows of tiles: whether a tile lies at most `reach` tiles away from one with foreground.
+std::vector<bool> tiles_near_foreground(const TiledImage& image, uint32_t reach) {
     const uint32_t across = image.tiles_across(), down = image.tiles_down();
+    if (reach == kEveryTile) return std::vector<bool>(size_t{across} * down, true);
     std::vector<bool> near(size_t{across} * down);
     for (uint32_t y = 0; y < down; y++)
         for (uint32_t x = 0; x < across; x++) {
             if (!image.has_tile(x, y)) continue;
-            const uint32_t first_x = x - std::min(x, kBackgroundReach), first_y = y - std::min(y, kBackgroundReach);
-            for (uint32_t v = first_y; v < std::min(y + kBackgroundReach + 1, down); v++)
-                for (uint32_t u = first_x; u < std::min(x + kBackgroundReach + 1, across); u++)
+            const uint32_t first_x = x - std::min(x, reach), first_y = y - std::min(y, reach);
+            for (uint32_t v = first_y; v < std::min(y + reach + 1, down); v++)
+                for (uint32_t u = first_x; u < std::min(x + reach + 1, across); u++)
                     near[size_t{v} * across + u] = true;
         }
     return near;
@@ -48,8 +46,9 @@ static_assert(TiledImage::kSide == kTile, "the tiles of a batch are those of the
 
 }  // namespace
 
-BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row)
-    : dataset_(dataset), tiles_per_batch_(tiles_per_batch), seed_(seed), in_a_row_(1), random_(seed) {
+BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row,
+                           uint32_t reach)
+    : dataset_(dataset), tiles_per_batch_(tiles_per_batch), seed_(seed), in_a_row_(1), reach_(reach), random_(seed) {
     frames_.resize(dataset.times.size());
     double tiles = 0;
     for (uint32_t i = 0; i < dataset.views.size(); i++) {
@@ -57,7 +56,7 @@ BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uin
         frames_[static_cast<size_t>(time - dataset.times.begin())].views.push_back(i);
         const TiledImage& image = dataset.views[i].image;
         const auto foreground = static_cast<double>(image.tile_count());
-        const std::vector<bool> near = tiles_near_foreground(image);
+        const std::vector<bool> near = tiles_near_foreground(image, reach_);
         const auto drawn_from = static_cast<double>(std::count(near.begin(), near.end(), true));
         tiles += foreground + double{kBackgroundShare} * (drawn_from - foreground);
     }
@@ -75,7 +74,7 @@ void BatchSampler::shuffle(std::vector<T>& values) {
 void BatchSampler::refill(FrameViews& frame) {
     for (const uint32_t view : frame.views) {
         const TiledImage& image = dataset_.views[view].image;
-        const std::vector<bool> near = tiles_near_foreground(image);
+        const std::vector<bool> near = tiles_near_foreground(image, reach_);
         for (uint32_t y = 0; y < image.tiles_down(); y++)
             for (uint32_t x = 0; x < image.tiles_across(); x++)
                 if (near[size_t{y} * image.tiles_across() + x] &&

@@ -20,6 +20,10 @@ struct Batch {
     uint32_t samples = 1;  // rays along each side of a pixel: tiles count in images enlarged by this factor
 };
 
+// Rays of tiles farther away from the foreground than the hull reaches meet no leaf, so they have no gradient.
+// reach_of_hull() says how far that is; kEveryTile: all tiles.
+constexpr uint32_t kLeastReach = 2, kEveryTile = UINT32_MAX;
+
 // Draws batches. Times come in random order, `in_a_row` batches of each (fewer where that would be more than an eighth
 // of a time's epoch), until every time had its turn; then they come in a new order. Of a time's images, every tile with
 // foreground is drawn once per epoch, and a fifth of the tiles near them. All rays of a tile leave from the same random
@@ -28,8 +32,10 @@ struct Batch {
 // and data give the same batches.
 class BatchSampler {
   public:
-    // The data set must outlive it.
-    BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row = 1);
+    // The data set must outlive it. `reach`: how many tiles away from one with foreground those without it may lie that
+    // are drawn.
+    BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row = 1,
+                 uint32_t reach = kLeastReach);
 
     // A batch has at least one image tile, and no more than fit into tiles_per_batch tiles: an image tile becomes
     // samples² tiles of rays. `samples` must divide kTile. Of the batch's image tiles, the share `part` of `parts`
@@ -69,7 +75,7 @@ class BatchSampler {
     const Dataset& dataset_;
     uint32_t tiles_per_batch_;
     uint64_t seed_, batches_drawn_ = 0;
-    uint32_t in_a_row_;
+    uint32_t in_a_row_, reach_;
     std::mt19937_64 random_;
     std::vector<FrameViews> frames_;
     std::vector<uint32_t> times_left_;  // frames whose turn is still to come; the last one is drawn from

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "training/bases.h"
+#include "training/batch.h"
 #include "training/first_colours.h"
 #include "training/hull.h"
 #include "training/hull_box.h"
@@ -219,6 +220,15 @@ uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, 
                      footprints.end());
     const double resolution = std::max({size.x, size.y, size.z}) / footprints[footprints.size() / 2];
     return static_cast<uint32_t>(std::clamp(std::round(resolution), 32.0, 512.0));
+}
+
+uint32_t reach_of_hull(const Dataset& dataset, const glm::vec3& box_min, const glm::vec3& box_size, uint32_t depth,
+                       double margin) {
+    // A leaf is kept where the ball around it touches the matte, so its far corner lies a diagonal beyond the outline.
+    const double edge = static_cast<double>(box_size.x) / (1u << depth);
+    const double beyond = std::sqrt(3.0) * edge + margin;
+    const double pixels = beyond / footprint_at(dataset, glm::dvec3(box_min) + 0.5 * glm::dvec3(box_size));
+    return std::max(kLeastReach, static_cast<uint32_t>(std::ceil(std::min(pixels / kTile, 1e6))));
 }
 
 voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above) {

@@ -29,6 +29,12 @@ uint32_t natural_resolution(const Dataset& dataset, const std::pair<glm::dvec3, 
 // matter, and empty in the others. Throws InputError as hull_box does, and where no leaf is left.
 voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t levels_above);
 
+// How many tiles of 8×8 pixels beyond the outlines of mattes the leaves of the first tree reach at most, at least
+// kLeastReach. `box_min`, `box_size` are the tree's, `depth` is that of these leaves, `margin` is
+// TreeShape::hull_margin.
+uint32_t reach_of_hull(const Dataset& dataset, const glm::vec3& box_min, const glm::vec3& box_size, uint32_t depth,
+                       double margin);
+
 struct GrowSettings {
     uint32_t max_depth = 0;
     float prune_below = 0;      // leaves whose maximum weight is below this are removed (0: none)

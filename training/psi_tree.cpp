@@ -193,7 +193,8 @@ PsiStepSettings step_settings(const PsiSettings& settings, const PsiRun& run, co
 }
 
 void train_psi(PsiStep& psi, const Dataset& dataset, const PsiSettings& settings, const PsiCallback& callback) {
-    BatchSampler sampler(dataset, settings.tiles_per_step, settings.seed);
+    // The network fills the whole box, so it has to learn where nothing is, too.
+    BatchSampler sampler(dataset, settings.tiles_per_step, settings.seed, 1, kEveryTile);
     PsiRun run;
     Batch batch = sampler.next();
     bool go_on = true;

@@ -35,7 +35,9 @@ class Run {
           began_(seconds_now()),
           given_hash_(hash_of(dataset)),
           // Braces evaluate from left to right: begin() sets seed and tree, which the arguments after it read.
-          sampler_{begin(), run_.tiles_per_step * settings.team.size, run_.seed, batches_in_a_row(tree_)} {
+          sampler_{begin(), run_.tiles_per_step * settings.team.size, run_.seed, batches_in_a_row(tree_),
+                   reach_of_hull(dataset, tree_.box_min, tree_.box_size, run_.max_depth - kLevelsAbovePixel,
+                                 settings.shape.hull_margin)} {
         if (settings_.resume && run_.dataset_hash != given_hash_)
             throw InputError(state_path(output_).string(), "",
                              fmt::format("is of a run on other images, mattes or cameras than those of {}",

@@ -153,6 +153,7 @@ bool is_record_of(const std::filesystem::path& file, const RenderFacts& facts) {
 }  // namespace
 
 void forget_renders(const ImageOutput& output) {
+    if (output.kind != ImageOutput::Kind::kNumberedImages) return;
     for (const std::filesystem::path& record : records_of(output)) std::filesystem::remove(record);
 }
 

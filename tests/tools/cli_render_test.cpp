@@ -109,6 +109,7 @@ TEST_F(CliRender, PartsAreTheWhole) {
     const ProgramResult whole = run_neuvv(command("parts.mp4", {"--part", "1/3", "--resume", "--json"}));
     EXPECT_EQ(nlohmann::json::parse(whole.out).at("rendered"), 0) << "all parts are joined";
     EXPECT_FALSE(std::filesystem::exists(file("parts.mp4.lock")));
+    EXPECT_FALSE(std::filesystem::exists(file("parts.mp4.lock")));
 
     for (const char* wrong : {"0/2", "3/2", "2", "a/b", "1/0", "1/2x", "-1/2"})
         expect_refused(command("x.mp4", {"--part", wrong}), 2, {"--part", wrong});

@@ -16,7 +16,7 @@ constexpr const char* kVariables[] = {"OMPI_COMM_WORLD_RANK",
                                       "OMPI_COMM_WORLD_SIZE",
                                       "OMPI_COMM_WORLD_LOCAL_RANK",
                                       "OMPI_COMM_WORLD_LOCAL_SIZE",
-                                      "SLURM_NTASKS_PER_NODE",
+                                      "SLURM_STEP_NUM_NODES",
                                       "PMIX_NAMESPACE",
                                       "SLURM_PROCID",
                                       "SLURM_STEP_NUM_TASKS",
@@ -69,11 +69,13 @@ TEST_F(RanksOf, OpenMpi) {
 TEST_F(RanksOf, Slurm) {
     const tools::Ranks first = ranks({{"SLURM_PROCID", "0"},
                                       {"SLURM_STEP_NUM_TASKS", "2"},
+                                      {"SLURM_STEP_NUM_NODES", "1"},
                                       {"SLURM_LOCALID", "0"},
                                       {"SLURM_JOB_ID", "12"},
                                       {"SLURM_STEP_ID", "3"}});
     EXPECT_TRUE(first.is_first());
     EXPECT_EQ(first.count, 2u);
+    EXPECT_EQ(first.on_machine, 2u);
     EXPECT_NE(first.job, ranks({{"SLURM_RESTART_COUNT", "1"}}).job) << "a step that was queued again is another start";
 }
 
