@@ -17,7 +17,7 @@ namespace {
 
 std::string hash_of(const media::RenderFacts& facts) {
     std::string text;
-    for (const auto& [name, value] : facts) text += name + '\n' + value + '\n';
+    for (const auto& [name, value] : facts) text += fmt::format("{}\n{}\n", name, value);
     return fmt::format("{:08x}", static_cast<uint32_t>(XXH3_64bits(text.data(), text.size())));
 }
 

@@ -203,6 +203,25 @@ Option add_segment_options(Command verb, TrainOptions& options) {
                          "number of processes train it");
 }
 
+// How a run goes, and how it shows itself. `plan`: the option --plan.
+void add_run_options(Command verb, TrainOptions& options, const Option& plan) {
+    verb.add_option("--image-memory", options.image_gigabytes,
+                    "GB that images may take in memory; more are streamed from disk (default: half of what is free, "
+                    "shared by the ranks of a machine)")
+        .number_between(1e-6, 1e6);
+    verb.add_option("--seed", options.settings.seed, "Same seed, same batches").not_negative().show_default();
+    verb.add_flag("--resume", options.settings.resume,
+                  "Go on from OUTPUT.state; shape, bounds, losses, seed and --refine are the run's, --minutes or "
+                  "--steps its whole budget. In segments: train those that are not finished and that no other process "
+                  "trains")
+        .excludes(plan);
+    verb.add_option("--preview", options.live.preview,
+                    "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
+    verb.add_option("--metrics", options.live.metrics,
+                    "Append a line of JSON about once a second to this .jsonl file: step, loss, PSNR, leaves, ... "
+                    "(see training/metrics_log.h); --resume continues it");
+}
+
 }  // namespace
 
 void add_train(Command app, CommonOptions& common) {
@@ -250,21 +269,7 @@ void add_train(Command app, CommonOptions& common) {
         "these that are worth it. The last three begin with a search, of a fifth of --minutes at most "
         "(default: nothing)");
     const Option plan = add_segment_options(verb, *options);
-    verb.add_option("--image-memory", options->image_gigabytes,
-                    "GB that images may take in memory; more are streamed from disk (default: half of what is free, "
-                    "shared by the ranks of a machine)")
-        .number_between(1e-6, 1e6);
-    verb.add_option("--seed", options->settings.seed, "Same seed, same batches").not_negative().show_default();
-    verb.add_flag("--resume", options->settings.resume,
-                  "Go on from OUTPUT.state; shape, bounds, losses, seed and --refine are the run's, --minutes or "
-                  "--steps its whole budget. In segments: train those that are not finished and that no other process "
-                  "trains")
-        .excludes(plan);
-    verb.add_option("--preview", options->live.preview,
-                    "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
-    verb.add_option("--metrics", options->live.metrics,
-                    "Append a line of JSON about once a second to this .jsonl file: step, loss, PSNR, leaves, ... "
-                    "(see training/metrics_log.h); --resume continues it");
+    add_run_options(verb, *options, plan);
     verb.footer(
         {"Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n"
          "After Ctrl-C it saves, says that it was interrupted, and ends with exit code 0.\n"
