@@ -32,7 +32,8 @@ constexpr uint32_t kLevelsAbovePixel = 2, kLevelsBelowPixel = 1;
 // Leaves of half the size are seen by a quarter as many rays each, and a step of as many rays takes more than twice as
 // long. In a budget of minutes, the last of the divisions above is therefore left out where fewer rays are to be
 // expected, at the speed so far, for each leaf and frame that it lives in: larger leaves that are seen often show more
-// than small ones that are not (RESULTS.md, "Larger leaves"). Only where the resolution was left to the program.
+// than small ones that are not (RESULTS.md, "Larger leaves"). This applies only where the user left the resolution to
+// the program.
 constexpr double kMinRaysOfLeaf = 230;
 
 // The share of the learning rate of densities that applies until all leaves have a pixel's size. Larger leaves lie

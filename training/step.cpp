@@ -121,6 +121,9 @@ StepResult TrainingStep::wait() {
     return records_ ? update_together(own) : own;
 }
 
+namespace {
+
+// Losses are means over the pixels of all members.
 StepResult summed_results(const std::vector<StepResult>& results) {
     StepResult sum;
     for (const StepResult& result : results) {
@@ -135,6 +138,8 @@ StepResult summed_results(const std::vector<StepResult>& results) {
     sum.grad_loss /= std::max(static_cast<double>(sum.pixels), 1.0);
     return sum;
 }
+
+}  // namespace
 
 StepResult TrainingStep::update_together(const StepResult& own) {
     StepResult sum = summed_results(gather_values(team_, own));

@@ -40,7 +40,8 @@ struct ImageRange {
     uint32_t first = 0, end = 0;
 };
 
-// Removes the records of renders into numbered images, so that a render with `resume` begins anew; nothing of others.
+// Removes the records of renders into numbered images, so that a render with `resume` begins anew. Other outputs have
+// none.
 void forget_renders(const ImageOutput& output);
 
 // Numbered images have a record beside them ("out_render.json" for out_%04d.png; of a part of the images,

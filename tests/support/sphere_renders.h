@@ -8,6 +8,14 @@
 
 namespace neuvv::test {
 
+// The capture on which the tests of whole runs train, and its images.
+inline const SphereCapture kTrainedSphere;
+
+inline training::Dataset& trained_sphere() {
+    static training::Dataset dataset = sphere_dataset(kTrainedSphere);
+    return dataset;
+}
+
 inline media::Image over_white(const media::Image& image) {
     const uint8_t white[3] = {255, 255, 255};
     return media::composite_over(image, white);

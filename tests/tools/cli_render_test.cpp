@@ -5,6 +5,7 @@
 #include "media/image_sink.h"
 #include "media/video.h"
 #include "support/child_process.h"
+#include "support/mpirun.h"
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "support/waver_tree.h"
@@ -118,12 +119,10 @@ TEST_F(CliRender, PartsAreTheWhole) {
 
 // Ranks take parts by themselves.
 TEST_F(CliRender, RanksOfMpirunRenderParts) {
-    if (std::system("mpirun --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    if (!test::prepare_mpirun()) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
     std::vector<std::string> words = command("ranks.mp4", {});
-    words.insert(words.begin(), {"/usr/bin/env", "mpirun", "--oversubscribe", "-n", "2", NEUVV_PROGRAM});
-    test::ChildProcess job(words, folder.path / "log");
+    words.insert(words.begin(), NEUVV_PROGRAM);
+    test::ChildProcess job(test::under_mpirun("2", words), folder.path / "log");
     EXPECT_EQ(job.wait(), 0) << read_text(folder.path / "log");
     EXPECT_EQ(media::summarise_video(file("ranks.mp4")).frames, 8u) << read_text(folder.path / "log");
     EXPECT_FALSE(std::filesystem::exists(file("ranks.mp4.parts")));

@@ -3,6 +3,7 @@
 
 #include "render/stage_renderer.h"
 #include "support/child_process.h"
+#include "support/mpirun.h"
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
@@ -275,12 +276,9 @@ TEST_F(CliSharedTraining, OneFileIsTrainedByOneProcess) {
 
 // What mpirun starts: three ranks, one of which is killed.
 TEST_F(CliSharedTraining, RanksOfMpirun) {
-    if (std::system("mpirun --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-    std::vector<std::string> words = with_program(command("1500", {}));
-    words.insert(words.begin(), {"/usr/bin/env", "mpirun", "--enable-recovery", "--oversubscribe", "-n", "3"});
-    test::ChildProcess job(words, folder.path / "log");
+    if (!test::prepare_mpirun()) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
+    test::ChildProcess job(test::under_mpirun("3", with_program(command("1500", {})), {"--enable-recovery"}),
+                           folder.path / "log");
     const auto log = [&] { return read_text(folder.path / "log"); };
     std::optional<training::ClaimState> claim;
     ASSERT_TRUE(job.until([&] {
@@ -298,15 +296,12 @@ TEST_F(CliSharedTraining, RanksOfMpirun) {
 
 // Two ranks that train one tree, killed together in the middle.
 TEST_F(CliSharedTraining, RanksOfMpirunShareOneTree) {
-    if (std::system("mpirun --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-    const auto ranks = [&](const char* steps, std::vector<std::string> more) {
+    if (!test::prepare_mpirun()) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
+    const auto ranks = [&](const char* steps, const std::vector<std::string>& more) {
         std::vector<std::string> words =
             with_program({"train", file("data"), "-o", file("one.nvv"), "--steps", steps, "--resolution", "32"});
-        words.insert(words.begin(), {"/usr/bin/env", "mpirun", "--oversubscribe", "-n", "2"});
         words.insert(words.end(), more.begin(), more.end());
-        return words;
+        return test::under_mpirun("2", words);
     };
     const auto log = [&] { return read_text(folder.path / "log"); };
     {

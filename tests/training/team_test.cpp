@@ -20,13 +20,6 @@
 namespace neuvv::test {
 namespace {
 
-const SphereCapture kTeamCapture;
-
-training::Dataset& team_capture() {
-    static training::Dataset dataset = sphere_dataset(kTeamCapture);
-    return dataset;
-}
-
 using Words = std::vector<uint32_t>;
 
 uint32_t bits(float value) {
@@ -70,9 +63,9 @@ TEST(Team, AMemberThatIsOutOfStepIsNoticed) {
 
 TEST(Team, AllMembersGetTheFirstOnesTree) {
     const voctree::VOctree coarse =
-        training::initial_tree(team_capture(), {.resolution = 40, .bases = 3, .hh_degree = 1}, 2);
+        training::initial_tree(trained_sphere(), {.resolution = 40, .bases = 3, .hh_degree = 1}, 2);
     const voctree::VOctree fine =
-        training::initial_tree(team_capture(), {.resolution = 40, .bases = 3, .hh_degree = 1}, 1);
+        training::initial_tree(trained_sphere(), {.resolution = 40, .bases = 3, .hh_degree = 1}, 1);
     run_team(2, [&](const training::Team& team) {
         voctree::VOctree tree = team.is_first() ? fine : coarse;
         training::adopt_first_tree(team, tree);
@@ -85,7 +78,7 @@ TEST(Team, AllMembersGetTheFirstOnesTree) {
 
 TEST(Team, ATreeOfAnotherShapeIsRefused) {
     const voctree::VOctree tree =
-        training::initial_tree(team_capture(), {.resolution = 40, .bases = 3, .hh_degree = 1}, 2);
+        training::initial_tree(trained_sphere(), {.resolution = 40, .bases = 3, .hh_degree = 1}, 2);
     run_team(2, [&](const training::Team& team) {
         voctree::VOctree own = tree;
         if (team.is_first()) return training::adopt_first_tree(team, own);
@@ -108,11 +101,11 @@ struct Gradients {
 
 Gradients gradients_of_a_step(const gpu::Device& device, const voctree::VOctree& tree, const training::Team& team) {
     constexpr uint32_t kTiles = 120;  // of all members together
-    training::BatchSampler sampler(team_capture(), kTiles, 5);
+    training::BatchSampler sampler(trained_sphere(), kTiles, 5);
     const training::Batch batch = sampler.next(1, team.rank, team.size);
     EXPECT_EQ(batch.tiles.size(), kTiles * (team.rank + 1) / team.size - kTiles * team.rank / team.size);
-    training::TrainingStep step(device, tree, kTeamCapture.cameras, kTiles, team);
-    training::load_batch(team_capture(), batch, step.rays(), step.batch());
+    training::TrainingStep step(device, tree, kTrainedSphere.cameras, kTiles, team);
+    training::load_batch(trained_sphere(), batch, step.rays(), step.batch());
     training::StepSettings settings;
     settings.frame = static_cast<float>(training::frame_of_time(batch.time, tree.frames));
     settings.tiles = static_cast<uint32_t>(batch.tiles.size());
@@ -129,7 +122,7 @@ Gradients gradients_of_a_step(const gpu::Device& device, const voctree::VOctree&
 
 TEST_F(TeamTest, AStepHasTheGradientsOfAllMembersTiles) {
     const voctree::VOctree tree =
-        training::initial_tree(team_capture(), {.resolution = 40, .bases = 3, .hh_degree = 1}, 1);
+        training::initial_tree(trained_sphere(), {.resolution = 40, .bases = 3, .hh_degree = 1}, 1);
     const Gradients alone = gradients_of_a_step(device(), tree, {});
     std::vector<Gradients> together(3);
     run_team(3, [&](const training::Team& team) { together[team.rank] = gradients_of_a_step(device(), tree, team); });
@@ -166,7 +159,7 @@ struct Member {
 };
 
 Member train_member(const training::TrainSettings& settings, const std::filesystem::path& nvv) {
-    training::Dataset own = team_capture();
+    training::Dataset own = trained_sphere();
     Member member;
     const auto look = [&](const training::TrainProgress& now) {
         const gpu::Buffer &weights = now.field->weights, &basis = now.field->sigma_basis;
@@ -201,7 +194,7 @@ TEST_F(TeamTest, ARunEndsAsThatOfOneProcess) {
         const auto leaves = static_cast<double>(voctree::read_nvv(folder.path / "alone.nvv").leaf_count);
         EXPECT_NEAR(voctree::read_nvv(folder.path / "team.nvv").leaf_count / leaves, 1, 0.05);
         const auto renders_of = [&](const char* name) {
-            return held_out_renders(device(), kTeamCapture, folder.path / name);
+            return held_out_renders(device(), kTrainedSphere, folder.path / name);
         };
         EXPECT_GT(mean_psnr(renders_of("alone.nvv"), renders_of("team.nvv")), 38);  // as two runs of one seed
     }
@@ -219,11 +212,11 @@ TEST_F(TeamTest, MembersWithoutTilesGoOn) {
 }
 
 TEST_F(TeamTest, MembersWithOtherDataAreRefused) {
-    training::Dataset other = team_capture();
+    training::Dataset other = trained_sphere();
     other.cameras[0].fx *= 1.01;
     EXPECT_THROW(run_team(2,
                           [&](const training::Team& team) {
-                              training::Dataset own = team.is_first() ? team_capture() : other;
+                              training::Dataset own = team.is_first() ? trained_sphere() : other;
                               training::train(device(), own, run_of(64, 3, team), {},
                                               [](const training::TrainProgress&) { return true; });
                           }),
@@ -232,7 +225,7 @@ TEST_F(TeamTest, MembersWithOtherDataAreRefused) {
 
 TEST_F(TeamTest, AnyMemberCanStopAll) {
     const TemporaryFolder folder;
-    std::vector<training::Dataset> captures{team_capture(), team_capture()};
+    std::vector<training::Dataset> captures{trained_sphere(), trained_sphere()};
     std::vector<training::TrainProgress> last(2);
     run_team(2, [&](const training::Team& team) {
         training::TrainSettings settings = run_of(64, 3, team);

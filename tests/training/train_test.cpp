@@ -17,13 +17,6 @@
 namespace neuvv::test {
 namespace {
 
-const SphereCapture kCapture;
-
-training::Dataset& capture() {
-    static training::Dataset dataset = sphere_dataset(kCapture);
-    return dataset;
-}
-
 training::TrainSettings small_run(uint64_t steps) {
     training::TrainSettings settings;
     settings.steps = steps;
@@ -41,13 +34,13 @@ using TrainTest = GpuTest;
 TEST_F(TrainTest, CamerasThatItNeverSawSeeTheSphere) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
-    const training::TrainProgress last = training::train(device(), capture(), small_run(150), nvv, go_on);
+    const training::TrainProgress last = training::train(device(), trained_sphere(), small_run(150), nvv, go_on);
     EXPECT_EQ(last.step, 150u);
     EXPECT_EQ(last.fraction, 1);
     EXPECT_GT(last.leaves, 100u);
     EXPECT_EQ(last.depth, 7u);  // one level finer than a pixel where the opacity sensitivity is high
-    const std::vector<media::Image> truths = held_out_truths(kCapture);
-    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), kCapture, nvv)), 32);  // 40.8 measured
+    const std::vector<media::Image> truths = held_out_truths(kTrainedSphere);
+    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), kTrainedSphere, nvv)), 32);  // 40.8 measured
     EXPECT_EQ(folder.entries(), 2u);
 
     // The comparison can fail: it does with the sphere at a wrong time.
@@ -61,12 +54,12 @@ TEST_F(TrainTest, AnInterruptedRunEndsAsAWholeOne) {
     const TemporaryFolder folder;
     const std::filesystem::path whole = folder.path / "whole.nvv", parts = folder.path / "parts.nvv";
     training::TrainSettings settings = small_run(240);
-    training::train(device(), capture(), settings, whole, go_on);
+    training::train(device(), trained_sphere(), settings, whole, go_on);
     std::vector<uint64_t> ends;
     do {
         bool first = true;
         const training::TrainProgress last =
-            training::train(device(), capture(), settings, parts, [&](const training::TrainProgress& now) {
+            training::train(device(), trained_sphere(), settings, parts, [&](const training::TrainProgress& now) {
                 const bool goes_on = !first || now.step >= 200;
                 first = false;
                 return goes_on;
@@ -76,22 +69,24 @@ TEST_F(TrainTest, AnInterruptedRunEndsAsAWholeOne) {
     } while (ends.back() < 240 && ends.size() < 100);
     EXPECT_EQ(ends.back(), 240u);
     EXPECT_GT(ends.size(), 1u) << "never interrupted";
-    const std::vector<media::Image> truths = held_out_truths(kCapture);
-    EXPECT_NEAR(mean_psnr(truths, held_out_renders(device(), kCapture, parts)),
-                mean_psnr(truths, held_out_renders(device(), kCapture, whole)), 0.5);
-    EXPECT_GT(mean_psnr(held_out_renders(device(), kCapture, whole), held_out_renders(device(), kCapture, parts)), 40);
+    const std::vector<media::Image> truths = held_out_truths(kTrainedSphere);
+    EXPECT_NEAR(mean_psnr(truths, held_out_renders(device(), kTrainedSphere, parts)),
+                mean_psnr(truths, held_out_renders(device(), kTrainedSphere, whole)), 0.5);
+    EXPECT_GT(
+        mean_psnr(held_out_renders(device(), kTrainedSphere, whole), held_out_renders(device(), kTrainedSphere, parts)),
+        40);
 }
 
 TEST_F(TrainTest, AFinishedFileIsNoLargerThanAsked) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv", small = folder.path / "small.nvv";
     training::TrainSettings settings = small_run(60);
-    training::train(device(), capture(), settings, nvv, go_on);
+    training::train(device(), trained_sphere(), settings, nvv, go_on);
     settings.max_bytes = std::filesystem::file_size(nvv) / 2;
-    training::train(device(), capture(), settings, small, go_on);
+    training::train(device(), trained_sphere(), settings, small, go_on);
     EXPECT_LE(std::filesystem::file_size(small), settings.max_bytes);
     EXPECT_GT(std::filesystem::file_size(small), settings.max_bytes / 2);
-    EXPECT_GT(mean_psnr(held_out_truths(kCapture), held_out_renders(device(), kCapture, small)), 25);
+    EXPECT_GT(mean_psnr(held_out_truths(kTrainedSphere), held_out_renders(device(), kTrainedSphere, small)), 25);
 }
 
 TEST_F(TrainTest, ATreeNeverHasMoreLeavesThanAsked) {
@@ -103,7 +98,7 @@ TEST_F(TrainTest, ATreeNeverHasMoreLeavesThanAsked) {
         max_leaves = std::max(max_leaves, now.leaves);
         return true;
     };
-    training::train(device(), capture(), settings, folder.path / "sphere.nvv", count);
+    training::train(device(), trained_sphere(), settings, folder.path / "sphere.nvv", count);
     // Reports come by the clock, and the file has no leaves that are always empty: the checkpoint has the run's tree.
     max_leaves = std::max(max_leaves, training::load_checkpoint(folder.path / "sphere.nvv").tree.leaf_count);
     EXPECT_LE(max_leaves, 1500u);
@@ -114,7 +109,7 @@ TEST_F(TrainTest, UniformLeavesStayOfOneSize) {
     const TemporaryFolder folder;
     training::TrainSettings settings = small_run(60);
     settings.adaptive = false;
-    training::train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
+    training::train(device(), trained_sphere(), settings, folder.path / "sphere.nvv", go_on);
     const voctree::VOctree tree = voctree::read_nvv(folder.path / "sphere.nvv");
     for (const voctree::LeafPosition& position : voctree::leaf_positions(tree)) ASSERT_EQ(position.depth, 6u);
 }
@@ -129,7 +124,7 @@ TEST_F(TrainTest, AShortRunHasLargerLeaves) {
         settings.shape.resolution = resolution;
         settings.tiles_per_step = 1;  // few rays, however fast the device is
         const training::TrainProgress last =
-            training::train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
+            training::train(device(), trained_sphere(), settings, folder.path / "sphere.nvv", go_on);
         EXPECT_EQ(last.fraction, 1);
         return training::load_checkpoint(folder.path / "sphere.nvv").run.max_depth;
     };
@@ -143,7 +138,7 @@ TEST_F(TrainTest, PartsCanBeLeftOut) {
         const TemporaryFolder folder;
         training::TrainSettings settings = small_run(200);
         settings.left_out = parts;
-        training::train(device(), capture(), settings, folder.path / "sphere.nvv", go_on);
+        training::train(device(), trained_sphere(), settings, folder.path / "sphere.nvv", go_on);
         EXPECT_EQ(training::load_checkpoint(folder.path / "sphere.nvv").run.left_out, parts);
         return voctree::read_nvv(folder.path / "sphere.nvv").leaf_count;
     };
@@ -160,8 +155,8 @@ TEST_F(TrainTest, TheSameSeedGivesNearlyTheSameRun) {
         const std::filesystem::path nvv = folder.path / (std::to_string(renders.size()) + ".nvv");
         training::TrainSettings settings = small_run(25);
         settings.seed = seed;
-        training::train(device(), capture(), settings, nvv, go_on);
-        renders.push_back(held_out_renders(device(), kCapture, nvv));
+        training::train(device(), trained_sphere(), settings, nvv, go_on);
+        renders.push_back(held_out_renders(device(), kTrainedSphere, nvv));
     }
     const double same = mean_psnr(renders[0], renders[1]), other = mean_psnr(renders[0], renders[2]);
     EXPECT_GT(same, 40);
@@ -173,7 +168,7 @@ TEST_F(TrainTest, ACallbackStopsTheRunAfterACheckpoint) {
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
     uint32_t calls = 0;
     const training::TrainProgress last =
-        training::train(device(), capture(), small_run(10000000), nvv, [&](const training::TrainProgress& now) {
+        training::train(device(), trained_sphere(), small_run(10000000), nvv, [&](const training::TrainProgress& now) {
             EXPECT_TRUE(std::filesystem::exists(nvv));
             EXPECT_GT(now.rays_per_s, 0);
             EXPECT_GT(now.eta_s, 0);
@@ -190,9 +185,9 @@ TEST_F(TrainTest, ACallbackStopsTheRunAfterACheckpoint) {
 TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
-    training::train(device(), capture(), small_run(8), nvv, go_on);
-    const std::vector<media::Image> truths = held_out_truths(kCapture);
-    const double before = mean_psnr(truths, held_out_renders(device(), kCapture, nvv));
+    training::train(device(), trained_sphere(), small_run(8), nvv, go_on);
+    const std::vector<media::Image> truths = held_out_truths(kTrainedSphere);
+    const double before = mean_psnr(truths, held_out_renders(device(), kTrainedSphere, nvv));
     training::TrainSettings settings = small_run(70);
     settings.resume = true;
     settings.shape.hh_degree = 3;  // a resumed run keeps its shape, losses and batches, whatever the settings are
@@ -200,29 +195,29 @@ TEST_F(TrainTest, AResumedRunGoesOnAndImproves) {
     settings.tiles_per_step = 1;
     std::vector<media::Image> seen_in_callback;
     const training::TrainProgress last =
-        training::train(device(), capture(), settings, nvv, [&](const training::TrainProgress& now) {
+        training::train(device(), trained_sphere(), settings, nvv, [&](const training::TrainProgress& now) {
             EXPECT_EQ(now.began_at_step, 8u);
-            seen_in_callback = held_out_renders(device(), kCapture, *now.field);
+            seen_in_callback = held_out_renders(device(), kTrainedSphere, *now.field);
             return true;
         });
     EXPECT_EQ(last.step, 70u);
     EXPECT_EQ(last.field, nullptr);
     EXPECT_GT(last.epochs, 0);
     // The last call came after the last step, so its field is that of the file up to rounding to half precision.
-    EXPECT_GT(mean_psnr(held_out_renders(device(), kCapture, nvv), seen_in_callback), 50);
+    EXPECT_GT(mean_psnr(held_out_renders(device(), kTrainedSphere, nvv), seen_in_callback), 50);
     EXPECT_EQ(voctree::read_nvv(nvv).hh_degree, 1u);
     const training::RunState run = training::load_checkpoint(nvv).run;
     EXPECT_EQ(run.step, 70u);
     EXPECT_EQ(run.weights.grad, training::TrainSettings().weights.grad);
     EXPECT_EQ(run.tiles_per_step, small_run(8).tiles_per_step);
-    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), kCapture, nvv)), before + 1);
+    EXPECT_GT(mean_psnr(truths, held_out_renders(device(), kTrainedSphere, nvv)), before + 1);
 }
 
 TEST_F(TrainTest, AnotherDataSetIsRefused) {
     const TemporaryFolder folder;
     const std::filesystem::path nvv = folder.path / "sphere.nvv";
-    training::train(device(), capture(), small_run(2), nvv, go_on);
-    training::Dataset other = capture();
+    training::train(device(), trained_sphere(), small_run(2), nvv, go_on);
+    training::Dataset other = trained_sphere();
     for (training::View& view : other.views)
         edit_image(view, [](media::Image& image) {
             for (size_t i = 3; i < image.rgba.size() / 2; i += 4) image.rgba[i] = 0;  // half of the matte is clear
