@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,7 @@
 #include "tools/eval_page.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "training/align_rig.h"
 #include "training/contact_sheet.h"
 #include "training/evaluate.h"
 #include "training/flicker.h"
@@ -39,6 +41,7 @@ struct EvalOptions {
     std::string scene, dataset, format = training::kAnyFormat, split = "test", json, images, html, per = "camera",
                                 lpips;
     uint32_t samples = kMeasureSamples;
+    bool align = false;
 };
 
 nlohmann::ordered_json json_of(const training::Quality& quality) {
@@ -163,6 +166,36 @@ nlohmann::ordered_json json_of(const training::FlickerMeter::Summary& flicker) {
     return json;
 }
 
+// Moves the cameras of the data set as one, and says by how much.
+training::RigAlignment align(const gpu::Device& device, const voctree::ClipIndex& clip, training::Dataset& dataset) {
+    constexpr uint64_t kSteps = 1000;
+    Progress progress("align", kSteps);
+    const training::RigAlignment found = training::align_rig(device, clip, dataset, [&](double fraction) {
+        progress.update(static_cast<uint64_t>(fraction * kSteps));
+        return !stop_requested();
+    });
+    progress.finish();
+    if (stop_requested()) throw RuntimeFailure("stopped before the cameras were aligned");
+    for (stage::Camera& camera : dataset.cameras) camera = training::moved(camera, found.motion, found.centre);
+    return found;
+}
+
+void print(const training::RigAlignment& alignment) {
+    const training::RigMotion& motion = alignment.motion;
+    fmt::print("cameras moved as one by {:.2f} pixels: turned by {:.3f}°, shifted by {:.4f} m, scaled by {:.5f}\n",
+               alignment.motion_px, glm::degrees(glm::length(motion.turn)), glm::length(motion.shift),
+               std::exp(motion.log_scale));
+}
+
+nlohmann::ordered_json json_of(const training::RigAlignment& alignment) {
+    const training::RigMotion& motion = alignment.motion;
+    return {{"pixels", alignment.motion_px},
+            {"turn", {motion.turn.x, motion.turn.y, motion.turn.z}},
+            {"shift", {motion.shift.x, motion.shift.y, motion.shift.z}},
+            {"scale", std::exp(motion.log_scale)},
+            {"centre", {alignment.centre.x, alignment.centre.y, alignment.centre.z}}};
+}
+
 // Throws InputError, before any work is done, where a result could not be written.
 void prepare_outputs(const EvalOptions& options) {
     if (!options.json.empty() && options.json != "-") prepare_output_file("--json", options.json);
@@ -172,7 +205,7 @@ void prepare_outputs(const EvalOptions& options) {
 
 void run(const EvalOptions& options, const CommonOptions& common) {
     const voctree::ClipIndex clip = voctree::read_clip_index(options.scene);
-    const training::Dataset dataset =
+    training::Dataset dataset =
         training::load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     prepare_outputs(options);
     if (clip.frames() != dataset.times.size())
@@ -187,6 +220,8 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     training::FlickerMeter meter(dataset.cameras.size(), dataset.times.size());
     const gpu::Device device(common.device);
     catch_stop_signals();
+    std::optional<training::RigAlignment> alignment;
+    if (options.align) alignment = align(device, clip, dataset);
     Progress progress("eval", dataset.views.size());
     size_t compared = 0;
     const training::ViewCallback done = [&](size_t view, const media::Image& truth, const media::Image& render,
@@ -210,9 +245,11 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     const auto flicker = meter.summary(clip.frames() == dataset.times.size() ? cuts_of(clip) : std::vector<size_t>());
     nlohmann::ordered_json facts = json_of(options, dataset, evaluation, lpips);
     if (flicker) facts["flicker"] = json_of(*flicker);
+    if (alignment) facts["aligned"] = json_of(*alignment);
     if (!options.json.empty() && options.json != "-") write_text_file(options.json, json_text(facts));
     if (options.json == "-") return fmt::print("{}", json_text(facts));
     print(evaluation, dataset, options.per);
+    if (alignment) print(*alignment);
     if (flicker) print(*flicker);
     if (network) fmt::print("LPIPS, mean over images: {:.5f}\n", mean_lpips(lpips));
 }
@@ -237,6 +274,10 @@ void add_eval(Command app, CommonOptions& common) {
     verb.add_option("--per", options->per, "What a row of the table is: --json and --html hold both")
         .one_of({"camera", "frame"})
         .show_default();
+    verb.add_flag("--align", options->align,
+                  "First move all cameras of the split as one (a turn, a shift, a scaling) to where the scene fits "
+                  "their images best. A scene trained with --refine poses needs it: no training image shows where the "
+                  "rig as a whole stands");
     verb.add_option("--lpips", options->lpips,
                     "Also LPIPS 0.1 with AlexNet, its weights in this .npz (training/README.md says how to export "
                     "them): the mean, and in --json each image's");

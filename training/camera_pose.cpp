@@ -9,8 +9,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kMaxShift = 0.02;     // of the distance
-constexpr double kSceneExtent = 0.15;  // of the distance
+constexpr double kMaxShift = 0.02;  // of the distance
 
 }  // namespace
 

@@ -39,9 +39,10 @@ PoseChange pose_bounds(const stage::Camera& camera, glm::dvec3 centre);
 bool is_at_bound(const PoseChange& change, const PoseChange& bounds);
 
 constexpr size_t kScenePoints = 8;
+constexpr double kSceneExtent = 0.15;
 
-// The corners of a cube around `centre`, which reaches 0.15 of the camera's distance to each side: they stand for the
-// scene where the motion of its image is measured.
+// The corners of a cube around `centre`, which reaches kSceneExtent of the camera's distance to each side: they stand
+// for the scene where the motion of its image is measured.
 std::array<glm::dvec3, kScenePoints> scene_points(const stage::Camera& camera, glm::dvec3 centre);
 
 // Where a camera sees a point of the world, in pixels from the middle of its image, as if the lens were orthographic in

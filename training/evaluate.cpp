@@ -58,21 +58,6 @@ void whiten_ignored(const View& view, media::Image& image) {
             if (view.ignores(x, y)) std::copy(media::kWhite, media::kWhite + 3, image.at(x, y));
 }
 
-// A view and the frame of a tree that it shows.
-struct ViewFrame {
-    size_t view;  // index into Dataset::views
-    float frame;
-};
-
-std::vector<std::vector<ViewFrame>> views_by_segment(const voctree::ClipIndex& clip, const Dataset& dataset) {
-    std::vector<std::vector<ViewFrame>> views(clip.segments.size());
-    for (size_t i = 0; i < dataset.views.size(); ++i) {
-        const auto [segment, frame] = voctree::segment_frame(clip, frame_of_time(dataset.views[i].time, clip.frames()));
-        views[segment].push_back({i, frame});
-    }
-    return views;
-}
-
 // Compares views with one tree after the other, and sums what it finds.
 class Comparison {
   public:
@@ -93,7 +78,8 @@ class Comparison {
         render::FrameRenderer renderer(device_, field, {width_, height_, samples_});
         return std::all_of(views.begin(), views.end(), [&](const ViewFrame& one) {
             const View& view = dataset_.views[one.view];
-            const media::Image render = render_over_white(renderer, dataset_, view, one.frame, samples_);
+            const stage::Camera& camera = dataset_.cameras[view.camera];
+            const media::Image render = render_over_white(renderer, camera, view, one.frame, samples_);
             const media::Image truth = truth_over_white(dataset_, view);
             const Quality quality = compare(truth, render);
             sums_.views[one.view] = quality;
@@ -123,6 +109,15 @@ class Comparison {
 };
 
 }  // namespace
+
+std::vector<std::vector<ViewFrame>> views_by_segment(const voctree::ClipIndex& clip, const Dataset& dataset) {
+    std::vector<std::vector<ViewFrame>> views(clip.segments.size());
+    for (size_t i = 0; i < dataset.views.size(); ++i) {
+        const auto [segment, frame] = voctree::segment_frame(clip, frame_of_time(dataset.views[i].time, clip.frames()));
+        views[segment].push_back({i, frame});
+    }
+    return views;
+}
 
 size_t frame_of_view(const Dataset& dataset, const View& view) {
     return static_cast<size_t>(std::lower_bound(dataset.times.begin(), dataset.times.end(), view.time) -
@@ -179,9 +174,8 @@ media::Image truth_over_white(const Dataset& dataset, const View& view) {
     return media::composite_over(clear, media::kWhite);
 }
 
-media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view, float frame,
-                               uint32_t samples) {
-    const stage::Camera& camera = dataset.cameras[view.camera];
+media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
+                               float frame, uint32_t samples) {
     render::FrameSettings settings;
     settings.instances[0].frame = frame;
     settings.width = camera.width;

@@ -41,6 +41,15 @@ Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, con
 Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done = {});
 
+// A view and the frame of a segment's tree that it shows.
+struct ViewFrame {
+    size_t view;  // index into Dataset::views
+    float frame;
+};
+
+// By segment of the clip, the data set's views, in their order.
+std::vector<std::vector<ViewFrame>> views_by_segment(const voctree::ClipIndex& clip, const Dataset& dataset);
+
 // The view's frame: an index into Dataset::times.
 size_t frame_of_view(const Dataset& dataset, const View& view);
 
@@ -51,9 +60,9 @@ std::vector<std::string> camera_labels(const Dataset& dataset);
 // Indices of at most `count` views, ascending, spread over cameras and times.
 std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 
-// Renders a view at a frame of the renderer's field over white, its ignored pixels white, too.
-media::Image render_over_white(render::FrameRenderer& renderer, const Dataset& dataset, const View& view, float frame,
-                               uint32_t samples);
+// Renders what a camera sees at a frame of the renderer's field over white, the view's ignored pixels white, too.
+media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
+                               float frame, uint32_t samples);
 
 // The data set's image of a view over white. Where the camera has a clean plate, the captured background is removed.
 media::Image truth_over_white(const Dataset& dataset, const View& view);

@@ -26,9 +26,9 @@ constexpr double kLeastError = 1e-6;  // the mean squared residual below which i
 // The share of each change that is made: a single round sees few pixels, and rounds average what they say.
 constexpr double kGain = 0.4;
 
-// Added to the diagonal of the normal equations of the common motion, relative to its mean: cameras that all stand at
-// one place leave some of the seven numbers undetermined.
-constexpr double kCommonRidge = 1e-9;
+// Added to the diagonal of normal equations, relative to its mean: cameras that all stand at one place leave some of
+// the seven numbers of a common motion undetermined, and a sphere its turns.
+constexpr double kCommonRidge = 1e-9, kRidge = 1e-4;
 
 // Solves a system whose matrix is symmetric and positive definite, by Cholesky's decomposition.
 template <size_t N>
@@ -127,6 +127,15 @@ void PoseEvidence::add(double residual, const PoseChange& derivatives, double we
     }
     error += weight * residual * residual;
     count += 1;
+}
+
+PoseChange solution_of(const PoseEvidence& evidence) {
+    Matrix<kPoseNumbers> normal = evidence.normal;
+    double trace = 0;
+    for (size_t i = 0; i < kPoseNumbers; i++) trace += normal[i][i];
+    if (trace == 0) return {};
+    for (size_t i = 0; i < kPoseNumbers; i++) normal[i][i] += kRidge * trace / double{kPoseNumbers};
+    return solved(normal, evidence.right);
 }
 
 std::vector<PoseChange> next_poses(const std::vector<stage::Camera>& given, const std::vector<PoseChange>& changes,

@@ -5,8 +5,8 @@
 
 namespace neuvv::training {
 
-// Normal equations of a camera: ½ Δᵀ normal Δ − rightᵀ Δ is half of the squared error of its pixels after a change by
-// Δ, up to a constant.
+// Normal equations of seven numbers, those of a camera's pose or of a whole rig's (align_rig.h): ½ Δᵀ normal Δ − rightᵀ
+// Δ is half of the squared error of its pixels after a change by Δ, up to a constant.
 struct PoseEvidence {
     std::array<PoseChange, kPoseNumbers> normal{};
     PoseChange right{};
@@ -15,6 +15,10 @@ struct PoseEvidence {
     // Adds a residual (render minus truth) with its derivatives by the numbers of the pose.
     void add(double residual, const PoseChange& derivatives, double weight);
 };
+
+// The change after which the squared error is least, without a prior: numbers that images say nothing of stay. The
+// numbers must be of comparable size.
+PoseChange solution_of(const PoseEvidence& evidence);
 
 // The next changes: nearer to those that fit the images, weighed against a prior that the calibration is nearly right.
 // Images say nothing of a motion, a turn or a scaling of all cameras and the performer together: that common part is
