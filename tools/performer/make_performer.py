@@ -3,6 +3,7 @@
 
     python3 tools/performer/make_performer.py [OUTPUT.glb]            # the dancer
     python3 tools/performer/make_performer.py --squats OUTPUT.glb     # longer arms, shorter legs, squats (squats.py)
+    python3 tools/performer/make_performer.py --walk OUTPUT.glb       # the dancer walks a circle for 12 s (walk.py)
     python3 tools/performer/make_performer.py --trainee OUTPUT.glb    # joints alone, with mistakes (trainee.py)
 """
 import json
@@ -17,6 +18,7 @@ from body import make_body
 import motion
 import squats
 import trainee
+import walk
 from skeleton import INDEX, JOINTS
 
 U8, U16, F32 = 5121, 5123, 5126
@@ -164,6 +166,7 @@ def make_motion(figure):
 
 MAKERS = {
     "--squats": lambda: make_performer(squats),
+    "--walk": lambda: make_performer(walk),
     "--trainee": lambda: make_motion(trainee),
 }
 

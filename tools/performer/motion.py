@@ -93,6 +93,14 @@ def pose(t):
     world["hips"] = quat_mul(turn, quat_mul(quat_axis(Z, 0.10 * wave(t, 3, 0.35)), quat_axis(X, 0.05)))
     lean = quat_mul(quat_axis(X, 0.06 + 0.06 * beat(t)), quat_axis(Z, -0.10 * wave(t, 3, 0.35)))
     world["spine"] = quat_mul(world["hips"], lean)
+    pose_above(world, t, yaw)
+    for name, side in (("left", 1), ("right", -1)):
+        place_leg(world, name, side, hips, 0.75 * yaw + side * 0.16, foot(name, t))
+    return world, hips
+
+
+def pose_above(world, t, yaw):
+    """Chest, head and arms above a spine; the head turns back from the body's `yaw`."""
     twist = quat_mul(quat_axis(Y, 0.28 * wave(t, 2, 0.15)), quat_axis(Z, -0.13 * wave(t, 1, 0.1)))
     world["chest"] = quat_mul(world["spine"], twist)
     nod = quat_mul(quat_axis(Y, -0.45 * yaw - 0.15 * wave(t, 2, 0.15)), quat_axis(X, -0.10 + 0.12 * beat(t)))
@@ -102,8 +110,6 @@ def pose(t):
     world["ponytail"] = quat_mul(world["head"], swing)
     for name, side, phase in (("left", 1, 0.0), ("right", -1, 0.5)):
         pose_arm(world, name, side, t, phase)
-        pose_leg(world, name, side, t, hips, yaw)
-    return world, hips
 
 
 def pose_arm(world, name, side, t, phase):
@@ -127,9 +133,9 @@ def pose_arm(world, name, side, t, phase):
     world[f"{name}_hand"] = quat_mul(world[f"{name}_forearm"], flick)
 
 
-def pose_leg(world, name, side, t, hips, yaw):
-    (x, z), lift, share = foot(name, t)
-    facing = 0.75 * yaw + side * 0.16
+def place_leg(world, name, side, hips, facing, step):
+    """Hip to sole, for a foot that is where `step` says (foot) and points along `facing`."""
+    (x, z), lift, share = step
     pitch = 0.75 * lift / 0.1 * (1 - 1.5 * share) if share > 0 else 0.0  # toes last off the floor, heel first down
     sole = quat_mul(quat_axis(Y, facing), quat_axis(X, pitch))
     # The ankle stands above the sole; a pitched foot turns about its ball or heel, which keeps it out of the floor.
