@@ -29,11 +29,11 @@ struct JoinOptions {
     std::string output;
 };
 
-// Frames of a clip's file, which become a segment.
+// Frames of a clip's file, which become a segment, with its overlap behind them.
 struct Piece {
     voctree::ClipSegment source;
-    uint32_t first = 0, frames = 1;  // in the file
-    bool is_whole() const { return frames == source.frames; }
+    uint32_t first = 0, frames = 1, overlap = 0;  // in the file
+    bool is_whole() const { return frames + overlap == source.frames_of_file(); }
 };
 
 // The frames `begin` to `end` − 1 of a clip.
@@ -41,7 +41,9 @@ std::vector<Piece> pieces_of(const voctree::ClipIndex& index, uint32_t begin, ui
     std::vector<Piece> pieces;
     for (const voctree::ClipSegment& segment : index.segments) {
         const uint32_t first = std::max(begin, segment.first), last = std::min(end, segment.end());
-        if (first < last) pieces.push_back({segment, first - segment.first, last - first});
+        if (first >= last) continue;
+        const bool goes_on = last == segment.end() && last < end;  // into the next segment
+        pieces.push_back({segment, first - segment.first, last - first, goes_on ? segment.overlap : 0});
     }
     return pieces;
 }
@@ -54,7 +56,8 @@ void write_piece(const Piece& piece, const std::filesystem::path& output) {
         if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output.string(), error.message()));
         return;
     }
-    const voctree::VOctree part = voctree::frames_of(voctree::read_segment(piece.source), piece.first, piece.frames);
+    const voctree::VOctree part =
+        voctree::frames_of(voctree::read_segment(piece.source), piece.first, piece.frames + piece.overlap);
     voctree::write_nvv(output, part, {}, 9, voctree::coarse_tree(part));
 }
 
@@ -69,7 +72,8 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
     for (const Piece& piece : pieces) {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", output));
         const uint32_t first = index.segments.empty() ? 0 : index.frames();
-        index.segments.push_back({clip.folder() / voctree::segment_file_name(first), first, piece.frames});
+        index.segments.push_back(
+            {clip.folder() / voctree::segment_file_name(first), first, piece.frames, piece.overlap});
         write_piece(piece, index.segments.back().file);
         progress.update(index.segments.size());
     }
@@ -138,7 +142,8 @@ void add_clip(Command app, CommonOptions&) {
                         "Where it ends: the first frame that is not in it; else at the clip's end");
     cut_verb.footer(
         {"Images of the part are those of the clip. Where the part has frames of several segments, it is in "
-         "segments, too;\nwhole segments are copied as they are.\n\n",
+         "segments, too;\nwhole segments are copied as they are, but the last one without what it overlaps the next "
+         "by.\n\n",
          kClipExamples});
     cut_verb.callback([cut_options] { cut(*cut_options); });
 

@@ -115,6 +115,7 @@ bool print_segments(const InfoOptions& options) {
     for (const voctree::ClipSegment& segment : index.segments) {
         json.push_back(
             {{"file", segment.file.filename().string()}, {"first", segment.first}, {"frames", segment.frames}});
+        if (segment.overlap > 0) json.back()["overlap"] = segment.overlap;
         lines += fmt::format("frames {:>6} to {:>6}  {:<12}", segment.first, segment.end() - 1,
                              segment.file.filename().string());
         try {

@@ -87,7 +87,7 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
     const FileStamp stamp = stamp_of(segment.file);
     try {
         const auto tree = voctree::read_nvv_coarse(segment.file);
-        if (!tree || tree->frames != segment.frames) return;
+        if (!tree || tree->frames != segment.frames_of_file()) return;
         add_result({segment.file, stamp,
                     std::make_shared<const LoadedClip>(
                         LoadedClip{segment.file, stamp, upload_field(device_, *tree, WeightPrecision::kHalf), {}}),

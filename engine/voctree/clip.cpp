@@ -33,9 +33,9 @@ VOctree read_clip(const std::filesystem::path& path) {
 namespace {
 
 void require_frames(const ClipSegment& segment, uint32_t frames) {
-    if (frames != segment.frames)
+    if (frames != segment.frames_of_file())
         throw InputError(segment.file.string(), "HEAD",
-                         fmt::format("has {} frames, clip.json says {}", frames, segment.frames),
+                         fmt::format("has {} frames, clip.json says {}", frames, segment.frames_of_file()),
                          "train the segment again");
 }
 

@@ -15,7 +15,8 @@ namespace neuvv::voctree {
 
 namespace {
 
-constexpr uint64_t kIndexVersion = 1;
+constexpr uint64_t kIndexVersion = 2, kVersionWithoutOverlap = 1;
+constexpr uint64_t kMostOverlap = 1000;  // frames
 
 // The name of a segment's file. It must lie in the clip's own folder, so that a clip cannot name files elsewhere.
 std::string file_name(const JsonNode& node) {
@@ -59,7 +60,8 @@ ClipIndex read_clip_index(const std::filesystem::path& clip) {
         const JsonNode segment = segments[i];
         const auto frames = static_cast<uint32_t>(json_count(segment["frames"], kMaxClipFrames - first));
         if (frames == 0) segment["frames"].fail("is 0", "remove segments without frames");
-        index.segments.push_back({clip / file_name(segment["file"]), first, frames});
+        const uint64_t overlap = segment.has("overlap") ? json_count(segment["overlap"], kMostOverlap) : 0;
+        index.segments.push_back({clip / file_name(segment["file"]), first, frames, static_cast<uint32_t>(overlap)});
         if (!files.insert(index.segments.back().file).second)
             segment["file"].fail("is the file of another segment, too", "give each segment its own file");
         first += frames;
@@ -69,10 +71,22 @@ ClipIndex read_clip_index(const std::filesystem::path& clip) {
 
 void write_clip_index(const std::filesystem::path& folder, const ClipIndex& index) {
     nlohmann::ordered_json segments = nlohmann::ordered_json::array();
-    for (const ClipSegment& segment : index.segments)
+    uint64_t version = kVersionWithoutOverlap;
+    for (const ClipSegment& segment : index.segments) {
         segments.push_back({{"file", segment.file.filename().string()}, {"frames", segment.frames}});
+        if (segment.overlap == 0) continue;
+        segments.back()["overlap"] = segment.overlap;
+        version = kIndexVersion;
+    }
     write_text_file(index_file(folder),
-                    json_text({{"neuvv_clip", kIndexVersion}, {"fps", index.fps}, {"segments", segments}}));
+                    json_text({{"neuvv_clip", version}, {"fps", index.fps}, {"segments", segments}}));
+}
+
+std::vector<size_t> segments_from_middle(size_t segments) {
+    std::vector<size_t> order;
+    const size_t middle = segments / 2;
+    for (size_t i = 0; i < segments; i++) order.push_back(i % 2 ? middle - (i + 1) / 2 : middle + i / 2);
+    return order;
 }
 
 std::string segment_file_name(uint32_t first_frame) {
@@ -80,13 +94,16 @@ std::string segment_file_name(uint32_t first_frame) {
 }
 
 SegmentFrame segment_frame(const ClipIndex& index, double frame) {
-    // A frame belongs to the segment whose first frame is less than half a frame later.
     const auto after = std::upper_bound(
         index.segments.begin(), index.segments.end(), frame,
-        [](double value, const ClipSegment& segment) { return value < static_cast<double>(segment.first) - 0.5; });
-    const auto number = static_cast<uint32_t>(std::max<ptrdiff_t>(after - index.segments.begin(), 1) - 1);
+        [](double value, const ClipSegment& segment) { return value < static_cast<double>(segment.first); });
+    auto number = static_cast<uint32_t>(std::max<ptrdiff_t>(after - index.segments.begin(), 1) - 1);
+    const double behind = frame - (index.segments[number].end() - 1);  // the segment's last frame
+    const bool is_last = number + 1 == index.segments.size();
+    if (index.segments[number].overlap == 0 && behind >= 0.5 && !is_last) number++;
     const ClipSegment& segment = index.segments[number];
-    return {number, static_cast<float>(std::clamp(frame - segment.first, 0.0, segment.frames - 1.0))};
+    const double last = (is_last ? segment.frames : segment.frames_of_file()) - 1.0;
+    return {number, static_cast<float>(std::clamp(frame - segment.first, 0.0, last))};
 }
 
 }  // namespace neuvv::voctree

@@ -12,7 +12,11 @@ struct ClipSegment {
     std::filesystem::path file;  // with the clip's folder; it may be missing as long as the clip is being trained
     uint32_t first = 0;          // frame of the clip
     uint32_t frames = 1;
+    // How many more frames the file has at its end, so that slow motion goes on smoothly between the last of `frames`
+    // and the first of the next segment.
+    uint32_t overlap = 0;
     uint32_t end() const { return first + frames; }
+    uint32_t frames_of_file() const { return frames + overlap; }
 };
 
 struct ClipIndex {
@@ -37,6 +41,9 @@ std::filesystem::path clip_path(const std::filesystem::path& given);
 // that a clip with a damaged segment can be played but for that segment.
 ClipIndex read_clip_index(const std::filesystem::path& clip);
 
+// The indices of so many segments, those nearest to the clip's middle first.
+std::vector<size_t> segments_from_middle(size_t segments);
+
 // Writes clip.json into an existing folder, atomically. The segments' files must lie in the folder. Throws
 // RuntimeFailure.
 void write_clip_index(const std::filesystem::path& folder, const ClipIndex& index);
@@ -45,10 +52,11 @@ void write_clip_index(const std::filesystem::path& folder, const ClipIndex& inde
 std::string segment_file_name(uint32_t first_frame);
 
 // A frame of a clip, 0..frames−1, between frames where it has a fraction, as a place in a segment. Between the last
-// frame of a segment and the first of the next it is the nearer of the two.
+// frame of a segment and the first of the next, it lies in the first one's overlap; without an overlap it is the nearer
+// of the two frames.
 struct SegmentFrame {
     uint32_t segment = 0;  // index into ClipIndex::segments
-    float frame = 0;       // in that segment
+    float frame = 0;       // in that segment's file
 };
 SegmentFrame segment_frame(const ClipIndex& index, double frame);
 

@@ -51,6 +51,20 @@ TEST_F(ClipVerb, WholeSegmentsAreCopied) {
     EXPECT_EQ(bytes_of(index.segments[2].file), bytes_of(parts + "/000005.nvv"));
 }
 
+TEST_F(ClipVerb, AnOverlapEndsWithThePart) {
+    std::filesystem::remove_all(parts);
+    write_segmented_copy(tree, {2, 3, 1}, parts, 1);
+    run({"clip", "cut", parts, "-o", file("a.nvv"), "--to", "5"}, "5 frames in 2 segments");
+    const voctree::ClipIndex index = voctree::read_clip_index(file("a.nvv"));
+    EXPECT_EQ(index.segments[0].overlap, 1u);
+    EXPECT_EQ(bytes_of(index.segments[0].file), bytes_of(parts + "/000000.nvv"));
+    EXPECT_EQ(index.segments[1].overlap, 0u);
+    EXPECT_EQ(voctree::read_segment(index.segments[1]).weights, voctree::frames_of(tree, 2, 3).weights);
+    std::filesystem::remove_all(file("a.nvv"));
+    run({"clip", "cut", parts, "-o", file("a.nvv"), "--to", "2"}, "2 frames in 1 segment");
+    EXPECT_EQ(voctree::read_nvv(file("a.nvv")).frames, 2u);
+}
+
 TEST_F(ClipVerb, JoinedClipsFollowEachOther) {
     run({"clip", "join", parts, whole, "-o", file("a.nvv") + "/"}, "12 frames in 4 segments");
     const voctree::ClipIndex index = voctree::read_clip_index(file("a.nvv"));

@@ -33,7 +33,7 @@ class ClipIndexTest : public testing::Test {
 TEST_F(ClipIndexTest, WhatIsWrittenIsRead) {
     EXPECT_FALSE(voctree::is_segmented(clip)) << "without clip.json it is a folder like others";
     const voctree::ClipIndex index{
-        29.97f, {{clip / voctree::segment_file_name(0), 0, 4}, {clip / voctree::segment_file_name(4), 4, 3}}};
+        29.97f, {{clip / voctree::segment_file_name(0), 0, 4, 1}, {clip / voctree::segment_file_name(4), 4, 3}}};
     voctree::write_clip_index(clip, index);
     EXPECT_TRUE(voctree::is_segmented(clip));
     const voctree::ClipIndex read = voctree::read_clip_index(clip);
@@ -43,6 +43,12 @@ TEST_F(ClipIndexTest, WhatIsWrittenIsRead) {
     EXPECT_EQ(read.segments[1].file, clip / "000004.nvv");
     EXPECT_EQ(read.segments[1].first, 4u);
     EXPECT_EQ(read.segments[1].frames, 3u);
+    EXPECT_EQ(read.segments[0].overlap, 1u);
+    EXPECT_EQ(read.segments[1].overlap, 0u);
+    EXPECT_NE(read_text(clip / "clip.json").find("\"neuvv_clip\": 2"), std::string::npos);
+    voctree::write_clip_index(clip, {25, {{clip / "a.nvv", 0, 4}}});
+    EXPECT_NE(read_text(clip / "clip.json").find("\"neuvv_clip\": 1"), std::string::npos)
+        << "older programs play a clip without overlap";
 }
 
 TEST_F(ClipIndexTest, AFileIsOneSegment) {
@@ -73,14 +79,15 @@ TEST_F(ClipIndexTest, TheHeadHoldsAllSegments) {
 TEST_F(ClipIndexTest, SegmentsAreFilesOfTheirFrames) {
     write_segment("a.nvv", 2, {0, 0, 0});
     const voctree::VOctree sound = write_segment("b.nvv", 2, {4, 1, 0});
-    write_index(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 3},
-                    {"file": "inside.nvv", "frames": 2}, {"file": "b.nvv", "frames": 2}]})");
+    write_index(R"({"neuvv_clip": 2, "fps": 30, "segments": [{"file": "a.nvv", "frames": 3},
+                    {"file": "inside.nvv", "frames": 2}, {"file": "b.nvv", "frames": 1, "overlap": 1}]})");
     const voctree::ClipIndex index = voctree::read_clip_index(clip);
     expect_input_error([&] { voctree::read_segment(index.segments[0]); }, {"a.nvv", "2 frames", "says 3"});
     // A segment that is the folder itself: a reader that followed it would not end.
     std::filesystem::create_directory_symlink(clip, clip / "inside.nvv");
     expect_input_error([&] { voctree::read_segment(index.segments[1]); }, {"inside.nvv"});
-    EXPECT_EQ(voctree::read_clip_head(clip).frames, 7u);
+    EXPECT_EQ(voctree::read_segment(index.segments[2]).frames, 2u);
+    EXPECT_EQ(voctree::read_clip_head(clip).frames, 6u);
     EXPECT_EQ(voctree::read_clip_head(clip).box_min, sound.box_min) << "of the segments that can be played";
 }
 
@@ -106,7 +113,7 @@ TEST_F(ClipIndexTest, DamageIsNamed) {
     expect_refused("", "");
     expect_refused("[]", "index of a segmented clip");
     expect_refused(R"({"neuvv_clip": 1, "fps": 30})", "segments");
-    expect_refused(R"({"neuvv_clip": 2, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2}]})", "newer neuvv");
+    expect_refused(R"({"neuvv_clip": 3, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2}]})", "newer neuvv");
     expect_refused(R"({"neuvv_clip": 1, "fps": 0, "segments": [{"file": "a.nvv", "frames": 2}]})", "fps");
     expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": []})", "segments");
     expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 0}]})",
@@ -119,10 +126,21 @@ TEST_F(ClipIndexTest, DamageIsNamed) {
     expect_refused(R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2},
                        {"file": "a.nvv", "frames": 2}]})",
                    "segments[1].file");
+    for (const char* overlap : {"-1", "0.5", "100000"})
+        expect_refused(R"({"neuvv_clip": 2, "fps": 30, "segments": [{"file": "a.nvv", "frames": 2, "overlap": )" +
+                           std::string(overlap) + "}]}",
+                       "segments[0].overlap");
     for (const char* name : {"../a.nvv", "/etc/a.nvv", "sub/a.nvv", "", "..", "a.txt"})
         expect_refused(
             R"({"neuvv_clip": 1, "fps": 30, "segments": [{"file": ")" + std::string(name) + R"(", "frames": 2}]})",
             "segments[0].file");
+}
+
+TEST(SegmentsFromMiddle, TheNearestComeFirst) {
+    EXPECT_TRUE(voctree::segments_from_middle(0).empty());
+    EXPECT_EQ(voctree::segments_from_middle(1), (std::vector<size_t>{0}));
+    EXPECT_EQ(voctree::segments_from_middle(4), (std::vector<size_t>{2, 1, 3, 0}));
+    EXPECT_EQ(voctree::segments_from_middle(5), (std::vector<size_t>{2, 1, 3, 0, 4}));
 }
 
 TEST(ClipPath, EndsWithTheName) {
@@ -140,6 +158,21 @@ TEST(SegmentFrame, IsTheNearest) {
         float local;
     } cases[] = {{-2, 0, 0}, {0, 0, 0},   {2.25, 0, 2.25f}, {3, 0, 3},      {3.4, 0, 3}, {3.5, 1, 0},
                  {4, 1, 0},  {4.4, 1, 0}, {4.5, 2, 0},      {5.5, 2, 0.5f}, {7, 2, 2},   {100, 2, 2}};
+    for (const auto& one : cases) {
+        const voctree::SegmentFrame at = voctree::segment_frame(index, one.frame);
+        EXPECT_EQ(at.segment, one.segment) << one.frame;
+        EXPECT_EQ(at.frame, one.local) << one.frame;
+    }
+}
+
+TEST(SegmentFrame, IsInTheOverlapUntilTheNextSegmentBegins) {
+    const voctree::ClipIndex index{25, {{"a", 0, 4, 1}, {"b", 4, 1}, {"c", 5, 3, 2}}};
+    const struct {
+        double frame;
+        uint32_t segment;
+        float local;
+    } cases[] = {{3, 0, 3},   {3.5, 0, 3.5f}, {3.75, 0, 3.75f}, {4, 1, 0},
+                 {4.4, 1, 0}, {4.5, 2, 0},    {7, 2, 2},        {9, 2, 2}};
     for (const auto& one : cases) {
         const voctree::SegmentFrame at = voctree::segment_frame(index, one.frame);
         EXPECT_EQ(at.segment, one.segment) << one.frame;
