@@ -180,11 +180,12 @@ training::RigAlignment align(const gpu::Device& device, const voctree::ClipIndex
     return found;
 }
 
-void print(const training::RigAlignment& alignment) {
+std::string text_of(const training::RigAlignment& alignment) {
     const training::RigMotion& motion = alignment.motion;
-    fmt::print("cameras moved as one by {:.2f} pixels: turned by {:.3f}°, shifted by {:.4f} m, scaled by {:.5f}\n",
-               alignment.motion_px, glm::degrees(glm::length(motion.turn)), glm::length(motion.shift),
-               std::exp(motion.log_scale));
+    return fmt::format(
+        "cameras moved as one by {:.2f} pixels: turned by {:.3f}°, shifted by {:.4f} m, scaled by {:.5f}",
+        alignment.motion_px, glm::degrees(glm::length(motion.turn)), glm::length(motion.shift),
+        std::exp(motion.log_scale));
 }
 
 nlohmann::ordered_json json_of(const training::RigAlignment& alignment) {
@@ -239,7 +240,8 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     if (!options.images.empty()) folder.finish();
     if (!options.html.empty()) {
         page.finish();
-        const PageFacts facts{options.scene, options.dataset, options.split, device.summary().name};
+        const PageFacts facts{options.scene, options.dataset, options.split, device.summary().name,
+                              alignment ? text_of(*alignment) : ""};
         write_text_file(options.html, comparison_page(facts, dataset, evaluation, page.images));
     }
     const auto flicker = meter.summary(clip.frames() == dataset.times.size() ? cuts_of(clip) : std::vector<size_t>());
@@ -249,7 +251,7 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     if (!options.json.empty() && options.json != "-") write_text_file(options.json, json_text(facts));
     if (options.json == "-") return fmt::print("{}", json_text(facts));
     print(evaluation, dataset, options.per);
-    if (alignment) print(*alignment);
+    if (alignment) fmt::print("{}\n", text_of(*alignment));
     if (flicker) print(*flicker);
     if (network) fmt::print("LPIPS, mean over images: {:.5f}\n", mean_lpips(lpips));
 }

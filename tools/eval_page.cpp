@@ -229,9 +229,11 @@ std::string comparison_page(const PageFacts& facts, const training::Dataset& dat
     std::string page = kHtmlHead;
     page += fmt::format("<title>{}</title>\n{}</head><body>\n", html_text(facts.scene), kStyle);
     page += fmt::format("<h1>{} against {}</h1>\n", html_text(facts.scene), html_text(facts.dataset));
-    page += fmt::format("<p>{} images of {} cameras and {} frames, {} split, rendered on {}.<br><b>",
-                        evaluation.views.size(), dataset.cameras.size(), dataset.times.size(), html_text(facts.split),
-                        html_text(facts.device));
+    page +=
+        fmt::format("<p>{} images of {} cameras and {} frames, {} split, rendered on {}.<br>", evaluation.views.size(),
+                    dataset.cameras.size(), dataset.times.size(), html_text(facts.split), html_text(facts.device));
+    if (!facts.note.empty()) page += html_text(facts.note) + "<br>";
+    page += "<b>";
     for (const Metric& metric : metrics())
         page += fmt::format("{} {:.{}f}{} &ensp;", metric.name, metric.of(evaluation.mean), metric.digits, metric.unit);
     page +=

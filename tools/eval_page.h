@@ -17,6 +17,7 @@ struct PageImage {
 // What the page says it compares, and the device that rendered.
 struct PageFacts {
     std::string scene, dataset, split, device;
+    std::string note = {};  // a line under the heading; empty: none
 };
 
 // The page has means, curves over the clip's frames, and tables of cameras, frames and images. Truth, render, error and

@@ -4,13 +4,17 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <numbers>
 #include <optional>
+#include <set>
+
+#include "base/error.h"
 
 #include "render/frame.h"
 #include "training/evaluate.h"
-#include "training/hull_box.h"
 #include "training/pose_solver.h"
 #include "voctree/clip.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::training {
 
@@ -52,23 +56,35 @@ struct Shot {
     media::Image truth;
 };
 
-// The segment that has most of some views, which are spread over cameras and times, and those of its views.
-std::pair<size_t, std::vector<Shot>> selected_shots(const voctree::ClipIndex& clip, const Dataset& dataset) {
-    const std::vector<size_t> spread = spread_views(dataset, kViews * clip.segments.size());
-    const std::vector<std::vector<ViewFrame>> views = views_by_segment(clip, dataset);
-    size_t segment = 0;
-    std::vector<ViewFrame> most;
-    for (size_t i = 0; i < views.size(); i++) {
-        std::vector<ViewFrame> selected;
-        for (const ViewFrame& one : views[i])
-            if (std::ranges::binary_search(spread, one.view)) selected.push_back(one);
-        if (selected.size() > most.size()) segment = i, most = selected;
-    }
-    if (most.size() > kViews) most.resize(kViews);
+// A segment's tree, and what is compared with it.
+struct Scene {
+    voctree::VOctree tree;
     std::vector<Shot> shots;
-    for (const ViewFrame& one : most)
-        shots.push_back({one.view, one.frame, truth_over_white(dataset, dataset.views[one.view])});
-    return {segment, shots};
+};
+
+// Up to kViews of a segment's views, spread over them by multiples of the golden ratio.
+std::vector<Shot> selected_shots(const std::vector<ViewFrame>& views, const Dataset& dataset) {
+    std::set<size_t> selected;
+    for (size_t i = 0; i < kViews; i++) {
+        const double share = std::fmod(static_cast<double>(i) * std::numbers::phi, 1.0);
+        selected.insert(static_cast<size_t>(share * static_cast<double>(views.size())));
+    }
+    std::vector<Shot> shots;
+    for (const size_t i : selected)
+        shots.push_back({views[i].view, views[i].frame, truth_over_white(dataset, dataset.views[views[i].view])});
+    return shots;
+}
+
+// Of the segments that the images show, the one nearest to the clip's middle that has leaves.
+Scene scene_of(const voctree::ClipIndex& clip, const Dataset& dataset) {
+    const std::vector<std::vector<ViewFrame>> views = views_by_segment(clip, dataset);
+    for (const size_t i : voctree::segments_from_middle(clip.segments.size())) {
+        if (views[i].empty()) continue;
+        voctree::VOctree tree = voctree::read_segment(clip.segments[i]);
+        if (tree.leaf_count > 0) return {std::move(tree), selected_shots(views[i], dataset)};
+    }
+    throw InputError(dataset.folder.string(), "", "has images only of times at which the scene shows nobody",
+                     "leave out --align");
 }
 
 // What one image says about the motion. `plus`, `minus`: renders with each number changed up and down by its step, so
@@ -95,17 +111,14 @@ class Alignment {
   public:
     Alignment(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset,
               const AlignCallback& callback)
-        : dataset_(dataset), callback_(callback) {
-        const auto [low, high] = first_box(dataset);
+        : dataset_(dataset), callback_(callback), scene_(scene_of(clip, dataset)) {
+        const auto [low, high] = voctree::occupied_box(scene_.tree);
         centre_ = 0.5 * (low + high);
         steps_ = steps_of(dataset.cameras, centre_);
-        auto [segment, shots] = selected_shots(clip, dataset);
-        shots_ = std::move(shots);
         uint32_t width = 1, height = 1;
         for (const stage::Camera& camera : dataset.cameras)
             width = std::max(width, camera.width), height = std::max(height, camera.height);
-        const voctree::VOctree tree = voctree::read_segment(clip.segments[segment]);
-        field_ = render::upload_field(device, tree, render::WeightPrecision::kHalf);
+        field_ = render::upload_field(device, scene_.tree, render::WeightPrecision::kHalf);
         renderer_.emplace(device, field_, render::FrameCapacity{width, height, 1});
     }
 
@@ -132,18 +145,18 @@ class Alignment {
     // What all shots say from a motion; nothing where the callback stopped the search.
     std::optional<PoseEvidence> look_from(const Numbers& numbers) {
         PoseEvidence evidence;
-        for (size_t i = 0; i < shots_.size(); i++) {
-            const double done = static_cast<double>(i) / static_cast<double>(shots_.size());
+        for (size_t i = 0; i < scene_.shots.size(); i++) {
+            const double done = static_cast<double>(i) / static_cast<double>(scene_.shots.size());
             if (!callback_((round_ + done) / (kMostRounds + 1))) return std::nullopt;
             std::array<media::Image, kNumbers> plus, minus;
             for (size_t number = 0; number < kNumbers; number++) {
                 Numbers more = numbers, less = numbers;
                 more[number] += steps_[number];
                 less[number] -= steps_[number];
-                plus[number] = rendered(shots_[i], more);
-                minus[number] = rendered(shots_[i], less);
+                plus[number] = rendered(scene_.shots[i], more);
+                minus[number] = rendered(scene_.shots[i], less);
             }
-            add_image(shots_[i].truth, rendered(shots_[i], numbers), plus, minus, evidence);
+            add_image(scene_.shots[i].truth, rendered(scene_.shots[i], numbers), plus, minus, evidence);
         }
         return evidence;
     }
@@ -171,7 +184,7 @@ class Alignment {
     const AlignCallback& callback_;
     glm::dvec3 centre_;
     Numbers steps_;
-    std::vector<Shot> shots_;
+    Scene scene_;
     render::Field field_;
     std::optional<render::FrameRenderer> renderer_;
     int round_ = 0;

@@ -140,6 +140,21 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
     EXPECT_EQ(training::evaluate(device(), tree, dataset, 1, [](auto...) { return false; }).compared, 1u);
 }
 
+TEST_F(CliGpu, EvalAlignsCamerasThatFitAlready) {
+    write_own_data();
+    const std::vector<std::string> command = {"eval", scene, file("data"), "--samples", "1", "--align"};
+    std::vector<std::string> with_json = command;
+    with_json.insert(with_json.end(), {"--json", "-", "--html", file("page.html")});
+    const ProgramResult json = run_neuvv(with_json), table = run_neuvv(command);
+    ASSERT_EQ(json.code, 0) << json.err;
+    const nlohmann::json facts = nlohmann::json::parse(json.out);
+    EXPECT_LT(facts.at("aligned").at("pixels"), 0.1);
+    EXPECT_NEAR(facts.at("aligned").at("scale"), 1, 1e-3);
+    EXPECT_GT(facts.at("psnr"), 40);
+    EXPECT_NE(table.out.find("cameras moved as one by 0.0"), std::string::npos) << table.out;
+    EXPECT_NE(read_text(file("page.html")).find("cameras moved as one"), std::string::npos);
+}
+
 TEST_F(CliGpu, AnInstantIntoOnePictureIsAStill) {
     const ProgramResult result =
         run_neuvv({"render", scene, "-o", file("still.png"), "--frames", "1.5", "--size", "40x24"});

@@ -85,6 +85,20 @@ TEST_F(AlignRigTest, ARigThatFitsStays) {
     EXPECT_LT(align(rendered).motion_px, 0.1);
 }
 
+// One camera alone has a place to come back to, too, though some of its motions look alike.
+TEST_F(AlignRigTest, OneCameraIsEnough) {
+    RenderedClip rendered(device());
+    std::erase_if(rendered.dataset.views, [](const training::View& view) { return view.camera != 0; });
+    rendered.dataset.cameras.resize(1);
+    const training::RigMotion spoilt{{0, 0, 0}, {0.03, 0.04, 0}, 0};
+    const stage::Camera truth = rendered.dataset.cameras[0];
+    stage::Camera& camera = rendered.dataset.cameras[0];
+    camera = training::moved(truth, spoilt, glm::dvec3(0));
+    const training::RigAlignment found = align(rendered);
+    const double before = distance_px(truth, camera, found.centre);
+    EXPECT_LT(distance_px(truth, training::moved(camera, found.motion, found.centre), found.centre), 0.3 * before);
+}
+
 TEST_F(AlignRigTest, StopsWhereItsCallbackSaysSo) {
     const RenderedClip rendered(device());
     const auto stop = [](double) { return false; };
