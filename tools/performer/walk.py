@@ -1,10 +1,10 @@
-"""Somebody who walks a circle of 1.4 m in 12 s, the end joining the start: a clip that is long and leaves no part of its
-box unused. Above the hips it is the dance."""
+"""Somebody who walks a circle, 1.4 m across, in 12 s, the end joining the start: a clip that is long and uses all of its
+box. Above the hips it is the dance."""
 import math
 
 import motion
 from motion import X, Y, Z, add2, place_leg, pose_above, scale2
-from skeleton import PLACE, local_place
+from skeleton import ANKLE, PLACE, local_place
 from vectors import mix, quat_axis, quat_mul, smoothstep
 
 NAME = "walk"
@@ -35,7 +35,10 @@ def foot(side, t):
     middle = t - steps + begun + 0.5 * STANDS_S  # when the hips pass the foot that stands
     before, after = path(middle, side * OUTWARDS), path(middle + 1, side * OUTWARDS)
     turn = heading(middle + smoothstep(0, 1, share))
-    return mix(before, after, smoothstep(0, 1, share)), LIFT * math.sin(math.pi * share) ** 2, share, turn
+    # place_leg has the ankle off the foot's middle along Z, as of somebody who faces that way.
+    ankle = scale2((math.sin(turn), math.cos(turn) - 1), ANKLE[2])
+    where = add2(mix(before, after, smoothstep(0, 1, share)), ankle)
+    return where, LIFT * math.sin(math.pi * share) ** 2, share, turn
 
 
 def pose(t):
