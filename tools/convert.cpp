@@ -18,6 +18,7 @@
 #include "tools/unfinished_clip.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
+#include "training/rig_file.h"
 #include "voctree/clip.h"
 #include "voctree/coarse.h"
 #include "voctree/frames.h"
@@ -156,6 +157,8 @@ Outcome convert_segments(const gpu::Device& device, const ConvertOptions& option
         smaller.segments[i].file = clip.folder() / voctree::segment_file_name(index.segments[i].first);
         convert_file(device, index.segments[i], smaller.segments[i].file, options, outcome);
     }
+    if (const auto correction = training::read_rig_correction(options.scene))  // a part may be trained again
+        training::write_rig_correction(clip.folder(), *correction);
     voctree::write_clip_index(clip.folder(), smaller);
     clip.finish(clip.folder());
     return outcome;

@@ -16,7 +16,19 @@ namespace neuvv::tools {
 
 namespace {
 
-uint32_t longest_segment(const std::string& text, double fps) {
+// Segments of so many frames also have the next one's first frame, if it can have a basis of its own. In shorter ones,
+// it would cost too much.
+constexpr uint32_t kLeastForOverlap = 4;
+
+constexpr double kUsualSecond = 25;  // frames, where a rig does not say how many there are a second
+
+// The frames that --segment asks for. "auto" is a second, but no more than can have a basis each, with the overlap.
+uint32_t longest_segment(const TrainOptions& options, double fps) {
+    const std::string& text = options.segment;
+    if (text == "auto") {
+        const double second = fps > 0 ? std::clamp(std::round(fps), 1.0, double{kMaxBases}) : kUsualSecond;
+        return std::min(static_cast<uint32_t>(second), std::max(options.settings.shape.bases, 2u) - 1);
+    }
     const uint32_t frames = parse_frames("--segment", text, fps);
     if (frames < 1) throw InputError("--segment", text, "is no frame", "give at least one frame");
     return frames;
@@ -65,7 +77,7 @@ voctree::ClipIndex index_before(const TrainOptions& options, const training::Rig
                          fmt::format("has {} frames, {} has {}", index.frames(), options.dataset.string(), frames),
                          "use the data set that the run began with");
     if (!options.segment.empty() &&
-        training::segment_lengths(frames, longest_segment(options.segment, rig.fps)).size() != index.segments.size())
+        training::segment_lengths(frames, longest_segment(options, rig.fps)).size() != index.segments.size())
         throw InputError("--segment", options.segment,
                          fmt::format("{} has {} segments", options.output.string(), index.segments.size()),
                          "leave it out: the clip keeps its segments");
@@ -106,9 +118,11 @@ SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig)
         return plan;
     }
     if (rig.fps > 0) plan.clip.fps = static_cast<float>(rig.fps);
-    for (const uint32_t length : training::segment_lengths(frames, longest_segment(options.segment, rig.fps))) {
+    for (const uint32_t length : training::segment_lengths(frames, longest_segment(options, rig.fps))) {
         const uint32_t first = plan.clip.segments.empty() ? 0 : plan.clip.frames();
-        plan.clip.segments.push_back({options.output / voctree::segment_file_name(first), first, length});
+        const bool has_overlap = length >= kLeastForOverlap && length < options.settings.shape.bases;
+        const uint32_t overlap = has_overlap && first + length < frames ? 1 : 0;
+        plan.clip.segments.push_back({options.output / voctree::segment_file_name(first), first, length, overlap});
     }
     plan.segments = plan.clip.segments;
     return plan;
@@ -118,7 +132,6 @@ TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& se
     const double share = static_cast<double>(segment.frames) / frames;
     TrainOptions options = clip;
     options.output = segment.file;
-    options.is_segment = true;
     training::TrainSettings& settings = options.settings;
     if (settings.steps == 0 && settings.minutes == 0) settings.minutes = training::kDefaultMinutes;
     settings.minutes *= share;
@@ -142,7 +155,11 @@ void begin_segments(const TrainOptions& options, const SegmentPlan& plan) {
     for (const voctree::ClipSegment& segment : segments_in_the_way(options, plan))
         for (const std::filesystem::path& file : {segment.file, training::state_path(segment.file)})
             std::filesystem::remove(file);
-    if (!options.is_part()) voctree::write_clip_index(options.output, plan.clip);
+    if (options.is_part()) return;
+    if (!options.live.metrics.empty()) std::filesystem::remove(options.live.metrics);
+    std::filesystem::remove(training::rig_file(options.output));
+    if (options.correction) training::write_rig_correction(options.output, *options.correction);
+    voctree::write_clip_index(options.output, plan.clip);
 }
 
 }  // namespace neuvv::tools

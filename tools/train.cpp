@@ -78,12 +78,9 @@ void expect_compatible(const TrainOptions& options, const Ranks& ranks) {
                              "leave them out, or start one process");
         return;
     }
-    if (refine.needs_search())
-        throw InputError("--refine", options.refine, "cannot be combined with --segment, but for colours",
-                         "correct the calibration by what `neuvv dataset --rig` finds");
-    if (!options.live.preview.empty() || !options.live.metrics.empty())
-        throw InputError("--preview, --metrics", "", "are of one run, not of the many of --segment",
-                         "leave them out, or train without --segment");
+    if (options.is_part() && refine.needs_search())
+        throw InputError("--refine", options.refine, "is decided once for all segments of a clip, but for colours",
+                         "leave it out: a part corrects what the clip does");
 }
 
 [[noreturn]] void throw_taken(const std::filesystem::path& output) {
@@ -106,8 +103,19 @@ std::optional<training::RunClaim> claim_file(const std::filesystem::path& output
     return claim;
 }
 
-void run_in_segments(const TrainOptions& options, const training::Rig& rig, const Ranks& ranks,
-                     const CommonOptions& common) {
+// Begins the clip without training it.
+void run_plan(TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan, const CommonOptions& common) {
+    if (refine_of(options.refine).needs_search()) {
+        if (!correct_clip(gpu::Device(common.device), options, rig, plan))
+            throw RuntimeFailure("stopped before the clip was planned");
+        expect_nobody_trains(options, plan);
+    }
+    begin_segments(options, plan);
+    fmt::print("planned {}: {} frames in {} segments; the same command with --resume in place of --plan trains them\n",
+               options.output.string(), plan.frames(), plan.segments.size());
+}
+
+void run_in_segments(TrainOptions& options, const training::Rig& rig, const Ranks& ranks, const CommonOptions& common) {
     const SegmentPlan plan = plan_segments(options, rig);
     std::optional<training::RunClaim> clip;  // of the process that begins it, so that nobody else does
     if (ranks.is_first() && !options.settings.resume) {
@@ -117,10 +125,7 @@ void run_in_segments(const TrainOptions& options, const training::Rig& rig, cons
         std::filesystem::remove(job_file(options.output));
     }
     if (options.plan) {
-        begin_segments(options, plan);
-        fmt::print(
-            "planned {}: {} frames in {} segments; the same command with --resume in place of --plan trains them\n",
-            options.output.string(), plan.frames(), plan.segments.size());
+        if (ranks.is_first()) run_plan(options, rig, plan, common);
         return;
     }
     const gpu::Device device(device_of_rank(ranks, common.device));
@@ -134,6 +139,14 @@ void share_memory(TrainOptions& options, const Ranks& ranks) {
         options.image_gigabytes = 1e-9 * static_cast<double>(training::image_budget()) / ranks.on_machine;
 }
 
+// Of a long clip as one tree, many frames have to share each basis.
+void advise_segments(const TrainOptions& options, const training::Rig& rig) {
+    const size_t frames = training::times_of(rig).size();
+    if (frames > 4 * size_t{options.settings.shape.bases} && !options.settings.resume)
+        fmt::print(stderr, "{} frames share {} temporal bases; `--segment auto` gives each second a tree of its own\n",
+                   frames, options.settings.shape.bases);
+}
+
 void run_train(TrainOptions options, const CommonOptions& common) {
     const Ranks ranks = ranks_of_environment();
     share_memory(options, ranks);
@@ -143,6 +156,7 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     catch_stop_signals();
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
     if (is_in_segments(options)) return run_in_segments(options, rig, ranks, common);
+    if (ranks.is_first()) advise_segments(options, rig);
     std::optional<training::RunClaim> claim;
     if (ranks.is_first()) claim = claim_file(options.output);
     const gpu::Device device(device_of_rank(ranks, common.device));
@@ -189,11 +203,11 @@ void add_init_options(Command verb, TrainOptions& options) {
 
 // How a clip is cut. Returns --plan.
 Option add_segment_options(Command verb, TrainOptions& options) {
-    verb.add_option(
-        "--segment", options.segment,
-        "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
-        "own; OUTPUT becomes a folder. For clips of any length: the memory of training does not grow with it "
-        "(default: one tree)");
+    verb.add_option("--segment", options.segment,
+                    "Train the clip in segments of at most so many frames (4) or seconds (0.5s), each a tree of its "
+                    "own (auto: a second, but fewer frames than --bases); OUTPUT becomes a folder. For clips of any "
+                    "length: the memory of training does not grow with it "
+                    "(default: one tree)");
     verb.add_option("--from", options.from,
                     "Train a part of a clip in segments again: those that have frames from this one on (24, 1.5s or "
                     "2:10), with a budget of their own. Their files are removed first");

@@ -24,9 +24,19 @@ namespace {
 
 constexpr double kPreviewPeriod_s = 3, kPreviewShare = 0.05;  // at least; of the run's time, at most
 
-training::Dataset load_preview_data(const training::Dataset& training, const training::LoadOptions& load) {
+// The image that previews show: of the first held-out camera, at the frames that are trained.
+training::Dataset load_preview_data(const TrainOptions& options, const training::Dataset& training,
+                                    const training::LoadOptions& load) {
     try {
-        return training::preview_dataset(training::load_dataset(training.folder, training::Split::kTest, load));
+        training::Rig rig = training::read_rig(training.folder, training::Split::kTest, load.format);
+        if (options.frames) rig = options.frames->of(rig);
+        if (rig.shots.empty())
+            throw InputError(training.folder.string(), "", "has no held-out image of these frames",
+                             "hold out a camera that has images at all times");
+        const uint32_t camera = rig.shots[0].camera;
+        std::erase_if(rig.shots, [&](const training::Shot& shot) { return shot.camera != camera; });
+        training::drop_cameras_without_shots(rig);
+        return training::preview_dataset(training::read_images(rig, load));
     } catch (const std::runtime_error& error) {
         fmt::print(stderr, "the preview shows a training image, as no held-out one can be read: {}\n", error.what());
         return training::preview_dataset(training);
@@ -37,9 +47,10 @@ class LiveReport {
   public:
     // Loads a held-out image where a preview is wanted; of a data set without one, a training image.
     LiveReport(const gpu::Device& device, const training::Dataset& training, const training::LoadOptions& load,
-               LiveOptions options)
-        : device_(device), options_(std::move(options)) {
-        if (!options_.preview.empty()) preview_data_ = load_preview_data(training, load);
+               const TrainOptions& options)
+        : device_(device), options_(options.live) {
+        if (options.frames) first_frame_ = options.frames->first;
+        if (!options_.preview.empty()) preview_data_ = load_preview_data(options, training, load);
     }
 
     // Call it with every report of the run. Previews take at most a twentieth of the time. A preview that fails, for
@@ -48,9 +59,9 @@ class LiveReport {
         write_preview_if_due(now);
         if (options_.metrics.empty()) return;
         try {
-            if (!log_) log_.emplace(options_.metrics, now.began_at_step);
+            if (!log_) log_.emplace(options_.metrics, now.began_at_step, first_frame_);
             log_->add(now, score_);
-        } catch (const RuntimeFailure& failure) {  // a run is worth more than its log
+        } catch (const std::runtime_error& failure) {  // a run is worth more than its log
             fmt::print(stderr, "\nno more metrics: {}\n", failure.what());
             options_.metrics.clear();
         }
@@ -75,6 +86,7 @@ class LiveReport {
 
     const gpu::Device& device_;
     LiveOptions options_;
+    std::optional<uint32_t> first_frame_;
     training::Dataset preview_data_;
     std::optional<training::MetricsLog> log_;
     std::optional<training::PreviewScore> score_;
@@ -124,7 +136,7 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
 training::LoadOptions load_options(const TrainOptions& options) {
     const bool given = options.image_gigabytes > 0;
     return {.format = options.format,
-            .may_be_empty = options.is_segment,
+            .may_be_empty = options.frames.has_value(),
             .memory_bytes = given ? static_cast<uint64_t>(1e9 * options.image_gigabytes) : training::image_budget()};
 }
 
@@ -143,7 +155,7 @@ training::Dataset load_images(const TrainOptions& options, const training::Rig& 
                    on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
     const std::vector<training::DoubtfulMatte> doubtful = training::ignore_doubtful_mattes(dataset);
     // Of processes that train one tree, one says it.
-    if (!quiet || options.is_segment) fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
+    if (!quiet || options.frames) fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
     return dataset;
 }
 
@@ -182,22 +194,44 @@ training::OptionalParts optional_parts_of(const std::string& names) {
     return parts;
 }
 
-bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig, const RunView& view) {
+std::optional<training::RigCorrection> find_correction(const gpu::Device& device, TrainOptions& options,
+                                                       const training::Rig& clip, const ClipPart& frames) {
+    TrainOptions segment = options;
+    segment.frames = frames;
+    const training::Rig rig = frames.of(clip);
+    const training::Dataset dataset = load_images(segment, rig, load_options(segment), false);
+    if (shows_nothing(dataset)) return std::nullopt;
+    if (!correct_rig(device, dataset, refine_of(options.refine), options.settings)) return std::nullopt;
+    training::RigCorrection correction{options.settings.refine, {}, options.settings.rig};
+    for (const training::RigCamera& camera : rig.cameras) correction.cameras.push_back(camera.name);
+    return correction;
+}
+
+bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& clip, const RunView& view) {
+    const training::Rig rig = options.frames ? options.frames->of(clip) : clip;
     training::TrainSettings settings = options.settings;
     const Refine refine = refine_of(options.refine);
     settings.refine = refine.what.colour;
+    if (options.correction) {
+        const training::ColourRefinement& found = options.correction->colour;
+        settings.refine.colour |= found.colour;
+        settings.refine.exposure |= found.exposure;
+        settings.refine.vignetting |= found.vignetting;
+        settings.rig = training::changes_of(*options.correction, rig.cameras);
+    }
     settings.program = "NeuVV " NEUVV_VERSION;
     settings.adaptive = !options.uniform;
     settings.left_out = optional_parts_of(options.leave_out);
     settings.max_bytes = static_cast<uint64_t>(1e6 * options.max_megabytes);
     const training::LoadOptions load = load_options(options);
     training::Dataset dataset = load_images(options, rig, load, view.quiet);
-    if (options.is_segment && shows_nothing(dataset)) {
+    if (options.frames && shows_nothing(dataset)) {
         write_empty(options, dataset);
         return true;
     }
-    LiveReport live(device, dataset, load, options.live);
-    if (refine.needs_search() && !settings.resume && !correct_rig(device, dataset, refine, settings)) {
+    LiveReport live(device, dataset, load, options);
+    const bool searches = refine.needs_search() && !options.frames && !settings.resume;
+    if (searches && !correct_rig(device, dataset, refine, settings)) {
         fmt::print("interrupted while errors of the rig were searched for: nothing was written\n");
         return false;
     }

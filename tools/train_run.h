@@ -3,36 +3,49 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "gpu/device.h"
 #include "tools/ranks.h"
 #include "training/formats.h"
+#include "training/rig_file.h"
+#include "training/segments.h"
 #include "training/train.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
 // What a training run shows of itself besides its status line: a preview image and a log of its numbers.
+// In segments, the preview is of the one that is trained, and the log has the lines of all that this process trains; of
+// several ranks, only the first shows itself.
 struct LiveOptions {
     std::filesystem::path preview;  // PNG; empty: none
     std::filesystem::path metrics;  // JSON Lines; empty: none
 };
 
+// Some frames of a clip: those of a segment.
+struct ClipPart {
+    std::vector<double> times;  // of all frames of the clip
+    uint32_t first = 0, count = 1;
+    training::Rig of(const training::Rig& rig) const { return training::rig_of_frames(rig, times, first, count); }
+};
+
 struct TrainOptions {
     std::filesystem::path dataset, output;
-    std::string segment;      // the length of segments as the user wrote it; empty: the clip is one tree
-    std::string from, to;     // the part of a segmented clip that is trained again, as the user wrote it; empty: all
-    bool plan = false;        // of a segmented clip: only write the folder and its index
-    bool is_segment = false;  // whether it is a segment that is trained, in which the performer need not be
+    std::string segment;   // the length of segments as the user wrote it; empty: the clip is one tree
+    std::string from, to;  // the part of a segmented clip that is trained again, as the user wrote it; empty: all
+    bool plan = false;     // of a segmented clip: only write the folder and its index
+    std::optional<ClipPart> frames;  // of the segment that is trained; nothing: a whole clip
     std::string format = training::kAnyFormat;
     training::TrainSettings settings;
     double max_megabytes = 0, image_gigabytes = 0;
     bool uniform = false;
     LiveOptions live;
     std::string refine, leave_out;
-    std::string init = "hull";  // or "psi"
+    std::optional<training::RigCorrection> correction;  // of a segment's rig, in place of a search of its own
+    std::string init = "hull";                          // or "psi"
     double psi_minutes = 2;
     uint64_t psi_steps = 0;
 
@@ -50,11 +63,17 @@ struct RunView {
 // The parts of training that are named, with commas between them. Throws InputError for a name that there is not.
 training::OptionalParts optional_parts_of(const std::string& names);
 
-// Trains `rig`, the whole clip or a segment of it, into options.output. Returns whether the budget is spent; false
-// where Ctrl-C ended the run. What was trained is saved in any case, unless that happened before the first step. Throws
-// InputError and RuntimeFailure.
+// Trains `rig`, or those frames of it that `options` name, into options.output. Returns whether the budget is spent;
+// false where Ctrl-C ended the run. What was trained is saved in any case, unless that happened before the first step.
+// Throws InputError and RuntimeFailure.
 bool train_rig(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
                const RunView& view = {});
+
+// Searches the images of some frames for what all segments of a clip are to correct, and takes the time that this took
+// off the budget in minutes of this process. Nothing where no image shows the performer, or where Ctrl-C stopped the
+// search. Throws InputError and RuntimeFailure.
+std::optional<training::RigCorrection> find_correction(const gpu::Device& device, TrainOptions& options,
+                                                       const training::Rig& rig, const ClipPart& frames);
 
 // What a run in segments trains.
 struct SegmentPlan {
@@ -75,20 +94,26 @@ inline std::filesystem::path job_file(const std::filesystem::path& clip) {
 // Throws InputError where a process trains a segment that begin_segments would remove.
 void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan);
 
-// Removes the files of the plan's segments, and where the whole clip is trained, also what else its folder held; then
-// it writes the index. Throws RuntimeFailure.
+// Removes the files of the plan's segments, and where the whole clip is trained, also what else its folder held and the
+// log of an earlier run; then it writes the index, and rig.json where options have a correction. Throws RuntimeFailure.
 void begin_segments(const TrainOptions& options, const SegmentPlan& plan);
 
 // The options of a segment, whose share of all budgets is that of its frames among `frames`.
 TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames);
 
+// Where --refine asks for a search, finds what all segments correct, from the images of the segment nearest to the
+// clip's middle that shows the performer. False where Ctrl-C stopped it. Throws InputError where no segment will do,
+// and RuntimeFailure.
+bool correct_clip(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan);
+
 // Trains the segments of a clip, which become a folder (voctree/clip_index.h); the budget is shared by frames. Without
-// TrainSettings::resume, the first rank begins with begin_segments; with it, segments that are finished stay, and those
-// that are not go on. Any number of processes may do this at once, ranks of one job or not: each segment is trained by
-// the one that has its claim (training/claim.h), and that of a process that died is taken by another. Ranks wait until
-// all segments are finished; a process that was started alone leaves to others what they train. A segment that cannot
-// be trained is named, and the others are trained nevertheless; then throws InputError or RuntimeFailure.
-void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-                    const SegmentPlan& plan, const Ranks& ranks);
+// TrainSettings::resume, the first rank begins with correct_clip and begin_segments; with it, segments that are
+// finished stay, and those that are not go on. Any number of processes may do this at once, ranks of one job or not:
+// each segment is trained by the one that has its claim (training/claim.h), and that of a process that died is taken by
+// another. Ranks wait until all segments are finished; a process that was started alone leaves to others what they
+// train. A segment that cannot be trained is named, and the others are trained nevertheless; then throws InputError or
+// RuntimeFailure.
+void train_segments(const gpu::Device& device, TrainOptions options, const training::Rig& rig, const SegmentPlan& plan,
+                    const Ranks& ranks);
 
 }  // namespace neuvv::tools

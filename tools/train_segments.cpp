@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <set>
 #include <thread>
 
@@ -10,6 +11,7 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "base/seconds.h"
+#include "tools/refine.h"
 #include "tools/report.h"
 #include "tools/train_run.h"
 #include "training/checkpoint.h"
@@ -36,17 +38,23 @@ bool has_begun(const std::filesystem::path& clip, const Ranks& ranks) {
     }
 }
 
-// The first rank begins the clip, and the others wait for that.
-void begin_together(const TrainOptions& options, const SegmentPlan& plan, const Ranks& ranks) {
+// The first rank begins the clip, and the others wait for that. False where Ctrl-C came before it had begun.
+bool begin_together(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan,
+                    const Ranks& ranks) {
     if (ranks.is_first()) {
+        if (!correct_clip(device, options, rig, plan)) return false;
+        expect_nobody_trains(options, plan);  // the search may have taken minutes
         begin_segments(options, plan);
         if (ranks.count > 1) write_text_file(job_file(options.output), ranks.job);
-        return;
+        return true;
     }
-    for (const double start = seconds_now(); !has_begun(options.output, ranks) && !stop_requested(); sleep_for(0.1))
+    for (double start = seconds_now(); !has_begun(options.output, ranks) && !stop_requested(); sleep_for(0.1)) {
+        if (training::claim_of(options.output)) start = seconds_now();  // the first rank is alive, and searches
         if (seconds_now() - start > kLongestBeginning_s)
             throw RuntimeFailure(fmt::format("{}: the first of the {} processes has not begun the clip",
                                              options.output.string(), ranks.count));
+    }
+    return !stop_requested();
 }
 
 class SegmentedRun {
@@ -60,7 +68,9 @@ class SegmentedRun {
           segments_(plan.segments),
           frames_(plan.frames()),
           ranks_(ranks),
-          finished_(plan.segments.size()) {}
+          finished_(plan.segments.size()) {
+        if (options.correction) training::move_late_shots(*options.correction, rig_);
+    }
 
     // Returns when all segments are finished that this process is to wait for, or when it was stopped.
     void run();
@@ -81,7 +91,7 @@ class SegmentedRun {
 
     const gpu::Device& device_;
     const TrainOptions& options_;
-    const training::Rig& rig_;
+    training::Rig rig_;
     std::vector<double> times_;
     const std::vector<voctree::ClipSegment>& segments_;
     uint32_t frames_;  // of all of these
@@ -135,9 +145,11 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
                      return fmt::format("{}, all {:.0f} % | ", name_of(segment),
                                         100 * fraction_of_all(segment, fraction));
                  }};
+    TrainOptions options = options_of(options_, frames, frames_);
+    options.frames = {times_, frames.first, frames.frames_of_file()};
+    if (!ranks_.is_first()) options.live = {};
     try {
-        if (train_rig(device_, options_of(options_, frames, frames_),
-                      training::rig_of_frames(rig_, times_, frames.first, frames.frames), view))
+        if (train_rig(device_, options, rig_, view))
             std::filesystem::remove(training::state_path(frames.file));
         else
             said_interrupted_ = true;
@@ -208,9 +220,42 @@ void SegmentedRun::conclude() const {
 
 }  // namespace
 
-void train_segments(const gpu::Device& device, const TrainOptions& options, const training::Rig& rig,
-                    const SegmentPlan& plan, const Ranks& ranks) {
-    if (!options.settings.resume) begin_together(options, plan, ranks);
+bool correct_clip(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan) {
+    if (!refine_of(options.refine).needs_search()) return true;
+    const std::vector<double> times = training::times_of(rig);
+    std::string problem = "none of their images shows the performer";
+    for (const size_t i : voctree::segments_from_middle(plan.segments.size())) {
+        const voctree::ClipSegment& segment = plan.segments[i];
+        try {
+            options.correction = find_correction(device, options, rig, {times, segment.first, segment.frames});
+        } catch (const InputError& error) {  // another segment may do
+            fmt::print(stderr, "the rig is searched in another segment: {}\n", error.what());
+            problem = error.what();
+        }
+        if (options.correction) return true;
+        if (stop_requested()) {
+            fmt::print("interrupted while errors of the rig were searched for: nothing was written\n");
+            return false;
+        }
+    }
+    throw InputError("--refine", options.refine, "finds nothing in any segment: " + problem,
+                     "mend that, or leave --refine out");
+}
+
+// What the clip corrects. Throws InputError where that is to be found, but was not when the clip was begun.
+std::optional<training::RigCorrection> correction_of(const TrainOptions& options) {
+    std::optional<training::RigCorrection> correction = training::read_rig_correction(options.output);
+    if (!correction && refine_of(options.refine).needs_search())
+        throw InputError("--refine", options.refine,
+                         fmt::format("{} has no rig.json: it was begun without", options.output.string()),
+                         "leave it out, or train the whole clip again without --resume");
+    return correction;
+}
+
+void train_segments(const gpu::Device& device, TrainOptions options, const training::Rig& rig, const SegmentPlan& plan,
+                    const Ranks& ranks) {
+    if (!options.settings.resume && !begin_together(device, options, rig, plan, ranks)) return;
+    options.correction = correction_of(options);
     if (!stop_requested()) SegmentedRun(device, options, rig, plan, ranks).run();
 }
 

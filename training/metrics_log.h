@@ -6,6 +6,7 @@
 //   leaves, depth                         of the tree
 //   memory_bytes                          peak resident memory of the process
 //   preview_psnr, preview_view            of the preview, in lines that are added with one
+//   first_frame                           of the segment that is trained, where it is one of a clip's
 #pragma once
 
 #include <filesystem>
@@ -24,15 +25,17 @@ struct PreviewScore {
 class MetricsLog {
   public:
     // Continues `file` for a run that goes on from `began_at_step`: lines of later steps, and lines that are not
-    // complete because a run was killed, are removed. A run that begins at step 0 begins the file anew. Throws
-    // RuntimeFailure.
-    MetricsLog(const std::filesystem::path& file, uint64_t began_at_step);
+    // complete because a run was killed, are removed. A run that begins at step 0 begins the file anew. The run of a
+    // segment, with its first frame in the clip, keeps the lines of other segments in any case. No other process may
+    // write the file. Throws RuntimeFailure, and InputError where the file that is continued cannot be read.
+    MetricsLog(const std::filesystem::path& file, uint64_t began_at_step, std::optional<uint32_t> first_frame = {});
 
     // Appends a line. Only a crash of the machine can leave it incomplete. Throws RuntimeFailure.
     void add(const TrainProgress& now, const std::optional<PreviewScore>& preview = {}) const;
 
   private:
     std::filesystem::path file_;
+    std::optional<uint32_t> first_frame_;
 };
 
 }  // namespace neuvv::training

@@ -1,6 +1,9 @@
 // Clips in segments, on the command line: they are what the same clip as one file is.
 #include <gtest/gtest.h>
 
+#include <set>
+#include <sstream>
+
 #include "render/stage_renderer.h"
 #include "support/child_process.h"
 #include "support/mpirun.h"
@@ -9,6 +12,7 @@
 #include "tests/tools/cli_gpu.h"
 #include "training/checkpoint.h"
 #include "training/claim.h"
+#include "training/rig_file.h"
 
 namespace neuvv {
 namespace {
@@ -28,6 +32,14 @@ struct CliSegments : CliGpu {
         EXPECT_EQ(result.code, 0) << result.err;
         return media::read_png(file("still.png"));
     }
+    // The first frames of the segments that have lines in log.jsonl.
+    std::set<int> segments_logged() const {
+        std::set<int> first;
+        std::istringstream lines(read_text(file("log.jsonl")));
+        for (std::string line; std::getline(lines, line);)
+            first.insert(nlohmann::json::parse(line).at("first_frame").get<int>());
+        return first;
+    }
     nlohmann::json eval(const std::string& clip) {
         const ProgramResult result = run_neuvv({"eval", clip, file("data"), "--samples", "1", "--json", "-"});
         EXPECT_EQ(result.code, 0) << result.err;
@@ -41,6 +53,40 @@ TEST_F(CliSegments, OnAStageTheyPlayAsOneFileDoes) {
     EXPECT_NE(still(parts, "0").rgba, still(parts, "1").rgba);
     EXPECT_EQ(still(parts, "0.1").rgba, still(parts, "0").rgba) << "before the first frame of the next segment";
     expect_refused({"render", parts, "-o", file("x.png"), "--paint", "layer.nvpaint"}, 2, {"--paint", "segments"});
+}
+
+TEST_F(CliSegments, SlowMotionGoesOnThroughTheirOverlap) {
+    const std::string smooth = file("smooth.nvv");
+    write_segmented_copy(tree, {1, 3}, smooth, 1);
+    for (const char* time : {"0", "0.1", "0.25", "0.4", "0.5", "1.5"})
+        EXPECT_EQ(still(smooth, time).rgba, still(scene, time).rgba) << time;
+    EXPECT_NE(still(smooth, "0.1").rgba, still(smooth, "0").rgba);
+}
+
+TEST_F(CliSegments, TrainingGivesThemAnOverlap) {
+    ASSERT_EQ(run_neuvv({"capture", NEUVV_SOURCE_DIR "/tools/performer/performer.glb", "-o", file("cap"), "--cameras",
+                         "5", "--frames", "8", "--size", "32x32"})
+                  .code,
+              0);
+    const std::string show = file("show.nvv");
+    const ProgramResult run =
+        run_neuvv({"train", file("cap"), "-o", show, "--segment", "4", "--steps", "4", "--resolution", "32"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const voctree::ClipIndex index = voctree::read_clip_index(show);
+    ASSERT_EQ(index.segments.size(), 2u);
+    EXPECT_EQ(index.frames(), 8u);
+    EXPECT_EQ(index.segments[0].overlap, 1u);
+    EXPECT_EQ(voctree::read_segment(index.segments[0]).frames, 5u) << "and the next segment's first";
+    EXPECT_EQ(voctree::read_segment(index.segments[1]).frames, 4u);
+    // "auto" is a second, of 25 frames here, but fewer frames than there are bases.
+    const auto segments_of_plan = [&](const char* bases) {
+        EXPECT_EQ(run_neuvv({"train", file("cap"), "-o", show, "--segment", "auto", "--plan", "--bases", bases}).code,
+                  0);
+        return voctree::read_clip_index(show).segments.size();
+    };
+    EXPECT_EQ(segments_of_plan("31"), 1u);
+    EXPECT_EQ(segments_of_plan("4"), 3u);
+    EXPECT_EQ(segments_of_plan("1"), 8u);
 }
 
 TEST_F(CliSegments, TheyMeasureAsOneFileDoes) {
@@ -90,10 +136,14 @@ TEST_F(CliSegments, TrainingMakesThemOneAfterTheOther) {
     write_own_data();
     std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
     const std::string show = file("show.nvv");
-    const std::vector<std::string> command = {"train", file("data"), "-o", show,           "--segment",
-                                              "2",     "--steps",    "9",  "--resolution", "32"};
+    const std::vector<std::string> command = {
+        "train", file("data"),   "-o", show,        "--segment",       "2",         "--steps",
+        "9",     "--resolution", "32", "--preview", file("shown.png"), "--metrics", file("log.jsonl")};
+    write_text(file("log.jsonl"), "{\"step\":1,\"first_frame\":7}\n");  // of an earlier run
     const ProgramResult run = run_neuvv(command);
     ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(segments_logged(), (std::set<int>{0, 1}));
+    EXPECT_EQ(media::read_png(file("shown.png")).width, 3 * 48u);
     EXPECT_NE(run.out.find("3 frames in 2 segments"), std::string::npos) << run.out;
     EXPECT_NE(run.out.find("000000.nvv: "), std::string::npos) << run.out;
     EXPECT_NE(run.out.find("after 3 steps"), std::string::npos) << "a third of the frames: " << run.out;
@@ -105,12 +155,14 @@ TEST_F(CliSegments, TrainingMakesThemOneAfterTheOther) {
     // A segment that is gone is trained again; the others stay.
     const std::string first = read_text(show + "/000000.nvv");
     std::filesystem::remove(show + "/000001.nvv");
-    std::vector<std::string> resume = {"train", file("data"), "-o", show, "--resume", "--steps", "9"};
+    std::vector<std::string> resume = {"train",     file("data"),     "-o", show, "--resume", "--steps", "9",
+                                       "--metrics", file("log.jsonl")};
     const ProgramResult again = run_neuvv(resume);
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(again.out.find("000000.nvv: "), std::string::npos) << again.out;
     EXPECT_EQ(voctree::read_nvv(show + "/000001.nvv").frames, 2u);
     EXPECT_EQ(read_text(show + "/000000.nvv"), first);
+    EXPECT_EQ(segments_logged(), (std::set<int>{0, 1})) << "the lines of the other segment stay";
 }
 
 TEST_F(CliSegments, APartIsTrainedAgain) {
@@ -144,6 +196,41 @@ TEST_F(CliSegments, APartIsTrainedAgain) {
     refuse({"-o", file("new.nvv"), "--segment", "1", "--steps", "1"}, {"--from", "--segment"});
     EXPECT_FALSE(std::filesystem::exists(file("new.nvv")));
     EXPECT_EQ(read_text(show + "/000000.nvv"), before[0]);
+}
+
+// All segments see through the same corrected cameras, also those that are trained later.
+TEST_F(CliSegments, CorrectionsOfTheRigAreFoundOnce) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    const std::string show = file("show.nvv");
+    std::vector<std::string> command = {"train",   file("data"), "-o",           show, "--segment", "1",
+                                        "--steps", "6",          "--resolution", "32", "--refine",  "poses"};
+    const ProgramResult run = run_neuvv(command);
+    ASSERT_EQ(run.code, 0) << run.err;
+    const auto correction = training::read_rig_correction(show);
+    ASSERT_TRUE(correction);
+    EXPECT_EQ(correction->cameras, (std::vector<std::string>{"0", "1"}));
+    ASSERT_EQ(correction->changes.poses.size(), 2u);
+    EXPECT_NE(correction->changes.poses[0], training::PoseChange{});
+    EXPECT_TRUE(correction->changes.frames_late.empty());
+
+    // Another correction in its place shows what a segment takes: cameras that look far past the performer.
+    training::RigCorrection other = *correction;
+    for (training::PoseChange& pose : other.changes.poses) pose = {0, 0.03, 0, 0, 0, 0, 0};
+    training::write_rig_correction(show, other);
+    const auto retrain = [&](const char* segment) {
+        std::filesystem::remove(show + segment);
+        const ProgramResult result = run_neuvv(
+            {"train", file("data"), "-o", show, "--resume", "--steps", "6", "--resolution", "32", "--refine", "poses"});
+        EXPECT_EQ(result.code, 0) << result.err;
+        return result.out;
+    };
+    EXPECT_NE(retrain("/000001.nvv").find("turned by 1.72°"), std::string::npos);
+    expect_refused({"train", file("data"), "-o", show, "--from", "1", "--steps", "6", "--refine", "auto"}, 2,
+                   {"--refine", "all segments"});
+    ASSERT_EQ(
+        run_neuvv({"train", file("data"), "-o", show, "--segment", "1", "--steps", "3", "--resolution", "32"}).code, 0);
+    EXPECT_FALSE(training::read_rig_correction(show)) << "the new clip corrects nothing";
 }
 
 // A performer who is not there yet, and an image that is damaged, cost their own segments alone.
@@ -336,8 +423,6 @@ TEST_F(CliSegments, WrongRunsAreRefused) {
     refuse({"-o", file("a.nvv"), "--segment", "1s"}, {"--segment", "frame rate"});
     refuse({"-o", scene, "--segment", "2"}, {"scene.nvv", "no segmented clip"});
     refuse({"-o", parts}, {"parts.nvv", "--segment"});
-    refuse({"-o", file("a.nvv"), "--segment", "2", "--refine", "poses"}, {"--refine", "--segment"});
-    refuse({"-o", file("a.nvv"), "--segment", "2", "--preview", file("p.png")}, {"--preview", "--segment"});
     refuse({"-o", parts, "--resume"}, {"parts.nvv", "4 frames", "3"});
     refuse({"-o", file("a.nvv"), "--plan"}, {"--plan", "--segment"});
     const ProgramResult alone = run_neuvv({"train", file("data"), "-o", file("alone.nvv"), "--steps", "1"},

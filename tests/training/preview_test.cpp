@@ -112,6 +112,19 @@ TEST_F(MetricsLogTest, ANewRunBeginsAnew) {
     EXPECT_NE(read_text(folder.path / "other.jsonl").find("101"), std::string::npos);
 }
 
+TEST_F(MetricsLogTest, ASegmentKeepsTheLinesOfOthers) {
+    training::MetricsLog(file, 0, 0).add(at_step(10));
+    training::MetricsLog(file, 0, 8).add(at_step(20));
+    const training::MetricsLog again(file, 0, 0);  // the first segment is trained again
+    again.add(at_step(3));
+    ASSERT_EQ(lines().size(), 2u);
+    EXPECT_EQ(lines()[0].at("first_frame"), 8);
+    EXPECT_EQ(lines()[0].at("step"), 20);
+    EXPECT_EQ(lines()[1].at("first_frame"), 0);
+    training::MetricsLog(file, 25, 8).add(at_step(26));
+    EXPECT_EQ(lines().size(), 3u) << "a segment that goes on keeps its own lines, too";
+}
+
 TEST_F(MetricsLogTest, NumbersThatAreNoneAreNull) {
     training::TrainProgress now = at_step(1);
     now.loss = NAN;
