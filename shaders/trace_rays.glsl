@@ -15,6 +15,7 @@ void main() {
     while (sum.transmittance >= push.box_min.w && march_enter(march))
         while (sum.transmittance >= push.box_min.w && (kExpensive ? march_next(march, part) : march_leaf(march, part))) {
             const vec3 colour = sample_colour();
+            sigma *= push.density;
             const float before = sum.transmittance;
             part.t_out = max(part.t_in, min(part.t_out, ray.range.y));  // end at the set
             composite_add(sum, sigma, part.t_out - part.t_in, colour, 0.5 * (part.t_in + part.t_out));

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -140,11 +141,13 @@ void print(const training::Evaluation& evaluation, const training::Dataset& data
     print_row("mean", evaluation.compared, evaluation.mean);
 }
 
-// The steps from the last frame of a segment to the first of the next.
+// The steps from frame to frame over which a segment gives way to the next: where there is no overlap, a single one.
 std::vector<size_t> cuts_of(const voctree::ClipIndex& clip) {
-    std::vector<size_t> cuts;
-    for (size_t i = 1; i < clip.segments.size(); i++) cuts.push_back(clip.segments[i].first - 1);
-    return cuts;
+    std::set<size_t> steps;
+    for (size_t i = 1; i < clip.segments.size(); i++)
+        for (size_t step = 0; step <= voctree::fade_frames(clip, i - 1); step++)
+            steps.insert(clip.segments[i].first - 1 + step);
+    return {steps.begin(), steps.end()};
 }
 
 void print(const training::FlickerMeter::Summary& flicker) {
@@ -152,9 +155,9 @@ void print(const training::FlickerMeter::Summary& flicker) {
         "flicker, steps of 255 from frame to frame: {:.2f} where the truth stands still, {:.2f} where it moves\n",
         flicker.others.still, flicker.others.moving);
     if (flicker.cut_count > 0)
-        fmt::print("at {} cuts: {:.2f} ({:.2f} times) and {:.2f} ({:.2f} times)\n", flicker.cut_count,
-                   flicker.cuts.still, flicker.cuts.still / flicker.others.still, flicker.cuts.moving,
-                   flicker.cuts.moving / flicker.others.moving);
+        fmt::print("in {} steps from segment to segment: {:.2f} ({:.2f} times) and {:.2f} ({:.2f} times)\n",
+                   flicker.cut_count, flicker.cuts.still, flicker.cuts.still / flicker.others.still,
+                   flicker.cuts.moving, flicker.cuts.moving / flicker.others.moving);
 }
 
 nlohmann::ordered_json json_of(const training::FlickerMeter::Summary& flicker) {
@@ -294,7 +297,7 @@ void add_eval(Command app, CommonOptions& common) {
          "        nobody sees a difference, at most 1\n"
          "Flicker is how much a render changes from frame to frame in another way than the truth, over the "
          "performer's\n"
-         "pixels, in steps of 255: the median over the clip, and over the cuts between segments.\n"
+         "pixels, in steps of 255: the median over the clip, and over the steps from segment to segment.\n"
          "The mean is over images, also per camera and per frame. In the error image, 0.25 and more is "
          "white.\n",
          kDeviceHelp, kExamplesHead,

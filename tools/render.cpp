@@ -153,7 +153,8 @@ void add_options(Command verb, RenderOptions& options) {
         .needs(cost);
     Option pass = add_pass_option(verb, options).excludes(depth).excludes(alpha).excludes(level).excludes(cost);
     verb.add_flag("--direct", options.direct,
-                  "Evaluate all weights at each sample, without far levels (the paper's path; slow)")
+                  "Evaluate all weights at each sample, without far levels and fades between segments (the paper's "
+                  "path; slow)")
         .excludes(scale)
         .excludes(paint)
         .excludes(pass)

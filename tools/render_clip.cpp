@@ -1,6 +1,7 @@
 // neuvv render of a clip.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "render/linear_image.h"
 #include "render/paint.h"
 #include "render/reference_paths.h"
+#include "render/shown_segments.h"
 #include "tools/render.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
@@ -138,30 +140,6 @@ void read_scene(const RenderOptions& options, RenderPlan& plan) {
     plan.box = {head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size)};
 }
 
-// The segment of a clip that is shown, on the device.
-class ShownSegment {
-  public:
-    ShownSegment(const gpu::Device& device, const voctree::ClipIndex& clip) : device_(device), clip_(clip) {}
-
-    // Uploads the segment of a frame of the clip where another one is there. Returns the frame in the segment.
-    float show(double frame, const std::function<void(const render::Field&)>& uploaded) {
-        const voctree::SegmentFrame at = voctree::segment_frame(clip_, frame);
-        if (at.segment == shown_) return at.frame;
-        auto next = std::make_unique<const render::Field>(
-            render::upload_far_levels(device_, voctree::read_segment(clip_.segments[at.segment])));
-        uploaded(*next);  // while the segment before still exists
-        field_ = std::move(next);
-        shown_ = at.segment;
-        return at.frame;
-    }
-
-  private:
-    const gpu::Device& device_;
-    const voctree::ClipIndex& clip_;
-    std::unique_ptr<const render::Field> field_;
-    std::optional<uint32_t> shown_;
-};
-
 RenderPlan plan_render(const RenderOptions& options) {
     RenderPlan plan;
     plan.output = media::parse_output(options.output);
@@ -201,13 +179,16 @@ FrameTimes add_image(const Renderer& renderer, const media::Image& image, const 
 class PlayingRenderer {
   public:
     PlayingRenderer(const gpu::Device& device, const RenderOptions& options, const RenderPlan& plan)
-        : device_(device), options_(options), plan_(plan), segment_(device, plan.clip) {}
+        : device_(device),
+          options_(options),
+          plan_(plan),
+          segments_(plan.clip, [&](const voctree::VOctree& tree) { return render::upload_far_levels(device, tree); }) {}
 
     FrameTimes render(uint32_t i, media::ImageSink& sink) {
         render::FrameSettings settings;
-        settings.instances[0].frame =
-            segment_.show(plan_.path[i].frame, [&](const render::Field& field) { use(field); });
-        settings.instances[0].paint = paint_;
+        settings.instances = segments_.show(voctree::segment_shares(plan_.clip, plan_.path[i].frame),
+                                            [this](const auto& fields) { use(fields); });
+        for (render::Instance& instance : settings.instances) instance.paint = paint_;
         settings.width = plan_.size.width;
         settings.height = plan_.size.height;
         settings.samples = plan_.samples;
@@ -221,33 +202,42 @@ class PlayingRenderer {
     }
 
   private:
-    void use(const render::Field& field) {
-        if (renderer_) return renderer_->change_fields({&field});
-        const uint64_t slice_bytes = bytes_of_mebibytes(options_.slice_budget_mb);
-        renderer_.emplace(device_, field,
-                          render::FrameCapacity{plan_.size.width, plan_.size.height, plan_.samples, 1, slice_bytes});
+    void use(const std::vector<const render::Field*>& fields) {
+        const bool is_first = !renderer_;
+        if (is_first)
+            renderer_.emplace(device_, fields,
+                              render::FrameCapacity{plan_.size.width, plan_.size.height, plan_.samples, 1,
+                                                    bytes_of_mebibytes(options_.slice_budget_mb)});
+        // Two segments are shown while one fades into the next: slices stay where their share of the budget does.
+        const bool fades = std::ranges::any_of(plan_.clip.segments, &voctree::ClipSegment::overlap);
+        if (fades || !is_first) renderer_->change_fields(fields, fades ? 2 : 1);
+        if (!is_first) return;
         if (!plan_.paint.uses.empty()) paint_ = renderer_->paints().add(plan_.paint.uses);
     }
     const gpu::Device& device_;
     const RenderOptions& options_;
     const RenderPlan& plan_;
-    ShownSegment segment_;
+    render::ShownSegments segments_;
     std::optional<render::FrameRenderer> renderer_;
     uint32_t paint_ = 0;
 };
 
-// Draws the images of a plan by the paper's walk.
+// Draws the images of a plan by the paper's walk. It has one field, so that segments do not fade into each other.
 class DirectRenderer {
   public:
     DirectRenderer(const gpu::Device& device, const RenderPlan& plan)
-        : device_(device), plan_(plan), segment_(device, plan.clip) {}
+        : device_(device),
+          plan_(plan),
+          segments_(plan.clip, [&](const voctree::VOctree& tree) { return render::upload_far_levels(device, tree); }) {}
 
     FrameTimes render(uint32_t i, media::ImageSink& sink) {
         render::ReferenceSettings settings;
         settings.path = render::ReferencePath::kDirect;
-        settings.frame = segment_.show(plan_.path[i].frame, [&](const render::Field& field) {
-            renderer_.emplace(device_, field, plan_.size.width, plan_.size.height, plan_.samples);
+        const voctree::SegmentFrame at = voctree::segment_frame(plan_.clip, plan_.path[i].frame);
+        segments_.show({{at}}, [this](const auto& fields) {
+            renderer_.emplace(device_, *fields[0], plan_.size.width, plan_.size.height, plan_.samples);
         });
+        settings.frame = at.frame;
         settings.samples = plan_.samples;
         settings.resolve = plan_.resolve;
         return add_image(*renderer_, renderer_->render(plan_.path[i].camera, settings), plan_, i, sink);
@@ -256,7 +246,7 @@ class DirectRenderer {
   private:
     const gpu::Device& device_;
     const RenderPlan& plan_;
-    ShownSegment segment_;
+    render::ShownSegments segments_;
     std::optional<render::ReferenceRenderer> renderer_;
 };
 

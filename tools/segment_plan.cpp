@@ -16,18 +16,24 @@ namespace neuvv::tools {
 
 namespace {
 
-// Segments of so many frames also have the next one's first frame, if it can have a basis of its own. In shorter ones,
-// it would cost too much.
-constexpr uint32_t kLeastForOverlap = 4;
+// Segments of so many frames overlap the next one by one frame or two. For shorter ones, that would cost too much.
+constexpr uint32_t kLeastForOverlap = 4, kLeastForTwo = 8;
 
 constexpr double kUsualSecond = 25;  // frames, where a rig does not say how many there are a second
+
+// By how many frames a segment overlaps the next one; there are `more` frames behind it. Each frame shall have a basis
+// of its own.
+uint32_t overlap_of(uint32_t length, uint32_t more, uint32_t bases) {
+    const uint32_t wanted = length >= kLeastForTwo ? 2 : length >= kLeastForOverlap ? 1 : 0;
+    return std::min({wanted, more, std::max(bases, length) - length});
+}
 
 // The frames that --segment asks for. "auto" is a second, but no more than can have a basis each, with the overlap.
 uint32_t longest_segment(const TrainOptions& options, double fps) {
     const std::string& text = options.segment;
     if (text == "auto") {
         const double second = fps > 0 ? std::clamp(std::round(fps), 1.0, double{kMaxBases}) : kUsualSecond;
-        return std::min(static_cast<uint32_t>(second), std::max(options.settings.shape.bases, 2u) - 1);
+        return std::min(static_cast<uint32_t>(second), std::max(options.settings.shape.bases, 3u) - 2);
     }
     const uint32_t frames = parse_frames("--segment", text, fps);
     if (frames < 1) throw InputError("--segment", text, "is no frame", "give at least one frame");
@@ -120,9 +126,8 @@ SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig)
     if (rig.fps > 0) plan.clip.fps = static_cast<float>(rig.fps);
     for (const uint32_t length : training::segment_lengths(frames, longest_segment(options, rig.fps))) {
         const uint32_t first = plan.clip.segments.empty() ? 0 : plan.clip.frames();
-        const bool has_overlap = length >= kLeastForOverlap && length < options.settings.shape.bases;
-        const uint32_t overlap = has_overlap && first + length < frames ? 1 : 0;
-        plan.clip.segments.push_back({options.output / voctree::segment_file_name(first), first, length, overlap});
+        plan.clip.segments.push_back({options.output / voctree::segment_file_name(first), first, length,
+                                      overlap_of(length, frames - first - length, options.settings.shape.bases)});
     }
     plan.segments = plan.clip.segments;
     return plan;

@@ -164,7 +164,7 @@ class Alignment {
     media::Image rendered(const Shot& shot, const Numbers& numbers) {
         const View& view = dataset_.views[shot.view];
         const stage::Camera camera = moved(dataset_.cameras[view.camera], motion_of(numbers), centre_);
-        return render_over_white(*renderer_, camera, view, shot.frame, 1);
+        return render_over_white(*renderer_, camera, view, {{shot.frame}}, 1);
     }
 
     RigAlignment found(const RigMotion& motion) const {

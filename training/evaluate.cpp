@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include "render/frame.h"
+#include "render/shown_segments.h"
 #include "voctree/clip.h"
 
 namespace neuvv::training {
@@ -58,37 +60,37 @@ void whiten_ignored(const View& view, media::Image& image) {
             if (view.ignores(x, y)) std::copy(media::kWhite, media::kWhite + 3, image.at(x, y));
 }
 
-// Compares views with one tree after the other, and sums what it finds.
+// Compares views with renders, and sums what it finds.
 class Comparison {
   public:
-    Comparison(const gpu::Device& device, const Dataset& dataset, uint32_t samples, const ViewCallback& done)
-        : device_(device), dataset_(dataset), samples_(samples), done_(done) {
+    Comparison(const Dataset& dataset, uint32_t samples, const ViewCallback& done)
+        : dataset_(dataset), samples_(samples), done_(done) {
         for (const stage::Camera& camera : dataset.cameras) {
-            width_ = std::max(width_, camera.width);
-            height_ = std::max(height_, camera.height);
+            capacity_.width = std::max(capacity_.width, camera.width);
+            capacity_.height = std::max(capacity_.height, camera.height);
         }
+        capacity_.samples = samples;
         sums_.cameras.resize(dataset.cameras.size());
         sums_.frames.resize(dataset.times.size());
         sums_.views.resize(dataset.views.size());
     }
 
+    // What a renderer needs for the largest view.
+    const render::FrameCapacity& capacity() const { return capacity_; }
+
     // False where the callback ended it.
-    bool add(const voctree::VOctree& tree, const std::vector<ViewFrame>& views) {
-        const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
-        render::FrameRenderer renderer(device_, field, {width_, height_, samples_});
-        return std::all_of(views.begin(), views.end(), [&](const ViewFrame& one) {
-            const View& view = dataset_.views[one.view];
-            const stage::Camera& camera = dataset_.cameras[view.camera];
-            const media::Image render = render_over_white(renderer, camera, view, one.frame, samples_);
-            const media::Image truth = truth_over_white(dataset_, view);
-            const Quality quality = compare(truth, render);
-            sums_.views[one.view] = quality;
-            ++sums_.compared;
-            training::add(sums_.mean, quality);
-            training::add(sums_.cameras[view.camera], quality);
-            training::add(sums_.frames[frame_of_view(dataset_, view)], quality);
-            return !done_ || done_(one.view, truth, render, quality);
-        });
+    bool add(size_t index, render::FrameRenderer& renderer, std::vector<render::Instance> instances) {
+        const View& view = dataset_.views[index];
+        const media::Image render =
+            render_over_white(renderer, dataset_.cameras[view.camera], view, std::move(instances), samples_);
+        const media::Image truth = truth_over_white(dataset_, view);
+        const Quality quality = compare(truth, render);
+        sums_.views[index] = quality;
+        ++sums_.compared;
+        training::add(sums_.mean, quality);
+        training::add(sums_.cameras[view.camera], quality);
+        training::add(sums_.frames[frame_of_view(dataset_, view)], quality);
+        return !done_ || done_(index, truth, render, quality);
     }
 
     Evaluation result() const {
@@ -100,11 +102,10 @@ class Comparison {
     }
 
   private:
-    const gpu::Device& device_;
     const Dataset& dataset_;
     const uint32_t samples_;
     const ViewCallback& done_;
-    uint32_t width_ = 1, height_ = 1;
+    render::FrameCapacity capacity_{1, 1};
     Evaluation sums_;
 };
 
@@ -175,9 +176,9 @@ media::Image truth_over_white(const Dataset& dataset, const View& view) {
 }
 
 media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
-                               float frame, uint32_t samples) {
+                               std::vector<render::Instance> instances, uint32_t samples) {
     render::FrameSettings settings;
-    settings.instances[0].frame = frame;
+    settings.instances = std::move(instances);
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
@@ -189,17 +190,33 @@ media::Image render_over_white(render::FrameRenderer& renderer, const stage::Cam
 
 Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done) {
-    Comparison comparison(device, dataset, samples, done);
-    comparison.add(tree, views_by_segment({0, {{"", 0, tree.frames}}}, dataset)[0]);
+    Comparison comparison(dataset, samples, done);
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device, field, comparison.capacity());
+    for (size_t i = 0; i < dataset.views.size(); ++i) {
+        const auto frame = static_cast<float>(frame_of_time(dataset.views[i].time, tree.frames));
+        if (!comparison.add(i, renderer, {{frame}})) break;
+    }
     return comparison.result();
 }
 
 Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done) {
-    Comparison comparison(device, dataset, samples, done);
-    const std::vector<std::vector<ViewFrame>> views = views_by_segment(clip, dataset);
-    for (size_t i = 0; i < views.size(); ++i)
-        if (!views[i].empty() && !comparison.add(voctree::read_segment(clip.segments[i]), views[i])) break;
+    Comparison comparison(dataset, samples, done);
+    render::ShownSegments shown(clip, [&](const voctree::VOctree& tree) {
+        return render::upload_field(device, tree, render::WeightPrecision::kHalf);
+    });
+    std::optional<render::FrameRenderer> renderer;
+    const auto use = [&](const std::vector<const render::Field*>& fields) {
+        if (renderer) return renderer->change_fields(fields);
+        renderer.emplace(device, fields, comparison.capacity());
+    };
+    for (const std::vector<ViewFrame>& views : views_by_segment(clip, dataset))
+        for (const ViewFrame& one : views) {
+            const double frame = frame_of_time(dataset.views[one.view].time, clip.frames());
+            std::vector<render::Instance> instances = shown.show(voctree::segment_shares(clip, frame), use);
+            if (!comparison.add(one.view, *renderer, std::move(instances))) return comparison.result();
+        }
     return comparison.result();
 }
 

@@ -12,7 +12,8 @@
 
 namespace neuvv::render {
 class FrameRenderer;
-}
+struct Instance;
+}  // namespace neuvv::render
 
 namespace neuvv::training {
 
@@ -34,8 +35,9 @@ using ViewCallback =
 
 // Renders every view with samples² rays per pixel and compares it with the data set's image, both over white (see
 // Quality). Ignored pixels are white in both. After an early end, means are over the views that were compared. Views
-// are in their order, but of a clip segment by segment, of which one is in memory at a time. The tree must be sound
-// (voctree::defect_of). Throws RuntimeFailure, and InputError where a segment cannot be read.
+// are in their order, but of a clip segment by segment, of which two at most are in memory at a time; a segment fades
+// into the next as players show it. The tree must be sound (voctree::defect_of). Throws RuntimeFailure, and InputError
+// where a segment cannot be read.
 Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done = {});
 Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
@@ -60,9 +62,9 @@ std::vector<std::string> camera_labels(const Dataset& dataset);
 // Indices of at most `count` views, ascending, spread over cameras and times.
 std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
 
-// Renders what a camera sees at a frame of the renderer's field over white, the view's ignored pixels white, too.
+// Renders what a camera sees of some instances, marched together, over white, the view's ignored pixels white, too.
 media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
-                               float frame, uint32_t samples);
+                               std::vector<render::Instance> instances, uint32_t samples);
 
 // The data set's image of a view over white. Where the camera has a clean plate, the captured background is removed.
 media::Image truth_over_white(const Dataset& dataset, const View& view);

@@ -31,7 +31,7 @@ class FlickerMeter {
         FlickerLevels cuts, others;  // medians over the steps
         size_t cut_count = 0;        // of the cuts that were seen
     };
-    // `cuts`: the steps, ascending, at whose second frame a segment begins. Nothing where no other step was seen.
+    // `cuts`: the steps, ascending, over which a segment gives way to the next. Nothing where no other step was seen.
     std::optional<Summary> summary(const std::vector<size_t>& cuts) const;
 
   private:

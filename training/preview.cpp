@@ -45,7 +45,7 @@ Quality write_preview(const gpu::Device& device, const render::Field& field, con
     const media::Image truth = truth_over_white(dataset, view);
     render::FrameRenderer renderer(device, field, {truth.width, truth.height, kSamples});
     const auto frame = static_cast<float>(frame_of_time(view.time, field.frames));
-    const media::Image render = render_over_white(renderer, dataset.cameras[view.camera], view, frame, kSamples);
+    const media::Image render = render_over_white(renderer, dataset.cameras[view.camera], view, {{frame}}, kSamples);
     media::write_png(file, side_by_side({truth, render, error_image(truth, render)}));
     return compare(truth, render);
 }

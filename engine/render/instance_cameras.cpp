@@ -33,6 +33,7 @@ std::optional<DrawnInstance> write_instance_cameras(const TargetViews& views, co
     drawn.shading = Shading::kPerLeaf;
     drawn.rays.first_camera = layout.views * (index + 1);
     drawn.rays.opacity = instance.opacity;
+    drawn.rays.density = instance.density;
     const double pixel_rays = layout.samples * views.scale;  // along each side
     bool visible = false;
     for (uint32_t view = 0; view < layout.views; view++) {
@@ -50,7 +51,7 @@ std::optional<DrawnInstance> write_instance_cameras(const TargetViews& views, co
         if (play_shading(field, eye, rays) == Shading::kPerRay) drawn.shading = Shading::kPerRay;
         visible |= rays > 0;
     }
-    if (!visible || instance.opacity <= 0) return std::nullopt;
+    if (!visible || instance.opacity <= 0 || instance.density <= 0) return std::nullopt;
     return drawn;
 }
 

@@ -19,6 +19,7 @@ struct Instance {
     uint32_t paint = 0;                 // number in its field's Paints; 0: none
     uint32_t field = 0;                 // index into the renderer's fields
     float opacity = 1;                  // below 1, light passes even its densest parts (store_instance.glsl)
+    float density = 1;                  // above 0: what its densities are multiplied by, also in its shadows
     bool casts_shadow = true, receives_shadow = true;
     std::shared_ptr<const Highlight> highlight;  // null: none
 };

@@ -92,11 +92,34 @@ std::optional<StageClips::Place> StageClips::place_of(const stage::EvaluatedPerf
     return Place{&loaded->field, shown.frame};
 }
 
+// Those that a performer shows at its time: one, or two where one fades into the next, the one of wanted_by first.
+std::vector<StageClips::Id> StageClips::segments_of(const stage::EvaluatedPerformer& performer) const {
+    std::vector<Id> ids;
+    for (const voctree::SegmentShare& one :
+         voctree::segment_shares(clips_[performer.clip].index, double{performer.frame}))
+        ids.push_back({performer.clip, one.at.segment});
+    return ids;
+}
+
+std::vector<StageClips::Place> StageClips::places_of(const stage::EvaluatedPerformer& performer) const {
+    std::vector<Place> places;
+    for (const auto& [at_segment, share] :
+         voctree::segment_shares(clips_[performer.clip].index, double{performer.frame}))
+        if (const LoadedClip* loaded = drawn(at({performer.clip, at_segment.segment})))
+            places.push_back({&loaded->field, at_segment.frame, share});
+    // Where one of two is not there, the other is shown alone.
+    if (places.size() == 1) places[0].share = 1;
+    if (places.empty())
+        if (const std::optional<Place> place = place_of(performer)) places.push_back(*place);
+    return places;
+}
+
 bool StageClips::holds(const stage::EvaluatedStage& evaluated) const {
     return std::any_of(evaluated.performers.begin(), evaluated.performers.end(),
                        [this](const stage::EvaluatedPerformer& performer) {
-                           const ClipOnDevice::Segment& wanted = at(wanted_by(performer).id);
-                           return performer.visible && wanted.readable && !drawn(wanted);
+                           const std::vector<Id> ids = segments_of(performer);
+                           return performer.visible && at(ids[0]).readable &&
+                                  std::ranges::none_of(ids, [this](const Id& id) { return drawn(at(id)); });
                        });
 }
 
@@ -128,7 +151,8 @@ std::vector<StageClips::Id> StageClips::needed_at(const stage::EvaluatedStage& e
     std::vector<Id> needed;
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (!performer.visible || clips_[performer.clip].segments.size() == 1) continue;
-        if (const Id id = wanted_by(performer).id; !contains(needed, id)) needed.push_back(id);
+        for (const Id& id : segments_of(performer))
+            if (!contains(needed, id)) needed.push_back(id);
     }
     return needed;
 }
@@ -142,7 +166,8 @@ std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage,
             if (!performer.visible || clips_[performer.clip].segments.size() == 1) continue;
             performer.frame = static_cast<float>(stage::frame_at(stage.performers[performer.performer].timeline,
                                                                  evaluated.time_s + direction_ * after_s));
-            if (const Id id = wanted_by(performer).id; !contains(ahead, id)) ahead.push_back(id);
+            for (const Id& id : segments_of(performer))
+                if (!contains(ahead, id)) ahead.push_back(id);
         }
     return ahead;
 }
@@ -185,8 +210,11 @@ void StageClips::remember(const stage::EvaluatedStage& evaluated) {
         const Shown shown = wanted_by(performer);
         if (!drawn(at(shown.id))) continue;
         shown_[performer.performer] = shown;
-        std::erase(recent_, shown.id);
-        recent_.insert(recent_.begin(), shown.id);
+        for (const Id& id : segments_of(performer)) {
+            if (!drawn(at(id))) continue;
+            std::erase(recent_, id);
+            recent_.insert(recent_.begin(), id);
+        }
     }
 }
 

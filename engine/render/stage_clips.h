@@ -50,10 +50,14 @@ class StageClips {
     struct Place {
         const Field* field = nullptr;
         float frame = 0;  // of that field
+        float share = 1;  // of the density
     };
     std::optional<Place> place_of(const stage::EvaluatedPerformer& performer) const;
+    // All that is drawn of it: that place, and while a segment fades into the next, one in each (segment_shares), if
+    // both are on the device.
+    std::vector<Place> places_of(const stage::EvaluatedPerformer& performer) const;
 
-    // Whether a performer that is visible at this time is held, because nothing of its segment is read yet.
+    // Whether a performer that is visible at this time is held, because nothing of its segments is read yet.
     bool holds(const stage::EvaluatedStage& evaluated) const;
 
     const std::vector<ClipOnDevice>& clips() const { return clips_; }
@@ -73,6 +77,7 @@ class StageClips {
     const ClipOnDevice::Segment& at(const Id& id) const { return clips_[id.clip].segments[id.segment]; }
     const voctree::ClipSegment& file_of(const Id& id) const { return clips_[id.clip].index.segments[id.segment]; }
     Shown wanted_by(const stage::EvaluatedPerformer& performer) const;
+    std::vector<Id> segments_of(const stage::EvaluatedPerformer& performer) const;
     bool is_missing(const Id& id) const { return at(id).readable && !at(id).loaded; }
     void take_results();
     void fail(const Id& id, const std::string& problem);

@@ -196,18 +196,22 @@ media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, c
     return linear_image(light, metres, capacity_.width, capacity_.height, capacity_.samples, background);
 }
 
-std::optional<Instance> StageRenderer::instance_of(const stage::EvaluatedPerformer& performer) const {
-    if (!performer.visible) return std::nullopt;
-    const std::optional<StageClips::Place> place = clips_.place_of(performer);
-    if (!place) return std::nullopt;
-    return Instance{place->frame,
+Instance StageRenderer::instance_at(const stage::EvaluatedPerformer& performer, const StageClips::Place& place) const {
+    return Instance{place.frame,
                     glm::mat4(performer.world_from_performer),
                     paints_[performer.performer],
-                    number_of(*place->field),
+                    number_of(*place.field),
                     performer.opacity,
+                    place.share,
                     performer.casts_shadow,
                     performer.receives_shadow,
                     nullptr};
+}
+
+std::optional<Instance> StageRenderer::instance_of(const stage::EvaluatedPerformer& performer) const {
+    if (!performer.visible) return std::nullopt;
+    const std::optional<StageClips::Place> place = clips_.place_of(performer);
+    return place ? std::optional(instance_at(performer, *place)) : std::nullopt;
 }
 
 FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
@@ -221,11 +225,16 @@ FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
     settings.lit = stage_->settings.falloff;
     settings.resolve.background = glm::vec4(stage_->settings.background, 1);
     settings.instances.clear();
+    // Layers would hide one of two segments behind the other.
+    const bool may_fade = settings.blend == Blend::kExact && 2 * evaluated.performers.size() <= kMaxInstances;
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
-        std::optional<Instance> instance = instance_of(performer);
-        if (!instance) continue;
-        if (performer.performer == highlight.performer) instance->highlight = highlight.highlight;
-        settings.instances.push_back(std::move(*instance));
+        if (!performer.visible) continue;
+        std::vector<StageClips::Place> places = clips_.places_of(performer);
+        if (places.size() > 1 && !may_fade) places = {{places[0].field, places[0].frame, 1}};
+        for (const StageClips::Place& place : places) {
+            Instance& instance = settings.instances.emplace_back(instance_at(performer, place));
+            if (performer.performer == highlight.performer) instance.highlight = highlight.highlight;
+        }
     }
     return settings;
 }

@@ -47,15 +47,18 @@ class StageRenderer {
     void show(const stage::EvaluatedStage& evaluated, bool show_environment = true,
               MissingSegments missing = MissingSegments::kWait);
     // The settings of a frame at that time: the visible performers, and the blending, lights and background of the
-    // stage. Performers of which the segment is not on the device are as StageClips::place_of says. A part of an image
-    // is drawn as an image of smaller width and height, by a camera whose principal point is moved by the part's
-    // position. It may have more samples than the capacity as long as samples · width and samples · height do not
-    // exceed the capacity's. Parts together equal the whole image within a step of 255, except at edges of the set.
+    // stage. One that fades from a segment of its clip to the next is two instances, where the stage's blending is
+    // exact and all have room. Performers of which the segment is not on the device are as StageClips::place_of says. A
+    // part of an image is drawn as an image of smaller width and height, by a camera whose principal point is moved by
+    // the part's position. It may have more samples than the capacity as long as samples · width and samples · height
+    // do not exceed the capacity's. Parts together equal the whole image within a step of 255, except at edges of the
+    // set.
     FrameSettings settings_at(const stage::EvaluatedStage& evaluated, const PerformerHighlight& highlight = {}) const;
 
     // StageClips::holds, of the time of the last show().
     bool holds(const stage::EvaluatedStage& evaluated) const { return clips_.holds(evaluated); }
-    // A visible performer as settings_at has it; nothing where it is not drawn.
+    // A visible performer as settings_at has it, but whole, in the segment of its time alone; nothing where it is not
+    // drawn.
     std::optional<Instance> instance_of(const stage::EvaluatedPerformer& performer) const;
 
     // Sets the hidden parts of each view's image (SetRaster::hide) until the next call.
@@ -95,6 +98,7 @@ class StageRenderer {
     };
     const std::shared_ptr<const LoadedClip>& first(uint32_t clip) const { return clips_.clips()[clip].first; }
     void update_fields();
+    Instance instance_at(const stage::EvaluatedPerformer& performer, const StageClips::Place& place) const;
     // Among fields_; their number where it is not among them.
     uint32_t number_of(const Field& field) const;
     NextPaints make_paints(const stage::Stage& stage, const StageAssets& assets) const;

@@ -59,12 +59,14 @@ TracePush trace_push(const Field& field, float stop) {
     push.leaf_count = field.leaf_count;
     push.end_tile = UINT32_MAX;
     push.levels_above = field.levels_above;
+    push.density = 1;
     return push;
 }
 
 TracePush instance_push(const Field& field, const InstanceRays& rays) {
     TracePush push = trace_push(field, rays.stop);
     push.box_size.w = rays.opacity;
+    push.density = rays.density;
     push.first_camera = rays.first_camera;
     push.first_tile = rays.tiles.first;
     push.end_tile = rays.tiles.end;

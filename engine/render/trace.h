@@ -68,7 +68,7 @@ struct TileSpan {
 // cameras of the batch are those of the views in world space.
 struct InstanceRays {
     uint32_t first_camera = 0;
-    float opacity = 1;
+    float opacity = 1, density = 1;  // Instance
     float stop = kStopTransmittance;
     TileSpan tiles;
     glm::uvec2 set_size{0};  // texels of the set's depth in a view; 0: no set

@@ -106,4 +106,28 @@ SegmentFrame segment_frame(const ClipIndex& index, double frame) {
     return {number, static_cast<float>(std::clamp(frame - segment.first, 0.0, last))};
 }
 
+std::vector<SegmentShare> segment_shares(const ClipIndex& index, double frame) {
+    const SegmentFrame at = segment_frame(index, frame);
+    // Of the borders of that segment, at most one is near enough.
+    for (const uint32_t next : {at.segment, at.segment + 1}) {
+        if (next == 0 || next >= index.segments.size()) continue;
+        const auto faded = static_cast<double>(fade_frames(index, next - 1));
+        const double x = frame - index.segments[next].first;
+        if (faded == 0 || x <= -1 || x >= faded) continue;
+        const auto later = static_cast<float>((x + 1) / (faded + 1));
+        const double in_overlap = std::min(x, faded - 1);
+        const SegmentShare of_later{{next, static_cast<float>(std::max(x, 0.0))}, later};
+        const SegmentShare of_earlier{{next - 1, static_cast<float>(index.segments[next - 1].frames + in_overlap)},
+                                      1 - later};
+        if (next == at.segment) return {of_later, of_earlier};
+        return {of_earlier, of_later};
+    }
+    return {{at}};
+}
+
+uint32_t fade_frames(const ClipIndex& index, size_t segment) {
+    if (segment + 1 >= index.segments.size()) return 0;
+    return std::min(index.segments[segment].overlap, index.segments[segment + 1].frames);
+}
+
 }  // namespace neuvv::voctree

@@ -12,8 +12,8 @@ struct ClipSegment {
     std::filesystem::path file;  // with the clip's folder; it may be missing as long as the clip is being trained
     uint32_t first = 0;          // frame of the clip
     uint32_t frames = 1;
-    // How many more frames the file has at its end, so that slow motion goes on smoothly between the last of `frames`
-    // and the first of the next segment.
+    // How many more frames the file has at its end: the first ones of the next segment. Slow motion goes on smoothly to
+    // them, and players fade over them from this segment to the next (segment_shares).
     uint32_t overlap = 0;
     uint32_t end() const { return first + frames; }
     uint32_t frames_of_file() const { return frames + overlap; }
@@ -59,5 +59,19 @@ struct SegmentFrame {
     float frame = 0;       // in that segment's file
 };
 SegmentFrame segment_frame(const ClipIndex& index, double frame);
+
+// What a player shows at a frame of a clip: a place in the segment of segment_frame, and around an overlap one in the
+// other segment, too. From the last frame before an overlap of k frames to the first behind it, the share of the
+// earlier segment falls from 1 to 0, by 1 / (k + 1) from frame to frame, so that no cut between two trees is seen.
+// Between whole frames, a segment that has no frame at that time yet, or any more, shows its nearest.
+struct SegmentShare {
+    SegmentFrame at;
+    float share = 1;  // of the density; the shares of a frame sum to 1
+};
+// One or two, the one of segment_frame first.
+std::vector<SegmentShare> segment_shares(const ClipIndex& index, double frame);
+
+// The frames over which a segment fades into the next: its overlap, but no more than the next one has.
+uint32_t fade_frames(const ClipIndex& index, size_t segment);
 
 }  // namespace neuvv::voctree

@@ -88,6 +88,7 @@ struct TracePush {
     uint set_texels;    // texels of a view of the set's image
     uint lighting;      // kLit, kShadowed, both or 0
     uint levels_above;  // Field::levels_above
+    float density;      // what the instance's densities are multiplied by
 };
 
 NEUVV_SHARED_END
@@ -95,6 +96,6 @@ NEUVV_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::ShaderCamera) == 16 * neuvv::kCameraTexels);
 static_assert(sizeof(neuvv::Tile) == 16);
-static_assert(sizeof(neuvv::TracePush) == 84);
+static_assert(sizeof(neuvv::TracePush) == 88);
 #endif
 #endif

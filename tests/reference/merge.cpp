@@ -29,12 +29,12 @@ std::vector<Sample> merge(const std::vector<std::vector<Sample>>& instances) {
     return merged;
 }
 
-std::vector<Sample> in_world(const std::vector<Sample>& samples, double world_metres, double opacity) {
+std::vector<Sample> in_world(const std::vector<Sample>& samples, double world_metres, double opacity, double density) {
     std::vector<Sample> result;
     double solid = 1;  // the transmittance at opacity 1
     for (const Sample& sample : samples) {
         const double before = 1 - opacity * (1 - solid);
-        solid *= std::exp(-sample.sigma * sample.delta_m);
+        solid *= std::exp(-density * sample.sigma * sample.delta_m);
         const double after = 1 - opacity * (1 - solid), delta = world_metres * sample.delta_m;
         result.push_back({std::log(before / after) / delta, sample.colour, delta, world_metres * sample.z_m});
     }

@@ -12,8 +12,9 @@ namespace neuvv::reference {
 std::vector<Sample> merge(const std::vector<std::vector<Sample>>& instances);
 
 // The samples of an instance, near to far, in world space, where `world_metres` is the length of one metre of the
-// instance's space (errata 13). An instance of opacity o lets 1 − o (1 − T) of the light through where one of opacity 1
-// lets T through.
-std::vector<Sample> in_world(const std::vector<Sample>& samples, double world_metres, double opacity);
+// instance's space (errata 13). Densities are multiplied by `density`. An instance of opacity o lets 1 − o (1 − T) of
+// the light through where one of opacity 1 lets T through.
+std::vector<Sample> in_world(const std::vector<Sample>& samples, double world_metres, double opacity,
+                             double density = 1);
 
 }  // namespace neuvv::reference

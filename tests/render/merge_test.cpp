@@ -33,7 +33,8 @@ reference::RayResult march_together(const std::vector<const voctree::VOctree*>& 
         const glm::dvec3 direction = glm::dmat3(performer_from_world) * ray.direction;
         own.direction = glm::normalize(direction);
         all.push_back(reference::in_world(reference::ray_samples(*trees[instances[i].field], slices[i], own),
-                                          1 / glm::length(direction), instances[i].opacity));
+                                          1 / glm::length(direction), double{instances[i].opacity},
+                                          double{instances[i].density}));
     }
     return reference::composite(reference::merge(all));
 }
@@ -54,13 +55,14 @@ Traced together_by_reference(const std::vector<const voctree::VOctree*>& trees,
     return traced;
 }
 
-// Three overlapping instances of two fields, one of them translucent; one instance before them and one behind.
+// Three overlapping instances of two fields, one of them translucent and thinned; one instance before them and a denser
+// one behind.
 std::vector<render::Instance> a_crowd() {
     return {{1.3f, glm::mat4(1), 0, 0, 1},
             {0.0f, placed({0.4f, 0.2f, -0.3f}, 0.7f, glm::vec3(1.2f, 0.8f, 1)), 0, 1, 1},
-            {2.0f, placed({-0.5f, 0.1f, 0.2f}, -1.1f, glm::vec3(-0.9f, 0.9f, 1.1f)), 0, 0, 0.6f},
+            {2.0f, placed({-0.5f, 0.1f, 0.2f}, -1.1f, glm::vec3(-0.9f, 0.9f, 1.1f)), 0, 0, 0.6f, 0.7f},
             {3.0f, placed({0.8f, 0.3f, 4}, 0.2f, glm::vec3(0.5f)), 0, 1, 0.7f},
-            {0.5f, placed({-1, 0.3f, -5}, 2, glm::vec3(2)), 0, 0, 1}};
+            {0.5f, placed({-1, 0.3f, -5}, 2, glm::vec3(2)), 0, 0, 1, 1.5f}};
 }
 
 render::FrameSettings settings_of(std::vector<render::Instance> instances, render::Blend blend) {
@@ -217,6 +219,21 @@ TEST_F(MergeTest, AnOpacityOfOneIsTheSolidInstanceAndOfNoneIsNothing) {
     const std::vector<glm::vec4> solid = radiance(1), half = radiance(0.5f);
     for (size_t i = 0; i < solid.size(); i++) EXPECT_LE(glm::length(half[i] - 0.5f * solid[i]), 1e-6f) << "ray " << i;
     for (const glm::vec4& ray : radiance(0)) EXPECT_EQ(ray, glm::vec4(0));
+}
+
+// What a clip shows while one of its segments fades into the next.
+TEST_F(MergeTest, SharesOfTheDensityAreTheWhole) {
+    const Crowd crowd(device());
+    render::FrameRenderer renderer(device(), {&crowd.fields[0], &crowd.fields[1]}, {kWidth, kHeight});
+    const auto traced = [&](std::vector<render::Instance> instances) {
+        renderer.render(crowd_camera(), settings_of(std::move(instances), render::Blend::kExact));
+        return Traced{renderer.radiance(), renderer.depth()};
+    };
+    const Traced whole = traced({{1.3f, glm::mat4(1)}});
+    const Traced shares = traced({{1.3f, glm::mat4(1), 0, 0, 1, 0.3f}, {1.3f, glm::mat4(1), 0, 0, 1, 0.7f}});
+    EXPECT_LE(difference(shares, whole).steps, kHalfSteps);
+    EXPECT_GT(difference(traced({{1.3f, glm::mat4(1), 0, 0, 1, 0.3f}}), whole).steps, 5);
+    for (const glm::vec4& ray : traced({{1.3f, glm::mat4(1), 0, 0, 1, 0}}).radiance) EXPECT_EQ(ray, glm::vec4(0));
 }
 
 render::TransformedBox box_at(glm::dvec3 at, double turn = 0, glm::dvec3 half = glm::dvec3(0.5)) {

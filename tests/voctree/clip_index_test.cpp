@@ -180,5 +180,41 @@ TEST(SegmentFrame, IsInTheOverlapUntilTheNextSegmentBegins) {
     }
 }
 
+TEST(SegmentShares, FadeOverTheFramesOfAnOverlap) {
+    const voctree::ClipIndex index{25, {{"a", 0, 4, 2}, {"b", 4, 4, 1}, {"c", 8, 4}, {"d", 12, 1}}};
+    const struct {
+        double frame;
+        uint32_t segment;
+        float share;
+        uint32_t other;     // segment
+        float other_frame;  // −1: only one is shown
+    } cases[] = {{0, 0, 1, 0, -1},
+                 {3, 0, 1, 0, -1},
+                 {3.25, 0, 11.0f / 12, 1, 0},
+                 {4, 1, 1.0f / 3, 0, 4},
+                 {4.75, 1, 1.75f / 3, 0, 4.75f},
+                 {5, 1, 2.0f / 3, 0, 5},
+                 {5.5, 1, 2.5f / 3, 0, 5},
+                 {6, 1, 1, 0, -1},
+                 {8, 2, 0.5f, 1, 4},
+                 {8.75, 2, 0.875f, 1, 4},
+                 {9, 2, 1, 0, -1},
+                 {12, 3, 1, 0, -1}};
+    for (const auto& one : cases) {
+        SCOPED_TRACE(one.frame);
+        const std::vector<voctree::SegmentShare> shares = voctree::segment_shares(index, one.frame);
+        ASSERT_EQ(shares.size(), one.other_frame < 0 ? 1u : 2u);
+        EXPECT_EQ(shares[0].at.segment, one.segment);
+        EXPECT_EQ(shares[0].at.frame, voctree::segment_frame(index, one.frame).frame);
+        EXPECT_FLOAT_EQ(shares[0].share, one.share);
+        if (one.other_frame < 0) continue;
+        EXPECT_EQ(shares[1].at.segment, one.other);
+        EXPECT_EQ(shares[1].at.frame, one.other_frame);
+        EXPECT_FLOAT_EQ(shares[0].share + shares[1].share, 1);
+    }
+    EXPECT_EQ(voctree::fade_frames({25, {{"a", 0, 4, 9}, {"b", 4, 3}}}, 0), 3u);
+    EXPECT_EQ(voctree::fade_frames({25, {{"a", 0, 4, 9}}}, 0), 0u) << "there is no next one";
+}
+
 }  // namespace
 }  // namespace neuvv::test
