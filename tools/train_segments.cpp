@@ -159,6 +159,7 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
         machine_failed_ = true;
         leave_out(segment, failure);
     }
+    return_freed_memory();
 }
 
 void SegmentedRun::leave_out(size_t segment, const std::runtime_error& error) {

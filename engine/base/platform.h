@@ -37,6 +37,10 @@ bool folder_is_writable(const std::filesystem::path& folder);
 // Peak resident memory of this process, in bytes.
 uint64_t peak_memory_bytes();
 
+// Gives freed memory back to the system that the C library keeps for later allocations. It takes some milliseconds: to
+// be called between large tasks, so that what one of them took does not add to the peak of the next.
+void return_freed_memory();
+
 // How much memory this process may still take, in bytes: the smaller of the system's free memory and what the limit of
 // its control group leaves.
 uint64_t available_memory_bytes();

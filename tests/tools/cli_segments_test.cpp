@@ -94,10 +94,9 @@ TEST_F(CliSegments, TheyFadeIntoEachOther) {
 }
 
 TEST_F(CliSegments, TrainingGivesThemAnOverlap) {
-    ASSERT_EQ(run_neuvv({"capture", NEUVV_SOURCE_DIR "/tools/performer/performer.glb", "-o", file("cap"), "--cameras",
-                         "5", "--frames", "8", "--size", "32x32"})
-                  .code,
-              0);
+    const std::string model = NEUVV_SOURCE_DIR "/tools/performer/performer.glb";
+    ASSERT_EQ(
+        run_neuvv({"capture", model, "-o", file("cap"), "--cameras", "5", "--frames", "8", "--size", "32x32"}).code, 0);
     const std::string show = file("show.nvv");
     const ProgramResult run =
         run_neuvv({"train", file("cap"), "-o", show, "--segment", "4", "--steps", "4", "--resolution", "32"});
