@@ -96,6 +96,10 @@ Job training_job(const std::vector<std::string>& command) {
         throw InputError("COMMAND", joined(command), "has no --segment, whose segments the tasks would train", kFix);
     if (!value_of(command, {"--minutes"}) && !value_of(command, {"--steps"}))
         throw InputError("COMMAND", joined(command), "has no budget", "give --minutes or --steps, of the whole clip");
+    for (const char* option : {"--preview", "--metrics"})
+        if (value_of(command, {option}))
+            throw InputError("COMMAND", joined(command), fmt::format("has {}, which is for one process", option),
+                             "leave it out; tasks have logs");
     if (has(command, "--plan"))
         throw InputError("COMMAND", joined(command), "has --plan, which comes of itself", "leave it out");
     std::vector<std::string> task = command;

@@ -49,7 +49,9 @@ bool begin_together(const gpu::Device& device, TrainOptions& options, const trai
         return true;
     }
     for (double start = seconds_now(); !has_begun(options.output, ranks) && !stop_requested(); sleep_for(0.1)) {
-        if (training::claim_of(options.output)) start = seconds_now();  // the first rank is alive, and searches
+        // The first rank has taken the clip and removed the file of another job: it searches the rig.
+        if (!std::filesystem::exists(job_file(options.output)) && training::claim_of(options.output))
+            start = seconds_now();
         if (seconds_now() - start > kLongestBeginning_s)
             throw RuntimeFailure(fmt::format("{}: the first of the {} processes has not begun the clip",
                                              options.output.string(), ranks.count));

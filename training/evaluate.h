@@ -35,9 +35,9 @@ using ViewCallback =
 
 // Renders every view with samples² rays per pixel and compares it with the data set's image, both over white (see
 // Quality). Ignored pixels are white in both. After an early end, means are over the views that were compared. Views
-// are in their order, but of a clip segment by segment, of which two at most are in memory at a time; a segment fades
-// into the next as players show it. The tree must be sound (voctree::defect_of). Throws RuntimeFailure, and InputError
-// where a segment cannot be read.
+// are in their order, but of a clip segment by segment: those that are shown and the next one are in memory; a segment
+// fades into the next as players show it. The tree must be sound (voctree::defect_of). Throws RuntimeFailure, and
+// InputError where a segment cannot be read.
 Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done = {});
 Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,

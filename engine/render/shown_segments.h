@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "render/field.h"
@@ -24,7 +25,8 @@ class ShownSegments {
 
     // Reads and uploads those of these segments that are not there, for which it drops others. Returns an instance for
     // each share; its field is an index into the fields that `changed` got last. Throws InputError where a segment
-    // cannot be read, and RuntimeFailure where the device has no memory.
+    // cannot be read, and RuntimeFailure where the device has no memory; then it and the renderer can only be
+    // destroyed.
     std::vector<Instance> show(const std::vector<voctree::SegmentShare>& shares, const Changed& changed);
 
   private:

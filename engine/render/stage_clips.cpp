@@ -207,11 +207,13 @@ void StageClips::drop_all_but(const std::set<Id>& kept) {
 void StageClips::remember(const stage::EvaluatedStage& evaluated) {
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (!performer.visible || clips_[performer.clip].segments.size() == 1) continue;
-        const Shown shown = wanted_by(performer);
-        if (!drawn(at(shown.id))) continue;
-        shown_[performer.performer] = shown;
-        for (const Id& id : segments_of(performer)) {
+        bool is_first = true;
+        for (const auto& [place, share] :
+             voctree::segment_shares(clips_[performer.clip].index, double{performer.frame})) {
+            const Id id{performer.clip, place.segment};
             if (!drawn(at(id))) continue;
+            if (is_first) shown_[performer.performer] = Shown{id, place.frame};
+            is_first = false;
             std::erase(recent_, id);
             recent_.insert(recent_.begin(), id);
         }

@@ -210,8 +210,9 @@ Instance StageRenderer::instance_at(const stage::EvaluatedPerformer& performer, 
 
 std::optional<Instance> StageRenderer::instance_of(const stage::EvaluatedPerformer& performer) const {
     if (!performer.visible) return std::nullopt;
-    const std::optional<StageClips::Place> place = clips_.place_of(performer);
-    return place ? std::optional(instance_at(performer, *place)) : std::nullopt;
+    const std::vector<StageClips::Place> places = clips_.places_of(performer);
+    if (places.empty()) return std::nullopt;
+    return instance_at(performer, {places[0].field, places[0].frame, 1});
 }
 
 FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
@@ -230,7 +231,9 @@ FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (!performer.visible) continue;
         std::vector<StageClips::Place> places = clips_.places_of(performer);
-        if (places.size() > 1 && !may_fade) places = {{places[0].field, places[0].frame, 1}};
+        // Two translucent instances, one in the other, let less light through than one.
+        const bool fades = may_fade && performer.opacity >= 1;
+        if (places.size() > 1 && !fades) places = {{places[0].field, places[0].frame, 1}};
         for (const StageClips::Place& place : places) {
             Instance& instance = settings.instances.emplace_back(instance_at(performer, place));
             if (performer.performer == highlight.performer) instance.highlight = highlight.highlight;

@@ -47,12 +47,12 @@ class StageRenderer {
     void show(const stage::EvaluatedStage& evaluated, bool show_environment = true,
               MissingSegments missing = MissingSegments::kWait);
     // The settings of a frame at that time: the visible performers, and the blending, lights and background of the
-    // stage. One that fades from a segment of its clip to the next is two instances, where the stage's blending is
-    // exact and all have room. Performers of which the segment is not on the device are as StageClips::place_of says. A
-    // part of an image is drawn as an image of smaller width and height, by a camera whose principal point is moved by
-    // the part's position. It may have more samples than the capacity as long as samples · width and samples · height
-    // do not exceed the capacity's. Parts together equal the whole image within a step of 255, except at edges of the
-    // set.
+    // stage. One that fades from a segment of its clip to the next is two instances, where it is
+    // opaque, the stage's blending is exact, and all have room. Performers of which the segment is not on the device
+    // are as StageClips::place_of says. A part of an image is drawn as an image of smaller width and height, by a
+    // camera whose principal point is moved by the part's position. It may have more samples than the capacity as long
+    // as samples · width and samples · height do not exceed the capacity's. Parts together equal the whole image within
+    // a step of 255, except at edges of the set.
     FrameSettings settings_at(const stage::EvaluatedStage& evaluated, const PerformerHighlight& highlight = {}) const;
 
     // StageClips::holds, of the time of the last show().

@@ -127,7 +127,7 @@ std::vector<SegmentShare> segment_shares(const ClipIndex& index, double frame) {
 
 uint32_t fade_frames(const ClipIndex& index, size_t segment) {
     if (segment + 1 >= index.segments.size()) return 0;
-    return std::min(index.segments[segment].overlap, index.segments[segment + 1].frames);
+    return std::min(index.segments[segment].overlap, index.segments[segment + 1].frames - 1);
 }
 
 }  // namespace neuvv::voctree

@@ -71,7 +71,7 @@ struct SegmentShare {
 // One or two, the one of segment_frame first.
 std::vector<SegmentShare> segment_shares(const ClipIndex& index, double frame);
 
-// The frames over which a segment fades into the next: its overlap, but no more than the next one has.
+// The frames over which a segment fades into the next: its overlap, but fewer than the next one has.
 uint32_t fade_frames(const ClipIndex& index, size_t segment);
 
 }  // namespace neuvv::voctree

@@ -212,7 +212,7 @@ TEST(SegmentShares, FadeOverTheFramesOfAnOverlap) {
         EXPECT_EQ(shares[1].at.frame, one.other_frame);
         EXPECT_FLOAT_EQ(shares[0].share + shares[1].share, 1);
     }
-    EXPECT_EQ(voctree::fade_frames({25, {{"a", 0, 4, 9}, {"b", 4, 3}}}, 0), 3u);
+    EXPECT_EQ(voctree::fade_frames({25, {{"a", 0, 4, 9}, {"b", 4, 3}}}, 0), 2u);
     EXPECT_EQ(voctree::fade_frames({25, {{"a", 0, 4, 9}}}, 0), 0u) << "there is no next one";
 }
 
