@@ -22,10 +22,9 @@ namespace {
 
 constexpr size_t kViews = 16;
 constexpr int kMostRounds = 8;
-constexpr double kStepPixels = 1;    // by how much images move for a difference
-constexpr double kMostPixels = 2;    // that a round moves images by one of the numbers
-constexpr double kEnough = 0.01;     // pixels, below which a round ends the search
-constexpr double kLargeError = 0.2;  // of a pixel, in encoded values; larger ones count linearly (Huber)
+constexpr double kStepPixels = 1;  // by how much images move for a difference
+constexpr double kMostPixels = 2;  // that a round moves images by one of the numbers
+constexpr double kEnough = 0.01;   // pixels, below which a round ends the search
 
 constexpr size_t kNumbers = kPoseNumbers;  // seven, as those of a camera
 using Numbers = std::array<double, kNumbers>;
@@ -50,7 +49,7 @@ Numbers steps_of(const std::vector<stage::Camera>& cameras, glm::dvec3 centre) {
 }
 
 // A view with its image over white, and the frame of the segment that it shows.
-struct Shot {
+struct ComparedView {
     size_t view;
     float frame;
     media::Image truth;
@@ -59,17 +58,17 @@ struct Shot {
 // A segment's tree, and what is compared with it.
 struct Scene {
     voctree::VOctree tree;
-    std::vector<Shot> shots;
+    std::vector<ComparedView> shots;
 };
 
 // Up to kViews of a segment's views, spread over them by multiples of the golden ratio.
-std::vector<Shot> selected_shots(const std::vector<ViewFrame>& views, const Dataset& dataset) {
+std::vector<ComparedView> selected_shots(const std::vector<ViewFrame>& views, const Dataset& dataset) {
     std::set<size_t> selected;
     for (size_t i = 0; i < kViews; i++) {
         const double share = std::fmod(static_cast<double>(i) * std::numbers::phi, 1.0);
         selected.insert(static_cast<size_t>(share * static_cast<double>(views.size())));
     }
-    std::vector<Shot> shots;
+    std::vector<ComparedView> shots;
     for (const size_t i : selected)
         shots.push_back({views[i].view, views[i].frame, truth_over_white(dataset, dataset.views[views[i].view])});
     return shots;
@@ -161,7 +160,7 @@ class Alignment {
         return evidence;
     }
 
-    media::Image rendered(const Shot& shot, const Numbers& numbers) {
+    media::Image rendered(const ComparedView& shot, const Numbers& numbers) {
         const View& view = dataset_.views[shot.view];
         const stage::Camera camera = moved(dataset_.cameras[view.camera], motion_of(numbers), centre_);
         return render_over_white(*renderer_, camera, view, {{shot.frame}}, 1);

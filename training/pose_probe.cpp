@@ -11,8 +11,6 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kLargeError = 0.2;  // of a pixel, in encoded values; larger ones count linearly (Huber)
-
 // Loads the variants of a camera: itself, then each of its numbers changed by a step, up and down. Returns the steps.
 PoseChange load_variants(const TrainingStep& step, const PoseProbe& probe, uint32_t camera) {
     const stage::Camera& given = probe.given[camera];

@@ -5,6 +5,8 @@
 
 namespace neuvv::training {
 
+constexpr double kLargeError = 0.2;  // of a pixel, in encoded values; larger ones count linearly (Huber)
+
 // Normal equations of seven numbers, those of a camera's pose or of a whole rig's (align_rig.h): ½ Δᵀ normal Δ − rightᵀ
 // Δ is half of the squared error of its pixels after a change by Δ, up to a constant.
 struct PoseEvidence {
