@@ -58,20 +58,20 @@ struct ComparedView {
 // A segment's tree, and what is compared with it.
 struct Scene {
     voctree::VOctree tree;
-    std::vector<ComparedView> shots;
+    std::vector<ComparedView> views;
 };
 
 // Up to kViews of a segment's views, spread over them by multiples of the golden ratio.
-std::vector<ComparedView> selected_shots(const std::vector<ViewFrame>& views, const Dataset& dataset) {
+std::vector<ComparedView> selected_views(const std::vector<ViewFrame>& views, const Dataset& dataset) {
     std::set<size_t> selected;
     for (size_t i = 0; i < kViews; i++) {
         const double share = std::fmod(static_cast<double>(i) * std::numbers::phi, 1.0);
         selected.insert(static_cast<size_t>(share * static_cast<double>(views.size())));
     }
-    std::vector<ComparedView> shots;
+    std::vector<ComparedView> compared;
     for (const size_t i : selected)
-        shots.push_back({views[i].view, views[i].frame, truth_over_white(dataset, dataset.views[views[i].view])});
-    return shots;
+        compared.push_back({views[i].view, views[i].frame, truth_over_white(dataset, dataset.views[views[i].view])});
+    return compared;
 }
 
 // Of the segments that the images show, the one nearest to the clip's middle that has leaves.
@@ -80,7 +80,7 @@ Scene scene_of(const voctree::ClipIndex& clip, const Dataset& dataset) {
     for (const size_t i : voctree::segments_from_middle(clip.segments.size())) {
         if (views[i].empty()) continue;
         voctree::VOctree tree = voctree::read_segment(clip.segments[i]);
-        if (tree.leaf_count > 0) return {std::move(tree), selected_shots(views[i], dataset)};
+        if (tree.leaf_count > 0) return {std::move(tree), selected_views(views[i], dataset)};
     }
     throw InputError(dataset.folder.string(), "", "has images only of times at which the scene shows nobody",
                      "leave out --align");
@@ -105,7 +105,7 @@ void add_image(const media::Image& truth, const media::Image& render, const std:
         }
 }
 
-// The search: the cameras of the data set, and the shots that it looks at.
+// The search: the cameras of the data set, and the views that it compares.
 class Alignment {
   public:
     Alignment(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset,
@@ -141,29 +141,29 @@ class Alignment {
     }
 
   private:
-    // What all shots say from a motion; nothing where the callback stopped the search.
+    // What all views say from a motion; nothing where the callback stopped the search.
     std::optional<PoseEvidence> look_from(const Numbers& numbers) {
         PoseEvidence evidence;
-        for (size_t i = 0; i < scene_.shots.size(); i++) {
-            const double done = static_cast<double>(i) / static_cast<double>(scene_.shots.size());
+        for (size_t i = 0; i < scene_.views.size(); i++) {
+            const double done = static_cast<double>(i) / static_cast<double>(scene_.views.size());
             if (!callback_((round_ + done) / (kMostRounds + 1))) return std::nullopt;
             std::array<media::Image, kNumbers> plus, minus;
             for (size_t number = 0; number < kNumbers; number++) {
                 Numbers more = numbers, less = numbers;
                 more[number] += steps_[number];
                 less[number] -= steps_[number];
-                plus[number] = rendered(scene_.shots[i], more);
-                minus[number] = rendered(scene_.shots[i], less);
+                plus[number] = rendered(scene_.views[i], more);
+                minus[number] = rendered(scene_.views[i], less);
             }
-            add_image(scene_.shots[i].truth, rendered(scene_.shots[i], numbers), plus, minus, evidence);
+            add_image(scene_.views[i].truth, rendered(scene_.views[i], numbers), plus, minus, evidence);
         }
         return evidence;
     }
 
-    media::Image rendered(const ComparedView& shot, const Numbers& numbers) {
-        const View& view = dataset_.views[shot.view];
+    media::Image rendered(const ComparedView& one, const Numbers& numbers) {
+        const View& view = dataset_.views[one.view];
         const stage::Camera camera = moved(dataset_.cameras[view.camera], motion_of(numbers), centre_);
-        return render_over_white(*renderer_, camera, view, {{shot.frame}}, 1);
+        return render_over_white(*renderer_, camera, view, {{one.frame}}, 1);
     }
 
     RigAlignment found(const RigMotion& motion) const {

@@ -83,15 +83,6 @@ StageClips::Shown StageClips::wanted_by(const stage::EvaluatedPerformer& perform
     return {{performer.clip, segment}, frame};
 }
 
-std::optional<StageClips::Place> StageClips::place_of(const stage::EvaluatedPerformer& performer) const {
-    Shown shown = wanted_by(performer);
-    const std::optional<Shown>& last = shown_[performer.performer];
-    if (!drawn(at(shown.id)) && at(shown.id).readable && last && last->id.clip == performer.clip) shown = *last;
-    const LoadedClip* loaded = drawn(at(shown.id));
-    if (!loaded) return std::nullopt;
-    return Place{&loaded->field, shown.frame};
-}
-
 // Those that a performer shows at its time: one, or two where one fades into the next, the one of wanted_by first.
 std::vector<StageClips::Id> StageClips::segments_of(const stage::EvaluatedPerformer& performer) const {
     std::vector<Id> ids;
@@ -103,14 +94,13 @@ std::vector<StageClips::Id> StageClips::segments_of(const stage::EvaluatedPerfor
 
 std::vector<StageClips::Place> StageClips::places_of(const stage::EvaluatedPerformer& performer) const {
     std::vector<Place> places;
-    for (const auto& [at_segment, share] :
-         voctree::segment_shares(clips_[performer.clip].index, double{performer.frame}))
-        if (const LoadedClip* loaded = drawn(at({performer.clip, at_segment.segment})))
-            places.push_back({&loaded->field, at_segment.frame, share});
-    // Where one of two is not there, the other is shown alone.
+    for (const auto& [place, share] : voctree::segment_shares(clips_[performer.clip].index, double{performer.frame}))
+        if (const LoadedClip* loaded = drawn(at({performer.clip, place.segment})))
+            places.push_back({&loaded->field, place.frame, share});
     if (places.size() == 1) places[0].share = 1;
-    if (places.empty())
-        if (const std::optional<Place> place = place_of(performer)) places.push_back(*place);
+    const std::optional<Shown>& last = shown_[performer.performer];
+    if (places.empty() && at(wanted_by(performer).id).readable && last && last->id.clip == performer.clip)
+        if (const LoadedClip* loaded = drawn(at(last->id))) places.push_back({&loaded->field, last->frame});
     return places;
 }
 

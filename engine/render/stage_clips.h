@@ -46,15 +46,15 @@ class StageClips {
     // The largest number of fields, unless performers show many segments at once.
     uint32_t usual_fields() const;
 
-    // Where a performer is in its clip. Nothing where its segment cannot be read, or is held and was not shown before.
+    // A place in the field of a segment.
     struct Place {
         const Field* field = nullptr;
         float frame = 0;  // of that field
         float share = 1;  // of the density
     };
-    std::optional<Place> place_of(const stage::EvaluatedPerformer& performer) const;
-    // All that is drawn of it: that place, and while a segment fades into the next, one in each (segment_shares), if
-    // both are on the device.
+    // Where a performer is drawn: in the segment of its time, and while that fades into another, in both
+    // (segment_shares), the first one first. Where only one of two is on the device, it is drawn alone; where none is,
+    // what was shown last. Empty where the segment cannot be read, or is held and nothing was shown before.
     std::vector<Place> places_of(const stage::EvaluatedPerformer& performer) const;
 
     // Whether a performer that is visible at this time is held, because nothing of its segments is read yet.

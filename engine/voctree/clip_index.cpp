@@ -108,7 +108,7 @@ SegmentFrame segment_frame(const ClipIndex& index, double frame) {
 
 std::vector<SegmentShare> segment_shares(const ClipIndex& index, double frame) {
     const SegmentFrame at = segment_frame(index, frame);
-    // Of the borders of that segment, at most one is near enough.
+    // It may fade from the segment before, or into the next: a segment has more frames than fade into it.
     for (const uint32_t next : {at.segment, at.segment + 1}) {
         if (next == 0 || next >= index.segments.size()) continue;
         const auto faded = static_cast<double>(fade_frames(index, next - 1));

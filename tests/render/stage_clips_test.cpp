@@ -32,9 +32,13 @@ struct StageClipsTest : GpuTest {
 
     void SetUp() override {
         GpuTest::SetUp();
+        write_clip(0);
+    }
+    void write_clip(uint32_t overlap) {
         voctree::VOctree tree = random_tree({.leaves = 300, .bases = 24, .frames = 2 * kSegments});
         tree.fps = 4;
-        write_segmented_copy(tree, std::vector<uint32_t>(kSegments, 2), clip);
+        std::filesystem::remove_all(clip);
+        write_segmented_copy(tree, std::vector<uint32_t>(kSegments, 2), clip, overlap);
         write_stage(folder.path / "show.gltf", clip, "anna");
         stage = std::make_unique<stage::Stage>(stage::load_stage(folder.path / "show.gltf"));
     }
@@ -52,7 +56,8 @@ struct StageClipsTest : GpuTest {
             clips.follow(*test.stage, evaluated);
             if (missing == MissingSegments::kWait) clips.read_missing(evaluated);
             clips.free_dropped();
-            return clips.place_of(evaluated.performers[0]);
+            const auto places = clips.places_of(evaluated.performers[0]);
+            return places.empty() ? std::nullopt : std::optional(places[0]);
         }
         const render::Field* field_of(uint32_t number) const {
             const auto& loaded = clips.clips()[0].segments[number].loaded;
@@ -73,6 +78,36 @@ media::Image image_at(render::StageRenderer& renderer, const stage::Stage& stage
     const stage::EvaluatedStage evaluated = stage::stage_at(stage, time_s);
     renderer.show(evaluated);
     return renderer.frames().render(look_at({0, 0.4, 4}, {0, 0.5, 0}, 48, 36, 1), renderer.settings_at(evaluated));
+}
+
+TEST_F(StageClipsTest, ASegmentFadesIntoTheNext) {
+    write_clip(1);
+    constexpr double kFirstOfThird_s = 2 * kSegment_s;
+    render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+    stage::EvaluatedStage evaluated = stage::stage_at(*stage, kFirstOfThird_s);
+    renderer.show(evaluated);
+    const auto instances = [&] { return renderer.settings_at(evaluated).instances; };
+    ASSERT_EQ(instances().size(), 2u);
+    EXPECT_NE(instances()[0].field, instances()[1].field);
+    EXPECT_EQ(instances()[0].frame, 0);
+    EXPECT_EQ(instances()[1].frame, 2) << "the frame that it has more";
+    for (const render::Instance& instance : instances()) EXPECT_EQ(instance.density, 0.5f);
+    ASSERT_TRUE(renderer.instance_of(evaluated.performers[0]));
+    EXPECT_EQ(renderer.instance_of(evaluated.performers[0])->density, 1) << "what is picked is whole";
+
+    evaluated.performers[0].opacity = 0.5f;
+    ASSERT_EQ(instances().size(), 1u) << "two translucent ones let less light through than one";
+    EXPECT_EQ(instances()[0].density, 1);
+
+    // Where the next one is missing, this one is shown as long as it goes.
+    std::filesystem::remove(segment(2));
+    Follower follower{*this};
+    const auto alone = follower.at(kFirstOfThird_s, MissingSegments::kWait);
+    ASSERT_TRUE(alone);
+    EXPECT_EQ(alone->field, follower.field_of(1));
+    EXPECT_EQ(alone->frame, 2);
+    EXPECT_EQ(alone->share, 1);
+    EXPECT_FALSE(follower.at(kFirstOfThird_s + 0.25, MissingSegments::kWait)) << "a frame behind the overlap";
 }
 
 TEST_F(StageClipsTest, ImagesDoNotDependOnWhatWasShownBefore) {
@@ -164,9 +199,9 @@ TEST_F(StageClipsTest, AnEditKeepsWhatIsShown) {
     const stage::EvaluatedStage far = stage::stage_at(*stage, middle_of(4));
     after.follow(*stage, far);
     EXPECT_TRUE(after.holds(far));
-    const auto place = after.place_of(far.performers[0]);
-    ASSERT_TRUE(place);
-    EXPECT_EQ(place->field, &before.clips()[0].segments[11].loaded->field);
+    const auto places = after.places_of(far.performers[0]);
+    ASSERT_EQ(places.size(), 1u);
+    EXPECT_EQ(places[0].field, &before.clips()[0].segments[11].loaded->field);
     for (int i = 0; i < 60'000 && !after.clips()[0].segments[3].loaded; i++) {
         after.follow(*stage, far);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -50,6 +50,9 @@ TEST_F(Cli, AClusterIsGivenAScript) {
                    2, {"no data", "is no data set"});
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show, "--segment", "2"}, 2,
                    {"has no budget", "--minutes"});
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show, "--segment", "2", "--steps",
+                    "9", "--metrics", "log.jsonl"},
+                   2, {"--metrics", "one process"});
     std::filesystem::create_directory(show);
     const ProgramResult made =
         run_neuvv({"cluster", "sbatch", "--dry-run", "--tasks", "3", "--sbatch=--gres=gpu:1 --time=1:00:00", "--",
