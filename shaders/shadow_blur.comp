@@ -31,7 +31,10 @@ vec2 source_texel(ivec2 texel) {
 void main() {
     const int thread = int(gl_WorkGroupID.x * kTilePixels + gl_LocalInvocationID.x);
     if (thread >= kSide * kSide) return;
-    const ivec2 texel = ivec2(thread % kSide, thread / kSide), step = kSecond ? ivec2(0, 1) : ivec2(1, 0);
+    const ivec2 texel = ivec2(thread % kSide, thread / kSide);
+    // Number by number: where a specialisation constant selects a vector, lavapipe of Mesa 22.3 takes its first number
+    // alone from the chosen one, and the second pass would not blur.
+    const ivec2 step = ivec2(kSecond ? 0 : 1, kSecond ? 1 : 0);
     vec2 sum = vec2(0.0);
     float weights = 0.0;
     for (int i = -int(kBlurRadius); i <= int(kBlurRadius); i++) {

@@ -2,9 +2,6 @@
 
 #include "render/draw_order.h"
 
-#include "shared/shadow_blur.h"
-#include "spirv/shadow_blur.comp.h"
-
 namespace neuvv::render {
 
 namespace {
@@ -33,17 +30,7 @@ std::optional<WorldBox> box_of_casting(const FieldLevels& levels, std::span<cons
 PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& given_set, uint32_t instances)
     : set(given_set),
       target(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
-      rows(device, "shadow rows", uint64_t{8} * kSide * kSide, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
-      along_rows(device, "shadow blur", shadow_blur_comp, {0}),
-      along_columns(device, "shadow blur", shadow_blur_comp, {1}),
-      rows_set(along_rows, {{kBlurRadiance, &target.rays.radiance},
-                            {kBlurDepth, &target.rays.depth},
-                            {kBlurFrom, &set.performer_shadows},  // bound but not read
-                            {kBlurTo, &rows}}),
-      columns_set(along_columns, {{kBlurRadiance, &target.rays.radiance},
-                                  {kBlurDepth, &target.rays.depth},
-                                  {kBlurFrom, &rows},
-                                  {kBlurTo, &set.performer_shadows}}) {}
+      blur(device, target.rays, set.performer_shadows) {}
 
 // Finds the lights that cast performers' shadows, and their cameras.
 void PerformerShadows::prepare_lights(const FieldLevels& levels, std::span<const Instance> instances) {
@@ -86,14 +73,8 @@ void record_performer_shadows(gpu::Commands& commands, PerformerShadows& shadows
     record_clear_coverage(commands, shadows.target.ranges);
     for (const DrawnInstance& instance : shadows.drawn)
         record_instance(commands, *performers[instance.field], target, instance, shadows.layout);
-    const gpu::PassScope scope(commands, "shadow blur");
-    for (uint32_t view = 0; view < shadows.maps.size(); view++) {
-        gpu::dispatch(commands, shadows.along_rows, shadows.rows_set, kSide * kSide, ShadowBlurPush{view, 0});
-        gpu::compute_barrier(commands);
-        gpu::dispatch(commands, shadows.along_columns, shadows.columns_set, kSide * kSide,
-                      ShadowBlurPush{view, shadows.maps[view] * kSide * kSide});
-        gpu::compute_barrier(commands);
-    }
+    for (uint32_t view = 0; view < shadows.maps.size(); view++)
+        record_shadow_blur(commands, shadows.blur, view, shadows.maps[view]);
 }
 
 }  // namespace neuvv::render

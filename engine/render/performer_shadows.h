@@ -7,6 +7,7 @@
 #include "render/instance_cameras.h"
 #include "render/set_lights.h"
 #include "render/set_raster.h"
+#include "render/shadow_blur.h"
 
 namespace neuvv::render {
 
@@ -22,9 +23,7 @@ struct PerformerShadows {
     void prepare_lights(const FieldLevels& levels, std::span<const Instance> instances);
     SetRaster& set;
     RayTarget target;
-    gpu::Buffer rows;
-    gpu::ComputePass along_rows, along_columns;
-    gpu::BindingSet rows_set, columns_set;
+    ShadowBlur blur;
     std::vector<stage::Camera> cameras;  // of the lights that have maps, at their positions
     std::vector<uint32_t> maps;          // per camera, the index of its map
     ViewLayout layout;
