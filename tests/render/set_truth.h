@@ -100,10 +100,38 @@ inline bool at_edge(const Surface& surface, const stage::Camera& camera, uint32_
     return false;
 }
 
+// What a texel may show: where vertices are moved to a grid, a point of the surface that lies up to half a step of it
+// away along each axis of the image.
+struct TexelTruth {
+    glm::dvec3 least{INFINITY}, most{-INFINITY};  // colour
+    double nearest_m = INFINITY, farthest_m = -INFINITY;
+};
+
+inline TexelTruth texel_truth(const stage::Camera& camera, const Surface& surface, const PbrMaterial& material,
+                              const Lighting& lighting, uint32_t x, uint32_t y, double grid_px) {
+    const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
+    TexelTruth truth;
+    for (const double dx : {-0.5 * grid_px, 0.5 * grid_px})
+        for (const double dy : {-0.5 * grid_px, 0.5 * grid_px}) {
+            const auto hit = surface(reference::camera_ray(camera, x + dx, y + dy));
+            const glm::dvec3 light = expected_light(*hit, glm::normalize(eye - hit->position), material, lighting);
+            truth.least = glm::min(truth.least, light);
+            truth.most = glm::max(truth.most, light);
+            const double along = glm::dot(hit->position - eye, forward);
+            truth.nearest_m = std::min(truth.nearest_m, along);
+            truth.farthest_m = std::max(truth.farthest_m, along);
+        }
+    return truth;
+}
+
+// How far a value lies outside of the range.
+inline double outside(double value, double least, double most) {
+    return std::isnan(value) ? INFINITY : std::max({least - value, value - most, 0.0});
+}
+
 inline Agreement compare(const SetImages& images, const stage::Camera& camera, const Surface& surface,
                          const PbrMaterial& material, const Lighting& lighting, size_t first_texel = 0) {
     Agreement agreement;
-    const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
     for (uint32_t y = 0; y < camera.height; y++)
         for (uint32_t x = 0; x < camera.width; x++) {
             if (at_edge(surface, camera, x, y)) continue;
@@ -115,13 +143,12 @@ inline Agreement compare(const SetImages& images, const stage::Camera& camera, c
                 hit ? drawn.a != 1 || std::isinf(metres) : drawn != glm::dvec4(0) || metres != INFINITY;
             if (!hit || !is_compared(*hit, lighting)) continue;
             agreement.covered++;
-            const glm::dvec3 truth = expected_light(*hit, glm::normalize(eye - hit->position), material, lighting);
-            for (int c = 0; c < 3; c++) {
-                const double error = std::abs(drawn[c] - truth[c]) / (truth[c] + 0.01);
-                agreement.worst = std::isnan(error) ? INFINITY : std::max(agreement.worst, error);
-            }
-            const double along = glm::dot(hit->position - eye, forward);
-            agreement.depth = std::max(agreement.depth, std::abs(metres - along) / along);
+            const TexelTruth truth = texel_truth(camera, surface, material, lighting, x, y, images.grid_px);
+            for (int c = 0; c < 3; c++)
+                agreement.worst = std::max(agreement.worst,
+                                           outside(drawn[c], truth.least[c], truth.most[c]) / (truth.most[c] + 0.01));
+            agreement.depth =
+                std::max(agreement.depth, outside(metres, truth.nearest_m, truth.farthest_m) / truth.farthest_m);
         }
     return agreement;
 }

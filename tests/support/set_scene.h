@@ -99,7 +99,14 @@ inline json pbr_material(glm::vec4 base, double metallic, double roughness) {
 struct SetImages {
     std::vector<glm::dvec4> colour, front;
     std::vector<float> depth_m;
+    // The device may move vertices to a grid of so many pixels before it draws triangles.
+    double grid_px = 0;
 };
+
+// Vulkan allows any device such a grid; GPUs have one, software devices compute with the vertices as they are.
+inline double raster_grid_px(const gpu::Device& device) {
+    return device.summary().kind == "cpu" ? 0 : std::exp2(-static_cast<double>(device.limits().subPixelPrecisionBits));
+}
 
 inline std::vector<glm::dvec4> download_colours(const gpu::Device& device, const gpu::Buffer& from) {
     std::vector<uint16_t> halves(from.bytes / 2);
@@ -117,7 +124,8 @@ inline SetImages draw_set(const gpu::Device& device, render::SetRaster& set,
         set.record_solid(commands, cameras);
         set.record_transparent(commands, cameras);
     });
-    SetImages images{download_colours(device, set.colour), download_colours(device, set.front), {}};
+    SetImages images{
+        download_colours(device, set.colour), download_colours(device, set.front), {}, raster_grid_px(device)};
     images.depth_m.resize(set.depth.bytes / 4);
     gpu::download(device, set.depth, images.depth_m.data(), set.depth.bytes);
     return images;
