@@ -118,7 +118,7 @@ void print(const Result& result, const gpu::Device& device, const InstancesOptio
                options.slice_budget_mb);
     fmt::print("{:<18} {:>10} {:>14} {:>16} {:>14}\n", "instances", "ms (mean)", "covered rays", "with a slice", "MiB");
     const auto line = [&](const std::string& count, const Drawn& drawn, uint32_t frames) {
-        fmt::print("{:<18} {:>10.1f} {:>14} {:>16} {:>14.1f}\n", count, mean(drawn.ms), drawn.covered / frames,
+        fmt::print("{:<18} {:>10} {:>14} {:>16} {:>14.1f}\n", count, ms_text(mean(drawn.ms)), drawn.covered / frames,
                    drawn.slices, static_cast<double>(drawn.buffer_bytes + result.field_bytes) / 1048576);
         fmt::print("    {} ms\n", passes_text(drawn.passes));
     };

@@ -121,29 +121,35 @@ double Differences::psnr() const {
     return -10 * std::log10(std::max(mean(squared), 1e-10));
 }
 
-double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, const gpu::Buffer& to) {
+double copied_bytes_per_second(const gpu::Device& device) {
+    // Larger than any cache, but a small part of what software devices offer.
+    const uint64_t bytes = std::min<uint64_t>(uint64_t{256} << 20, device.summary().memory_bytes / 16);
+    const gpu::Buffer from(device, "copy from", bytes, gpu::MemoryKind::kDevice);
+    const gpu::Buffer to(device, "copy to", bytes, gpu::MemoryKind::kDevice);
     gpu::Commands commands(device, "copy");
-    commands.begin();
-    {
-        const gpu::PassScope scope(commands, "copy");
-        gpu::copy(commands, from, to, from.bytes);
-    }
-    commands.submit();
-    commands.wait();
-    return commands.pass_times()[0].milliseconds;
-}
-
-double copied_bytes_per_second(const gpu::Device& device, const render::Field& field) {
-    const gpu::Buffer copied(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
     std::vector<double> copies;
-    for (int i = 0; i < 5; i++) copies.push_back(copy_milliseconds(device, field.weights, copied));
-    return 2000 * static_cast<double>(field.weights.bytes) / median(copies);
+    for (int i = 0; i < 7; i++) {
+        commands.begin();
+        {
+            const gpu::PassScope scope(commands, "copy");
+            gpu::copy(commands, from, to, bytes);
+        }
+        commands.submit();
+        commands.wait();
+        copies.push_back(commands.pass_times()[0].milliseconds);
+    }
+    return 2000 * static_cast<double>(bytes) / median(copies);
 }
 
 double milliseconds(const std::vector<gpu::PassTime>& passes) {
     double sum = 0;
-    for (const gpu::PassTime& pass : passes) sum += pass.milliseconds;
+    for (const gpu::PassTime& pass : passes)
+        if (pass.name != kReadbackPass) sum += pass.milliseconds;
     return sum;
+}
+
+std::string ms_text(double ms) {
+    return ms < 1 ? fmt::format("{:.3f}", ms) : ms < 10 ? fmt::format("{:.2f}", ms) : fmt::format("{:.1f}", ms);
 }
 
 void add_image(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& passes) {
@@ -163,7 +169,7 @@ void add_image(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& pas
 std::string passes_text(const std::vector<PassSum>& sums) {
     std::string text;
     for (const PassSum& sum : sums)
-        text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", sum.name, median(sum.ms));
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", sum.name, ms_text(median(sum.ms)));
     return text;
 }
 

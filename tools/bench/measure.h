@@ -72,10 +72,9 @@ inline double median(std::vector<double> values) {
 }
 double mean(const std::vector<double>& values);  // 0 of no values
 
-// How long the device takes to copy all of a buffer to another: the measure of its memory's bandwidth.
-double copy_milliseconds(const gpu::Device& device, const gpu::Buffer& from, const gpu::Buffer& to);
-// Bytes read and written per second by a copy of the field's weights: the median of five copies.
-double copied_bytes_per_second(const gpu::Device& device, const render::Field& field);
+// Bytes read and written per second by a copy from one large buffer of the device to another, the measure of its
+// memory's bandwidth: the median of seven copies.
+double copied_bytes_per_second(const gpu::Device& device);
 
 // How much images of several views differ from their truth.
 struct Differences {
@@ -85,8 +84,13 @@ struct Differences {
     double psnr() const;  // of all views together, dB
 };
 
-// Of all passes together.
+// The pass that brings an image to the host. It is left out of the time of an image, as an image that is shown stays on
+// the device.
+constexpr const char* kReadbackPass = "readback";
+// Of all passes together but the readback.
 double milliseconds(const std::vector<gpu::PassTime>& passes);
+// "0.136", "1.36", "13.6".
+std::string ms_text(double ms);
 // What a pass took in every image.
 struct PassSum {
     std::string name;

@@ -20,7 +20,8 @@ struct SliceOptions : BenchOptions {
 
 struct SliceTimes {
     std::vector<double> density, nodes, entries, whole, slots;  // ms
-    std::vector<double> live, entry_count, copy_gb_s;
+    std::vector<double> live, entry_count;
+    double copy_gb_s = 0;
 };
 
 // The least bytes that the passes can move. The density pass reads w^σ of every leaf and writes its head. The entry
@@ -39,7 +40,6 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
     const render::TreeSlicer slicer(device, field, live, trees);
     const render::Slice slots(device, field, field.leaf_count);
     const render::Slicer slot_slicer(device, field, slots);
-    const gpu::Buffer target(device, "copy", field.weights.bytes, gpu::MemoryKind::kDevice);
     gpu::Commands commands(device, "slice");
     SliceTimes times;
     tools::Progress progress("bench", options.frames * options.repeats);
@@ -52,7 +52,6 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
         render::record_slice(commands, slot_slicer, frame);
         commands.submit();
         commands.wait();
-        const double copied = copy_milliseconds(device, field.weights, target);
         if (i == 0) continue;  // the first one fills caches
         const std::vector<gpu::PassTime> passes = commands.pass_times();
         times.density.push_back(passes[0].milliseconds);
@@ -60,7 +59,6 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
         times.entries.push_back(passes[2].milliseconds);
         times.whole.push_back(passes[0].milliseconds + passes[1].milliseconds + passes[2].milliseconds);
         times.slots.push_back(passes[3].milliseconds);
-        times.copy_gb_s.push_back(2e-6 * static_cast<double>(field.weights.bytes) / copied);
         LiveCount count;
         gpu::download(device, live.live, &count, sizeof(count));
         times.live.push_back(count.slots);
@@ -68,6 +66,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
         times.entry_count.push_back(count.slots);
         progress.update(i);
     }
+    times.copy_gb_s = 1e-9 * copied_bytes_per_second(device);
     return times;
 }
 
@@ -78,7 +77,7 @@ void run(const SliceOptions& options, const tools::CommonOptions& common) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const SliceTimes times = measure(device, field, options);
     expect_not_stopped();
-    const double live = median(times.live), copied = median(times.copy_gb_s);
+    const double live = median(times.live), copied = times.copy_gb_s;
     const double density_rate = 1e-6 * density_bytes(field) / median(times.density);
     const double entry_rate = 1e-6 * entry_bytes(field, live) / median(times.entries);
     const uint64_t slice_bytes = render::slice_bytes(field, static_cast<uint32_t>(median(times.entry_count)));
@@ -90,7 +89,7 @@ void run(const SliceOptions& options, const tools::CommonOptions& common) {
         {"slots_ms", median(times.slots)}, {"density_gb_s", density_rate},
         {"entries_gb_s", entry_rate},      {"copy_gb_s", copied}};
     const auto line = [copied](const char* name, const std::vector<double>& ms, double rate) {
-        fmt::print("{:<34} {:>9.2f} {:>9.2f} ms", name, median(ms), quantile(ms, 0.99));
+        fmt::print("{:<34} {:>9} {:>9} ms", name, ms_text(median(ms)), ms_text(quantile(ms, 0.99)));
         if (rate > 0) fmt::print(" {:>7.1f} GB/s, {:.0f} % of a copy's", rate, 100 * rate / copied);
         fmt::print("\n");
     };
@@ -113,7 +112,7 @@ void add_slice(tools::Command app, const tools::CommonOptions& common) {
         add_verb(app, common,
                  {"slice",
                   "A frame's slice, pass by pass",
-                  "Prints the GPU time of each pass, and its share of the bandwidth that a copy of the weights has. ",
+                  "Prints the GPU time of each pass, and its share of the bandwidth that a copy has. ",
                   {"build/performer.nvv"}},
                  run);
     verb.add_option("--frames", options.frames, "Times, spread over the clip").in_range(1, 10000).show_default();

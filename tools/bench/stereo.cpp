@@ -26,6 +26,7 @@ struct Variant {
     std::vector<render::Fovea> foveae;
     bool one_by_one = false;  // each eye in a frame of its own
     std::vector<double> ms;
+    std::vector<PassSum> passes;
     double rays = 0;
     double psnr = 0;  // the lower one of both images, against the first variant
 };
@@ -47,20 +48,21 @@ std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& 
 
 struct Drawn {
     std::vector<media::Image> images;
-    double ms = 0;
+    std::vector<gpu::PassTime> passes;
 };
 
 Drawn draw(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes,
            const render::FrameSettings& settings, bool one_by_one) {
     if (!one_by_one) {
-        Drawn both{renderer.render_views(eyes, settings), 0};
-        both.ms = milliseconds(renderer.pass_times());
+        Drawn both{renderer.render_views(eyes, settings), {}};
+        both.passes = renderer.pass_times();
         return both;
     }
     Drawn drawn;
     for (const stage::Camera& eye : eyes) {
         drawn.images.push_back(renderer.render(eye, settings));
-        drawn.ms += milliseconds(renderer.pass_times());
+        const std::vector<gpu::PassTime> passes = renderer.pass_times();
+        drawn.passes.insert(drawn.passes.end(), passes.begin(), passes.end());
     }
     return drawn;
 }
@@ -74,18 +76,17 @@ struct Playing {
 struct Result {
     std::vector<Variant> variants;
     Playing playing;
-    std::vector<PassSum> passes;  // of the first variant
-    double covered = 0;           // share of pixels
-    double copy_tb_s = 0;         // bytes that a copy reads and writes, in TB/s
+    double covered = 0;    // share of pixels
+    double copy_tb_s = 0;  // bytes that a copy reads and writes, in TB/s
 };
 
 std::vector<Variant> all_variants() {
     const render::Fovea inset{{0.3, 0.3}, {0.7, 0.7}, 0.4};
-    return {{"both eyes in one dispatch", "stereo", 1, {}, false, {}},
-            {"one eye after the other", "one_by_one", 1, {}, true, {}},
-            {"inset of 40 %, beside it 0.4 rays a pixel's side", "foveated", 1, {inset, inset}, false, {}},
-            {"0.7 rays a pixel's side, upscaled", "scaled", 0.7, {}, false, {}},
-            {"0.5 rays a pixel's side, upscaled", "half", 0.5, {}, false, {}}};
+    return {{"both eyes in one dispatch", "stereo", 1, {}, false, {}, {}},
+            {"one eye after the other", "one_by_one", 1, {}, true, {}, {}},
+            {"inset of 40 %, beside it 0.4 rays a pixel's side", "foveated", 1, {inset, inset}, false, {}, {}},
+            {"0.7 rays a pixel's side, upscaled", "scaled", 0.7, {}, false, {}, {}},
+            {"0.5 rays a pixel's side, upscaled", "half", 0.5, {}, false, {}, {}}};
 }
 
 void measure(render::FrameRenderer& renderer, Variant& variant, const std::vector<stage::Camera>& eyes,
@@ -96,8 +97,8 @@ void measure(render::FrameRenderer& renderer, Variant& variant, const std::vecto
     Drawn drawn = draw(renderer, eyes, settings, variant.one_by_one);  // builds slices, compiles pipelines
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
         drawn = draw(renderer, eyes, settings, variant.one_by_one);
-        variant.ms.push_back(drawn.ms);
-        if (truth.empty()) add_image(result.passes, renderer.pass_times());
+        variant.ms.push_back(milliseconds(drawn.passes));
+        add_image(variant.passes, drawn.passes);
     }
     variant.rays = 2 * static_cast<double>(renderer.radiance().size());
     if (truth.empty()) {
@@ -144,7 +145,7 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     progress.update(result.variants.size() + 1);
     result.playing.ahead_ms = play(renderer, eyes, tree.frames, true);
     progress.update(result.variants.size() + 2);
-    result.copy_tb_s = 1e-12 * copied_bytes_per_second(device, field);
+    result.copy_tb_s = 1e-12 * copied_bytes_per_second(device);
     return result;
 }
 
@@ -157,32 +158,31 @@ void print(const Result& result, const gpu::Device& device, const BenchOptions& 
                device.summary().name, options.scene, options.size, 100 * result.covered, result.copy_tb_s);
     fmt::print("{:<50} {:>9} {:>9} {:>8} {:>16} {:>8}\n", "", "ms (p50)", "p99", "Mrays/s", "Mrays/s per TB/s", "PSNR");
     for (const Variant& variant : result.variants)
-        fmt::print("{:<50} {:>9.1f} {:>9.1f} {:>8.1f} {:>16.0f} {:>8}\n", variant.name, median(variant.ms),
-                   quantile(variant.ms, 0.99), mrays_per_second(variant), mrays_per_second(variant) / result.copy_tb_s,
+        fmt::print("{:<50} {:>9} {:>9} {:>8.1f} {:>16.0f} {:>8}\n", variant.name, ms_text(median(variant.ms)),
+                   ms_text(quantile(variant.ms, 0.99)), mrays_per_second(variant),
+                   mrays_per_second(variant) / result.copy_tb_s,
                    variant.psnr > 90 ? "same" : fmt::format("{:.1f}", variant.psnr));
     const auto playing = [](const char* name, const std::vector<double>& ms) {
-        fmt::print("{:<50} {:>9.1f} {:>9.1f}\n", name, median(ms), quantile(ms, 0.99));
+        fmt::print("{:<50} {:>9} {:>9}\n", name, ms_text(median(ms)), ms_text(quantile(ms, 0.99)));
     };
     playing("playing at 25 fps on 90 Hz, slices when needed", result.playing.needed_ms);
     playing("the same, slices built ahead", result.playing.ahead_ms);
-    fmt::print("passes of the first: {} ms\n", passes_text(result.passes));
+    for (const Variant& variant : result.variants)
+        fmt::print("passes of {}: {} ms\n", variant.name, passes_text(variant.passes));
 }
 
 nlohmann::ordered_json json_of(const Result& result) {
     auto variants = nlohmann::ordered_json::object();
     for (const Variant& variant : result.variants)
-        variants[variant.key] = {{"ms", median(variant.ms)},
-                                 {"p99_ms", quantile(variant.ms, 0.99)},
-                                 {"rays", variant.rays},
-                                 {"mrays_per_second", mrays_per_second(variant)},
-                                 {"psnr_db", variant.psnr}};
+        variants[variant.key] = {{"ms", median(variant.ms)}, {"p99_ms", quantile(variant.ms, 0.99)},
+                                 {"rays", variant.rays},     {"mrays_per_second", mrays_per_second(variant)},
+                                 {"psnr_db", variant.psnr},  {"passes_ms", passes_json(variant.passes)}};
     return {{"covered", result.covered},
             {"copy_tb_s", result.copy_tb_s},
             {"ways", variants},
             {"playing",
              {{"needed_p99_ms", quantile(result.playing.needed_ms, 0.99)},
-              {"ahead_p99_ms", quantile(result.playing.ahead_ms, 0.99)}}},
-            {"passes_ms", passes_json(result.passes)}};
+              {"ahead_p99_ms", quantile(result.playing.ahead_ms, 0.99)}}}};
 }
 
 void run(const BenchOptions& options, const tools::CommonOptions& common) {

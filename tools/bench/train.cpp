@@ -41,8 +41,8 @@ double step_ms(const std::vector<PassSum>& passes, const std::string& name) {
 struct Result {
     std::vector<PassSum> slice, direct;
     uint32_t busy_planes = 0;
-    uint64_t weight_bytes = 0;
-    std::vector<double> slots, touched, rays, step_seconds, copy_ms;
+    std::vector<double> slots, touched, rays, step_seconds;
+    double copy_bytes_per_s = 0;
 };
 
 // Runs the same batches through both kinds of step, with the same weights.
@@ -56,7 +56,6 @@ Result measure(const gpu::Device& device, const voctree::VOctree& tree, const tr
     training::BatchSampler sampler(dataset, options.tiles, 1, training::batches_in_a_row(tree));
     Result result;
     result.busy_planes = step.field().busy_planes;
-    result.weight_bytes = step.field().weights.bytes;
     tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
         const training::Batch batch = sampler.next();
@@ -80,8 +79,6 @@ Result measure(const gpu::Device& device, const voctree::VOctree& tree, const tr
             training::load_batch(dataset, batch, direct->rays(), direct->batch());
             direct->run(settings);
         }
-        // The copy overwrites the moments, which do not matter, as the learning rates are 0.
-        const double copied = copy_milliseconds(device, step.field().weights, step.moments().first);
         if (i == 0) continue;  // the first step also warms caches
         add_image(result.slice, step.pass_times());
         if (direct) add_image(result.direct, direct->pass_times());
@@ -89,9 +86,9 @@ Result measure(const gpu::Device& device, const voctree::VOctree& tree, const tr
         result.touched.push_back(step_result.touched);
         result.rays.push_back(static_cast<double>(step_result.pixels));
         result.step_seconds.push_back(took);
-        result.copy_ms.push_back(copied);
         progress.update(i);
     }
+    result.copy_bytes_per_s = copied_bytes_per_second(device);
     return result;
 }
 
@@ -104,7 +101,8 @@ double optimiser_bytes(uint32_t busy_planes, uint32_t hh_degree, double touched)
 }
 
 void print_passes(const std::vector<PassSum>& passes) {
-    for (const PassSum& pass : passes) fmt::print("  {:<16} {:>9.2f} ms\n", pass.name, step_ms(passes, pass.name));
+    for (const PassSum& pass : passes)
+        fmt::print("  {:<16} {:>9} ms\n", pass.name, ms_text(step_ms(passes, pass.name)));
 }
 
 // Compares slice-space with direct gradients.
@@ -141,8 +139,10 @@ void run(const TrainOptions& options, const tools::CommonOptions& common) {
     fmt::print("slice-space gradients, {} numbers a sample\n", gradient_stride(tree.hh_degree));
     print_passes(result.slice);
     print_ratio(result, 8 * result.busy_planes + 3 * hh_count(tree.hh_degree));
-    fmt::print("training: {:.0f}k rays/s\n", rays / median(result.step_seconds) / 1000);
-    const double copied = 2 * static_cast<double>(result.weight_bytes) / median(result.copy_ms) / 1e6;
+    const double rays_per_s = rays / median(result.step_seconds);
+    fmt::print("training: {:.0f}k rays/s, {:.2f} Mrays/s for each TB/s of a copy\n", rays_per_s / 1000,
+               rays_per_s / 1e6 / (result.copy_bytes_per_s / 1e12));
+    const double copied = result.copy_bytes_per_s / 1e9;
     const double optimised = optimiser_bytes(result.busy_planes, tree.hh_degree, median(result.touched)) /
                              step_ms(result.slice, "slice adjoint") / 1e6;
     fmt::print("slice adjoint and optimiser: {:.1f} GB/s, {:.0f} % of a copy's {:.1f} GB/s\n", optimised,

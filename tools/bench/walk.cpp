@@ -124,7 +124,7 @@ void print(const std::vector<Step>& all, uint64_t rays, const gpu::Device& devic
     fmt::print("{:<58} {:>9} {:>8} {:>10} {:>10}\n", "", "ms (p50)", "ns a ray", "of before", "of first");
     for (size_t i = 0; i < all.size(); i++) {
         const double ms = median(all[i].ms);
-        fmt::print("{:<58} {:>9.1f} {:>8.0f} {:>10.2f} {:>10.2f}\n", all[i].name, ms,
+        fmt::print("{:<58} {:>9} {:>8.3g} {:>10.2f} {:>10.2f}\n", all[i].name, ms_text(ms),
                    1e6 * ms / static_cast<double>(rays), ms / median(all[i > 0 ? i - 1 : 0].ms),
                    ms / median(all[0].ms));
     }
