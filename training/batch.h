@@ -67,8 +67,8 @@ class BatchSampler {
         std::vector<ViewTile> tiles;
     };
     Drawn draw(uint32_t samples);
-    void append(Batch& batch, const ViewTile& tile, std::mt19937_64& random) const;
-    void append_rays(Batch& batch, const View& view, glm::vec4 colour) const;
+    void fill(Batch& batch, size_t number, const ViewTile& tile, std::mt19937_64& random) const;
+    void fill_rays(Batch& batch, size_t index, const View& view, glm::vec4 colour) const;
     template <typename T>
     void shuffle(std::vector<T>& values);
 

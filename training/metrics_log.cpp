@@ -48,17 +48,11 @@ MetricsLog::MetricsLog(const std::filesystem::path& file, uint64_t began_at_step
 }
 
 void MetricsLog::add(const TrainProgress& now, const std::optional<PreviewScore>& preview) const {
-    nlohmann::ordered_json json = {{"step", now.step},
-                                   {"elapsed_s", now.elapsed_s},
-                                   {"epochs", now.epochs},
-                                   {"rays_per_s", now.rays_per_s},
-                                   {"loss", now.loss},
-                                   {"loss_rgb", now.rgb_loss},
-                                   {"loss_grad", now.grad_loss},
-                                   {"batch_psnr", now.psnr},
-                                   {"leaves", now.leaves},
-                                   {"depth", now.depth},
-                                   {"memory_bytes", peak_memory_bytes()}};
+    nlohmann::ordered_json json = {
+        {"step", now.step},         {"elapsed_s", now.elapsed_s},   {"other_s", now.other_s},
+        {"epochs", now.epochs},     {"rays_per_s", now.rays_per_s}, {"loss", now.loss},
+        {"loss_rgb", now.rgb_loss}, {"loss_grad", now.grad_loss},   {"batch_psnr", now.psnr},
+        {"leaves", now.leaves},     {"depth", now.depth},           {"memory_bytes", peak_memory_bytes()}};
     if (first_frame_) json["first_frame"] = *first_frame_;
     if (preview) {
         json["preview_psnr"] = preview->psnr;

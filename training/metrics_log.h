@@ -2,6 +2,7 @@
 // on.
 //
 //   step, elapsed_s, epochs, rays_per_s   how far the run has come, and its speed
+//   other_s                               of elapsed_s, what was no step: loading, changes of the tree, checkpoints
 //   loss, loss_rgb, loss_grad, batch_psnr of the batches since the last report (TrainProgress)
 //   leaves, depth                         of the tree
 //   memory_bytes                          peak resident memory of the process

@@ -347,6 +347,7 @@ StepSettings Run::step_settings(double time) const {
 TrainProgress Run::progress() const {
     TrainProgress now;
     now.elapsed_s = elapsed();
+    now.other_s = clock().other_s;
     now.fraction = fraction();
     now.eta_s = now.fraction > 0 ? steps_s() / now.fraction - steps_s() : 0;
     now.rays_per_s = reported_.rays_per_s;

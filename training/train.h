@@ -63,6 +63,7 @@ struct RefinedPose {
 
 struct TrainProgress {
     double elapsed_s = 0, eta_s = 0;
+    double other_s = 0;   // of elapsed_s, what was no step: loading, changes of the tree, checkpoints, callbacks
     double fraction = 0;  // of the budget
     double rays_per_s = 0;
     // Of the batches since the last report. The loss is StepResult::total; the PSNR (dB) is that of their pixels, most
