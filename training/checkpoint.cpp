@@ -56,17 +56,16 @@ void upload_bfloat(const gpu::Device& device, const gpu::Buffer& buffer, const s
     gpu::upload(device, buffer, floats.data(), floats.size() * sizeof(float));
 }
 
+// The values must live until the chunk is written.
 template <typename T>
-voctree::NvvChunk chunk(const char* name, const std::vector<T>& values) {
-    voctree::NvvChunk result{name, std::vector<uint8_t>(values.size() * sizeof(T))};
-    std::memcpy(result.bytes.data(), values.data(), result.bytes.size());
-    return result;
+voctree::NvvChunkView chunk(const char* name, const std::vector<T>& values) {
+    return {name, {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)}};
 }
 
 // The chunks of what is learnt of images' exposures and lenses' vignettes: numbers and their two moments.
 constexpr std::array<const char*, 3> kExposureChunks{"expo", "exp1", "exp2"}, kVignetteChunks{"vign", "vig1", "vig2"};
 
-void append_learnt(std::vector<voctree::NvvChunk>& chunks, std::array<const char*, 3> names,
+void append_learnt(std::vector<voctree::NvvChunkView>& chunks, std::array<const char*, 3> names,
                    const LearntNumbers& numbers) {
     if (numbers.values.empty()) return;
     chunks.push_back(chunk(names[0], numbers.values));
@@ -294,15 +293,16 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
 }
 
 uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
-    std::vector<voctree::NvvChunk> chunks{run_chunk(checkpoint.run),
-                                          chunk("wf32", checkpoint.tree.weights),
-                                          chunk("mom1", checkpoint.first),
-                                          chunk("mom2", checkpoint.second),
-                                          chunk("row1", checkpoint.rows_first),
-                                          chunk("row2", checkpoint.rows_second),
-                                          chunk("rech", checkpoint.use.max_weight),
-                                          chunk("pull", checkpoint.use.opacity_sensitivity),
-                                          chunk("frms", checkpoint.use.frames)};
+    const voctree::NvvChunk run = run_chunk(checkpoint.run);
+    std::vector<voctree::NvvChunkView> chunks{voctree::NvvChunkView(run),
+                                              chunk("wf32", checkpoint.tree.weights),
+                                              chunk("mom1", checkpoint.first),
+                                              chunk("mom2", checkpoint.second),
+                                              chunk("row1", checkpoint.rows_first),
+                                              chunk("row2", checkpoint.rows_second),
+                                              chunk("rech", checkpoint.use.max_weight),
+                                              chunk("pull", checkpoint.use.opacity_sensitivity),
+                                              chunk("frms", checkpoint.use.frames)};
     const CameraColours& colours = checkpoint.colours;
     if (!colours.empty()) chunks.push_back(chunk("camc", colours.values));
     if (!colours.first.empty()) {

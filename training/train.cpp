@@ -85,6 +85,10 @@ class Run {
     void change_own_tree(uint32_t max_leaves);
     bool may_go_on();
     void save();
+    // Expected of the next checkpoint: the tree may have become many times as large.
+    double save_will_take() const {
+        return save_took_ * std::max(1.0, static_cast<double>(tree_.leaf_count) / saved_leaves_);
+    }
     StepSettings step_settings(double time) const;
     TrainProgress progress() const;
 
@@ -108,6 +112,7 @@ class Run {
     BatchSampler sampler_;
     uint64_t began_at_step_ = 0;
     double saved_at_ = 0, save_took_ = 0;
+    uint32_t saved_leaves_ = 1;  // of the tree at that checkpoint
     // Sums since the last report.
     double loss_sum_ = 0, rgb_sum_ = 0, grad_sum_ = 0, rays_sum_ = 0, steps_sum_ = 0, reported_at_ = 0;
     TrainProgress reported_;
@@ -302,6 +307,7 @@ void Run::save() {
     saved_step_ = run_.step;
     saved_at_ = seconds_now();
     save_took_ = saved_at_ - start;
+    saved_leaves_ = tree_.leaf_count;
 }
 
 // Removes leaves of lowest maximum weight from the finished .nvv where it exceeds its bound; the state keeps all
@@ -423,7 +429,8 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
             loss_sum_ = rgb_sum_ = grad_sum_ = rays_sum_ = steps_sum_ = 0;
             reported_at_ = seconds_now();
         }
-        const double wait = std::max(first_saved ? kCheckpointEvery : kFirstCheckpoint, save_took_ / kCheckpointShare);
+        const double wait =
+            std::max(first_saved ? kCheckpointEvery : kFirstCheckpoint, save_will_take() / kCheckpointShare);
         if (!output_.empty() && seconds_now() - saved_at_ > wait) {
             aside([&] { save(); });
             first_saved = true;

@@ -81,9 +81,11 @@ std::vector<float> weights_to_planes(const voctree::VOctree& tree) {
 void weights_from_planes(const std::vector<float>& planes, voctree::VOctree& tree) {
     const uint32_t stride = tree.weights_per_leaf();
     tree.weights.resize(size_t{tree.leaf_count} * stride);
-    for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
-        const float* from = &planes[size_t{4} * plane * tree.leaf_count + component];
-        for (size_t leaf = 0; leaf < tree.leaf_count; leaf++) tree.weights[leaf * stride + index] = from[4 * leaf];
+    parallel_for(tree.leaf_count, kCachedLeaves, [&](size_t begin, size_t end) {
+        for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
+            const float* from = &planes[size_t{4} * plane * tree.leaf_count + component];
+            for (size_t leaf = begin; leaf < end; leaf++) tree.weights[leaf * stride + index] = from[4 * leaf];
+        });
     });
 }
 

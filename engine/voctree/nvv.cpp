@@ -175,11 +175,11 @@ bool same_clip(const NvvHead& a, const NvvHead& b) {
 }
 
 // What a reader would refuse in the file to be written, or an empty string.
-std::string defect_of_file(const VOctree& tree, const std::vector<NvvChunk>& extra,
+std::string defect_of_file(const VOctree& tree, const std::vector<NvvChunkView>& extra,
                            const std::optional<VOctree>& coarse) {
     const std::string defect = defect_of(tree);
     if (!defect.empty()) return defect;
-    for (const NvvChunk& chunk : extra) {
+    for (const NvvChunkView& chunk : extra) {
         if (!is_chunk_name(chunk.name) || !is_ancillary(chunk.name))
             return "an extra chunk's name is four letters or digits, the first a lower-case letter";
         if (is_one_of(kCoarseNames, chunk.name)) return fmt::format("chunk {} is the coarse tree's", chunk.name);
@@ -214,7 +214,7 @@ NvvHead head_of(const VOctree& tree) {
             tree.box_size};
 }
 
-void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunk>& extra,
+void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunkView>& extra,
                int compression, const std::optional<VOctree>& coarse) {
     const std::string defect = defect_of_file(tree, extra, coarse);
     if (!defect.empty()) throw RuntimeFailure(fmt::format("{}: not written: {}", path.string(), defect));
@@ -226,7 +226,7 @@ void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std
             add_body(file, *coarse, kCoarseNames);
         }
         add_body(file, tree, kChunkNames);
-        for (const NvvChunk& chunk : extra) file.add(chunk.name, chunk.bytes.data(), chunk.bytes.size());
+        for (const NvvChunkView& chunk : extra) file.add(chunk.name, chunk.bytes.data(), chunk.bytes.size());
         file.finish();
     });
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,20 @@ struct NvvChunk {
     std::vector<uint8_t> bytes;
 };
 
+// The same to be written; the bytes lie elsewhere.
+struct NvvChunkView {
+    std::string name;
+    std::span<const uint8_t> bytes;
+    NvvChunkView(std::string given_name, std::span<const uint8_t> given) : name(std::move(given_name)), bytes(given) {}
+    explicit NvvChunkView(const NvvChunk& chunk) : name(chunk.name), bytes(chunk.bytes) {}
+};
+
 // Writes the file atomically: at any time the path has the complete old or new file. Weights are stored as fp16,
 // clamped to its range, A and B as fp32. `compression` is zstd's level. `coarse` (coarse.h), which must have the same
 // frames, fps and box, is written before the tree. Throws RuntimeFailure where the disk fails, where a tree has a
 // defect_of (as a diverged training leaves behind), or where an extra chunk is invalid; the old file is then left as it
 // was.
-void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunk>& extra = {},
+void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunkView>& extra = {},
                int compression = 3, const std::optional<VOctree>& coarse = std::nullopt);
 
 // Reads the tree, and in `extra` the additional chunks. Throws InputError naming the file, the chunk and the fix; every

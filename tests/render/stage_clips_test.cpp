@@ -219,7 +219,7 @@ TEST_F(StageClipsTest, AFileThatWasWrittenAgainIsReadAgain) {
     ASSERT_TRUE(first);
     voctree::VOctree tree = voctree::read_nvv(segment(9));
     tree.leaf(0)[0] += 1;
-    voctree::write_nvv(segment(9), tree, {{"note", {1, 2, 3}}});
+    voctree::write_nvv(segment(9), tree, {{"note", std::vector<uint8_t>{1, 2, 3}}});
     render::StageClips again(loader.load(*stage));
     EXPECT_FALSE(again.clips()[0].segments[9].loaded);
     again.follow(*stage, evaluated);

@@ -181,7 +181,7 @@ struct StateFile {
         const voctree::VOctree tree = voctree::read_nvv(state, &chunks);
         std::erase_if(chunks, [&](const voctree::NvvChunk& chunk) { return chunk.name == name; });
         if (bytes) chunks.push_back({name, *bytes});
-        voctree::write_nvv(state, tree, chunks);
+        voctree::write_nvv(state, tree, {chunks.begin(), chunks.end()});
     }
     void refused(std::initializer_list<std::string> parts) const {
         expect_input_error([&] { training::load_checkpoint(nvv); }, parts);

@@ -199,7 +199,7 @@ class CoarseFile : public testing::Test {
 
 TEST_F(CoarseFile, RoundTripAndTheBytesOfTheSpecification) {
     for (float& weight : cut.weights) weight = voctree::float_from_half(voctree::half_from_float(weight));
-    voctree::write_nvv(path, tree, {{"note", {1, 2}}}, 1, cut);
+    voctree::write_nvv(path, tree, {{"note", std::vector<uint8_t>{1, 2}}}, 1, cut);
     const std::optional<voctree::VOctree> coarse = voctree::read_nvv_coarse(path);
     ASSERT_TRUE(coarse);
     EXPECT_EQ(coarse->weights, cut.weights);
@@ -287,7 +287,7 @@ TEST_F(CoarseFile, WhatReadersRefuseIsNotWritten) {
     other.fps = 60;
     EXPECT_THROW(voctree::write_nvv(path, tree, {}, 1, other), RuntimeFailure);
     EXPECT_THROW(voctree::write_nvv(path, cut, {}, 1, tree), RuntimeFailure) << "more leaves than the tree";
-    EXPECT_THROW(voctree::write_nvv(path, tree, {{"hEAD", {1}}}), RuntimeFailure);
+    EXPECT_THROW(voctree::write_nvv(path, tree, {{"hEAD", std::vector<uint8_t>{1}}}), RuntimeFailure);
     EXPECT_FALSE(std::filesystem::exists(path));
 }
 

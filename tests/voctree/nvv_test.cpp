@@ -177,7 +177,7 @@ TEST_F(Nvv, WritesWhatTheSpecificationSays) {
 TEST_F(Nvv, ExtraChunksRideAlong) {
     const voctree::VOctree tree = small_tree();
     const std::vector<voctree::NvvChunk> extra = {{"adam", Bytes(100000, 7)}, {"p4nt", {}}, {"zzzz", {1, 2, 3}}};
-    voctree::write_nvv(path_, tree, extra);
+    voctree::write_nvv(path_, tree, {extra.begin(), extra.end()});
     std::vector<voctree::NvvChunk> read = {{"left", {1}}};
     EXPECT_TRUE(same_tree(tree, voctree::read_nvv(path_, &read)));
     ASSERT_EQ(extra.size(), read.size());
