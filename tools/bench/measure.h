@@ -72,8 +72,11 @@ inline double median(std::vector<double> values) {
 }
 double mean(const std::vector<double>& values);  // 0 of no values
 
+// Calls `draw` for a fifth of a second, at least once, before something is timed: caches fill, pipelines are compiled,
+// and GPUs raise the clocks that they lowered while the host compared images.
+void warm_up(const std::function<void()>& draw);
 // Bytes read and written per second by a copy from one large buffer of the device to another, the measure of its
-// memory's bandwidth: the median of seven copies.
+// memory's bandwidth: the driver's copy or a compute pass, whichever is faster (on an H100 a pass, three times).
 double copied_bytes_per_second(const gpu::Device& device);
 
 // How much images of several views differ from their truth.

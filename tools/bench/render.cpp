@@ -61,42 +61,44 @@ struct Renderers {
     render::ReferenceRenderer references;
 };
 
-struct Drawn {
-    media::Image image;
-    std::vector<gpu::PassTime> passes;
-};
-
-// Draws an image whose slice is built anew.
-Drawn draw(Renderers& renderers, const Path& path, const tools::ViewStep& view) {
+// Draws an image whose slice is built anew, to `image` where there is one.
+std::vector<gpu::PassTime> draw(Renderers& renderers, const Path& path, const tools::ViewStep& view,
+                                media::Image* image = nullptr) {
     const auto frame = static_cast<float>(view.frame);
     if (const auto* reference = std::get_if<render::ReferencePath>(&path.mode)) {
         render::ReferenceSettings settings{.path = *reference, .frame = frame};
         settings.resolve.background = {1, 1, 1, 1};
-        media::Image image = renderers.references.render(view.camera, settings);
-        return {std::move(image), renderers.references.pass_times()};
+        media::Image drawn = renderers.references.render(view.camera, settings);
+        if (image) *image = std::move(drawn);
+        return renderers.references.pass_times();
     }
     render::FrameSettings settings = play_settings({view.camera.width, view.camera.height});
     settings.instances[0].frame = frame;
     settings.mode = std::get<render::TraceMode>(path.mode);
     renderers.frames.forget_slices();
-    media::Image image = renderers.frames.render(view.camera, settings);
-    return {std::move(image), renderers.frames.pass_times()};
+    if (image)
+        *image = renderers.frames.render(view.camera, settings);
+    else
+        renderers.frames.draw({&view.camera, 1}, settings);
+    return renderers.frames.pass_times();
 }
 
 // Adds to the times of a path; returns the last image.
 media::Image measure(Renderers& renderers, Path& path, const tools::ViewStep& view, uint32_t repeats, Result& result) {
-    Drawn drawn = draw(renderers, path, view);  // fills caches, compiles pipelines
+    warm_up([&] { draw(renderers, path, view); });
     const auto* mode = std::get_if<render::TraceMode>(&path.mode);
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
-        drawn = draw(renderers, path, view);
-        path.slice_ms.push_back(milliseconds(drawn.passes, true));
-        path.rest_ms.push_back(milliseconds(drawn.passes, false));
+        const std::vector<gpu::PassTime> passes = draw(renderers, path, view);
+        path.slice_ms.push_back(milliseconds(passes, true));
+        path.rest_ms.push_back(milliseconds(passes, false));
         if (!mode || *mode != render::TraceMode::kShaded) continue;
-        add_image(result.passes, drawn.passes);
-        for (const gpu::PassTime& pass : drawn.passes)
+        add_image(result.passes, passes);
+        for (const gpu::PassTime& pass : passes)
             if (pass.name == "trace") result.trace_ms.push_back(pass.milliseconds);
     }
-    return std::move(drawn.image);
+    media::Image image;
+    draw(renderers, path, view, &image);
+    return image;
 }
 
 Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const RenderOptions& options) {

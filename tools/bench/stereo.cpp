@@ -46,25 +46,20 @@ std::vector<stage::Camera> eyes_before(const std::pair<glm::dvec3, glm::dvec3>& 
     return eyes;
 }
 
-struct Drawn {
-    std::vector<media::Image> images;
-    std::vector<gpu::PassTime> passes;
-};
-
-Drawn draw(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes,
-           const render::FrameSettings& settings, bool one_by_one) {
+// Returns the passes of both eyes.
+std::vector<gpu::PassTime> draw(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes,
+                                const render::FrameSettings& settings, bool one_by_one) {
     if (!one_by_one) {
-        Drawn both{renderer.render_views(eyes, settings), {}};
-        both.passes = renderer.pass_times();
-        return both;
+        renderer.draw(eyes, settings);
+        return renderer.pass_times();
     }
-    Drawn drawn;
+    std::vector<gpu::PassTime> passes;
     for (const stage::Camera& eye : eyes) {
-        drawn.images.push_back(renderer.render(eye, settings));
-        const std::vector<gpu::PassTime> passes = renderer.pass_times();
-        drawn.passes.insert(drawn.passes.end(), passes.begin(), passes.end());
+        renderer.draw({&eye, 1}, settings);
+        const std::vector<gpu::PassTime> of_eye = renderer.pass_times();
+        passes.insert(passes.end(), of_eye.begin(), of_eye.end());
     }
-    return drawn;
+    return passes;
 }
 
 // A clip of 25 frames a second that plays on a display of 90 Hz; every slice is new.
@@ -94,20 +89,20 @@ void measure(render::FrameRenderer& renderer, Variant& variant, const std::vecto
     render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
     settings.scale = variant.scale;
     settings.foveae = variant.foveae;
-    Drawn drawn = draw(renderer, eyes, settings, variant.one_by_one);  // builds slices, compiles pipelines
+    warm_up([&] { draw(renderer, eyes, settings, variant.one_by_one); });
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
-        drawn = draw(renderer, eyes, settings, variant.one_by_one);
-        variant.ms.push_back(milliseconds(drawn.passes));
-        add_image(variant.passes, drawn.passes);
+        const std::vector<gpu::PassTime> passes = draw(renderer, eyes, settings, variant.one_by_one);
+        variant.ms.push_back(milliseconds(passes));
+        add_image(variant.passes, passes);
     }
+    const std::vector<media::Image> images = renderer.render_views(eyes, settings);
     variant.rays = 2 * static_cast<double>(renderer.radiance().size());
     if (truth.empty()) {
-        truth = drawn.images;
+        truth = images;
         const std::vector<glm::vec4> rays = renderer.radiance();
         result.covered = static_cast<double>(covered_rays(rays)) / static_cast<double>(rays.size());
     }
-    variant.psnr =
-        std::min(training::compare(truth[0], drawn.images[0]).psnr, training::compare(truth[1], drawn.images[1]).psnr);
+    variant.psnr = std::min(training::compare(truth[0], images[0]).psnr, training::compare(truth[1], images[1]).psnr);
 }
 
 std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes, uint32_t clip_frames,
@@ -115,13 +110,14 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
     constexpr double kClipFps = 25, kDisplayHz = 90;
     constexpr uint32_t kDisplayFrames = 72;
     render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
+    warm_up([&] { renderer.draw(eyes, settings); });
     renderer.forget_slices();
     std::vector<double> ms;
     for (uint32_t i = 0; i < kDisplayFrames && !stop_requested(); i++) {
         const auto frame = static_cast<uint32_t>(i * kClipFps / kDisplayHz);
         settings.instances[0].frame = static_cast<float>(frame % clip_frames);
         if (ahead) settings.next_instances = {{static_cast<float>((frame + 1) % clip_frames)}};
-        renderer.render_views(eyes, settings);
+        renderer.draw(eyes, settings);
         if (i >= kDisplayHz / kClipFps)
             ms.push_back(milliseconds(renderer.pass_times()));  // the first slice cannot be built ahead
     }
