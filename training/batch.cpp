@@ -11,7 +11,7 @@ namespace neuvv::training {
 namespace {
 
 constexpr float kBackgroundShare = 0.2f;
-constexpr size_t kTilesOfThread = 64;      // image tiles that one thread fills in: about 0.1 ms of work
+constexpr size_t kTilesOfThread = 128;     // image tiles that one thread fills in: about 0.2 ms of work
 constexpr double kMaxShareInARow = 0.125;  // of a time's epoch; larger shares make the field forget other times
 
 glm::vec4 linear_rgb(const uint8_t* srgb) {

@@ -150,7 +150,8 @@ const Dataset& Run::begin() {
         run_.adaptive = settings_.adaptive;
         run_.resolution_is_natural = settings_.shape.resolution == 0;
         run_.left_out = settings_.left_out;
-        run_.tiles_per_step = settings_.tiles_per_step;
+        // Devices of members may differ; batches must not.
+        run_.tiles_per_step = gather_values(team(), settings_.tiles_per_step)[0];
         run_.weights = settings_.weights;
         run_.program = settings_.program;
         colours_ = CameraColours(dataset_.cameras.size(), dataset_.times.size(), settings_.refine);
@@ -449,6 +450,10 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
 }
 
 }  // namespace
+
+uint32_t default_tiles_per_step(const gpu::Device& device) {
+    return device.summary().kind == "cpu" ? 512 : 2048;
+}
 
 TrainProgress train(const gpu::Device& device, Dataset& dataset, const TrainSettings& settings,
                     const std::filesystem::path& output, const TrainCallback& callback) {

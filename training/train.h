@@ -55,6 +55,10 @@ struct TrainSettings {
 
 constexpr double kDefaultMinutes = 20;
 
+// How many tiles of 8×8 rays a step should have on a device. The rays of a step must keep a GPU busy, which runs
+// several times as many threads at once as 512 tiles have; too large a batch leaves a short run too few steps.
+uint32_t default_tiles_per_step(const gpu::Device& device);
+
 struct RefinedPose {
     PoseChange change;
     double motion_px;  // image_motion() of the change

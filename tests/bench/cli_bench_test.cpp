@@ -175,10 +175,11 @@ TEST_F(CliGpu, BenchWalkTimesEachStep) {
 
 TEST_F(CliGpu, BenchStereoDrawsBothEyes) {
     const std::vector<std::string> command = {"stereo", scene, "--size", "64x72", "--repeats", "2"};
-    expect_words(command, {"both eyes", "one eye after the other", "same", "Mrays/s per TB/s", "passes of the first"});
+    expect_words(command, {"both eyes", "one eye after the other", "same", "Mrays/s per TB/s", "passes of both eyes"});
     const nlohmann::json json = json_of(command);
     EXPECT_GT(json["covered"], 0.02);
     EXPECT_EQ(json["ways"]["stereo"]["rays"], 2 * 64 * 72);
+    EXPECT_GT(json["ways"]["half"]["passes_ms"]["upscale"], 0.0);
     EXPECT_LT(json["ways"]["foveated"]["rays"], 0.5 * 2 * 64 * 72);
     EXPECT_GT(json["ways"]["half"]["psnr_db"], 15.0);
     EXPECT_LT(json["ways"]["half"]["psnr_db"], 60.0);

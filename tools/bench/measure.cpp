@@ -126,7 +126,7 @@ double Differences::psnr() const {
 }
 
 void warm_up(const std::function<void()>& draw) {
-    const double until = seconds_now() + 0.2;
+    const double until = seconds_now() + 1;
     do draw();
     while (seconds_now() < until && !stop_requested());
 }

@@ -72,7 +72,7 @@ inline double median(std::vector<double> values) {
 }
 double mean(const std::vector<double>& values);  // 0 of no values
 
-// Calls `draw` for a fifth of a second, at least once, before something is timed: caches fill, pipelines are compiled,
+// Calls `draw` for a second, at least once, before something is timed: caches fill, pipelines are compiled,
 // and GPUs raise the clocks that they lowered while the host compared images.
 void warm_up(const std::function<void()>& draw);
 // Bytes read and written per second by a copy from one large buffer of the device to another, the measure of its
