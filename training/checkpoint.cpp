@@ -42,10 +42,13 @@ std::vector<float> fetch(const gpu::Device& device, const gpu::Buffer& buffer, s
 }
 
 std::vector<uint16_t> fetch_bfloat(const gpu::Device& device, const gpu::Buffer& buffer, size_t count) {
-    const std::vector<float> values = fetch(device, buffer, count);
     std::vector<uint16_t> result(count);
-    parallel_for(count, 1 << 20, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) result[i] = bfloat_from_float(values[i]);
+    gpu::download_pieces(device, buffer, count * sizeof(float), [&](const void* piece, uint64_t at, uint64_t bytes) {
+        const auto* values = static_cast<const float*>(piece);
+        uint16_t* to = &result[at / sizeof(float)];
+        parallel_for(bytes / sizeof(float), 1 << 20, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; i++) to[i] = bfloat_from_float(values[i]);
+        });
     });
     return result;
 }

@@ -243,7 +243,7 @@ void upload(const Device& device, const Buffer& to, const void* data, uint64_t b
     }
 }
 
-void download(const Device& device, const Buffer& from, void* data, uint64_t bytes) {
+void download_pieces(const Device& device, const Buffer& from, uint64_t bytes, const DownloadedPiece& take) {
     if (bytes > from.bytes) throw RuntimeFailure("download: more bytes than buffer \"" + from.name + "\" holds");
     if (bytes == 0) return;
     const Buffer staging(device, "staging", std::min(bytes, kStagingBytes), MemoryKind::kReadback);
@@ -253,8 +253,14 @@ void download(const Device& device, const Buffer& from, void* data, uint64_t byt
             copy(commands, from, staging, piece, at, 0);
             host_barrier(commands);
         });
-        std::memcpy(static_cast<char*>(data) + at, staging.mapped, piece);
+        take(staging.mapped, at, piece);
     }
+}
+
+void download(const Device& device, const Buffer& from, void* data, uint64_t bytes) {
+    download_pieces(device, from, bytes, [&](const void* piece, uint64_t at, uint64_t piece_bytes) {
+        std::memcpy(static_cast<char*>(data) + at, piece, piece_bytes);
+    });
 }
 
 }  // namespace neuvv::gpu

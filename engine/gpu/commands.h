@@ -137,6 +137,9 @@ void run_once(const Device& device, const std::string& name, const std::function
 // RuntimeFailure where the buffer has fewer than `bytes` bytes.
 void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
 void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
+// The same, for what need not be kept as it is: calls `take` with each piece, which begins at byte `at` of the buffer.
+using DownloadedPiece = std::function<void(const void* piece, uint64_t at, uint64_t bytes)>;
+void download_pieces(const Device& device, const Buffer& from, uint64_t bytes, const DownloadedPiece& take);
 
 // A new buffer on the device that holds the values, read through texels of the format.
 template <typename T>

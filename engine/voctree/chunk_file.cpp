@@ -128,10 +128,11 @@ void ChunkWriter::add(const std::string& name, const void* data, size_t bytes) {
     // A zstd that was built without threads refuses this setting and compresses in the calling thread.
     const auto workers = static_cast<int>(std::min(std::thread::hardware_concurrency(), 16u));
     if (bytes > kPieceBytes) ZSTD_CCtx_setParameter(context.get(), ZSTD_c_nbWorkers, workers);
-    std::vector<uint8_t> stored(ZSTD_compressBound(bytes));
-    const size_t size = ZSTD_compress2(context.get(), stored.data(), stored.size(), data, bytes);
+    const size_t room = ZSTD_compressBound(bytes);
+    const auto stored = std::make_unique_for_overwrite<uint8_t[]>(room);  // a vector would fill in hundreds of MB first
+    const size_t size = ZSTD_compress2(context.get(), stored.get(), room, data, bytes);
     if (ZSTD_isError(size)) refuse(ZSTD_getErrorName(size));
-    write_chunk(name, bytes, stored.data(), size);
+    write_chunk(name, bytes, stored.get(), size);
 }
 
 void ChunkWriter::finish() {
