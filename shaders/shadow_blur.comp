@@ -32,8 +32,7 @@ void main() {
     const int thread = int(gl_WorkGroupID.x * kTilePixels + gl_LocalInvocationID.x);
     if (thread >= kSide * kSide) return;
     const ivec2 texel = ivec2(thread % kSide, thread / kSide);
-    // Number by number: where a specialisation constant selects a vector, lavapipe of Mesa 22.3 takes its first number
-    // alone from the chosen one, and the second pass would not blur.
+    // Component by component: lavapipe of Mesa 22.3 gets `kSecond ? ivec2(0, 1) : ivec2(1, 0)` right in x alone.
     const ivec2 step = ivec2(kSecond ? 0 : 1, kSecond ? 1 : 0);
     vec2 sum = vec2(0.0);
     float weights = 0.0;

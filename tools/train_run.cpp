@@ -235,7 +235,7 @@ bool train_rig(const gpu::Device& device, const TrainOptions& options, const tra
         fmt::print("interrupted while errors of the rig were searched for: nothing was written\n");
         return false;
     }
-    settings.tiles_per_step = training::default_tiles_per_step(device);
+    settings.tiles_per_step = training::default_tiles_per_step(device, settings.team.size);
     voctree::VOctree first_tree;
     if (options.init == "psi" && !settings.resume) {
         first_tree = train_psi_tree(options, device, dataset);

@@ -85,9 +85,10 @@ class Run {
     void change_own_tree(uint32_t max_leaves);
     bool may_go_on();
     void save();
-    // Expected of the next checkpoint: the tree may have become many times as large.
+    // Expected of the next checkpoint: the tree may have become many times as large. A part of what a small one took
+    // does not grow with the tree.
     double save_will_take() const {
-        return save_took_ * std::max(1.0, static_cast<double>(tree_.leaf_count) / saved_leaves_);
+        return save_took_ * std::clamp(static_cast<double>(tree_.leaf_count) / saved_leaves_, 1.0, 10.0);
     }
     StepSettings step_settings(double time) const;
     TrainProgress progress() const;
@@ -439,10 +440,12 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         go_on = agree(go_on);
     }
     const double reached = fraction();  // the last checkpoint does not finish a run that was stopped before its end
-    save();
+    aside([&] {
+        save();
+        if (reached >= 1) fit_to_max_bytes();
+    });
     TrainProgress last = progress();
     last.fraction = reached;
-    if (last.fraction >= 1) fit_to_max_bytes();
     last.leaves = written_leaves_;
     if (run_.step > began_at_step_) callback(last);
     last.field = nullptr;
@@ -451,8 +454,8 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
 
 }  // namespace
 
-uint32_t default_tiles_per_step(const gpu::Device& device) {
-    return device.summary().kind == "cpu" ? 512 : 2048;
+uint32_t default_tiles_per_step(const gpu::Device& device, uint32_t members) {
+    return device.summary().kind == "cpu" ? 512 : std::max(2048 / std::max(members, 1u), 512u);
 }
 
 TrainProgress train(const gpu::Device& device, Dataset& dataset, const TrainSettings& settings,

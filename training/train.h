@@ -55,9 +55,10 @@ struct TrainSettings {
 
 constexpr double kDefaultMinutes = 20;
 
-// How many tiles of 8×8 rays a step should have on a device. The rays of a step must keep a GPU busy, which runs
-// several times as many threads at once as 512 tiles have; too large a batch leaves a short run too few steps.
-uint32_t default_tiles_per_step(const gpu::Device& device);
+// How many tiles of 8×8 rays a step should have on a device. An H100 runs eight times as many threads at once as 512
+// tiles have rays, and its passes take 1.2 ms for 2048 tiles, 0.9 ms for 512; but too large a batch leaves a short run
+// too few steps (RESULTS.md, "On a GPU"), so the `members` of a team share the tiles of one GPU, down to 512 each.
+uint32_t default_tiles_per_step(const gpu::Device& device, uint32_t members = 1);
 
 struct RefinedPose {
     PoseChange change;

@@ -73,8 +73,7 @@ void record_performer_shadows(gpu::Commands& commands, PerformerShadows& shadows
     record_clear_coverage(commands, shadows.target.ranges);
     for (const DrawnInstance& instance : shadows.drawn)
         record_instance(commands, *performers[instance.field], target, instance, shadows.layout);
-    for (uint32_t view = 0; view < shadows.maps.size(); view++)
-        record_shadow_blur(commands, shadows.blur, view, shadows.maps[view]);
+    record_shadow_blur(commands, shadows.blur, shadows.maps);
 }
 
 }  // namespace neuvv::render

@@ -22,12 +22,15 @@ ShadowBlur::ShadowBlur(const gpu::Device& device, const RayBatch& rays, const gp
       columns_set(along_columns,
                   {{kBlurRadiance, &rays.radiance}, {kBlurDepth, &rays.depth}, {kBlurFrom, &rows}, {kBlurTo, &maps}}) {}
 
-void record_shadow_blur(gpu::Commands& commands, const ShadowBlur& blur, uint32_t view, uint32_t map) {
+void record_shadow_blur(gpu::Commands& commands, const ShadowBlur& blur, std::span<const uint32_t> maps) {
     const gpu::PassScope scope(commands, "shadow blur");
-    gpu::dispatch(commands, blur.along_rows, blur.rows_set, kMapTexels, ShadowBlurPush{view, 0});
-    gpu::compute_barrier(commands);
-    gpu::dispatch(commands, blur.along_columns, blur.columns_set, kMapTexels, ShadowBlurPush{view, map * kMapTexels});
-    gpu::compute_barrier(commands);
+    for (uint32_t view = 0; view < maps.size(); view++) {
+        gpu::dispatch(commands, blur.along_rows, blur.rows_set, kMapTexels, ShadowBlurPush{view, 0});
+        gpu::compute_barrier(commands);
+        gpu::dispatch(commands, blur.along_columns, blur.columns_set, kMapTexels,
+                      ShadowBlurPush{view, maps[view] * kMapTexels});
+        gpu::compute_barrier(commands);
+    }
 }
 
 }  // namespace neuvv::render

@@ -1,6 +1,8 @@
 // The shadow blur pass: the image of the performers as a light sees them, low-passed, becomes their soft shadow map.
 #pragma once
 
+#include <span>
+
 #include "gpu/commands.h"
 #include "render/trace.h"
 
@@ -16,7 +18,7 @@ struct ShadowBlur {
     gpu::BindingSet rows_set, columns_set;
 };
 
-// Writes map number `map` from the rays of view number `view`.
-void record_shadow_blur(gpu::Commands& commands, const ShadowBlur& blur, uint32_t view, uint32_t map);
+// Writes map number maps[view] from the rays of each view.
+void record_shadow_blur(gpu::Commands& commands, const ShadowBlur& blur, std::span<const uint32_t> maps);
 
 }  // namespace neuvv::render

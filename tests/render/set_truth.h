@@ -111,8 +111,9 @@ inline TexelTruth texel_truth(const stage::Camera& camera, const Surface& surfac
                               const Lighting& lighting, uint32_t x, uint32_t y, double grid_px) {
     const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
     TexelTruth truth;
-    for (const double dx : {-0.5 * grid_px, 0.5 * grid_px})
-        for (const double dy : {-0.5 * grid_px, 0.5 * grid_px}) {
+    const std::vector<double> offsets = grid_px > 0 ? std::vector{-0.5 * grid_px, 0.5 * grid_px} : std::vector{0.0};
+    for (const double dx : offsets)
+        for (const double dy : offsets) {
             const auto hit = surface(reference::camera_ray(camera, x + dx, y + dy));
             const glm::dvec3 light = expected_light(*hit, glm::normalize(eye - hit->position), material, lighting);
             truth.least = glm::min(truth.least, light);
@@ -126,7 +127,7 @@ inline TexelTruth texel_truth(const stage::Camera& camera, const Surface& surfac
 
 // How far a value lies outside of the range.
 inline double outside(double value, double least, double most) {
-    return std::isnan(value) ? INFINITY : std::max({least - value, value - most, 0.0});
+    return std::isnan(value) || !(least <= most) ? INFINITY : std::max({least - value, value - most, 0.0});
 }
 
 inline Agreement compare(const SetImages& images, const stage::Camera& camera, const Surface& surface,

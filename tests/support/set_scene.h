@@ -103,7 +103,7 @@ struct SetImages {
     double grid_px = 0;
 };
 
-// Vulkan allows any device such a grid; GPUs have one, software devices compute with the vertices as they are.
+// Vulkan allows any device such a grid; GPUs have one, lavapipe interpolates from the vertices as they are.
 inline double raster_grid_px(const gpu::Device& device) {
     return device.summary().kind == "cpu" ? 0 : std::exp2(-static_cast<double>(device.limits().subPixelPrecisionBits));
 }
