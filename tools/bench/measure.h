@@ -72,11 +72,12 @@ inline double median(std::vector<double> values) {
 }
 double mean(const std::vector<double>& values);  // 0 of no values
 
-// Calls `draw` for a second, at least once, before something is timed: caches fill, pipelines are compiled,
-// and GPUs raise the clocks that they lowered while the host compared images.
-void warm_up(const std::function<void()>& draw);
+// To be called before something is timed: calls `draw` for a second, at least once, and returns how often. Caches fill,
+// pipelines are compiled, and GPUs raise the clocks that they lowered while the host compared images.
+uint32_t warm_up(const std::function<void()>& draw);
 // Bytes read and written per second by a copy from one large buffer of the device to another, the measure of its
-// memory's bandwidth: the driver's copy or a compute pass, whichever is faster (on an H100 a pass, three times).
+// memory's bandwidth: the driver's copy or a compute pass, whichever is faster (on an H100 the pass, three times as
+// fast).
 double copied_bytes_per_second(const gpu::Device& device);
 
 // How much images of several views differ from their truth.
@@ -87,8 +88,8 @@ struct Differences {
     double psnr() const;  // of all views together, dB
 };
 
-// The pass that brings an image to the host. It is left out of the time of an image, as an image that is shown stays on
-// the device.
+// The pass that brings an image to the host. Times that are sums of passes leave it out, as an image that is shown
+// stays on the device.
 constexpr const char* kReadbackPass = "readback";
 // Of all passes together but the readback.
 double milliseconds(const std::vector<gpu::PassTime>& passes);

@@ -83,9 +83,13 @@ std::vector<gpu::PassTime> draw(Renderers& renderers, const Path& path, const to
     return renderers.frames.pass_times();
 }
 
+constexpr uint32_t kCallsOfFastPath = 20;  // in a second
+
 // Adds to the times of a path; returns the last image.
-media::Image measure(Renderers& renderers, Path& path, const tools::ViewStep& view, uint32_t repeats, Result& result) {
-    warm_up([&] { draw(renderers, path, view); });
+media::Image measure(Renderers& renderers, Path& path, const tools::ViewStep& view, uint32_t repeats,
+                     uint32_t repeats_if_slow, Result& result) {
+    // Paths without a slice take seconds on some devices.
+    if (warm_up([&] { draw(renderers, path, view); }) < kCallsOfFastPath) repeats = std::min(repeats, repeats_if_slow);
     const auto* mode = std::get_if<render::TraceMode>(&path.mode);
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
         const std::vector<gpu::PassTime> passes = draw(renderers, path, view);
@@ -119,8 +123,9 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
         const tools::ViewStep& view = orbit[i * orbit.size() / options.views];
         media::Image truth;
         for (size_t p = 0; p < result.paths.size() && !stop_requested(); p++) {
-            const uint32_t repeats = p < 2 ? 1 : options.repeats;  // paths without a slice take long
-            const media::Image image = measure(renderers, result.paths[p], view, repeats, result);
+            const uint32_t repeats_if_slow = p < 2 ? 1 : options.repeats;
+            const media::Image image =
+                measure(renderers, result.paths[p], view, options.repeats, repeats_if_slow, result);
             if (p == 0) truth = image;
             if (p + 1 == result.paths.size()) {
                 result.differences.add(truth, image);

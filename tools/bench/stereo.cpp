@@ -84,6 +84,14 @@ std::vector<Variant> all_variants() {
             {"0.5 rays a pixel's side, upscaled", "half", 0.5, {}, false, {}, {}}};
 }
 
+std::vector<media::Image> images_of(render::FrameRenderer& renderer, const std::vector<stage::Camera>& eyes,
+                                    const render::FrameSettings& settings, bool one_by_one) {
+    if (!one_by_one) return renderer.render_views(eyes, settings);
+    std::vector<media::Image> images;
+    for (const stage::Camera& eye : eyes) images.push_back(renderer.render(eye, settings));
+    return images;
+}
+
 void measure(render::FrameRenderer& renderer, Variant& variant, const std::vector<stage::Camera>& eyes,
              uint32_t repeats, std::vector<media::Image>& truth, Result& result) {
     render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
@@ -95,7 +103,7 @@ void measure(render::FrameRenderer& renderer, Variant& variant, const std::vecto
         variant.ms.push_back(milliseconds(passes));
         add_image(variant.passes, passes);
     }
-    const std::vector<media::Image> images = renderer.render_views(eyes, settings);
+    const std::vector<media::Image> images = images_of(renderer, eyes, settings, variant.one_by_one);
     variant.rays = 2 * static_cast<double>(renderer.radiance().size());
     if (truth.empty()) {
         truth = images;
