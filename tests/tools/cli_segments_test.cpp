@@ -390,9 +390,16 @@ TEST_F(CliSharedTraining, OneFileIsTrainedByOneProcess) {
     expect_refused(words, 2, {"one.nvv", "is being trained by process"});
 }
 
+// Training by ranks of mpirun. Only these cases need Open MPI, without which the program works (support/mpirun.h).
+struct CliMpiTraining : CliSharedTraining {
+    void SetUp() override {
+        CliSharedTraining::SetUp();
+        if (!test::prepare_mpirun()) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
+    }
+};
+
 // What mpirun starts: three ranks, one of which is killed.
-TEST_F(CliSharedTraining, RanksOfMpirun) {
-    if (!test::prepare_mpirun()) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
+TEST_F(CliMpiTraining, ARankIsKilled) {
     test::ChildProcess job(test::under_mpirun("3", with_program(command("1500", {})), {"--enable-recovery"}),
                            folder.path / "log");
     const auto log = [&] { return read_text(folder.path / "log"); };
@@ -411,8 +418,7 @@ TEST_F(CliSharedTraining, RanksOfMpirun) {
 }
 
 // Two ranks that train one tree, killed together in the middle.
-TEST_F(CliSharedTraining, RanksOfMpirunShareOneTree) {
-    if (!test::prepare_mpirun()) GTEST_SKIP() << "needs mpirun (package openmpi-bin)";
+TEST_F(CliMpiTraining, RanksShareOneTree) {
     const auto ranks = [&](const char* steps, const std::vector<std::string>& more) {
         std::vector<std::string> words =
             with_program({"train", file("data"), "-o", file("one.nvv"), "--steps", steps, "--resolution", "32"});

@@ -1,11 +1,9 @@
 #include "voctree/nvv.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cmath>
-#include <csignal>
 #include <limits>
 
 #include "base/error.h"
@@ -449,55 +447,6 @@ TEST_F(Nvv, HostileChunks) {
                     c.push_back(
                         {.name = {'x', static_cast<char>('a' + i), static_cast<char>('0' + j), 'x'}, .raw = {}});
         }));
-}
-
-class NvvAtomic : public Nvv {
-  protected:
-    void SetUp() override {
-        Nvv::SetUp();
-        voctree::write_nvv(path_, small_tree());
-        old_ = read_bytes(path_);
-    }
-    void expect_old_file_alone() {
-        EXPECT_EQ(old_, read_bytes(path_));
-        const auto files = std::filesystem::directory_iterator(folder_);
-        EXPECT_EQ(1, std::distance(begin(files), end(files)));
-    }
-    Bytes old_;
-};
-
-TEST_F(NvvAtomic, FoldersThatTakeNoFile) {
-    EXPECT_THROW(voctree::write_nvv(folder_ / "missing" / "tree.nvv", small_tree()), RuntimeFailure);
-    EXPECT_THROW(voctree::write_nvv(path_ / "below_a_file.nvv", small_tree()), RuntimeFailure);
-    EXPECT_THROW(voctree::write_nvv("/proc/tree.nvv", small_tree()), RuntimeFailure);  // not writable even for root
-    expect_old_file_alone();
-}
-
-TEST_F(NvvAtomic, ADiskThatFillsUpLeavesTheOldFile) {
-    const voctree::VOctree large = random_tree({.node_levels = 3, .leaves = 3000, .bases = 31, .hh_degree = 2});
-    struct rlimit before {};
-    ASSERT_EQ(0, getrlimit(RLIMIT_FSIZE, &before));
-    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    struct rlimit small = before;
-    small.rlim_cur = 100'000;
-    ASSERT_EQ(0, setrlimit(RLIMIT_FSIZE, &small));
-    EXPECT_THROW(voctree::write_nvv(path_, large), RuntimeFailure);
-    setrlimit(RLIMIT_FSIZE, &before);
-    std::signal(SIGXFSZ, handler);
-    expect_old_file_alone();
-    voctree::write_nvv(path_, large);
-    EXPECT_TRUE(same_tree(large, voctree::read_nvv(path_)));
-}
-
-TEST_F(NvvAtomic, WhatReadersRefuseIsNotWritten) {
-    voctree::VOctree diverged = small_tree();
-    diverged.weights[0] = std::nanf("");
-    EXPECT_THROW(voctree::write_nvv(path_, diverged), RuntimeFailure);
-    for (const char* name : {"PLUS", "ab", "abcde", "a b1", "1abc", ""})
-        EXPECT_THROW(voctree::write_nvv(path_, small_tree(), {{name, {}}}), RuntimeFailure) << name;
-    EXPECT_THROW(voctree::write_nvv(path_, small_tree(), {{"twin", {}}, {"twin", {}}}), RuntimeFailure);
-    EXPECT_THROW(voctree::write_nvv(path_, small_tree(), {{"zero", Bytes(size_t{80} << 20)}}), RuntimeFailure);
-    expect_old_file_alone();
 }
 
 }  // namespace
