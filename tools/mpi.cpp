@@ -19,7 +19,7 @@ constexpr const char* kLibrary = "libmpi.so.40";
 // How many bytes of all ranks one call moves at most: MPI counts with int.
 constexpr uint64_t kBytesAtOnce = uint64_t{1} << 30;
 
-// The functions of <mpi.h> that gather uses.
+// The functions of <mpi.h> that a team uses.
 struct Mpi {
     int (*init)(int*, char***) = nullptr;
     int (*finalize)() = nullptr;
@@ -27,6 +27,7 @@ struct Mpi {
     int (*comm_size)(void*, int*) = nullptr;
     int (*allgather)(const void*, int, void*, void*, int, void*, void*) = nullptr;
     int (*allgatherv)(const void*, int, void*, void*, const int*, const int*, void*, void*) = nullptr;
+    int (*alltoallv)(const void*, const int*, const int*, void*, void*, const int*, const int*, void*, void*) = nullptr;
     void *world = nullptr, *byte = nullptr;
 };
 
@@ -53,9 +54,37 @@ Mpi load_mpi() {
     find(library, "MPI_Comm_size", mpi.comm_size);
     find(library, "MPI_Allgather", mpi.allgather);
     find(library, "MPI_Allgatherv", mpi.allgatherv);
+    find(library, "MPI_Alltoallv", mpi.alltoallv);
     find(library, "ompi_mpi_comm_world", mpi.world);
     find(library, "ompi_mpi_byte", mpi.byte);
     return mpi;
+}
+
+// What one call moves of several messages: of each, some bytes, which stand behind each other in one buffer.
+struct Pieces {
+    Pieces(const std::vector<uint64_t>& bytes, uint64_t begin, uint64_t piece) {
+        for (const uint64_t all : bytes) {
+            counts.push_back(static_cast<int>(all > begin ? std::min(all - begin, piece) : 0));
+            places.push_back(sum);
+            sum += counts.back();
+        }
+    }
+    std::vector<int> counts, places;
+    int sum = 0;
+};
+
+std::vector<uint64_t> sizes_of(const std::vector<training::Bytes>& messages) {
+    std::vector<uint64_t> sizes;
+    for (const training::Bytes& bytes : messages) sizes.push_back(bytes.size());
+    return sizes;
+}
+
+void put_pieces(const training::Bytes& buffer, const Pieces& pieces, uint64_t begin,
+                std::vector<training::Bytes>& messages) {
+    for (size_t i = 0; i < messages.size(); i++)
+        if (pieces.counts[i] > 0)
+            std::copy_n(buffer.begin() + pieces.places[i], pieces.counts[i],
+                        messages[i].begin() + static_cast<ptrdiff_t>(begin));
 }
 
 class World {
@@ -75,10 +104,13 @@ class World {
     uint32_t rank() const { return static_cast<uint32_t>(rank_); }
     uint32_t size() const { return static_cast<uint32_t>(size_); }
     std::vector<training::Bytes> gather(std::span<const uint8_t> own) const;
+    std::vector<training::Bytes> exchange(const std::vector<training::Bytes>& to) const;
 
   private:
     void gather_piece(std::span<const uint8_t> own, uint64_t begin, uint64_t piece,
                       std::vector<training::Bytes>& all) const;
+    void exchange_piece(const std::vector<training::Bytes>& to, uint64_t begin, uint64_t piece,
+                        std::vector<training::Bytes>& from) const;
 
     Mpi mpi_;
     int rank_ = 0, size_ = 1;
@@ -99,22 +131,38 @@ std::vector<training::Bytes> World::gather(std::span<const uint8_t> own) const {
 // Gathers the bytes from `begin` on, at most `piece` of each rank.
 void World::gather_piece(std::span<const uint8_t> own, uint64_t begin, uint64_t piece,
                          std::vector<training::Bytes>& all) const {
-    const auto count_of = [&](uint64_t bytes) {
-        return static_cast<int>(bytes > begin ? std::min(bytes - begin, piece) : 0);
-    };
-    std::vector<int> counts, places;
-    int sum = 0;
-    for (const training::Bytes& bytes : all) {
-        counts.push_back(count_of(bytes.size()));
-        places.push_back(sum);
-        sum += counts.back();
-    }
-    training::Bytes received(static_cast<size_t>(sum));
-    const int own_count = count_of(own.size());
-    mpi_.allgatherv(own_count > 0 ? own.data() + begin : nullptr, own_count, mpi_.byte, received.data(), counts.data(),
-                    places.data(), mpi_.byte, mpi_.world);
-    for (size_t i = 0; i < all.size(); i++)
-        std::copy_n(received.begin() + places[i], counts[i], all[i].begin() + static_cast<ptrdiff_t>(begin));
+    const Pieces pieces(sizes_of(all), begin, piece);
+    training::Bytes received(static_cast<size_t>(pieces.sum));
+    const int own_count = pieces.counts[rank()];
+    mpi_.allgatherv(own_count > 0 ? own.data() + begin : nullptr, own_count, mpi_.byte, received.data(),
+                    pieces.counts.data(), pieces.places.data(), mpi_.byte, mpi_.world);
+    put_pieces(received, pieces, begin, all);
+}
+
+std::vector<training::Bytes> World::exchange(const std::vector<training::Bytes>& to) const {
+    // By sender and receiver: every rank must know the longest message, which says how many calls there are.
+    const std::vector<uint64_t> own = sizes_of(to);
+    std::vector<uint64_t> sizes(size_t{size()} * size());
+    const int row = static_cast<int>(sizeof(uint64_t)) * size_;
+    mpi_.allgather(own.data(), row, mpi_.byte, sizes.data(), row, mpi_.byte, mpi_.world);
+    std::vector<training::Bytes> from(size());
+    for (size_t i = 0; i < from.size(); i++) from[i].resize(sizes[i * size() + rank()]);
+    const uint64_t longest = *std::max_element(sizes.begin(), sizes.end()), piece = kBytesAtOnce / size();
+    for (uint64_t begin = 0; begin < longest; begin += piece) exchange_piece(to, begin, piece, from);
+    return from;
+}
+
+// Exchanges the bytes from `begin` on, at most `piece` of each message.
+void World::exchange_piece(const std::vector<training::Bytes>& to, uint64_t begin, uint64_t piece,
+                           std::vector<training::Bytes>& from) const {
+    const Pieces sent(sizes_of(to), begin, piece), received(sizes_of(from), begin, piece);
+    training::Bytes out(static_cast<size_t>(sent.sum)), in(static_cast<size_t>(received.sum));
+    for (size_t i = 0; i < to.size(); i++)
+        if (sent.counts[i] > 0)
+            std::copy_n(to[i].begin() + static_cast<ptrdiff_t>(begin), sent.counts[i], out.begin() + sent.places[i]);
+    mpi_.alltoallv(out.data(), sent.counts.data(), sent.places.data(), mpi_.byte, in.data(), received.counts.data(),
+                   received.places.data(), mpi_.byte, mpi_.world);
+    put_pieces(in, received, begin, from);
 }
 
 }  // namespace
@@ -126,7 +174,8 @@ training::Team join_team(const Ranks& ranks) {
                          fmt::format("calls this process number {} of {}, the starter {} of {}", world->rank() + 1,
                                      world->size(), ranks.rank + 1, ranks.count),
                          "start the program by the mpirun of the Open MPI that it loads; with srun, by --mpi=pmix");
-    return {ranks.rank, ranks.count, [world](std::span<const uint8_t> own) { return world->gather(own); }};
+    return {ranks.rank, ranks.count, [world](std::span<const uint8_t> own) { return world->gather(own); },
+            [world](const std::vector<training::Bytes>& to) { return world->exchange(to); }};
 }
 
 }  // namespace neuvv::tools

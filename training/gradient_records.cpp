@@ -1,5 +1,7 @@
 #include "training/gradient_records.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 
@@ -15,6 +17,11 @@ namespace {
 uint32_t capacity_of(const gpu::Device& device, const render::Field& field, const render::Slice& slice) {
     const uint64_t bytes = std::min<uint64_t>(device.limits().maxStorageBufferRange, device.max_allocation_bytes());
     return static_cast<uint32_t>(std::min<uint64_t>(slice.capacity, bytes / (4 * record_words(field.hh_degree))));
+}
+
+std::span<const uint32_t> records_of(const Bytes& bytes, uint32_t words) {
+    if (bytes.size() % (sizeof(uint32_t) * words) != 0) throw_out_of_step();
+    return {reinterpret_cast<const uint32_t*>(bytes.data()), bytes.size() / sizeof(uint32_t)};
 }
 
 void add(uint32_t* to, const uint32_t* record, uint32_t words) {
@@ -62,13 +69,46 @@ void record_scatter(gpu::Commands& commands, const GradientRecords& records, uin
     gpu::compute_barrier(commands);
 }
 
-std::span<const uint32_t> RecordSum::add_up(const std::vector<std::span<const uint32_t>>& of_processes) {
+std::vector<Bytes> divide_records(std::span<const uint32_t> records, uint32_t words, uint32_t members) {
+    std::vector<size_t> sizes(members);
+    for (size_t at = 0; at < records.size(); at += words) sizes[records[at] % members] += sizeof(uint32_t) * words;
+    std::vector<Bytes> divided(members);
+    for (uint32_t member = 0; member < members; member++) divided[member].reserve(sizes[member]);
+    for (size_t at = 0; at < records.size(); at += words) {
+        const auto* record = reinterpret_cast<const uint8_t*>(&records[at]);
+        Bytes& to = divided[records[at] % members];
+        to.insert(to.end(), record, record + sizeof(uint32_t) * words);
+    }
+    return divided;
+}
+
+void expect_room(uint64_t capacity, uint64_t records) {
+    if (records > capacity)
+        throw RuntimeFailure(
+            fmt::format("rays touch {} leaves in a step, and this device has room for the gradients "
+                        "of {}; choose a lower --resolution or --hh-degree",
+                        records, capacity));
+}
+
+uint32_t take_sums(const std::vector<Bytes>& of_members, uint32_t leaves, uint32_t words, std::span<uint32_t> room) {
+    size_t taken = 0;
+    for (size_t member = 0; member < of_members.size(); member++) {
+        const std::span<const uint32_t> sums = records_of(of_members[member], words);
+        for (size_t at = 0; at < sums.size(); at += words)
+            if (sums[at] >= leaves || sums[at] % of_members.size() != member) throw_out_of_step();
+        expect_room(room.size() / words, (taken + sums.size()) / words);
+        std::copy(sums.begin(), sums.end(), room.begin() + static_cast<ptrdiff_t>(taken));
+        taken += sums.size();
+    }
+    return static_cast<uint32_t>(taken / words);
+}
+
+std::span<const uint32_t> RecordSum::add_up(const std::vector<Bytes>& of_processes) {
     sum_.clear();
-    for (const std::span<const uint32_t> records : of_processes) {
-        if (records.size() % words_ != 0) throw RuntimeFailure("gradients of another process are not whole");
+    for (const Bytes& bytes : of_processes) {
+        const std::span<const uint32_t> records = records_of(bytes, words_);
         for (const uint32_t* record = records.data(); record < records.data() + records.size(); record += words_) {
-            if (record[0] >= place_of_leaf_.size())
-                throw RuntimeFailure("gradients of another process are of another tree");
+            if (record[0] >= place_of_leaf_.size()) throw_out_of_step();
             uint32_t& place = place_of_leaf_[record[0]];
             if (place == kNowhere) {
                 place = static_cast<uint32_t>(sum_.size());

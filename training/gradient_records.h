@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/slice.h"
+#include "training/team.h"
 #include "training/trace_adjoint.h"
 
 namespace neuvv::training {
@@ -32,6 +33,17 @@ void record_gather(gpu::Commands& commands, const GradientRecords& records);
 // records. In place of a leaf that is not live in the slice, kNoSlot stands.
 void record_scatter(gpu::Commands& commands, const GradientRecords& records, uint32_t count);
 
+// Divides records by the member that adds them up: those of leaf l by member l % members.
+std::vector<Bytes> divide_records(std::span<const uint32_t> records, uint32_t words, uint32_t members);
+
+// Writes the sums of all members' shares behind each other into `room`, and returns how many records they are. Throws
+// RuntimeFailure where a member sent anything else than sums of its share of a tree of so many leaves, and where there
+// is no room.
+uint32_t take_sums(const std::vector<Bytes>& of_members, uint32_t leaves, uint32_t words, std::span<uint32_t> room);
+
+// Throws RuntimeFailure where there is no room for so many records.
+void expect_room(uint64_t capacity, uint64_t records);
+
 // Adds up records of several processes, leaf by leaf: gradients are added in the order of the processes, of the largest
 // blending weights the largest counts.
 class RecordSum {
@@ -40,7 +52,7 @@ class RecordSum {
 
     // Returns a record for each leaf that any process has one of; valid until the next call. Throws RuntimeFailure
     // where a process sent no whole number of records, or a leaf that the tree does not have.
-    std::span<const uint32_t> add_up(const std::vector<std::span<const uint32_t>>& of_processes);
+    std::span<const uint32_t> add_up(const std::vector<Bytes>& of_processes);
 
   private:
     static constexpr uint32_t kNowhere = UINT32_MAX;

@@ -1,7 +1,5 @@
 #include "training/step.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cassert>
 
@@ -143,24 +141,13 @@ StepResult summed_results(const std::vector<StepResult>& results) {
 
 StepResult TrainingStep::update_together(const StepResult& own) {
     StepResult sum = summed_results(gather_values(team_, own));
-    const auto expect_room = [&](uint32_t records) {
-        if (records > records_->capacity)
-            throw RuntimeFailure(
-                fmt::format("rays touch {} leaves in a step, and this device has room for the gradients "
-                            "of {}; choose a lower --resolution or --hh-degree",
-                            records, records_->capacity));
-    };
-    expect_room(own.touched);
-    const auto* words = records_->own.as<uint32_t>();
-    const std::vector<Bytes> all =
-        team_.gather({reinterpret_cast<const uint8_t*>(words), size_t{4} * records_->words * own.touched});
-    std::vector<std::span<const uint32_t>> of_members;
-    for (const Bytes& bytes : all)
-        of_members.push_back({reinterpret_cast<const uint32_t*>(bytes.data()), bytes.size() / 4});
-    const std::span<const uint32_t> summed = record_sum_.add_up(of_members);
-    sum.touched = static_cast<uint32_t>(summed.size() / records_->words);
-    expect_room(sum.touched);
-    std::copy(summed.begin(), summed.end(), records_->summed.as<uint32_t>());
+    expect_room(records_->capacity, own.touched);
+    const std::span<const uint32_t> touched(records_->own.as<uint32_t>(), size_t{records_->words} * own.touched);
+    const std::span<const uint32_t> summed =
+        record_sum_.add_up(team_.exchange(divide_records(touched, records_->words, team_.size)));
+    const std::vector<Bytes> all = team_.gather({reinterpret_cast<const uint8_t*>(summed.data()), summed.size_bytes()});
+    sum.touched = take_sums(all, field_.leaf_count, records_->words,
+                            {records_->summed.as<uint32_t>(), size_t{records_->words} * records_->capacity});
     commands_.begin();
     record_scatter(commands_, *records_, sum.touched);
     record_update(settings_);

@@ -85,7 +85,8 @@ class TrainingStep {
     void record_gradients(const StepSettings& settings);
     void record_update(const StepSettings& settings);
     StepResult own_result() const;
-    // Does the second half with the gradients of all members.
+    // Does the second half with the gradients of all members: each adds up those of its share of the leaves, and gives
+    // the others the sums.
     StepResult update_together(const StepResult& own);
 
     const gpu::Device& device_;

@@ -15,11 +15,13 @@ namespace neuvv::training {
 
 using Bytes = std::vector<uint8_t>;
 
+// All members call its functions, in the same order of calls. They need not be set where size is 1.
 struct Team {
     uint32_t rank = 0, size = 1;
-    // Gives each member the bytes of all members, in the order of ranks. All members call it, in the same order of
-    // calls. It need not be set where size is 1.
+    // Gives each member the bytes of all members, in the order of ranks.
     std::function<std::vector<Bytes>(std::span<const uint8_t>)> gather;
+    // Takes what this member has for each one, itself included, in the order of ranks; gives it what each has for it.
+    std::function<std::vector<Bytes>(const std::vector<Bytes>&)> exchange;
 
     bool is_alone() const { return size == 1; }
     bool is_first() const { return rank == 0; }

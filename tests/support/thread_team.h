@@ -33,22 +33,35 @@ class ThreadTeam {
         wait_for_turn(rank);
         try {
             member({rank, static_cast<uint32_t>(said_.size()),
-                    [this, rank](std::span<const uint8_t> own) { return gather(rank, own); }});
+                    [this, rank](std::span<const uint8_t> own) {
+                        say(rank, {training::Bytes(own.begin(), own.end())});
+                        return heard(0);
+                    },
+                    [this, rank](const std::vector<training::Bytes>& to) {
+                        say(rank, to);
+                        return heard(rank);
+                    }});
         } catch (...) {
             if (!problem_) problem_ = std::current_exception();
         }
         ended_[rank] = true;
         pass_on();
     }
-    std::vector<training::Bytes> gather(uint32_t rank, std::span<const uint8_t> own) {
-        said_[rank].assign(own.begin(), own.end());
+    // Returns when all members have said something.
+    void say(uint32_t rank, std::vector<training::Bytes> words) {
+        said_[rank] = std::move(words);
         gathered_[rank]++;
         pass_on();
         wait_for_turn(rank);
         for (size_t other = 0; other < said_.size(); other++)
             if (ended_[other] && gathered_[other] < gathered_[rank])
                 throw std::logic_error("a member has ended, and another one waits for it");
-        return heard_;
+    }
+    // Of what each member said, the bytes with this index.
+    std::vector<training::Bytes> heard(uint32_t index) const {
+        std::vector<training::Bytes> bytes;
+        for (const std::vector<training::Bytes>& words : heard_) bytes.push_back(words.at(index));
+        return bytes;
     }
     void wait_for_turn(uint32_t rank) {
         std::unique_lock lock(mutex_);
@@ -66,8 +79,8 @@ class ThreadTeam {
         changed_.notify_all();
     }
 
-    std::vector<training::Bytes> said_, heard_;  // in this round of turns; in the round before
-    std::vector<uint32_t> gathered_;             // how often, by member
+    std::vector<std::vector<training::Bytes>> said_, heard_;  // by member, in this round of turns; in the round before
+    std::vector<uint32_t> gathered_;                          // how often, by member
     std::vector<char> ended_;
     std::exception_ptr problem_;
     std::mutex mutex_;

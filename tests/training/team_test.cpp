@@ -22,6 +22,11 @@ namespace {
 
 using Words = std::vector<uint32_t>;
 
+training::Bytes bytes_of(const Words& words) {
+    const auto* first = reinterpret_cast<const uint8_t*>(words.data());
+    return {first, first + sizeof(uint32_t) * words.size()};
+}
+
 uint32_t bits(float value) {
     return std::bit_cast<uint32_t>(value);
 }
@@ -31,7 +36,7 @@ TEST(RecordSum, AddsGradientsLeafByLeaf) {
     const Words first{7, bits(0.5f), bits(1), bits(2), 3, bits(0.1f), bits(-1), bits(4)};
     const Words second{3, bits(0.2f), bits(0.5f), bits(-4), 9, bits(0.3f), bits(8), bits(9)};
     for (int repeat = 0; repeat < 2; repeat++) {  // nothing is left of the first call
-        const std::span<const uint32_t> result = sum.add_up({first, second});
+        const std::span<const uint32_t> result = sum.add_up({bytes_of(first), bytes_of(second)});
         EXPECT_EQ(Words(result.begin(), result.end()), (Words{7, bits(0.5f), bits(1), bits(2), 3, bits(0.2f),
                                                               bits(-0.5f), bits(0), 9, bits(0.3f), bits(8), bits(9)}));
     }
@@ -39,8 +44,25 @@ TEST(RecordSum, AddsGradientsLeafByLeaf) {
 
 TEST(RecordSum, RefusesWhatDoesNotFit) {
     const Words foreign{10, 0, 0, 0}, cut{3, 0, 0};
-    EXPECT_THROW(training::RecordSum(10, 4).add_up({foreign}), RuntimeFailure);
-    EXPECT_THROW(training::RecordSum(10, 4).add_up({cut}), RuntimeFailure);
+    EXPECT_THROW(training::RecordSum(10, 4).add_up({bytes_of(foreign)}), RuntimeFailure);
+    EXPECT_THROW(training::RecordSum(10, 4).add_up({bytes_of(cut)}), RuntimeFailure);
+}
+
+TEST(RecordSum, EachMemberAddsUpItsShareOfTheLeaves) {
+    const Words records{7, 10, 3, 11, 6, 12, 4, 13};  // of two words
+    EXPECT_EQ(training::divide_records(records, 2, 3),
+              (std::vector<training::Bytes>{bytes_of({3, 11, 6, 12}), bytes_of({7, 10, 4, 13}), {}}));
+}
+
+TEST(RecordSum, SumsOfAllSharesStandBehindEachOther) {
+    const std::vector<training::Bytes> shares{bytes_of({3, 11, 6, 12}), {}, bytes_of({5, 10})};
+    Words room(6);
+    EXPECT_EQ(training::take_sums(shares, 7, 2, room), 3u);
+    EXPECT_EQ(room, (Words{3, 11, 6, 12, 5, 10}));
+    EXPECT_THROW(training::take_sums(shares, 6, 2, room), RuntimeFailure) << "the tree has no leaf 6";
+    EXPECT_THROW(training::take_sums({shares[0], shares[2], {}}, 7, 2, room), RuntimeFailure) << "another's share";
+    EXPECT_THROW(training::take_sums(shares, 7, 4, room), RuntimeFailure) << "half a record";
+    EXPECT_THROW(training::take_sums(shares, 7, 2, std::span(room).first(4)), RuntimeFailure) << "no room";
 }
 
 TEST(Team, ValuesComeInTheOrderOfRanks) {
@@ -50,6 +72,16 @@ TEST(Team, ValuesComeInTheOrderOfRanks) {
     });
     for (const std::vector<int>& values : heard) EXPECT_EQ(values, (std::vector<int>{0, 10, 20}));
     EXPECT_EQ(training::gather_values({}, 5), std::vector<int>{5});
+}
+
+TEST(Team, MembersExchangeMessages) {
+    run_team(3, [&](const training::Team& team) {
+        std::vector<training::Bytes> to;
+        for (uint8_t i = 0; i < 3; i++) to.push_back(training::Bytes(i, static_cast<uint8_t>(team.rank)));
+        const std::vector<training::Bytes> from = team.exchange(to);
+        ASSERT_EQ(from.size(), 3u);
+        for (uint8_t i = 0; i < 3; i++) EXPECT_EQ(from[i], training::Bytes(team.rank, i));
+    });
 }
 
 TEST(Team, AMemberThatIsOutOfStepIsNoticed) {
