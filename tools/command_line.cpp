@@ -152,6 +152,7 @@ template Option Command::add_option(const std::string&, std::optional<uint32_t>&
 template Option Command::add_option(const std::string&, std::optional<uint64_t>&, const std::string&) const;
 template Option Command::add_option(const std::string&, std::optional<std::string>&, const std::string&) const;
 template Option Command::add_option(const std::string&, std::vector<double>&, const std::string&) const;
+template Option Command::add_option(const std::string&, std::vector<uint32_t>&, const std::string&) const;
 template Option Command::add_option(const std::string&, std::vector<std::string>&, const std::string&) const;
 
 Option Command::add_flag(const std::string& name, bool& value, const std::string& description) const {

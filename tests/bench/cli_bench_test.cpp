@@ -26,7 +26,7 @@ nlohmann::json json_of(std::vector<std::string> command, const std::vector<std::
 TEST(Bench, EveryVerbHelpsWithExamples) {
     const std::string overview = run_neuvv({"--help"}).out;
     for (const char* verb : {"open", "render", "walk", "slice", "stereo", "instances", "far", "stage", "play", "xr",
-                             "train", "edit", "coach"}) {
+                             "train", "team", "edit", "coach"}) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;
@@ -60,6 +60,28 @@ TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
             EXPECT_NE(result.out.find(word), std::string::npos) << word << " in\n" << result.out;
     }
     expect_refused({"train", scene, file("data"), "--repeats", "0"}, 2, {"--repeats"});
+}
+
+TEST_F(CliGpu, BenchTeamPredictsStepsOfSeveralProcesses) {
+    write_own_data();
+    std::filesystem::copy_file(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json",
+                               std::filesystem::copy_options::overwrite_existing);
+    const std::vector<std::string> command{"team",    scene, file("data"), "--members", "2,3",
+                                           "--tiles", "2",   "--repeats",  "1"};
+    const nlohmann::json steps = json_of(command)["steps"];
+    ASSERT_EQ(steps.size(), 3u);
+    EXPECT_EQ(steps[0]["members"], 1);
+    EXPECT_EQ(steps[0]["times_one"], 1.0);
+    for (const nlohmann::json& step : {steps[1], steps[2]}) {
+        EXPECT_GT(step["rays"], steps[0]["rays"]);
+        EXPECT_GE(step["touched_by_all"], step["touched"]);
+        EXPECT_LE(step["touched_by_all"], step["touched"].get<double>() * step["members"].get<double>());
+        EXPECT_GT(step["received_mb"], 0.0);
+        EXPECT_GT(step["network_ms"], 0.0);
+        EXPECT_GT(step["times_one"], 0.0);
+    }
+    expect_words(command, {"members", "times one"});
+    expect_refused({"team", scene, file("data"), "--members", "1"}, 2, {"--members"});
 }
 
 TEST_F(CliGpu, BenchRenderComparesWithThePaper) {

@@ -117,6 +117,7 @@ void add_stage(tools::Command app, const tools::CommonOptions& common);
 void add_play(tools::Command app, const tools::CommonOptions& common);
 void add_xr(tools::Command app, const tools::CommonOptions& common);
 void add_train(tools::Command app, const tools::CommonOptions& common);
+void add_team(tools::Command app, const tools::CommonOptions& common);
 void add_edit(tools::Command app, const tools::CommonOptions& common);
 void add_coach(tools::Command app, const tools::CommonOptions& common);
 
