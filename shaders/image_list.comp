@@ -1,7 +1,7 @@
-// Image list: lists the tiles of the images that use rays of a tile that an instance may cover, so that only these are
-// resolved.
-// Reads a word for each tile of rays that a tile of an image uses; writes one word per listed tile. One thread per tile
-// of all images; trivial work.
+// Image list: lists the tiles of the images that use rays of a tile that an instance may cover, and those that did so in
+// the last frame, so that only these are resolved.
+// Reads a word for each tile of rays that a tile of an image uses; reads and writes a word per tile of an image, and
+// writes one per listed tile. One thread per tile of all images; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/image_list.h"
@@ -9,9 +9,11 @@
 layout(local_size_x = kSliceGroup) in;
 layout(binding = kListCovered) uniform utextureBuffer covered;
 layout(binding = kListCameras) uniform textureBuffer cameras;
-layout(binding = kListImages, r32ui) writeonly uniform uimageBuffer image_list;
+layout(binding = kListImages, r32ui) writeonly uniform uimageBuffer list;
+layout(binding = kListShown, r32ui) uniform uimageBuffer shown;
 layout(binding = kListCount, std430) buffer Count { LiveCount count; };
 layout(push_constant) uniform Push { ImageListPush push; };
+#include "append_tile.glsl"
 #include "grid.glsl"
 
 // The first and the last tile of rays along an axis that pixels of the image's tile `at` use.
@@ -33,9 +35,7 @@ void main() {
     for (uint row = y.x; row <= y.y; row++)
         for (uint column = x.x; column <= x.y; column++)
             any = any || texelFetch(covered, int((view * push.tiles_down + row) * push.tiles_across + column)).x != 0u;
-    if (!any) return;
-    const uint listed = atomicAdd(count.slots, 1u);
-    imageStore(image_list, int(listed), uvec4(tile));
-    atomicMax(count.groups_x, min(listed + 1u, kListRow));
-    atomicMax(count.groups_y, listed / kListRow + 1u);
+    const bool shown_before = imageLoad(shown, int(tile)).x != 0u;
+    if (any != shown_before) imageStore(shown, int(tile), uvec4(any ? 1u : 0u));
+    if (any || shown_before) append_tile(tile);
 }

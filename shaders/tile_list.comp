@@ -8,11 +8,12 @@
 
 layout(local_size_x = kSliceGroup) in;
 layout(binding = kRangeTiles) uniform utextureBuffer tile_ranges;
-layout(binding = kRangeList, r32ui) writeonly uniform uimageBuffer tile_list;
+layout(binding = kRangeList, r32ui) writeonly uniform uimageBuffer list;
 layout(binding = kRangeCount, std430) buffer Count { LiveCount count; };
 layout(binding = kRangeCovered, r32ui) writeonly uniform uimageBuffer covered;
 layout(binding = kRangeSharing, r32ui) uniform uimageBuffer sharing;
 layout(push_constant) uniform Push { TileRangePush push; };
+#include "append_tile.glsl"
 
 void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
@@ -21,8 +22,5 @@ void main() {
     if (texelFetch(tile_ranges, int(tile)).x == kNoTile) return;
     imageStore(covered, int(tile), uvec4(1u));
     if (push.counted != 0u) imageStore(sharing, int(tile), imageLoad(sharing, int(tile)) + 1u);
-    const uint at = atomicAdd(count.slots, 1u);
-    imageStore(tile_list, int(at), uvec4(tile));
-    atomicMax(count.groups_x, min(at + 1u, kListRow));
-    atomicMax(count.groups_y, at / kListRow + 1u);
+    append_tile(tile);
 }

@@ -22,9 +22,10 @@ void FrameRenderer::record_readback() {
 // Comments say what each pass reads → writes, by the names of buffers in their structs: Field, SliceTrees, TileRanges
 // (target_.ranges), RayBatch (target_.rays) and SetRaster. Passes of a slice are recorded in slice_tree.cpp, those of
 // one instance in performer.cpp (record_instance). With a set, the shadow maps of performers and set follow the slices,
-// and rays end at the set. Without a set, only the tiles of the image that an instance may cover are resolved.
+// and rays end at the set. Without a set, only the tiles of the image that an instance may cover are resolved, and
+// those that the last frame's instances may have covered; elsewhere the image stays as it is.
 void FrameRenderer::record_playing(const FrameSettings& settings) {
-    // nothing → blank_ (where the layout or the resolve settings are not those of blank_)
+    // nothing → image_ (where the layout or the resolve settings are not those of the last image)
     if (!set_) record_blank(settings);
     // Field weights, bases and nodes, Paint → SliceTrees nodes, entries, entry_leaf, counts
     for (const auto& performer : performers_)
@@ -45,8 +46,8 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
         // vertices, materials, lights_buffer, both shadow maps, volume_depth → colour, front
         set_->record_transparent(commands_, set_cameras_);
     }
-    // ranges.covered, blank_ → ranges.image_list, ranges.image_count, image_
-    if (!set_) record_listed();
+    // ranges.covered, ranges.image_shown → ranges.image_list, ranges.image_count, ranges.image_shown
+    if (!set_) record_image_list(commands_, lister_, layout_);
     // rays.radiance, rays.depth, rays.cameras, ranges.image_list or SetRaster colour, front, depth → image_
     const Resolver& whole = set_ ? resolver_ : listed_resolver_;
     record_resolve(commands_, layout_.upscaled() ? *upscaler_ : whole, layout_, settings.resolve);
@@ -57,6 +58,7 @@ void FrameRenderer::record_playing(const FrameSettings& settings) {
 
 // An inspection shows the walks of rays in place of light, and leaves out the set.
 void FrameRenderer::record_inspected(const FrameSettings& settings) {
+    blank_key_.reset();  // as it draws all of image_
     for (const auto& performer : performers_)
         if (performer) record_slices(commands_, *performer);
     record_rays(settings);
@@ -65,31 +67,22 @@ void FrameRenderer::record_inspected(const FrameSettings& settings) {
         if (performer) record_prefetch(commands_, *performer, settings.prefetch_parts);
 }
 
-// Draws blank_ for this layout and these settings, unless it was drawn for them before.
+// Draws an image without instances, unless image_ is one already but for the tiles that are marked as shown.
 void FrameRenderer::record_blank(const FrameSettings& settings) {
     ViewLayout all_pixels = layout_;
     all_pixels.rays = {};
     const std::pair shown(all_pixels, settings.resolve);
     if (blank_key_ == shown) return;
-    record_clear(commands_, target_.rays, all_pixels.ray_tiles());
+    record_clear_rays(commands_, clearer_);
     record_resolve(commands_, resolver_, all_pixels, settings.resolve);
-    gpu::copy(commands_, image_, blank_, layout_.image_bytes());
+    gpu::fill(commands_, target_.ranges.image_shown, 0);
     gpu::compute_barrier(commands_);
     blank_key_ = shown;
 }
 
-// Lists the tiles that instances may cover, and fills the image with blank_.
-void FrameRenderer::record_listed() {
-    record_image_list(commands_, lister_, layout_);
-    const gpu::PassScope scope(commands_, "blank");
-    gpu::copy(commands_, blank_, image_, layout_.image_bytes());
-    gpu::compute_barrier(commands_);
-}
-
 // Traces the instances, near to far.
 void FrameRenderer::record_rays(const FrameSettings& settings) {
-    record_clear(commands_, target_.rays, layout_.ray_tiles());
-    record_clear_coverage(commands_, target_.ranges);
+    record_clear_rays(commands_, clearer_);
     for (const std::vector<DrawnInstance>& group : drawn_)
         if (group.size() == 1)
             record_instance(commands_, *performers_[group[0].field], kEyeTarget, group[0], layout_);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "media/image.h"
+#include "render/clear_rays.h"
 #include "render/draw_order.h"
 #include "render/field_levels.h"
 #include "render/image_list.h"
@@ -132,7 +133,6 @@ class FrameRenderer {
     void record_playing(const FrameSettings& settings);
     void record_inspected(const FrameSettings& settings);
     void record_blank(const FrameSettings& settings);
-    void record_listed();
     void record_rays(const FrameSettings& settings);
     void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
     enum class Destination { kDevice, kHost };
@@ -156,10 +156,12 @@ class FrameRenderer {
     SetRaster* set_;
     RayTarget target_;
     gpu::Buffer image_, readback_;
-    gpu::Buffer blank_;  // the images of a frame without visible instances
-    std::optional<std::pair<ViewLayout, ResolveSettings>> blank_key_;  // for which blank_ was drawn
-    std::vector<std::unique_ptr<Paints>> paints_;                      // by field of levels_.all
-    std::vector<std::unique_ptr<Performer>> performers_;               // likewise; created by the first image
+    // What image_ was drawn for, outside the tiles that target_.ranges.image_shown marks; nothing: it is to be drawn
+    // anew.
+    std::optional<std::pair<ViewLayout, ResolveSettings>> blank_key_;
+    RayClearer clearer_;
+    std::vector<std::unique_ptr<Paints>> paints_;         // by field of levels_.all
+    std::vector<std::unique_ptr<Performer>> performers_;  // likewise; created by the first image
     std::optional<bool> far_levels_fit_;  // whether there was memory for all of levels_.all; nothing: not tried yet
     std::unique_ptr<Segments> segments_;
     ImageLister lister_;

@@ -53,7 +53,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
               largest(capacity).image_tiles(), set_buffers_of(set)),
       image_(device, "image", largest(capacity).image_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       readback_(device, "image readback", largest(capacity).image_bytes(), gpu::MemoryKind::kReadback),
-      blank_(device, "blank image", set ? 4 : largest(capacity).image_bytes(), gpu::MemoryKind::kDevice),
+      clearer_(device, target_),
       lister_(device, target_.rays, target_.ranges),
       resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, set),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges),

@@ -12,10 +12,14 @@ ImageLister::ImageLister(const gpu::Device& device, const RayBatch& rays, const 
       set(pass, {{kListCovered, &ranges.covered},
                  {kListCameras, &rays.cameras},
                  {kListImages, &ranges.image_list},
+                 {kListShown, &ranges.image_shown},
                  {kListCount, &ranges.image_count}}) {}
 
 void record_image_list(gpu::Commands& commands, const ImageLister& lister, const ViewLayout& layout) {
     const gpu::PassScope scope(commands, "image list");
+    gpu::fill(commands, lister.ranges.image_list, kNoTile);
+    gpu::update(commands, lister.ranges.image_count, LiveCount{0, 1, 1, 0, 0});
+    gpu::compute_barrier(commands);
     const ImageListPush push{layout.views,
                              layout.tiles_across(),
                              layout.tiles_down(),

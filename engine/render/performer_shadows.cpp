@@ -30,6 +30,7 @@ std::optional<WorldBox> box_of_casting(const FieldLevels& levels, std::span<cons
 PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& given_set, uint32_t instances)
     : set(given_set),
       target(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
+      clearer(device, target),
       blur(device, target.rays, set.performer_shadows) {}
 
 // Finds the lights that cast performers' shadows, and their cameras.
@@ -69,8 +70,7 @@ void PerformerShadows::prepare(const FieldLevels& levels, std::span<const Instan
 void record_performer_shadows(gpu::Commands& commands, PerformerShadows& shadows,
                               std::span<const std::unique_ptr<Performer>> performers, uint32_t target) {
     if (shadows.cameras.empty()) return;
-    record_clear(commands, shadows.target.rays, shadows.layout.ray_tiles());
-    record_clear_coverage(commands, shadows.target.ranges);
+    record_clear_rays(commands, shadows.clearer);
     for (const DrawnInstance& instance : shadows.drawn)
         record_instance(commands, *performers[instance.field], target, instance, shadows.layout);
     record_shadow_blur(commands, shadows.blur, shadows.maps);

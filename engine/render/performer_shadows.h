@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "render/clear_rays.h"
 #include "render/field_levels.h"
 #include "render/instance_cameras.h"
 #include "render/set_lights.h"
@@ -23,6 +24,7 @@ struct PerformerShadows {
     void prepare_lights(const FieldLevels& levels, std::span<const Instance> instances);
     SetRaster& set;
     RayTarget target;
+    RayClearer clearer;
     ShadowBlur blur;
     std::vector<stage::Camera> cameras;  // of the lights that have maps, at their positions
     std::vector<uint32_t> maps;          // per camera, the index of its map

@@ -71,7 +71,9 @@ TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t i
       covered(device, "covered tiles", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       sharing(device, "shared tiles", uint64_t{4} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       image_list(device, "images' tile list", list_bytes(image_tiles), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
-      image_count(device, "count of the images' tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice) {}
+      image_count(device, "count of the images' tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice),
+      image_shown(device, "shown tiles of images", uint64_t{4} * image_tiles, gpu::MemoryKind::kDevice,
+                  VK_FORMAT_R32_UINT) {}
 
 TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, const SliceTrees* given_trees,
                        const RayBatch& rays, const TileRanges& given_ranges)
@@ -94,8 +96,12 @@ TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, cons
 
 void record_clear_coverage(gpu::Commands& commands, const TileRanges& ranges) {
     gpu::fill(commands, ranges.covered, 0);
-    gpu::fill(commands, ranges.image_list, kNoTile);
-    gpu::update(commands, ranges.image_count, LiveCount{0, 1, 1, 0, 0});
+    gpu::compute_barrier(commands);
+}
+
+void record_empty_list(gpu::Commands& commands, const TileRanges& ranges) {
+    gpu::fill(commands, ranges.list, kNoTile);
+    gpu::update(commands, ranges.count, LiveCount{0, 1, 1, 0, 0});
     gpu::compute_barrier(commands);
 }
 
@@ -119,9 +125,7 @@ void record_tile_ranges(gpu::Commands& commands, const TileRanger& ranger, uint3
                              layout.tiles_down(),
                              counted ? 1u : 0u};
     gpu::fill(commands, ranger.ranges.ranges, 0xffffffff, uint64_t{8} * layout.ray_tiles());
-    gpu::fill(commands, ranger.ranges.list, kNoTile, list_bytes(layout.ray_tiles()));
-    gpu::update(commands, ranger.ranges.count, LiveCount{0, 1, 1, 0, 0});
-    gpu::compute_barrier(commands);
+    record_empty_list(commands, ranger.ranges);
     gpu::dispatch(commands, ranger.range, ranger.range_set, push.nodes, push);
     gpu::compute_barrier(commands);
     gpu::dispatch(commands, ranger.list, ranger.list_set, layout.ray_tiles(), push);

@@ -19,7 +19,9 @@ struct TileRanges {
     gpu::Buffer count;    // LiveCount of the list
     gpu::Buffer covered;  // per tile of rays: whether any instance of the frame may cover it
     gpu::Buffer sharing;  // per tile of rays: how many instances of a group may cover it
-    gpu::Buffer image_list, image_count;  // list and count of the image tiles to which such rays contribute
+    // List and count of the image tiles to which such rays contribute, or did in the last frame; per image tile:
+    // whether they do.
+    gpu::Buffer image_list, image_count, image_shown;
 };
 
 // The projection of a camera in a performer's space (RangeView of shared/slice_tree.h).
@@ -46,8 +48,10 @@ struct TileRanger {
     gpu::BindingSet range_set, list_set;
 };
 
-// To be recorded before the first instance of a frame: no tile is covered.
+// No tile is covered. Frames do the same by record_clear_rays.
 void record_clear_coverage(gpu::Commands& commands, const TileRanges& ranges);
+// Empties `list`.
+void record_empty_list(gpu::Commands& commands, const TileRanges& ranges);
 
 // Computes the tile ranges of an instance. `first_view` is the index of its first RangeView. Nodes of levels finer than
 // `level` (range_level) are not projected; their ancestors of that level stand for them. `slice` is ignored where the

@@ -30,8 +30,7 @@ struct TreeTracer {
     gpu::BindingSet set;
 };
 
-// Clears the rays of the first `tiles` tiles: transparent, at infinite depth. To be recorded before the first instance
-// of a frame.
+// Clears the rays of the first `tiles` tiles: transparent, at infinite depth. Frames use record_clear_rays.
 void record_clear(gpu::Commands& commands, const RayBatch& rays, uint32_t tiles);
 
 // Traces the tiles that record_tile_ranges listed, and combines the result with what is in the target (RayOutput).

@@ -1,5 +1,5 @@
 // The image list pass: from the tiles of rays that an instance may cover to the tiles of the images that use these
-// rays.
+// rays, or that did so in the last frame.
 #ifndef NEUVV_SHARED_IMAGE_LIST_H
 #define NEUVV_SHARED_IMAGE_LIST_H
 #include "shared/slice_tree.h"
@@ -10,6 +10,7 @@ CONSTEXPR uint kListCovered = 0u;  // per tile of rays: whether any instance of 
 CONSTEXPR uint kListCameras = 1u;  // as kTraceCameras; the first `views` of them define the positions of rays
 CONSTEXPR uint kListImages = 2u;   // the listed tiles of images, then kNoTile
 CONSTEXPR uint kListCount = 3u;    // a LiveCount of the listed tiles
+CONSTEXPR uint kListShown = 4u;    // per tile of images: whether it used such rays in the last frame
 
 struct ImageListPush {
     uint views;

@@ -330,6 +330,32 @@ TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
     }
 }
 
+// A frame clears and draws only tiles that its instances may cover, or those of the last frame may have covered.
+TEST_F(FrameTest, NothingOfTheLastImageStays) {
+    const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const stage::Camera first = views(tree)[0].camera, second = views(tree)[1].camera;
+    struct Step {
+        stage::Camera camera;
+        bool visible = true;
+        render::Show show = render::Show::kColour;
+        double scale = 1;
+    };
+    render::FrameRenderer cached(device(), field, {kWidth, kHeight});
+    for (const Step& step :
+         {Step{first}, Step{second}, Step{second, false}, Step{first}, Step{first, false},
+          Step{first, true, render::Show::kLevel}, Step{second}, Step{second, true, render::Show::kColour, 0.5},
+          Step{first, true, render::Show::kColour, 0.7}, Step{second}}) {
+        render::FrameSettings settings{.width = kWidth, .height = kHeight};
+        if (!step.visible) settings.instances.clear();
+        settings.resolve.show = step.show;
+        settings.scale = step.scale;
+        render::FrameRenderer fresh(device(), field, {kWidth, kHeight});
+        EXPECT_EQ(cached.render(step.camera, settings).rgba, fresh.render(step.camera, settings).rgba);
+        EXPECT_EQ(cached.radiance(), fresh.radiance());
+    }
+}
+
 bool has_sliced(const render::FrameRenderer& renderer) {
     const std::vector<gpu::PassTime> passes = renderer.pass_times();
     return std::any_of(passes.begin(), passes.end(),
