@@ -2,23 +2,12 @@
 // inside an inset, others beside it (GridAxis). The includer binds textureBuffer `cameras`.
 #ifndef NEUVV_GRID_GLSL
 #define NEUVV_GRID_GLSL
+#include "grid_axis.glsl"
 
 // Axis 0 is x.
 GridAxis camera_axis(uint camera, uint axis) {
     const int first = int(kCameraTexels * camera + 4u + 2u * axis);
     return GridAxis(texelFetch(cameras, first), texelFetch(cameras, first + 1));
-}
-
-float pixel_of_ray(GridAxis axis, float ray) {
-    const vec4 k = axis.knots;
-    return ray < k.x ? k.z + (ray - k.x) * axis.slopes.x
-                     : ray <= k.y ? k.z + (ray - k.x) * axis.slopes.y : k.w + (ray - k.y) * axis.slopes.z;
-}
-
-float ray_of_pixel(GridAxis axis, float pixel) {
-    const vec4 k = axis.knots;
-    return pixel < k.z ? k.x + (pixel - k.z) / axis.slopes.x
-                       : pixel <= k.w ? k.x + (pixel - k.z) / axis.slopes.y : k.y + (pixel - k.w) / axis.slopes.z;
 }
 
 // The direction through a position of a camera's image, of length 1 along the camera's axis.

@@ -12,12 +12,12 @@ layout(local_size_x = kSliceGroup) in;
 layout(binding = kRangeNodes) uniform utextureBuffer nodes;
 layout(binding = kRangeInner) uniform utextureBuffer inner_cells;
 layout(binding = kRangePositions) uniform utextureBuffer node_positions;
-layout(binding = kRangeViews) uniform textureBuffer range_views;
-layout(binding = kRangeCameras) uniform textureBuffer cameras;
+// All lanes read the same view at a time.
+layout(binding = kRangeViews, std430) readonly buffer Views { RangeView range_views[]; };
 layout(binding = kRangeTiles, std430) buffer Tiles { uint tile_ranges[]; };
 layout(push_constant) uniform Push { TileRangePush push; };
 #include "box_pixels.glsl"
-#include "grid.glsl"
+#include "grid_axis.glsl"
 
 const float kSlack = 1e-4;  // relative tolerance of distances, for rounding
 
@@ -43,12 +43,6 @@ Box cells_box(uvec2 cells) {
     return Box(vec3(x.x, y.x, z.x), vec3(x.y, y.y, z.y) + 1.0);
 }
 
-RangeView view_of(uint view) {
-    const int first = int(4u * view);
-    return RangeView(texelFetch(range_views, first), texelFetch(range_views, first + 1), texelFetch(range_views, first + 2),
-                     texelFetch(range_views, first + 3));
-}
-
 // z (x, y, 1) for the pixel (x, y) onto which a position is projected; `from_eye` is relative to the eye.
 vec3 homogeneous(RangeView view, vec3 from_eye) {
     return vec3(dot(view.row_x.xyz, from_eye), dot(view.row_y.xyz, from_eye), dot(view.row_z.xyz, from_eye));
@@ -56,8 +50,7 @@ vec3 homogeneous(RangeView view, vec3 from_eye) {
 
 // Updates the tiles that a box (performer's space, metres) covers in one view.
 void store_range(uint v, Box performer_box) {
-    const RangeView view = view_of(push.first_view + v);
-    const GridAxis across = camera_axis(v, 0u), down = camera_axis(v, 1u);
+    const RangeView view = range_views[push.first_view + v];
     const Box box = Box(performer_box.low - view.eye.xyz, performer_box.high - view.eye.xyz);
     const float near = length(max(max(box.low, -box.high), 0.0)) * (1.0 - kSlack);
     const float far = length(max(abs(box.low), abs(box.high))) * (1.0 + kSlack);
@@ -66,8 +59,8 @@ void store_range(uint v, Box performer_box) {
     const mat3 edges = mat3(homogeneous(view, vec3(size.x, 0.0, 0.0)), homogeneous(view, vec3(0.0, size.y, 0.0)),
                             homogeneous(view, vec3(0.0, 0.0, size.z)));
     const vec4 pixels = box_pixels(homogeneous(view, box.low), edges);
-    vec4 covered = vec4(ray_of_pixel(across, pixels.x), ray_of_pixel(down, pixels.y), ray_of_pixel(across, pixels.z),
-                        ray_of_pixel(down, pixels.w)) / float(kTile);
+    vec4 covered = vec4(ray_of_pixel(view.across, pixels.x), ray_of_pixel(view.downwards, pixels.y),
+                        ray_of_pixel(view.across, pixels.z), ray_of_pixel(view.downwards, pixels.w)) / float(kTile);
     if (near < 1.01 * kNearest * view.eye.w) covered = vec4(0.0, 0.0, tiles);  // the eye is in or at the box
     // Boxes are extended by half a thousandth of a tile, for rounding.
     const ivec2 first = ivec2(clamp(floor(covered.xy - 5e-4), vec2(0.0), tiles));
@@ -75,8 +68,9 @@ void store_range(uint v, Box performer_box) {
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
             const uint at = 2u * ((v * push.tiles_down + uint(y)) * push.tiles_across + uint(x));
-            atomicMin(tile_ranges[at], floatBitsToUint(near));
-            atomicMin(tile_ranges[at + 1u], ~floatBitsToUint(far));
+            // Most boxes change nothing, and a read costs less than an atomic.
+            if (tile_ranges[at] > floatBitsToUint(near)) atomicMin(tile_ranges[at], floatBitsToUint(near));
+            if (tile_ranges[at + 1u] > ~floatBitsToUint(far)) atomicMin(tile_ranges[at + 1u], ~floatBitsToUint(far));
         }
 }
 

@@ -44,7 +44,7 @@ size_t TargetPasses::tree_tracer_index(Shading shading, RayOutput output) {
 void TargetPasses::ensure_tree_tracer(Shading shading, RayOutput output, const Segments* segments) {
     std::unique_ptr<TreeTracer>& tracer = tree_tracers[tree_tracer_index(shading, output)];
     if (tracer) return;
-    if (!tree_ranger) tree_ranger = std::make_unique<TileRanger>(device, field, trees, target.rays, target.ranges);
+    if (!tree_ranger) tree_ranger = std::make_unique<TileRanger>(device, field, trees, target.ranges);
     const bool shaded = shading == Shading::kPerLeaf;
     if (shaded && !per_leaf) per_leaf = std::make_unique<Shaded>(device, field, *trees, views);
     tracer = std::make_unique<TreeTracer>(device, field, *trees, shaded ? per_leaf->entries : trees->entries, target,
@@ -56,8 +56,7 @@ void TargetPasses::ensure_highlighter(const BoneBinder& binder) {
 }
 
 void TargetPasses::ensure_direct_ranger() {
-    if (!direct_ranger)
-        direct_ranger = std::make_unique<TileRanger>(device, field, nullptr, target.rays, target.ranges);
+    if (!direct_ranger) direct_ranger = std::make_unique<TileRanger>(device, field, nullptr, target.ranges);
 }
 
 void TargetPasses::ensure_direct_tracer(RayOutput output, const Segments* segments) {

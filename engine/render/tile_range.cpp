@@ -29,7 +29,12 @@ RangeView range_view(const ShaderCamera& camera) {
                                                   pixel_of_ray(camera.downwards, camera.down.w));
         longest_m = std::max(longest_m, glm::length(place_from_pixel * glm::dvec3(at, 1)));
     }
-    return {glm::vec4(glm::vec3(camera.origin), static_cast<float>(longest_m)), row(0), row(1), row(2)};
+    return {glm::vec4(glm::vec3(camera.origin), static_cast<float>(longest_m)),
+            row(0),
+            row(1),
+            row(2),
+            camera.across,
+            camera.downwards};
 }
 
 double pixels_covered(const RangeView& view, glm::dvec2 image, glm::vec3 box_min, glm::vec3 box_max) {
@@ -63,8 +68,7 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
 
 TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t image_tiles, uint32_t cameras)
     : image_tile_capacity(image_tiles),
-      views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, gpu::MemoryKind::kUpload,
-            VK_FORMAT_R32G32B32A32_SFLOAT),
+      views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, gpu::MemoryKind::kUpload),
       ranges(device, "tile ranges", uint64_t{8} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       list(device, "tile list", list_bytes(ray_tiles), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       count(device, "count of tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice),
@@ -76,7 +80,7 @@ TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t i
                   VK_FORMAT_R32_UINT) {}
 
 TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, const SliceTrees* given_trees,
-                       const RayBatch& rays, const TileRanges& given_ranges)
+                       const TileRanges& given_ranges)
     : field(given_field),
       trees(given_trees),
       ranges(given_ranges),
@@ -86,7 +90,6 @@ TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, cons
                         {kRangeInner, &field.inner_cells},
                         {kRangePositions, &field.node_positions},
                         {kRangeViews, &ranges.views},
-                        {kRangeCameras, &rays.cameras},
                         {kRangeTiles, &ranges.ranges}}),
       list_set(list, {{kRangeTiles, &ranges.ranges},
                       {kRangeList, &ranges.list},

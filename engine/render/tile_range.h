@@ -38,8 +38,7 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels);
 
 struct TileRanger {
     // Projects the nodes of `trees`, or, where it is null, all nodes of the field, as if every leaf lived.
-    TileRanger(const gpu::Device& device, const Field& field, const SliceTrees* trees, const RayBatch& rays,
-               const TileRanges& ranges);
+    TileRanger(const gpu::Device& device, const Field& field, const SliceTrees* trees, const TileRanges& ranges);
 
     const Field& field;
     const SliceTrees* trees;

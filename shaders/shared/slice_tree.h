@@ -82,17 +82,18 @@ CONSTEXPR uint kRangeList = 5u;   // tiles of rays that the instance may cover, 
 CONSTEXPR uint kRangeCount = 6u;  // a LiveCount of the list
 CONSTEXPR uint kRangeSharing = 9u;  // per tile of rays: how many instances of a group may cover it
 CONSTEXPR uint kRangeCovered = 7u;  // per tile of rays: whether any instance of the frame may cover it
-CONSTEXPR uint kRangeCameras = 8u;  // as kTraceCameras; the first `views` of them define the positions of rays
 
 CONSTEXPR uint kListRow = 32768u;  // workgroups in a row of the dispatch over the list
 
 // The projection of a camera, in its performer's space: (row_x, row_y, row_z) · (p − eye) = z (x, y, 1) for a point p
-// and its pixel x, y. Four texels.
+// and its pixel x, y; the positions of rays among the pixels.
 struct RangeView {
     vec4 eye;  // metres; w: the largest distance, in metres, from the eye to a point of the image plane at z = 1
     vec4 row_x;
     vec4 row_y;
     vec4 row_z;
+    GridAxis across;
+    GridAxis downwards;
 };
 
 struct TileRangePush {
@@ -114,7 +115,7 @@ NEUVV_SHARED_END
 static_assert(sizeof(neuvv::SliceNodesPush) == 20);
 static_assert(sizeof(neuvv::SliceEntriesPush) == 16);
 static_assert(sizeof(neuvv::ShadePush) == 60);
-static_assert(sizeof(neuvv::RangeView) == 64);
+static_assert(sizeof(neuvv::RangeView) == 128);
 static_assert(sizeof(neuvv::TileRangePush) == 64);
 #endif
 #endif

@@ -43,7 +43,7 @@ class Drawn {
           device_(device),
           slicer_(device, field, live, trees),
           shader_(device, field, trees, shaded),
-          ranger_(device, field, &trees, rays, target.ranges),
+          ranger_(device, field, &trees, target.ranges),
           tracer_(device, field, trees, shaded, target, render::Shading::kPerLeaf) {
         std::memcpy(rays.tiles.mapped, tiles.data(), tiles.size() * sizeof(Tile));
         gpu::run_once(device, "slice",

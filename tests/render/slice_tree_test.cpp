@@ -87,7 +87,7 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     const render::TreeSlicer slicer(device(), field, live, sliced);
     const render::RayBatch rays(device(), 1, kAcross * kDown);
     const render::TileRanges ranges(device(), kAcross * kDown, kAcross * kDown, 1);
-    const render::TileRanger ranger(device(), field, &sliced, rays, ranges);
+    const render::TileRanger ranger(device(), field, &sliced, ranges);
     const glm::dvec3 low(tree.box_min), size(tree.box_size);
     const std::vector<reference::LeafSlice> slices = reference::slice_tree(tree, 1);
     const auto look = [&](glm::dvec3 from, glm::dvec3 at, double focal) {

@@ -59,7 +59,7 @@ class WalkBench {
           target_(device, 2, layout_.ray_tiles(), layout_.image_tiles()),
           slicer_(device, field_, live_, trees_),
           shader_(device, field_, trees_, shaded_),
-          ranger_(device, field_, &trees_, target_.rays, target_.ranges) {
+          ranger_(device, field_, &trees_, target_.ranges) {
         const std::vector<Tile> tiles = render::tiles_of_image(0, size.width, size.height);
         std::copy(tiles.begin(), tiles.end(), target_.rays.tiles.as<Tile>());
         for (const Step& step : steps())
