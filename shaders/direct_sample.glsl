@@ -33,7 +33,7 @@ vec3 sample_colour() {
 
 Node march_node(uint node) {
     const uvec4 entry = texelFetch(tree_nodes, int(node));
-    return Node(entry.xy, entry.xy, entry.z, entry.w);
+    return make_node(entry.xy, entry.xy, entry.z, entry.w);
 }
 
 uint march_child(uint index) { return texelFetch(tree_children, int(index)).x; }

@@ -1,14 +1,16 @@
-// Walks one ray through the octree, front to back: march_enter reads the node that the walk has come to, march_leaf goes
-// from leaf to leaf within it, march_next from leaf to leaf of the tree.
+// Walks one ray through the octree, front to back. march_enter reads the node that the walk has come to, march_cell goes
+// from cell to cell within it, march_leaf from leaf to leaf within it, and march_next from leaf to leaf of the tree.
 //
-//   while (march_enter(march))                 while (march_next(march, part)) …
-//       while (march_leaf(march, part)) …
+//   while (march_enter(march))            while (march_enter(march))                  while (march_next(march, part)) …
+//       while (march.in_node)                 while (march_leaf(march, part)) …
+//           if (march_cell(march, part)) …
 //
-// Inside a node the walk needs no memory: the node's masks stay in registers, and empty cells cost arithmetic alone. Loops
-// in loops keep the lanes of a SIMD device together: all of them step over empty cells until each has a leaf or has left
-// its node, then all shade, then all descend. lavapipe does not even branch around an `if` that no lane takes: a descent
-// or a sample inside the stepping would be paid at every empty cell. On the left a sample is paid once more for every node,
-// on the right a descent for every sample: that is for samples that cost more than a descent.
+// Inside a node the walk needs no memory: the node's masks stay in registers, and empty cells cost arithmetic alone. The
+// lanes of a SIMD device run the loops together, and lavapipe does not even branch around an `if` that no lane takes. So
+// which way is the fastest depends on what a sample costs. On the left no lane waits for another within a node, but a sample
+// is paid for at every empty cell, too: for samples that cost no more than a step. In the middle all lanes step over empty
+// cells until each has a leaf or has left its node; then all shade. On the right they also descend before they shade, so that
+// a descent is paid for with every sample: for samples that cost more than a descent.
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
 // exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter: one,
@@ -163,6 +165,26 @@ bool march_leaf(inout March ray, out MarchSegment segment) {
         if (march_wants(child & ~kLeafBit)) return true;
     }
     return false;
+}
+
+// Goes over one cell of the node, or over empty ones around it. True where that was a wanted leaf.
+bool march_cell(inout March ray, out MarchSegment segment) {
+    const uint bit = march_bit(ray);
+    const bool lives = node_lives(ray.node, bit);
+    const uint octant = (bit < 32u ? ray.node.live.x : ray.node.live.y) >> (bit & 24u) & 0xffu;
+    const int empty = !kCoalesce || octant != 0u ? 0 : ray.node.live == uvec2(0u) ? 2 : 1;
+    const uint child = lives ? march_child(node_child(ray.node, bit)) : 0u;
+    const bool leaf = (child & kLeafBit) != 0u;
+    if (lives && !leaf) {
+        ray.in_node = false;
+        return false;
+    }
+    segment.t_in = ray.t;
+    segment.shift = ray.shift + (!lives ? empty : node_wide(ray.node, bit) ? 1 : 0);
+    segment.t_out = march_step(ray, segment.shift);
+    if (!leaf || segment.t_out <= segment.t_in) return false;
+    ray.steps++;
+    return march_wants(child & ~kLeafBit);
 }
 
 // The ray's part in the next wanted leaf of the tree. False: there is none.

@@ -24,7 +24,7 @@ layout(push_constant) uniform Push { PaintPush push; };
 bool entry_of(uint leaf, out int first) {
     const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
     const uvec4 words = texelFetch(nodes, int(push.node_base + (cells.x >> 1u)));
-    const Node node = Node(words.xy, words.xy, words.z, words.w);
+    const Node node = make_node(words.xy, words.xy, words.z, words.w);
     const uint bit = 32u * (cells.x & 1u) + uint(findLSB(cells.y));
     first = int(node_child(node, bit) * sh_count(kHhDegree));
     return node_lives(node, bit);

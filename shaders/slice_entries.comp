@@ -37,7 +37,7 @@ void main() {
     const uint leaf = texelFetch(slot_leaf, int(slot)).x;
     const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
     const uvec4 words = texelFetch(nodes, int(push.node_base + (cells.x >> 1u)));
-    const Node node = Node(words.xy, words.xy, words.z, words.w);
+    const Node node = make_node(words.xy, words.xy, words.z, words.w);
     const uint bit = 32u * (cells.x & 1u) + uint(findLSB(cells.y));
     if (!node_lives(node, bit)) return;  // there was no room for the node's entries
     const uint entry = node_child(node, bit);

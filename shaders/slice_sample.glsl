@@ -14,7 +14,7 @@ void sample_begin(vec3 direction, uint view) { sh_y = sh_basis(direction); }
 
 Node march_node(uint node) {
     const uvec4 entry = texelFetch(tree_nodes, int(node));
-    return Node(texelFetch(node_live, int(node)).xy, entry.xy, entry.z, entry.w);
+    return make_node(texelFetch(node_live, int(node)).xy, entry.xy, entry.z, entry.w);
 }
 
 uint march_child(uint index) { return texelFetch(tree_children, int(index)).x; }

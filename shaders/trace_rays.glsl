@@ -1,8 +1,21 @@
 // Traces the rays of a tile of 8×8 pixels, front to back: main() of trace.comp, trace_tree.comp and direct.comp. These
-// differ in what a ray samples (slice_sample.glsl, tree_sample.glsl, direct_sample.glsl), and set kExpensive where a
-// sample costs more than a descent (march.glsl). One workgroup per tile, one thread per ray. The ray's premultiplied
+// differ in what a ray samples (slice_sample.glsl, tree_sample.glsl, direct_sample.glsl), and say by kSampleCost what a
+// sample costs, which decides how the walk loops (march.glsl). One workgroup per tile, one thread per ray. The ray's premultiplied
 // linear RGB, alpha and depth are stored by store_ray.glsl or store_instance.glsl, which the includer includes after
 // composite.glsl and ray.glsl.
+
+const uint kLessThanStep = 0u, kLessThanDescent = 1u, kMoreThanDescent = 2u;
+
+// Goes on within the node, or with kMoreThanDescent within the tree. Returns false where nothing is left there.
+bool march_on(inout March march, out MarchSegment part, out bool found) {
+    if (kSampleCost == kLessThanStep) {
+        const bool in_node = march.in_node;
+        found = in_node && march_cell(march, part);
+        return in_node;
+    }
+    found = kSampleCost == kLessThanDescent ? march_leaf(march, part) : march_next(march, part);
+    return found;
+}
 
 void main() {
     if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
@@ -12,8 +25,10 @@ void main() {
     March march = march_begin((ray.origin - push.box_min.xyz) / push.box_size.xyz, ray.direction / push.box_size.xyz,
                               is_hidden(ray) ? vec2(kFar, 0.0) : ray.range);
     MarchSegment part;
+    bool found;
     while (sum.transmittance >= push.box_min.w && march_enter(march))
-        while (sum.transmittance >= push.box_min.w && (kExpensive ? march_next(march, part) : march_leaf(march, part))) {
+        while (sum.transmittance >= push.box_min.w && march_on(march, part, found)) {
+            if (!found) continue;
             const vec3 colour = sample_colour();
             sigma *= push.density;
             const float before = sum.transmittance;

@@ -19,7 +19,7 @@ void sample_begin(vec3 direction, uint view) {
 
 Node march_node(uint node) {
     const uvec4 words = texelFetch(nodes, int(push.node_base + node));
-    return Node(words.xy, words.xy, words.z, words.w);
+    return make_node(words.xy, words.xy, words.z, words.w);
 }
 
 uint march_child(uint index) {
