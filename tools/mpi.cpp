@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <exception>
 #include <memory>
 
@@ -141,6 +142,7 @@ void World::gather_piece(std::span<const uint8_t> own, uint64_t begin, uint64_t 
 
 std::vector<training::Bytes> World::exchange(const std::vector<training::Bytes>& to) const {
     // By sender and receiver: every rank must know the longest message, which says how many calls there are.
+    assert(to.size() == size());
     const std::vector<uint64_t> own = sizes_of(to);
     std::vector<uint64_t> sizes(size_t{size()} * size());
     const int row = static_cast<int>(sizeof(uint64_t)) * size_;

@@ -91,12 +91,14 @@ void expect_room(uint64_t capacity, uint64_t records) {
 }
 
 uint32_t take_sums(const std::vector<Bytes>& of_members, uint32_t leaves, uint32_t words, std::span<uint32_t> room) {
+    uint64_t bytes = 0;
+    for (const Bytes& sums : of_members) bytes += sums.size();
+    expect_room(room.size() / words, bytes / (sizeof(uint32_t) * words));
     size_t taken = 0;
     for (size_t member = 0; member < of_members.size(); member++) {
         const std::span<const uint32_t> sums = records_of(of_members[member], words);
         for (size_t at = 0; at < sums.size(); at += words)
             if (sums[at] >= leaves || sums[at] % of_members.size() != member) throw_out_of_step();
-        expect_room(room.size() / words, (taken + sums.size()) / words);
         std::copy(sums.begin(), sums.end(), room.begin() + static_cast<ptrdiff_t>(taken));
         taken += sums.size();
     }

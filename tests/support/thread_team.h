@@ -1,5 +1,5 @@
-// A training::Team whose members are threads of the test. They take turns: one runs until it gathers, then the next, so
-// that all can use the one Device that a process can have.
+// A training::Team whose members are threads of the test. They take turns: one runs until it gathers or exchanges, then
+// the next, so that all can use the one Device that a process can have.
 #pragma once
 
 #include <condition_variable>
@@ -19,7 +19,7 @@ class ThreadTeam {
     explicit ThreadTeam(uint32_t size) : said_(size), gathered_(size), ended_(size) {}
 
     // Calls `member` once for each member, and returns when all have returned. Where one throws, or ends while others
-    // still gather, all end, and this throws the first exception.
+    // still wait for it, all end, and this throws the first exception.
     void run(const std::function<void(const training::Team&)>& member) {
         std::vector<std::thread> threads;
         for (uint32_t rank = 0; rank < said_.size(); rank++)

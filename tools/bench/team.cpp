@@ -2,6 +2,7 @@
 // them computes here, one after the other.
 #include <fmt/format.h>
 
+#include <bit>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -55,6 +56,10 @@ struct StandIn {
     }
     bool is_result_ = true;
 };
+
+// Collective calls of a step: agreeing to go on, results, exchanging records and gathering sums, each with a call for
+// the sizes before it.
+constexpr uint32_t kCallsAStep = 8;
 
 // A step of a team, in milliseconds.
 struct Cost {
@@ -112,8 +117,10 @@ struct Bench {
         return median(ms);
     }
 
+    // Of so many collective calls, each of which takes as many rounds of messages as halves leave one member.
     double network_ms(double bytes, uint32_t calls, uint32_t members) const {
-        return 1000 * (bytes / (1e9 * options.gigabytes_per_s) + 1e-6 * options.latency_us * calls * (members - 1));
+        const uint32_t rounds = calls * static_cast<uint32_t>(std::bit_width(members - 1));
+        return 1000 * (bytes / (1e9 * options.gigabytes_per_s) + 1e-6 * options.latency_us * rounds);
     }
 
     TeamStep alone() const;
@@ -184,14 +191,15 @@ void Bench::cost_of_shares(StandIn& stand_in, const std::vector<Bytes>& records,
     result.shared.host += host_ms([&] { training::take_sums(stand_in.sums, tree.leaf_count, words, room); });
     const double of_others = (members - 1.0) / members * (bytes + 4 * words * result.touched);
     result.megabytes = 1e-6 * of_others;
-    result.shared.network = network_ms(of_others, 2, members);
+    result.shared.network = network_ms(of_others, kCallsAStep, members);
 }
 
 // Each member gets the records of all others and adds up everything.
 void Bench::cost_of_everything(const std::vector<Bytes>& records, TeamStep& result) const {
     training::RecordSum adder(tree.leaf_count, words);
     result.everything.host = host_ms([&] { adder.add_up(records); });
-    result.everything.network = network_ms(4 * words * result.touched * (result.members - 1), 1, result.members);
+    result.everything.network =
+        network_ms(4 * words * result.touched * (result.members - 1), kCallsAStep - 2, result.members);
 }
 
 // How many times as many rays a second as one process has.
@@ -259,7 +267,8 @@ void add_team(tools::Command app, const tools::CommonOptions& common) {
                   "are computed on this\n"
                   "device, one after the other, with the rays of a real batch: passes of the device, and the sums of "
                   "gradients on the\n"
-                  "host. The network is a bandwidth and a latency that you give. Beside it stands what it would take "
+                  "host. The network is a bandwidth and a latency that you give; copies that MPI makes are left out. "
+                  "Beside it stands what it would take "
                   "if each member\n"
                   "added up the gradients of all. Weights stay as they are. ",
                   {"build/performer.nvv build/performer --members 2,8,64"}},
