@@ -18,7 +18,7 @@ layout(constant_id = 4) const uint kBusyPlanes = 8u;
 layout(constant_id = 5) const bool kRestart = false;
 layout(constant_id = 6) const uint kRayOutput = kOutputRay;
 const bool kFromRoot = kRestart, kCoalesce = true;
-const uint kSampleCost = 2u;  // kMoreThanDescent
+const uint kSampleCost = kSampleAboveDescent;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;

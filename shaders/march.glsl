@@ -5,12 +5,12 @@
 //       while (march.in_node)                 while (march_leaf(march, part)) …
 //           if (march_cell(march, part)) …
 //
-// Inside a node the walk needs no memory: the node's masks stay in registers, and empty cells cost arithmetic alone. The
-// lanes of a SIMD device run the loops together, and lavapipe does not even branch around an `if` that no lane takes. So
-// which way is the fastest depends on what a sample costs. On the left no lane waits for another within a node, but a sample
-// is paid for at every empty cell, too: for samples that cost no more than a step. In the middle all lanes step over empty
-// cells until each has a leaf or has left its node; then all shade. On the right they also descend before they shade, so that
-// a descent is paid for with every sample: for samples that cost more than a descent.
+// Inside a node the masks stay in registers, so that an empty cell alone costs arithmetic alone. The lanes of a SIMD
+// device run the loops together, and lavapipe does not even branch around an `if` that no lane takes. So which way is
+// the fastest depends on what a sample costs. On the left no lane waits for another within a node, but a sample is paid
+// for at every empty cell: for samples that cost no more than a step. In the middle all lanes step over empty cells
+// until each has a leaf or has left its node; then all sample. On the right they also go on to the next node before
+// they sample, so that a descent is paid for with every sample: for samples that cost more than a descent.
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
 // exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter: one,
@@ -139,14 +139,18 @@ float march_step(inout March ray, int shift) {
     return t_out;
 }
 
+// log2 of the side of what is empty around an empty cell, in cells: perhaps the whole octant is, or the whole node.
+int march_empty(March ray, uint bit) {
+    const uint octant = (bit < 32u ? ray.node.live.x : ray.node.live.y) >> (bit & 24u) & 0xffu;
+    return !kCoalesce || octant != 0u ? 0 : ray.node.live == uvec2(0u) ? 2 : 1;
+}
+
 // Goes on to the next live cell of the node, or stays in one. False: it has left the node.
 bool march_find(inout March ray, out uint bit) {
     while (ray.in_node) {
         bit = march_bit(ray);
         if (node_lives(ray.node, bit)) return true;
-        // Perhaps the whole octant is empty, or the whole node.
-        const uint octant = (bit < 32u ? ray.node.live.x : ray.node.live.y) >> (bit & 24u) & 0xffu;
-        march_step(ray, ray.shift + (!kCoalesce || octant != 0u ? 0 : ray.node.live == uvec2(0u) ? 2 : 1));
+        march_step(ray, ray.shift + march_empty(ray, bit));
     }
     return false;
 }
@@ -171,8 +175,6 @@ bool march_leaf(inout March ray, out MarchSegment segment) {
 bool march_cell(inout March ray, out MarchSegment segment) {
     const uint bit = march_bit(ray);
     const bool lives = node_lives(ray.node, bit);
-    const uint octant = (bit < 32u ? ray.node.live.x : ray.node.live.y) >> (bit & 24u) & 0xffu;
-    const int empty = !kCoalesce || octant != 0u ? 0 : ray.node.live == uvec2(0u) ? 2 : 1;
     const uint child = lives ? march_child(node_child(ray.node, bit)) : 0u;
     const bool leaf = (child & kLeafBit) != 0u;
     if (lives && !leaf) {
@@ -180,7 +182,7 @@ bool march_cell(inout March ray, out MarchSegment segment) {
         return false;
     }
     segment.t_in = ray.t;
-    segment.shift = ray.shift + (!lives ? empty : node_wide(ray.node, bit) ? 1 : 0);
+    segment.shift = ray.shift + (!lives ? march_empty(ray, bit) : node_wide(ray.node, bit) ? 1 : 0);
     segment.t_out = march_step(ray, segment.shift);
     if (!leaf || segment.t_out <= segment.t_in) return false;
     ray.steps++;

@@ -68,7 +68,8 @@ void main() {
     const uvec2 parent = texelFetch(node_cells, int(node)).xy;
     atomicOr(node_live[parent.x], parent.y);
     const uvec2 inner = live & texelFetch(inner_cells, int(node)).xy;
-    const Node in_tree = make_node(live, words.xy, words.z, words.w), in_slice = make_node(live, live, first_entry, words.w);
+    const Node in_tree = make_node(live, words.xy, words.z, words.w);
+    const Node in_slice = make_node(live, live, first_entry, words.w);
     store_child_nodes(in_tree, in_slice, 0u, inner.x);
     store_child_nodes(in_tree, in_slice, 1u, inner.y);
 }

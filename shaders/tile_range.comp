@@ -1,9 +1,9 @@
 // Tile range: the smallest and largest distance of an instance in each tile that it may cover. The box around the live
 // leaves of each node is projected onto tiles. Rays start at the smallest distance of their tile and end at the
 // largest; a tile that no box covers has no rays.
-// Reads nodes, down to a level whose nodes look smaller than a tile; updates two words of each covered tile by atomic
-// minima. One thread per node, for all views. Bound by arithmetic, about 300 operations per live node and view, and,
-// where the eye is near, by atomics, two for each covered tile.
+// Reads nodes, down to a level whose nodes look smaller than a tile; reads two words of each covered tile, and updates
+// those that change by atomic minima. One thread per node, for all views. Bound by arithmetic, about 150 operations per
+// live node and view, and, where the eye is near, by these reads.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/slice_tree.h"
@@ -68,7 +68,8 @@ void store_range(uint v, Box performer_box) {
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
             const uint at = 2u * ((v * push.tiles_down + uint(y)) * push.tiles_across + uint(x));
-            // Most boxes change nothing, and a read costs less than an atomic.
+            // Most boxes change nothing, and a read costs less than an atomic. Words only fall, so one that was read too
+            // early costs an atomic, and nothing else.
             if (tile_ranges[at] > floatBitsToUint(near)) atomicMin(tile_ranges[at], floatBitsToUint(near));
             if (tile_ranges[at + 1u] > ~floatBitsToUint(far)) atomicMin(tile_ranges[at + 1u], ~floatBitsToUint(far));
         }

@@ -10,7 +10,7 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 const bool kRestart = false, kFromRoot = false, kCoalesce = true;
-const uint kSampleCost = 1u;  // kLessThanDescent
+const uint kSampleCost = kSampleBelowDescent;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
 layout(binding = kTraceChildren) uniform utextureBuffer tree_children;

@@ -1,19 +1,18 @@
 // Traces the rays of a tile of 8×8 pixels, front to back: main() of trace.comp, trace_tree.comp and direct.comp. These
 // differ in what a ray samples (slice_sample.glsl, tree_sample.glsl, direct_sample.glsl), and say by kSampleCost what a
-// sample costs, which decides how the walk loops (march.glsl). One workgroup per tile, one thread per ray. The ray's premultiplied
-// linear RGB, alpha and depth are stored by store_ray.glsl or store_instance.glsl, which the includer includes after
-// composite.glsl and ray.glsl.
+// sample costs (shared/trace.h). One workgroup per tile, one thread per ray. The ray's premultiplied linear RGB, alpha
+// and depth are stored by store_ray.glsl or store_instance.glsl, which the includer includes after composite.glsl and
+// ray.glsl.
 
-const uint kLessThanStep = 0u, kLessThanDescent = 1u, kMoreThanDescent = 2u;
-
-// Goes on within the node, or with kMoreThanDescent within the tree. Returns false where nothing is left there.
+// Goes on within the node, or with kSampleAboveDescent within the tree. Returns false where nothing is left there.
+// `found`: whether it came to a leaf to sample.
 bool march_on(inout March march, out MarchSegment part, out bool found) {
-    if (kSampleCost == kLessThanStep) {
+    if (kSampleCost == kSampleLikeStep) {
         const bool in_node = march.in_node;
         found = in_node && march_cell(march, part);
         return in_node;
     }
-    found = kSampleCost == kLessThanDescent ? march_leaf(march, part) : march_next(march, part);
+    found = kSampleCost == kSampleBelowDescent ? march_leaf(march, part) : march_next(march, part);
     return found;
 }
 

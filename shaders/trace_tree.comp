@@ -17,7 +17,7 @@ layout(constant_id = 5) const bool kFromRoot = false;
 layout(constant_id = 6) const bool kCoalesce = true;
 layout(constant_id = 7) const uint kRayOutput = kOutputLayer;
 layout(constant_id = 8) const bool kColourless = false;
-const uint kSampleCost = 0u;  // kLessThanStep
+const uint kSampleCost = kShaded || kColourless ? kSampleLikeStep : kSampleBelowDescent;
 layout(binding = kTraceTop) uniform utextureBuffer tree_top;
 layout(binding = kTraceNodes) uniform utextureBuffer nodes;
 layout(binding = kTraceEntries) uniform utextureBuffer entries;

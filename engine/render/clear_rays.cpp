@@ -27,7 +27,7 @@ void record_clear_rays(gpu::Commands& commands, RayClearer& clearer) {
         return;
     }
     const gpu::PassScope scope(commands, "clear");
-    record_empty_list(commands, clearer.target.ranges);
+    record_empty_list(commands, clearer.target.ranges.list, clearer.target.ranges.count, rays.tile_capacity);
     gpu::dispatch(commands, clearer.list, clearer.list_set, rays.tile_capacity, CoveredListPush{rays.tile_capacity});
     gpu::compute_barrier(commands);
     gpu::dispatch_indirect(commands, clearer.clear, clearer.clear_set, clearer.target.ranges.count, 0, nullptr, 0);

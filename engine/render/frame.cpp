@@ -25,7 +25,8 @@ void FrameRenderer::record_readback() {
 // and rays end at the set. Without a set, only the tiles of the image that an instance may cover are resolved, and
 // those that the last frame's instances may have covered; elsewhere the image stays as it is.
 void FrameRenderer::record_playing(const FrameSettings& settings) {
-    // nothing → image_ (where the layout or the resolve settings are not those of the last image)
+    // Where the layout or the resolve settings are not those of the last image: ranges.covered, rays.cameras →
+    // rays.radiance, rays.depth, ranges.covered, ranges.image_shown, image_
     if (!set_) record_blank(settings);
     // Field weights, bases and nodes, Paint → SliceTrees nodes, entries, entry_leaf, counts
     for (const auto& performer : performers_)

@@ -17,9 +17,7 @@ ImageLister::ImageLister(const gpu::Device& device, const RayBatch& rays, const 
 
 void record_image_list(gpu::Commands& commands, const ImageLister& lister, const ViewLayout& layout) {
     const gpu::PassScope scope(commands, "image list");
-    gpu::fill(commands, lister.ranges.image_list, kNoTile);
-    gpu::update(commands, lister.ranges.image_count, LiveCount{0, 1, 1, 0, 0});
-    gpu::compute_barrier(commands);
+    record_empty_list(commands, lister.ranges.image_list, lister.ranges.image_count, layout.image_tiles());
     const ImageListPush push{layout.views,
                              layout.tiles_across(),
                              layout.tiles_down(),

@@ -1,4 +1,4 @@
-// LabImage list: the tiles of the images that rays with an instance before them add to.
+// Image list: the tiles of the images that rays with an instance before them add to, or did in the last frame.
 #pragma once
 
 #include "render/tile_range.h"
@@ -13,8 +13,9 @@ struct ImageLister {
     gpu::BindingSet set;
 };
 
-// Lists the tiles of the images that are to be resolved or upscaled, in TileRanges::image_list and image_count. To be
-// recorded after the last instance of a frame.
+// Lists the tiles of the images that are to be resolved or upscaled, in TileRanges::image_list and image_count, and
+// marks in image_shown those to which rays with an instance before them add. To be recorded once a frame, after its
+// last instance.
 void record_image_list(gpu::Commands& commands, const ImageLister& lister, const ViewLayout& layout);
 
 }  // namespace neuvv::render

@@ -102,9 +102,9 @@ void record_clear_coverage(gpu::Commands& commands, const TileRanges& ranges) {
     gpu::compute_barrier(commands);
 }
 
-void record_empty_list(gpu::Commands& commands, const TileRanges& ranges) {
-    gpu::fill(commands, ranges.list, kNoTile);
-    gpu::update(commands, ranges.count, LiveCount{0, 1, 1, 0, 0});
+void record_empty_list(gpu::Commands& commands, const gpu::Buffer& list, const gpu::Buffer& count, uint32_t tiles) {
+    gpu::fill(commands, list, kNoTile, list_bytes(tiles));
+    gpu::update(commands, count, LiveCount{0, 1, 1, 0, 0});
     gpu::compute_barrier(commands);
 }
 
@@ -128,7 +128,7 @@ void record_tile_ranges(gpu::Commands& commands, const TileRanger& ranger, uint3
                              layout.tiles_down(),
                              counted ? 1u : 0u};
     gpu::fill(commands, ranger.ranges.ranges, 0xffffffff, uint64_t{8} * layout.ray_tiles());
-    record_empty_list(commands, ranger.ranges);
+    record_empty_list(commands, ranger.ranges.list, ranger.ranges.count, layout.ray_tiles());
     gpu::dispatch(commands, ranger.range, ranger.range_set, push.nodes, push);
     gpu::compute_barrier(commands);
     gpu::dispatch(commands, ranger.list, ranger.list_set, layout.ray_tiles(), push);

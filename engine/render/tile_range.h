@@ -19,8 +19,8 @@ struct TileRanges {
     gpu::Buffer count;    // LiveCount of the list
     gpu::Buffer covered;  // per tile of rays: whether any instance of the frame may cover it
     gpu::Buffer sharing;  // per tile of rays: how many instances of a group may cover it
-    // List and count of the image tiles to which such rays contribute, or did in the last frame; per image tile:
-    // whether they do.
+    // List and count of the image tiles to which such rays contribute, or did in the last frame; per image tile,
+    // whether such rays do.
     gpu::Buffer image_list, image_count, image_shown;
 };
 
@@ -49,8 +49,8 @@ struct TileRanger {
 
 // No tile is covered. Frames do the same by record_clear_rays.
 void record_clear_coverage(gpu::Commands& commands, const TileRanges& ranges);
-// Empties `list`.
-void record_empty_list(gpu::Commands& commands, const TileRanges& ranges);
+// Empties a list of tiles, to which a pass will add up to `tiles` of them, and its count.
+void record_empty_list(gpu::Commands& commands, const gpu::Buffer& list, const gpu::Buffer& count, uint32_t tiles);
 
 // Computes the tile ranges of an instance. `first_view` is the index of its first RangeView. Nodes of levels finer than
 // `level` (range_level) are not projected; their ancestors of that level stand for them. `slice` is ignored where the

@@ -80,8 +80,8 @@ CONSTEXPR uint kRangeViews = 3u;      // a RangeView each
 CONSTEXPR uint kRangeTiles = 4u;  // per tile: bits of the smallest distance, and the complement of those of the largest
 CONSTEXPR uint kRangeList = 5u;   // tiles of rays that the instance may cover, then kNoTile
 CONSTEXPR uint kRangeCount = 6u;  // a LiveCount of the list
-CONSTEXPR uint kRangeSharing = 9u;  // per tile of rays: how many instances of a group may cover it
 CONSTEXPR uint kRangeCovered = 7u;  // per tile of rays: whether any instance of the frame may cover it
+CONSTEXPR uint kRangeSharing = 8u;  // per tile of rays: how many instances of a group may cover it
 
 CONSTEXPR uint kListRow = 32768u;  // workgroups in a row of the dispatch over the list
 

@@ -47,6 +47,11 @@ CONSTEXPR uint kOutputLayerByDepth = 2u;  // it is blended over or under what is
 CONSTEXPR uint kOutputSegments = 3u;      // its segments are stored for merge.comp
 CONSTEXPR uint kOutputInspect = 4u;       // statistics of the walk are stored instead of light (shared/inspect.h)
 
+// What a sample costs, by which march.glsl says how a walk loops
+CONSTEXPR uint kSampleLikeStep = 0u;      // no more than a step over an empty cell
+CONSTEXPR uint kSampleBelowDescent = 1u;  // more than that, but less than a descent to the next node
+CONSTEXPR uint kSampleAboveDescent = 2u;
+
 // The positions of rays along one axis of the image; their density differs before, inside and beyond an inset
 // (grid.glsl).
 struct GridAxis {

@@ -303,7 +303,7 @@ TEST_F(FrameTest, ShadedPicturesAreThoseByRay) {
     }
 }
 
-// A slice tree and the blank image are reused for the next image only where they are the same.
+// A slice tree and the background are kept for the next image only where they are the same.
 TEST_F(FrameTest, AnotherFrameBackgroundOrSizeIsAnotherPicture) {
     const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
@@ -335,24 +335,39 @@ TEST_F(FrameTest, NothingOfTheLastImageStays) {
     const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const stage::Camera first = views(tree)[0].camera, second = views(tree)[1].camera;
+    const std::vector<render::Instance> one{{0}};
+    std::vector<render::Instance> merged{{0}, {0}};
+    merged[1].world_from_performer[3] = {0.3f, 0.1f, 0, 1};
     struct Step {
-        stage::Camera camera;
-        bool visible = true;
+        std::vector<stage::Camera> cameras;
+        std::vector<render::Instance> instances;
         render::Show show = render::Show::kColour;
         double scale = 1;
+        std::vector<render::Fovea> foveae = {};
     };
-    render::FrameRenderer cached(device(), field, {kWidth, kHeight});
-    for (const Step& step :
-         {Step{first}, Step{second}, Step{second, false}, Step{first}, Step{first, false},
-          Step{first, true, render::Show::kLevel}, Step{second}, Step{second, true, render::Show::kColour, 0.5},
-          Step{first, true, render::Show::kColour, 0.7}, Step{second}}) {
-        render::FrameSettings settings{.width = kWidth, .height = kHeight};
-        if (!step.visible) settings.instances.clear();
-        settings.resolve.show = step.show;
-        settings.scale = step.scale;
-        render::FrameRenderer fresh(device(), field, {kWidth, kHeight});
-        EXPECT_EQ(cached.render(step.camera, settings).rgba, fresh.render(step.camera, settings).rgba);
-        EXPECT_EQ(cached.radiance(), fresh.radiance());
+    const auto colour = render::Show::kColour;
+    const std::vector<Step> steps{{{first}, one},         {{second}, one},
+                                  {{second}, {}},         {{first}, merged},
+                                  {{first}, {}},          {{first}, one, render::Show::kLevel},
+                                  {{second}, one},        {{second}, merged, colour, 0.5},
+                                  {{first, second}, one}, {{first}, one, colour, 0.7, {{{0.3, 0.3}, {0.7, 0.7}, 0.5}}},
+                                  {{second}, one}};
+    const render::FrameCapacity capacity{.width = kWidth, .height = kHeight, .views = 2};
+    render::FrameRenderer cached(device(), {&field}, capacity);
+    for (size_t i = 0; i < steps.size(); i++) {
+        render::FrameSettings settings{.instances = steps[i].instances, .width = kWidth, .height = kHeight};
+        settings.resolve.show = steps[i].show;
+        settings.scale = steps[i].scale;
+        settings.foveae = steps[i].foveae;
+        render::FrameRenderer fresh(device(), {&field}, capacity);
+        const auto drawn = [&](render::FrameRenderer& renderer) {
+            const gpu::Buffer& image = renderer.draw(steps[i].cameras, settings);
+            std::vector<uint32_t> pixels(steps[i].cameras.size() * kWidth * kHeight);
+            gpu::download(device(), image, pixels.data(), pixels.size() * sizeof(uint32_t));
+            return pixels;
+        };
+        EXPECT_EQ(drawn(cached), drawn(fresh)) << "step " << i;
+        EXPECT_EQ(cached.radiance(), fresh.radiance()) << "step " << i;
     }
 }
 

@@ -309,6 +309,32 @@ TEST_F(SetFrameTest, TheSetShadowsPerformers) {
     EXPECT_EQ(shadowed[row + kWidth / 2 + 5].g, lit[row + kWidth / 2 + 5].g) << "beside it";
 }
 
+// Shadow maps are cleared only where the last frame's performers may have been.
+TEST_F(SetFrameTest, NothingOfTheLastShadowStays) {
+    const voctree::VOctree tree = cube(1.2f);
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    GlbBuilder glb;
+    add_mesh(glb, floor_mesh(), pbr_material({0.8f, 0.8f, 0.8f, 1}, 0, 1));
+    const render::SetLight lights[] = {lamp({0.5, 4, 0.4}, {0, 0, 0}, 100), lamp({-2, 4, 1}, {0, 0, 0}, 60)};
+    const stage::Camera camera = look_at({0, 5, 0.01}, {0, 0, 0}, kWidth, kHeight, 1.2);
+    const auto drawn = [&](OnSet& stage, float x, size_t count) {
+        stage.set.light(std::span(lights).first(count), {}, {true, true});
+        render::FrameSettings settings = settings_of({{0}});
+        settings.instances[0].world_from_performer[3] = {x, 0.8f, 0, 1};
+        stage.frames.render(camera, settings);
+        return download_colours(device(), stage.set.colour);
+    };
+    OnSet reused(device(), glb, {&field}, {kWidth, kHeight});
+    std::vector<glm::dvec4> last;
+    for (const auto& [x, count] : {std::pair(-0.8f, size_t{1}), {0.8f, 1}, {0.8f, 2}, {-0.4f, 2}, {0.4f, 1}}) {
+        OnSet fresh(device(), glb, {&field}, {kWidth, kHeight});
+        const std::vector<glm::dvec4> colours = drawn(reused, x, count);
+        EXPECT_EQ(colours, drawn(fresh, x, count));
+        EXPECT_NE(colours, last);
+        last = colours;
+    }
+}
+
 // The shadow of a lit cube falls on another cube behind it; the cube nearer to the lamp stays lit.
 TEST_F(SetFrameTest, PerformersShadowEachOther) {
     const voctree::VOctree tree = cube(400, 3);  // a sample's depth is its leaf's middle

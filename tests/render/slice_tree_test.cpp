@@ -85,7 +85,6 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
     const render::LiveLeaves live(device(), field, field.leaf_count);
     const render::SliceTrees sliced(device(), field, render::max_entries(field), 1);
     const render::TreeSlicer slicer(device(), field, live, sliced);
-    const render::RayBatch rays(device(), 1, kAcross * kDown);
     const render::TileRanges ranges(device(), kAcross * kDown, kAcross * kDown, 1);
     const render::TileRanger ranger(device(), field, &sliced, ranges);
     const glm::dvec3 low(tree.box_min), size(tree.box_size);
@@ -107,7 +106,6 @@ TEST_F(SliceTreeTest, TileRangesHoldWhatTheirRaysMeetAndLittleMore) {
           View{look({0.5, 0.52, 0.98}, {0.5, 0.5, 0.3}, 0.7), false, 2},
           View{look({0.5, 0.5, 1.2}, {0.5, 0.6, 3}, 2), false, 2}, coarse, whole}) {
         gpu::run_once(device(), "ranges", [&, level = level, &camera = camera](gpu::Commands& commands) {
-            *rays.cameras.as<ShaderCamera>() = render::shader_camera(camera);
             *ranges.views.as<RangeView>() = render::range_view(render::shader_camera(camera));
             render::record_slice_tree(commands, slicer, 0, 1);
             render::record_clear_coverage(commands, ranges);

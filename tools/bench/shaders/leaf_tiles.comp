@@ -8,25 +8,23 @@
 layout(local_size_x = kSortGroup) in;
 layout(constant_id = 0) const uint kNodeLevels = 4u;
 layout(binding = kLeafTilesKeys) uniform utextureBuffer keys;
-layout(binding = kLeafTilesCount, std430) readonly buffer Count { LiveCount count; };
+layout(binding = kLeafTilesCount, std430) readonly buffer Pairs { LiveCount pair_count; };
 layout(binding = kLeafTilesOut, std430) writeonly buffer TilePairs { uint tile_pairs[]; };
-layout(binding = kLeafTilesList, r32ui) writeonly uniform uimageBuffer tile_list;
-layout(binding = kLeafTilesListed, std430) buffer Listed { LiveCount listed; };
+layout(binding = kLeafTilesList, r32ui) writeonly uniform uimageBuffer list;
+layout(binding = kLeafTilesListed, std430) buffer Listed { LiveCount count; };
 layout(push_constant) uniform Push { LeafTilesPush push; };
+#include "append_tile.glsl"
 #include "leaf_key.glsl"
 
 uint tile_at(uint pair) { return pair_tile(texelFetch(keys, int(pair)).xy); }
 
 void begin_tile(uint tile, uint pair) {
     tile_pairs[2u * tile] = pair;
-    const uint at = atomicAdd(listed.slots, 1u);
-    imageStore(tile_list, int(at), uvec4(tile));
-    atomicMax(listed.groups_x, min(at + 1u, kListRow));
-    atomicMax(listed.groups_y, at / kListRow + 1u);
+    append_tile(tile);
 }
 
 void main() {
-    const uint pairs = min(count.slots, push.capacity), end = min((gl_WorkGroupID.x + 1u) * kSortBlock, pairs);
+    const uint pairs = min(pair_count.slots, push.capacity), end = min((gl_WorkGroupID.x + 1u) * kSortBlock, pairs);
     for (uint at = gl_WorkGroupID.x * kSortBlock + gl_LocalInvocationID.x; at < end; at += kSortGroup) {
         const uint tile = tile_at(at);
         if (at == 0u || tile_at(at - 1u) != tile) begin_tile(tile, at);
