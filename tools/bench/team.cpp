@@ -268,9 +268,8 @@ void add_team(tools::Command app, const tools::CommonOptions& common) {
                   "device, one after the other, with the rays of a real batch: passes of the device, and the sums of "
                   "gradients on the\n"
                   "host. The network is a bandwidth and a latency that you give; copies that MPI makes are left out. "
-                  "Beside it stands what it would take "
-                  "if each member\n"
-                  "added up the gradients of all. Weights stay as they are. ",
+                  "Beside it stands\n"
+                  "what it would take if each member added up the gradients of all. Weights stay as they are. ",
                   {"build/performer.nvv build/performer --members 2,8,64"}},
                  run);
     verb.add_option("dataset", options.dataset, "The data set's folder").required();
