@@ -81,7 +81,6 @@ void on_stop_signal(int signal) {
 void write_file_atomically(const std::filesystem::path& named, const std::function<void(const ByteSink&)>& write) {
     const std::filesystem::path path = link_target(named);
     if (!is_replaceable(path)) throw RuntimeFailure(fmt::format("{}: is no regular file to write to", named.string()));
-    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     const std::filesystem::path temporary = path.string() + fmt::format(".tmp{}", getpid());
     try {
         FileDescriptor file(open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
@@ -96,12 +95,20 @@ void write_file_atomically(const std::filesystem::path& named, const std::functi
                 bytes -= static_cast<size_t>(written);
             }
         });
-        if (fsync(file.fd) != 0) fail_write(temporary, "sync");
-        if (rename(temporary.c_str(), path.c_str()) != 0) fail_write(path, "replace");
+        replace_file(path, temporary);
     } catch (...) {
         unlink(temporary.c_str());
         throw;
     }
+}
+
+void replace_file(const std::filesystem::path& path, const std::filesystem::path& finished) {
+    {
+        const FileDescriptor file(open(finished.c_str(), O_RDONLY | O_CLOEXEC));
+        if (file.fd < 0 || fsync(file.fd) != 0) fail_write(finished, "sync");
+    }
+    if (rename(finished.c_str(), path.c_str()) != 0) fail_write(path, "replace");
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     const FileDescriptor directory(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (directory.fd >= 0) fsync(directory.fd);  // best effort: some file systems refuse to sync folders
 }

@@ -20,6 +20,9 @@ namespace neuvv {
 // RuntimeFailure with the path where that cannot be replaced.
 using ByteSink = std::function<void(const void* data, size_t bytes)>;
 void write_file_atomically(const std::filesystem::path& path, const std::function<void(const ByteSink&)>& write);
+// The last part of that, where a library wrote the file: `finished`, on the same file system, is synced and becomes
+// `path`. Throws RuntimeFailure with the path.
+void replace_file(const std::filesystem::path& path, const std::filesystem::path& finished);
 
 // The path to which a file with this path would be written: the target of a link, whether that exists or not, else the
 // path itself.

@@ -122,9 +122,7 @@ void JoinedVideo::append(const Part& part) {
 void JoinedVideo::finish() {
     check(av_write_trailer(output_.get()), "complete the file");
     check(avio_closep(&output_->pb), "close the file");
-    std::error_code error;
-    std::filesystem::rename(temporary_, path_, error);
-    if (error) throw RuntimeFailure(fmt::format("{}: cannot replace: {}", path_.string(), error.message()));
+    replace_file(path_, temporary_);
     temporary_.clear();
 }
 

@@ -203,9 +203,7 @@ void VideoWriter::finish() {
     state.encode(nullptr);
     state.check(av_write_trailer(state.output.get()), "complete the file");
     state.check(avio_closep(&state.output->pb), "close the file");
-    std::error_code error;
-    std::filesystem::rename(state.temporary, state.path, error);
-    if (error) throw RuntimeFailure(fmt::format("{}: cannot replace: {}", state.path.string(), error.message()));
+    replace_file(state.path, state.temporary);
     state.temporary.clear();
 }
 
