@@ -5,7 +5,7 @@
 //       while (march.in_node)                 while (march_leaf(march, part)) …
 //           if (march_cell(march, part)) …
 //
-// Inside a node the masks stay in registers, so that an empty cell alone costs arithmetic alone. The lanes of a SIMD
+// Inside a node the masks stay in registers, so that a step over an empty cell is arithmetic. The lanes of a SIMD
 // device run the loops together, and lavapipe does not even branch around an `if` that no lane takes. So which way is
 // the fastest depends on what a sample costs. On the left no lane waits for another within a node, but a sample is paid
 // for at every empty cell: for samples that cost no more than a step. In the middle all lanes step over empty cells
@@ -175,6 +175,7 @@ bool march_leaf(inout March ray, out MarchSegment segment) {
 bool march_cell(inout March ray, out MarchSegment segment) {
     const uint bit = march_bit(ray);
     const bool lives = node_lives(ray.node, bit);
+    const int empty = march_empty(ray, bit);  // by all lanes, as a branch here was slower
     const uint child = lives ? march_child(node_child(ray.node, bit)) : 0u;
     const bool leaf = (child & kLeafBit) != 0u;
     if (lives && !leaf) {
@@ -182,7 +183,7 @@ bool march_cell(inout March ray, out MarchSegment segment) {
         return false;
     }
     segment.t_in = ray.t;
-    segment.shift = ray.shift + (!lives ? march_empty(ray, bit) : node_wide(ray.node, bit) ? 1 : 0);
+    segment.shift = ray.shift + (!lives ? empty : node_wide(ray.node, bit) ? 1 : 0);
     segment.t_out = march_step(ray, segment.shift);
     if (!leaf || segment.t_out <= segment.t_in) return false;
     ray.steps++;
