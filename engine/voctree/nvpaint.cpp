@@ -114,4 +114,25 @@ EditLayer read_paint(const std::filesystem::path& path, const PaintedField& fiel
     return layer;
 }
 
+std::filesystem::path paint_file(const std::filesystem::path& layer, const ClipSegment& segment) {
+    return layer / segment.file.filename().replace_extension(".nvpaint");
+}
+
+void expect_paint_folder(const std::filesystem::path& layer) {
+    std::error_code error;
+    if (std::filesystem::is_directory(layer, error)) return;
+    if (!std::filesystem::exists(layer, error)) throw InputError(layer.string(), "", "there is no such folder");
+    throw InputError(layer.string(), "", "is a file, but paint on a clip in segments is a folder",
+                     "name a folder that `neuvv paint` made for this clip");
+}
+
+EditLayer read_segment_paint(const std::filesystem::path& layer, const ClipSegment& segment,
+                             const PaintedField& field) {
+    expect_paint_folder(layer);
+    const std::filesystem::path file = paint_file(layer, segment);
+    std::error_code error;
+    if (!std::filesystem::exists(file, error)) return {field, {}};
+    return read_paint(file, field);
+}
+
 }  // namespace neuvv::voctree

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "voctree/clip_index.h"
 #include "voctree/paint.h"
 
 namespace neuvv::voctree {
@@ -14,5 +15,15 @@ void write_paint(const std::filesystem::path& path, const EditLayer& layer);
 // Throws InputError naming the file, the chunk and the fix. Every number in the file is checked. A layer of another
 // field is refused, and so is one of this field whose leaves have changed since.
 EditLayer read_paint(const std::filesystem::path& path, const PaintedField& field);
+
+// A layer of paint on a clip in segments is a folder NAME.nvpaint. A segment that has paint has a .nvpaint of its own
+// there, with the name of the segment's file: that of 000012.nvv is 000012.nvpaint.
+std::filesystem::path paint_file(const std::filesystem::path& layer, const ClipSegment& segment);
+
+// A segment's part of such a layer, without edits where the folder has no file for the segment. Throws InputError as
+// read_paint does, and where `layer` is no folder.
+EditLayer read_segment_paint(const std::filesystem::path& layer, const ClipSegment& segment, const PaintedField& field);
+// Throws InputError where there is no folder at this path.
+void expect_paint_folder(const std::filesystem::path& layer);
 
 }  // namespace neuvv::voctree
