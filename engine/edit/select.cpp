@@ -52,8 +52,11 @@ std::vector<uint32_t> marked(const std::vector<uint8_t>& marks) {
 using Span = std::pair<float, float>;  // of frames; both ends belong to it
 
 // The runs of frames in which a leaf is opaque: all of them, or those that overlap first to last.
-std::vector<Span> opaque_runs(const std::vector<float>& sigma, float threshold, const EditFrames& frames) {
-    const auto count = static_cast<uint32_t>(sigma.size());
+std::vector<Span> opaque_runs(const Canvas& canvas, uint32_t leaf, const EditFrames& frames) {
+    const uint32_t count = canvas.tree.frames;
+    const float threshold = -std::log(1 - frames.opaque) / canvas.edges_m[leaf];  // 1/m
+    std::vector<float> sigma(count);
+    voctree::density_of_frames(canvas.tree.leaf(leaf), canvas.rows, sigma);
     std::vector<Span> runs;
     for (uint32_t frame = 0; frame < count; frame++) {
         if (!(sigma[frame] > threshold)) continue;
@@ -62,8 +65,8 @@ std::vector<Span> opaque_runs(const std::vector<float>& sigma, float threshold, 
         const auto first = static_cast<float>(frame), last = static_cast<float>(end);
         const Span run(frame == 0 ? 0 : std::nextafter(first - 1, first),
                        end + 1 == count ? last : std::nextafter(last + 1, last));
-        if (frames.follow == Follow::kAll || (run.first <= frames.last && run.second >= frames.first))
-            runs.push_back(run);
+        const bool meets = frames.first <= frames.last && run.first <= frames.last && run.second >= frames.first;
+        if (frames.follow == Follow::kAll || meets) runs.push_back(run);
         frame = end;
     }
     return runs;
@@ -183,17 +186,26 @@ std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, floa
     return marked(live);
 }
 
+std::vector<voctree::LeafEdit> in_runs(const Canvas& canvas, std::span<const voctree::LeafEdit> edits, float frame,
+                                       float opaque) {
+    const EditFrames frames{frame, frame, Follow::kRun, opaque};
+    std::vector<voctree::LeafEdit> result;
+    for (voctree::LeafEdit edit : edits)
+        for (const auto& [first, last] : opaque_runs(canvas, edit.leaf, frames)) {
+            edit.first = first;
+            edit.last = last;
+            result.push_back(edit);
+        }
+    return result;
+}
+
 std::vector<voctree::LeafEdit> at_frames(const Canvas& canvas, std::span<const voctree::LeafEdit> edits,
                                          const EditFrames& frames) {
     std::vector<voctree::LeafEdit> result;
-    std::vector<float> sigma(canvas.tree.frames);
     for (voctree::LeafEdit edit : edits) {
         std::vector<Span> spans;
-        if (frames.follow != Follow::kNot) {
-            voctree::density_of_frames(canvas.tree.leaf(edit.leaf), canvas.rows, sigma);
-            spans = opaque_runs(sigma, -std::log(1 - frames.opaque) / canvas.edges_m[edit.leaf], frames);
-        }
-        spans.emplace_back(frames.first, frames.last);
+        if (frames.follow != Follow::kNot) spans = opaque_runs(canvas, edit.leaf, frames);
+        if (frames.first <= frames.last) spans.emplace_back(frames.first, frames.last);
         for (const auto& [first, last] : joined(std::move(spans))) {
             edit.first = first;
             edit.last = last;

@@ -52,15 +52,20 @@ enum class Follow {
     kAll,  // whenever the leaf is opaque
 };
 struct EditFrames {
-    float first = 0, last = 0;
+    float first = 0, last = 0;  // none where first > last: then kAll alone applies at any frames
     Follow follow = Follow::kNot;
     float opaque = 0.1f;  // a leaf is opaque where its alpha along an edge is larger than this
 };
 
 // Gives the edits their frames; an edit may become several. With kRun and kAll the range extends into the fractions of
-// a frame before and after, in which the leaf appears and vanishes, and covers `first` to `last` in any case.
+// a frame before and after, in which the leaf appears and vanishes, and covers `first` to `last` in any case. The
+// result is in the order of the edits.
 std::vector<voctree::LeafEdit> at_frames(const Canvas& canvas, std::span<const voctree::LeafEdit> edits,
                                          const EditFrames& frames);
+
+// The edits of leaves that are opaque at a whole frame, with the frames at which such a leaf stays opaque around it.
+std::vector<voctree::LeafEdit> in_runs(const Canvas& canvas, std::span<const voctree::LeafEdit> edits, float frame,
+                                       float opaque = EditFrames{}.opaque);
 
 // Extends edits of whole frames, or from one frame to another, into the fractions before and after, in which the field
 // fades between two frames: up to the next frame, or half way where the leaf has an edit there, too, but never beyond

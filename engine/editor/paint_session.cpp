@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/error.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
 
@@ -97,6 +98,9 @@ std::shared_ptr<const voctree::EditLayer> PaintSession::layer() const {
 
 ReadPerformer read_performer(const std::filesystem::path& clip_path, std::shared_ptr<const PaintClip> clip,
                              std::span<const std::filesystem::path> layers) {
+    if (voctree::is_segmented(clip_path))
+        throw InputError(clip_path.string(), "", "is a clip in segments, which only the command line paints",
+                         "use `neuvv paint`");
     ReadPerformer read;
     read.clip = clip ? std::move(clip) : std::make_shared<const PaintClip>(voctree::read_clip(clip_path));
     for (const std::filesystem::path& layer : layers)

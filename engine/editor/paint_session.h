@@ -66,7 +66,8 @@ struct ReadPerformer {
     std::shared_ptr<const PaintClip> clip;
     std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> layers;
 };
-// Reads the clip, unless it is given, and the layers at these paths. A large clip takes seconds. Throws InputError.
+// Reads the clip, unless it is given, and the layers at these paths. A large clip takes seconds. Throws InputError,
+// also for a clip in segments.
 ReadPerformer read_performer(const std::filesystem::path& clip_path, std::shared_ptr<const PaintClip> clip,
                              std::span<const std::filesystem::path> layers);
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "edit/brush.h"
+#include "edit/carry.h"
 #include "edit/project.h"
 #include "reference/camera.h"
 #include "reference/pick.h"
@@ -416,6 +417,43 @@ TEST_F(ToolsTest, ADotOfTheBrushIsWhatItsPixelShowsHoweverSoftTheSurface) {
         EXPECT_GT(painted_part(tree, camera, pixel, edits), 0.9);
         EXPECT_EQ(painted_part(tree, camera, pixel + glm::dvec2(0, 12), edits), 0);
     }
+}
+
+// Half a leaf apart in each direction, so that each leaf meets eight of the other tree.
+TEST(Carry, EditsGoToWhatLiesThereInAnotherTree) {
+    const voctree::VOctree tree = figure_tree();
+    const edit::Canvas from(tree);
+    voctree::VOctree moved = tree;
+    const glm::vec3 half =
+        0.5f * from.edges_m[0] * moved.box_size / (moved.box_size.x + moved.box_size.y + moved.box_size.z) * 3.0f;
+    moved.box_min += half;
+    const edit::Canvas to(moved);
+    const glm::vec3 middle(kHead);
+    const auto radius = static_cast<float>(kHeadRadius);
+    std::vector<voctree::LeafEdit> edits;
+    for (const uint32_t leaf : edit::all_leaves_in(from, edit::sphere_region(middle, 0.6f * radius)))
+        edits.push_back({.leaf = leaf, .colour = {0, 1, 0}, .alpha = leaf % 2 ? 1.0f : 0.5f, .sigma = 7});
+    std::set<uint32_t> painted;
+    for (const voctree::LeafEdit& edit : edit::carried(from, edits, to)) {
+        EXPECT_TRUE(painted.insert(edit.leaf).second);
+        const float distance = glm::distance(to.middles[edit.leaf], middle);
+        EXPECT_LT(distance, 0.6f * radius + 2 * from.edges_m[0]);
+        EXPECT_EQ(edit.colour, glm::vec3(0, 1, 0));
+        EXPECT_TRUE(edit.alpha == 1 || edit.alpha == 0.5f);
+        if (distance < 0.6f * radius - from.edges_m[0]) {
+            EXPECT_EQ(edit.sigma, 7) << "all of it lies in edited leaves";
+        }
+        if (distance > 0.6f * radius + 0.9f * from.edges_m[0]) {
+            EXPECT_EQ(edit.sigma, voctree::kKeepSigma) << "less than half of it";
+        }
+    }
+    for (const uint32_t leaf : edit::all_leaves_in(to, edit::sphere_region(middle, 0.6f * radius - from.edges_m[0])))
+        EXPECT_TRUE(painted.contains(leaf)) << leaf;
+    EXPECT_TRUE(edit::carried(from, {}, to).empty());
+    // To the same tree they come back as they are.
+    std::vector<voctree::LeafEdit> same = edit::carried(from, edits, from);
+    ASSERT_EQ(same.size(), edits.size());
+    for (size_t i = 0; i < same.size(); i++) EXPECT_EQ(same[i], edits[i]) << i;
 }
 
 }  // namespace
