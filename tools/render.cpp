@@ -238,6 +238,16 @@ void add_clip_facts(media::RenderFacts& facts, const std::string& name, const st
     }
 }
 
+void add_layer_facts(media::RenderFacts& facts, const std::string& name, const std::filesystem::path& layer) {
+    if (!std::filesystem::is_directory(layer)) {
+        facts[name] = media::content_fact(layer);
+        return;
+    }
+    for (const auto& file : std::filesystem::directory_iterator(layer))
+        if (file.path().extension() == ".nvpaint")
+            facts[name + " in " + file.path().stem().string()] = media::content_fact(file.path());
+}
+
 media::Image pass_image(const RenderOptions& options, const render::FrameRenderer& renderer, uint32_t i) {
     const render::FramePass& pass = *render::find_frame_pass(options.pass);
     const render::PassValues values = pass.read(renderer);

@@ -61,6 +61,8 @@ media::RenderFacts render_facts(const RenderOptions& options, double fps, media:
 
 // Adds the content of a clip's files, under the given name.
 void add_clip_facts(media::RenderFacts& facts, const std::string& name, const std::filesystem::path& clip);
+// The same of a layer of paint, which is a file or, on a clip in segments, a folder.
+void add_layer_facts(media::RenderFacts& facts, const std::string& name, const std::filesystem::path& layer);
 
 // How long a frame took from its submission to its end, by the host's clock, and each pass on the device.
 struct FrameTimes {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "base/error.h"
@@ -13,6 +14,7 @@
 #include "render/linear_image.h"
 #include "render/paint.h"
 #include "render/reference_paths.h"
+#include "render/segment_paint.h"
 #include "render/shown_segments.h"
 #include "tools/render.h"
 #include "tools/view_path.h"
@@ -27,11 +29,11 @@ namespace neuvv::tools {
 
 namespace {
 
-// Layers of paint that are read, and how they show.
+// The layers of --paint, the lowest first. Those of a clip that is one file are read; of a clip in segments, they are
+// folders, of which each segment's part is read with the segment.
 struct PaintStack {
-    std::vector<voctree::EditLayer> layers;
-    std::vector<render::PaintUse> uses;  // of the layers, the lowest first
-    std::vector<std::string> files;
+    render::LayerFolders names;
+    std::vector<voctree::EditLayer> layers;  // empty for a clip in segments
 };
 
 std::optional<stage::PaintBlend> find_blend(const std::string& name) {
@@ -73,10 +75,10 @@ std::optional<std::string> last_part(const std::string& text) {
 
 // Each name is "layer.nvpaint", "layer.nvpaint:tint" or "layer.nvpaint:tint:0.5"; without them the blend is normal and
 // the opacity 1. Throws InputError.
-PaintStack read_paint_stack(const std::vector<std::string>& names, const voctree::PaintedField& field) {
-    PaintStack stack;
+render::LayerFolders parse_paint(const std::vector<std::string>& names) {
+    render::LayerFolders layers;
     for (std::string file : names) {
-        render::PaintUse use;
+        render::LayerFolder use;
         const auto last = last_part(file);
         const auto opacity = last ? find_number(*last) : std::nullopt;
         if (opacity && *opacity >= 0 && *opacity <= 1) {
@@ -93,12 +95,10 @@ PaintStack read_paint_stack(const std::vector<std::string>& names, const voctree
                 file.resize(file.size() - last->size() - 1);
             }
         }
-        stack.layers.push_back(voctree::read_paint(file, field));
-        stack.uses.push_back(use);
-        stack.files.push_back(file);
+        use.folder = file;
+        layers.push_back(use);
     }
-    for (size_t i = 0; i < stack.uses.size(); i++) stack.uses[i].layer = &stack.layers[i];
-    return stack;
+    return layers;
 }
 
 // What is rendered. All of it is known, and wrong options are refused, before the device is opened.
@@ -127,15 +127,16 @@ std::vector<ViewStep> view_path(const RenderOptions& options, const RenderPlan& 
 // Reads what is known of a clip before any of its segments is on the device.
 void read_scene(const RenderOptions& options, RenderPlan& plan) {
     plan.clip = voctree::read_clip_index(options.scene);
-    if (!voctree::is_segmented(options.scene)) {
-        const voctree::VOctree tree = voctree::read_clip(options.scene);
+    plan.paint.names = parse_paint(options.paint);
+    if (plan.clip.segments.size() == 1) {
+        const voctree::VOctree tree = voctree::read_segment(plan.clip.segments[0]);
         plan.box = voctree::occupied_box(tree);
-        plan.paint = read_paint_stack(options.paint, voctree::painted_field(tree));
+        const voctree::PaintedField field = voctree::painted_field(tree);
+        for (const render::LayerFolder& one : plan.paint.names)
+            plan.paint.layers.push_back(voctree::read_paint(one.folder, field));
         return;
     }
-    if (!options.paint.empty())
-        throw InputError("--paint", options.scene, "is a clip in segments, which cannot be painted",
-                         "render one of its segments");
+    for (const render::LayerFolder& one : plan.paint.names) voctree::expect_paint_folder(one.folder);
     const voctree::ClipHead head = voctree::read_clip_head(options.scene);
     plan.box = {head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size)};
 }
@@ -182,13 +183,17 @@ class PlayingRenderer {
         : device_(device),
           options_(options),
           plan_(plan),
-          segments_(plan.clip, [&](const voctree::VOctree& tree) { return render::upload_far_levels(device, tree); }) {}
+          segments_(plan.clip, [&](const voctree::VOctree& tree, uint32_t segment) {
+              paints_[segment] = {load_paint(segment, voctree::painted_field(tree)), 0};
+              return render::upload_far_levels(device, tree);
+          }) {}
 
     FrameTimes render(uint32_t i, media::ImageSink& sink) {
         render::FrameSettings settings;
         settings.instances = segments_.show(voctree::segment_shares(plan_.clip, plan_.path[i].frame),
                                             [this](const auto& fields) { use(fields); });
-        for (render::Instance& instance : settings.instances) instance.paint = paint_;
+        for (render::Instance& instance : settings.instances)
+            instance.paint = paints_[segments_.segment_of(instance.field)].number;
         settings.width = plan_.size.width;
         settings.height = plan_.size.height;
         settings.samples = plan_.samples;
@@ -202,6 +207,17 @@ class PlayingRenderer {
     }
 
   private:
+    // Null where there is none.
+    std::shared_ptr<const render::Paint> load_paint(uint32_t segment, const voctree::PaintedField& field) const {
+        const PaintStack& stack = plan_.paint;
+        if (stack.names.empty()) return nullptr;
+        if (stack.layers.empty())
+            return render::load_segment_paint(device_, stack.names, plan_.clip.segments[segment], field);
+        std::vector<render::PaintUse> uses;
+        for (size_t i = 0; i < stack.layers.size(); i++)
+            uses.push_back({&stack.layers[i], stack.names[i].blend, stack.names[i].opacity});
+        return std::make_shared<const render::Paint>(device_, field.leaf_count, uses);
+    }
     void use(const std::vector<const render::Field*>& fields) {
         const bool is_first = !renderer_;
         if (is_first)
@@ -211,24 +227,30 @@ class PlayingRenderer {
         // Two segments are shown while one fades into the next: slices stay where their share of the budget does.
         const bool fades = std::ranges::any_of(plan_.clip.segments, &voctree::ClipSegment::overlap);
         if (fades || !is_first) renderer_->change_fields(fields, fades ? 2 : 1);
-        if (!is_first) return;
-        if (!plan_.paint.uses.empty()) paint_ = renderer_->paints().add(plan_.paint.uses);
+        for (uint32_t i = 0; i < fields.size(); i++) {
+            NumberedPaint& of_field = paints_[segments_.segment_of(i)];
+            if (of_field.paint && of_field.number == 0) of_field.number = renderer_->paints(i).add(of_field.paint);
+        }
     }
     const gpu::Device& device_;
     const RenderOptions& options_;
     const RenderPlan& plan_;
+    struct NumberedPaint {
+        std::shared_ptr<const render::Paint> paint;
+        uint32_t number = 0;  // in the renderer; 0: it has none, or not yet
+    };
+    std::map<uint32_t, NumberedPaint> paints_;  // by segment, of those that were shown
     render::ShownSegments segments_;
     std::optional<render::FrameRenderer> renderer_;
-    uint32_t paint_ = 0;
 };
 
 // Draws the images of a plan by the paper's walk. It has one field, so that segments do not fade into each other.
 class DirectRenderer {
   public:
     DirectRenderer(const gpu::Device& device, const RenderPlan& plan)
-        : device_(device),
-          plan_(plan),
-          segments_(plan.clip, [&](const voctree::VOctree& tree) { return render::upload_far_levels(device, tree); }) {}
+        : device_(device), plan_(plan), segments_(plan.clip, [&](const voctree::VOctree& tree, uint32_t) {
+              return render::upload_far_levels(device, tree);
+          }) {}
 
     FrameTimes render(uint32_t i, media::ImageSink& sink) {
         render::ReferenceSettings settings;
@@ -274,8 +296,8 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     add_clip_facts(facts, "scene", options.scene);
     facts["--camera"] = options.camera.empty() ? "orbit" : media::content_fact(options.camera);
     facts["--frames"] = fmt::format("{}:{}", plan.playback.range.first, plan.playback.range.last);
-    for (size_t i = 0; i < plan.paint.files.size(); i++)
-        facts["--paint " + options.paint[i]] = media::content_fact(plan.paint.files[i]);
+    for (size_t i = 0; i < plan.paint.names.size(); i++)
+        add_layer_facts(facts, "--paint " + options.paint[i], plan.paint.names[i].folder);
     facts["--direct"] = fmt::format("{}", options.direct);
     const RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, images,
                           options.resume);

@@ -195,8 +195,8 @@ media::RenderFacts stage_facts(const RenderOptions& options, const StagePlan& pl
             }
     for (const stage::StagePerformer& performer : plan.stage.performers)
         for (const stage::PaintLayer& layer : performer.settings.paint)
-            facts["paint " + layer.uri] =
-                media::content_fact(stage::file_of_uri(plan.stage.file, layer.uri, performer.name));
+            add_layer_facts(facts, "paint " + layer.uri,
+                            stage::file_of_uri(plan.stage.file, layer.uri, performer.name));
     facts["--camera"] = plan.path && !plan.is_stage_path ? media::content_fact(options.camera)
                         : options.orbit                  ? "orbit"
                                                          : options.camera;

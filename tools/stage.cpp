@@ -26,6 +26,25 @@ void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path
                                "--time", text);
 }
 
+// Throws InputError where a layer is not one of this clip. Of a clip in segments, the first that is painted is read.
+void expect_layer_of(const std::filesystem::path& clip, const std::filesystem::path& layer) {
+    const voctree::ClipIndex index = voctree::read_clip_index(clip);
+    if (index.segments.size() == 1) {
+        voctree::read_paint(layer, voctree::painted_field(voctree::read_segment(index.segments[0])));
+        return;
+    }
+    voctree::expect_paint_folder(layer);
+    for (const voctree::ClipSegment& segment : index.segments) {
+        const std::filesystem::path file = voctree::paint_file(layer, segment);
+        std::error_code error;
+        if (!std::filesystem::exists(file, error)) continue;
+        voctree::read_paint(file, voctree::painted_field(voctree::read_segment(segment)));
+        return;
+    }
+    throw InputError(layer.string(), "", "has no paint for any segment of the clip",
+                     "name a folder that `neuvv paint` made for this clip");
+}
+
 // Throws InputError where the layer is not one of the performer's clip, which would otherwise be noticed only when the
 // stage is rendered. A clip may be missing; then the layer is not checked.
 void expect_fitting_paint(const stage::StageFile& file, uint32_t node, const std::string& performer,
@@ -34,7 +53,7 @@ void expect_fitting_paint(const stage::StageFile& file, uint32_t node, const std
     std::error_code error;
     if (!std::filesystem::exists(clip, error)) return;
     try {
-        voctree::read_paint(layer, voctree::painted_field(voctree::read_clip(clip)));
+        expect_layer_of(clip, layer);
     } catch (const InputError& problem) {
         throw InputError(file.path.string(), fmt::format("\"{}\", which plays {}", performer, clip.filename().string()),
                          problem.what());

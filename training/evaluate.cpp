@@ -203,7 +203,7 @@ Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, con
 Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
                     const ViewCallback& done) {
     Comparison comparison(dataset, samples, done);
-    render::ShownSegments shown(clip, [&](const voctree::VOctree& tree) {
+    render::ShownSegments shown(clip, [&](const voctree::VOctree& tree, uint32_t) {
         return render::upload_field(device, tree, render::WeightPrecision::kHalf);
     });
     std::optional<render::FrameRenderer> renderer;

@@ -62,6 +62,37 @@ std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& se
     }
 }
 
+ClipFiles::Paints ClipFiles::read_paints(const voctree::ClipSegment& segment, const LoadedClip& clip,
+                                         const std::vector<LayerFolders>& layers) {
+    Paints paints;
+    for (const LayerFolders& one : layers) paints.push_back(read_paint(segment, clip, one));
+    return paints;
+}
+
+std::shared_ptr<const SegmentPaint> ClipFiles::read_paint(const voctree::ClipSegment& segment, const LoadedClip& clip,
+                                                          const LayerFolders& layers) {
+    const std::vector<FileStamp> stamps = stamps_of(layers, segment);
+    {
+        const std::lock_guard lock(mutex_);
+        for (const KnownPaint& known : known_paints_)
+            if (const auto paint = known.paint.lock(); paint && known.segment == clip.path &&
+                                                       known.stamp == clip.stamp && paint->layers == layers &&
+                                                       paint->stamps == stamps)
+                return paint;
+    }
+    SegmentPaint read{layers, stamps, nullptr, ""};
+    try {
+        read.paint = load_segment_paint(device_, layers, segment, clip.painted);
+    } catch (const InputError& problem) {
+        read.problem = problem.what();
+    }
+    auto paint = std::make_shared<const SegmentPaint>(std::move(read));
+    const std::lock_guard lock(mutex_);
+    std::erase_if(known_paints_, [](const KnownPaint& one) { return one.paint.expired(); });
+    known_paints_.push_back({clip.path, clip.stamp, paint});
+    return paint;
+}
+
 void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
     {
         const std::lock_guard lock(mutex_);
@@ -88,10 +119,13 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
     try {
         const auto tree = voctree::read_nvv_coarse(segment.file);
         if (!tree || tree->frames != segment.frames_of_file()) return;
-        add_result({segment.file, stamp,
+        add_result({segment.file,
+                    stamp,
                     std::make_shared<const LoadedClip>(
                         LoadedClip{segment.file, stamp, upload_field(device_, *tree, WeightPrecision::kHalf), {}}),
-                    "", true});
+                    "",
+                    true,
+                    {}});
     } catch (const InputError&) {
     }
 }
@@ -100,9 +134,10 @@ void ClipFiles::read_one_ahead(const Wanted& wanted) {
     const FileStamp stamp = stamp_of(wanted.segment.file);
     try {
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
-        add_result({wanted.segment.file, stamp, read(wanted.segment), "", false});
+        const std::shared_ptr<const LoadedClip> clip = read(wanted.segment);
+        add_result({wanted.segment.file, stamp, clip, "", false, read_paints(wanted.segment, *clip, wanted.layers)});
     } catch (const InputError& problem) {
-        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false});
+        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}});
     } catch (const std::exception&) {  // no memory: there may be some later, and who waits for it is told
         std::unique_lock lock(mutex_);
         changed_.wait_for(lock, std::chrono::seconds(1), [this] { return stop_; });

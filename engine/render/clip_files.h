@@ -12,6 +12,7 @@
 
 #include "base/file_stamp.h"
 #include "render/field_levels.h"
+#include "render/segment_paint.h"
 #include "voctree/clip_index.h"
 #include "voctree/paint.h"
 
@@ -42,9 +43,17 @@ class ClipFiles {
     // device has no memory.
     std::shared_ptr<const LoadedClip> read(const voctree::ClipSegment& segment);
 
+    // The paint of a segment that is on the device, for each of these lists of layers. What was read before is read
+    // again only where it is not in use any more or its files have changed. Throws RuntimeFailure where the device has
+    // no memory.
+    using Paints = std::vector<std::shared_ptr<const SegmentPaint>>;
+    Paints read_paints(const voctree::ClipSegment& segment, const LoadedClip& clip,
+                       const std::vector<LayerFolders>& layers);
+
     struct Wanted {
         voctree::ClipSegment segment;
-        bool is_urgent = false;  // its coarse tree is read first, where the file has one
+        bool is_urgent = false;              // its coarse tree is read first, where the file has one
+        std::vector<LayerFolders> layers{};  // of which the paint is read, too
     };
     // Has these segments read on the thread, one after the other. They replace those of earlier calls that are not
     // being read yet. Where the device has no memory for one, the thread leaves it out and pauses for a second.
@@ -57,11 +66,14 @@ class ClipFiles {
         std::shared_ptr<const LoadedClip> clip;
         std::string problem;
         bool is_coarse = false;  // this is its coarse tree; the whole one follows
+        Paints paints{};         // for the lists of layers that were wanted; none of a coarse tree
     };
     // The results since the last call. Until then, they keep what was read on the device.
     std::vector<Result> take_results();
 
   private:
+    std::shared_ptr<const SegmentPaint> read_paint(const voctree::ClipSegment& segment, const LoadedClip& clip,
+                                                   const LayerFolders& layers);
     std::shared_ptr<const LoadedClip> find_locked(const std::filesystem::path& path, const FileStamp& stamp) const;
     void read_coarse(const voctree::ClipSegment& segment);
     void read_one_ahead(const Wanted& wanted);
@@ -71,6 +83,12 @@ class ClipFiles {
     std::mutex mutex_;  // guards all that follows
     std::condition_variable changed_;
     std::vector<std::weak_ptr<const LoadedClip>> known_;  // all that are in use
+    struct KnownPaint {
+        std::filesystem::path segment;
+        FileStamp stamp;  // of the segment
+        std::weak_ptr<const SegmentPaint> paint;
+    };
+    std::vector<KnownPaint> known_paints_;  // all that are in use
     std::deque<Wanted> wanted_;
     std::set<std::filesystem::path> being_read_;
     std::vector<Result> results_;

@@ -79,14 +79,14 @@ Paint::Paint(const gpu::Device& device, uint32_t field_leaves, std::span<const P
     layers = gpu::uploaded(device, "paint layers", packed.layers, VK_FORMAT_R32G32_UINT);
 }
 
-uint32_t Paints::add(Paint paint) {
+uint32_t Paints::add(std::shared_ptr<const Paint> paint) {
     paints_.try_emplace(++last_, std::move(paint));
     return last_;
 }
 
 const Paint* Paints::find(uint32_t paint) const {
     const auto found = paints_.find(paint);
-    return found == paints_.end() ? nullptr : &found->second;
+    return found == paints_.end() ? nullptr : found->second.get();
 }
 
 Painter::Painter(const gpu::Device& device, const Field& given_field, const LiveLeaves& given_live,

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <utility>
 
 #include "render/slice.h"
 #include "shared/paint.h"
@@ -44,7 +46,8 @@ class Paints {
     // Creates a paint and returns its number. Throws RuntimeFailure as Paint does.
     uint32_t add(std::span<const PaintUse> layers) { return add(Paint(device_, leaf_count_, layers)); }
     // Adds a paint that was created for this field, and returns its number.
-    uint32_t add(Paint paint);
+    uint32_t add(Paint paint) { return add(std::make_shared<const Paint>(std::move(paint))); }
+    uint32_t add(std::shared_ptr<const Paint> paint);
     // No frame that uses the paint may be under way.
     void remove(uint32_t paint) { paints_.erase(paint); }
     // Null where there is no paint of this number.
@@ -54,7 +57,7 @@ class Paints {
   private:
     const gpu::Device& device_;
     uint32_t leaf_count_;
-    std::map<uint32_t, Paint> paints_;
+    std::map<uint32_t, std::shared_ptr<const Paint>> paints_;
     uint32_t last_ = 0;
 };
 

@@ -25,7 +25,8 @@ std::vector<Instance> ShownSegments::show(const std::vector<voctree::SegmentShar
             dropped.clear();
         }
         for (const uint32_t segment : missing)
-            fields_[segment] = std::make_unique<const Field>(upload_(voctree::read_segment(clip_.segments[segment])));
+            fields_[segment] =
+                std::make_unique<const Field>(upload_(voctree::read_segment(clip_.segments[segment]), segment));
         changed(fields());
     }
     std::vector<Instance> instances;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <utility>
@@ -16,7 +17,8 @@ namespace neuvv::render {
 
 class ShownSegments {
   public:
-    using Upload = std::function<Field(const voctree::VOctree&)>;
+    // Gets a tree and the number of its segment.
+    using Upload = std::function<Field(const voctree::VOctree&, uint32_t)>;
     // Gets the fields to draw from now on, as long as those of the call before still exist.
     using Changed = std::function<void(const std::vector<const Field*>&)>;
 
@@ -28,6 +30,9 @@ class ShownSegments {
     // cannot be read, and RuntimeFailure where the device has no memory; then it and the renderer can only be
     // destroyed.
     std::vector<Instance> show(const std::vector<voctree::SegmentShare>& shares, const Changed& changed);
+
+    // The number of the segment of a field, by its index among those that `changed` got last.
+    uint32_t segment_of(uint32_t field) const { return std::next(fields_.begin(), field)->first; }
 
   private:
     std::vector<const Field*> fields() const;

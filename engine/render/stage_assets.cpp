@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 #include "media/image.h"
 #include "voctree/clip.h"
+#include "voctree/nvpaint.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::render {
@@ -23,8 +25,7 @@ StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
         if (loaded) loaded(assets.clips.size(), stage.clips.size());
     }
     assets.environment = load_environment(stage);
-    for (const stage::StagePerformer& performer : stage.performers)
-        assets.paint.push_back(load_layers(stage, performer, assets.clips[performer.clip]));
+    load_paint(stage, assets);
     return assets;
 }
 
@@ -95,29 +96,69 @@ std::shared_ptr<const SetEnvironment> StageLoader::load_environment(const stage:
     return map;
 }
 
-std::vector<LoadedLayer> StageLoader::load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
-                                                  const ClipOnDevice& clip) {
-    std::vector<LoadedLayer> layers;
-    const voctree::PaintedField& painted = clip.first->painted;
+namespace {
+
+// Calls load(path, layer) for the performer's visible layers, the lowest first. An InputError gets the layer's place.
+void for_visible_layers(const stage::Stage& stage, const stage::StagePerformer& performer, const auto& load) {
     for (size_t i = 0; i < performer.settings.paint.size(); i++) {
         const stage::PaintLayer& layer = performer.settings.paint[i];
         if (!layer.visible || layer.opacity <= 0) continue;
         const std::string place = fmt::format("\"{}\": paint layer {}", performer.name, i);
         try {
-            if (clip.segments.size() > 1)
-                throw InputError(stage.clips[performer.clip].path.string(), "",
-                                 "is a clip in segments, which cannot be painted", "remove the layer");
-            const std::filesystem::path path = stage::file_of_uri(stage.file, layer.uri, place);
-            std::shared_ptr<const voctree::EditLayer> edits = paint_source_ ? paint_source_(path, painted) : nullptr;
-            if (!edits) edits = paint_files_.read(path, painted);
-            if (edits->field != painted)
-                throw InputError(path.string(), "", "is paint for another clip", "paint on this one anew");
-            layers.push_back({std::move(edits), layer.blend, static_cast<float>(layer.opacity)});
+            load(stage::file_of_uri(stage.file, layer.uri, place), layer);
         } catch (const InputError& problem) {
             throw InputError(stage.file.path.string(), place, problem.what());
         }
     }
+}
+
+LayerFolders folders_of(const stage::Stage& stage, const stage::StagePerformer& performer) {
+    LayerFolders folders;
+    for_visible_layers(stage, performer, [&](const std::filesystem::path& path, const stage::PaintLayer& layer) {
+        voctree::expect_paint_folder(path);
+        folders.push_back({path, layer.blend, static_cast<float>(layer.opacity)});
+        if (folders.size() > kPaintLayerLimit)
+            throw InputError(path.string(), "", fmt::format("is one of more than {} visible layers", kPaintLayerLimit),
+                             "hide some");
+    });
+    return folders;
+}
+
+}  // namespace
+
+std::vector<LoadedLayer> StageLoader::load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
+                                                  const voctree::PaintedField& painted) {
+    std::vector<LoadedLayer> layers;
+    for_visible_layers(stage, performer, [&](const std::filesystem::path& path, const stage::PaintLayer& layer) {
+        std::shared_ptr<const voctree::EditLayer> edits = paint_source_ ? paint_source_(path, painted) : nullptr;
+        if (!edits) edits = paint_files_.read(path, painted);
+        if (edits->field != painted)
+            throw InputError(path.string(), "", "is paint for another clip", "paint on this one anew");
+        layers.push_back({std::move(edits), layer.blend, static_cast<float>(layer.opacity)});
+    });
     return layers;
+}
+
+// Of segmented clips, the paint of those segments that are on the device.
+void StageLoader::load_paint(const stage::Stage& stage, StageAssets& assets) {
+    for (const stage::StagePerformer& performer : stage.performers) {
+        ClipOnDevice& clip = assets.clips[performer.clip];
+        const bool segmented = clip.segments.size() > 1;
+        assets.paint.push_back(segmented ? std::vector<LoadedLayer>()
+                                         : load_layers(stage, performer, clip.first->painted));
+        assets.folders.push_back(segmented ? folders_of(stage, performer) : LayerFolders());
+        const LayerFolders& folders = assets.folders.back();
+        if (!folders.empty() && std::ranges::find(clip.layers, folders) == clip.layers.end())
+            clip.layers.push_back(folders);
+    }
+    for (ClipOnDevice& clip : assets.clips)
+        for (size_t i = 0; i < clip.segments.size(); i++) {
+            ClipOnDevice::Segment& segment = clip.segments[i];
+            if (!segment.loaded) continue;
+            segment.paints = files_->read_paints(clip.index.segments[i], *segment.loaded, clip.layers);
+            for (const auto& paint : segment.paints)
+                if (!paint->problem.empty()) assets.problems.push_back(paint->problem);
+        }
 }
 
 }  // namespace neuvv::render

@@ -21,11 +21,13 @@ struct ClipOnDevice {
         std::shared_ptr<const LoadedClip> loaded;  // null: not on the device
         std::shared_ptr<const LoadedClip> coarse;  // its coarse tree, until the whole is there; mostly null
         bool readable = true;                      // false: it is missing or damaged, and is not shown
+        ClipFiles::Paints paints{};                // of a segmented clip: for each of `layers`, of what is loaded
     };
     voctree::ClipIndex index;
     std::vector<Segment> segments;                 // in the order of the index
     std::shared_ptr<const LoadedClip> first;       // the first that is readable, which stays on the device
     std::pair<glm::dvec3, glm::dvec3> leaf_box{};  // around the leaves of all (min, max), performer's space, metres
+    std::vector<LayerFolders> layers{};            // of a segmented clip: what performers are painted with, each once
 };
 
 // A visible layer of a performer's paint.
@@ -39,9 +41,11 @@ struct LoadedLayer {
 struct StageAssets {
     std::vector<ClipOnDevice> clips;                    // in the order of Stage::clips
     std::shared_ptr<const SetEnvironment> environment;  // black where the stage has none
-    std::vector<std::vector<LoadedLayer>> paint;        // by performer: the visible layers, the lowest first
-    std::vector<std::string> problems;                  // a line for each segment that cannot be read
-    std::shared_ptr<ClipFiles> files;                   // reads the segments that are not on the device
+    // By performer: the visible layers, the lowest first; those on segmented clips are in `folders`, others in `paint`.
+    std::vector<std::vector<LoadedLayer>> paint;
+    std::vector<LayerFolders> folders;
+    std::vector<std::string> problems;  // a line for each segment that cannot be read
+    std::shared_ptr<ClipFiles> files;   // reads the segments that are not on the device
 };
 
 // Reads the files of a stage, and of its later versions only what has changed: an asset of an earlier load that is
@@ -55,8 +59,8 @@ class StageLoader {
     explicit StageLoader(const gpu::Device& device, PaintSource paint = {});
 
     // Of a segmented clip, the first segment is read, and of the others their heads alone. Throws InputError for a file
-    // that cannot be read, for a segmented clip of which no segment can be, and for paint of another clip or of a
-    // segmented one; RuntimeFailure where the device has no memory.
+    // that cannot be read, for a segmented clip of which no segment can be, and for paint of another clip;
+    // RuntimeFailure where the device has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});
 
   private:
@@ -76,7 +80,8 @@ class StageLoader {
     ClipOnDevice load_clip(const std::filesystem::path& path, std::vector<std::string>& problems);
     std::shared_ptr<const SetEnvironment> load_environment(const stage::Stage& stage);
     std::vector<LoadedLayer> load_layers(const stage::Stage& stage, const stage::StagePerformer& performer,
-                                         const ClipOnDevice& clip);
+                                         const voctree::PaintedField& painted);
+    void load_paint(const stage::Stage& stage, StageAssets& assets);
     const gpu::Device& device_;
     PaintSource paint_source_;
     PaintFiles paint_files_;

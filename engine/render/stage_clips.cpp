@@ -27,7 +27,11 @@ bool contains(const auto& list, const auto& one) {
 }  // namespace
 
 StageClips::StageClips(const StageAssets& assets)
-    : clips_(assets.clips), files_(assets.files), problems_(assets.problems), shown_(assets.paint.size()) {
+    : clips_(assets.clips),
+      folders_(assets.folders),
+      files_(assets.files),
+      problems_(assets.problems),
+      shown_(assets.paint.size()) {
     for (uint32_t clip = 0; clip < clips_.size(); clip++) {
         const auto segments = static_cast<uint32_t>(clips_[clip].segments.size());
         for (uint32_t i = 0; i < segments && segments > 1; i++) {
@@ -92,15 +96,32 @@ std::vector<StageClips::Id> StageClips::segments_of(const stage::EvaluatedPerfor
     return ids;
 }
 
+// In a segment that is on the device, without a frame yet. A coarse tree shows no paint, which refers to leaves.
+std::optional<StageClips::Place> StageClips::place_in(const Id& id, const stage::EvaluatedPerformer& performer) const {
+    const ClipOnDevice::Segment& segment = at(id);
+    const LoadedClip* loaded = drawn(segment);
+    if (!loaded) return std::nullopt;
+    Place place{&loaded->field};
+    for (const auto& paint : segment.paints)
+        if (segment.loaded && paint->layers == folders_[performer.performer]) place.paint = paint.get();
+    return place;
+}
+
 std::vector<StageClips::Place> StageClips::places_of(const stage::EvaluatedPerformer& performer) const {
     std::vector<Place> places;
     for (const auto& [place, share] : voctree::segment_shares(clips_[performer.clip].index, double{performer.frame}))
-        if (const LoadedClip* loaded = drawn(at({performer.clip, place.segment})))
-            places.push_back({&loaded->field, place.frame, share});
+        if (std::optional<Place> there = place_in({performer.clip, place.segment}, performer)) {
+            there->frame = place.frame;
+            there->share = share;
+            places.push_back(*there);
+        }
     if (places.size() == 1) places[0].share = 1;
     const std::optional<Shown>& last = shown_[performer.performer];
     if (places.empty() && at(wanted_by(performer).id).readable && last && last->id.clip == performer.clip)
-        if (const LoadedClip* loaded = drawn(at(last->id))) places.push_back({&loaded->field, last->frame});
+        if (std::optional<Place> there = place_in(last->id, performer)) {
+            there->frame = last->frame;
+            places.push_back(*there);
+        }
     return places;
 }
 
@@ -113,9 +134,20 @@ bool StageClips::holds(const stage::EvaluatedStage& evaluated) const {
                        });
 }
 
+void StageClips::tell(const std::string& problem) {
+    if (!problem.empty() && !contains(problems_, problem)) problems_.push_back(problem);
+}
+
 void StageClips::fail(const Id& id, const std::string& problem) {
     at(id).readable = false;
-    if (!contains(problems_, problem)) problems_.push_back(problem);
+    tell(problem);
+}
+
+void StageClips::take(const Id& id, std::shared_ptr<const LoadedClip> loaded, ClipFiles::Paints paints) {
+    for (const auto& paint : paints) tell(paint->problem);
+    at(id).loaded = std::move(loaded);
+    at(id).paints = std::move(paints);
+    on_device_.insert(id);
 }
 
 // Takes what the thread has read of files that have not changed since.
@@ -130,7 +162,11 @@ void StageClips::take_results() {
                 fail(id, result.problem);
                 continue;
             }
-            (result.is_coarse ? segment.coarse : segment.loaded) = result.clip;
+            if (!result.is_coarse) {
+                take(id, result.clip, result.paints);
+                continue;
+            }
+            segment.coarse = result.clip;
             on_device_.insert(id);
         }
     }
@@ -187,7 +223,10 @@ void StageClips::drop_all_but(const std::set<Id>& kept) {
         ClipOnDevice::Segment& segment = at(id);
         const bool stays = kept.contains(id);
         if (segment.coarse && (!stays || segment.loaded)) dropped_.push_back(std::exchange(segment.coarse, nullptr));
-        if (segment.loaded && !stays) dropped_.push_back(std::exchange(segment.loaded, nullptr));
+        if (segment.loaded && !stays) {
+            dropped_.push_back(std::exchange(segment.loaded, nullptr));
+            segment.paints.clear();
+        }
         return !stays || !drawn(segment);
     });
     std::erase_if(recent_, [&](const Id& id) { return !on_device_.contains(id); });
@@ -222,9 +261,10 @@ void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& 
     remember(evaluated);
     std::vector<ClipFiles::Wanted> wanted;
     for (const Id& id : needed)
-        if (is_missing(id)) wanted.push_back({file_of(id), !at(id).coarse});
+        if (is_missing(id)) wanted.push_back({file_of(id), !at(id).coarse, clips_[id.clip].layers});
     for (const Id& id : ahead)
-        if (kept.contains(id) && is_missing(id) && !contains(needed, id)) wanted.push_back({file_of(id), false});
+        if (kept.contains(id) && is_missing(id) && !contains(needed, id))
+            wanted.push_back({file_of(id), false, clips_[id.clip].layers});
     files_->read_ahead(std::move(wanted));
 }
 
@@ -232,8 +272,8 @@ void StageClips::read_missing(const stage::EvaluatedStage& evaluated) {
     for (const Id& id : needed_at(evaluated)) {
         if (!is_missing(id)) continue;
         try {
-            at(id).loaded = files_->read(file_of(id));
-            on_device_.insert(id);
+            const std::shared_ptr<const LoadedClip> loaded = files_->read(file_of(id));
+            take(id, loaded, files_->read_paints(file_of(id), *loaded, clips_[id.clip].layers));
         } catch (const InputError& problem) {
             fail(id, problem.what());
         }

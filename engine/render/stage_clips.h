@@ -49,8 +49,9 @@ class StageClips {
     // A place in the field of a segment.
     struct Place {
         const Field* field = nullptr;
-        float frame = 0;  // of that field
-        float share = 1;  // of the density
+        float frame = 0;                      // of that field
+        float share = 1;                      // of the density
+        const SegmentPaint* paint = nullptr;  // of a performer on a segmented clip that has layers
     };
     // Where a performer is drawn: in the segment of its time, and while that fades into another, in both
     // (segment_shares), the first one first. Where only one of two is on the device, it is drawn alone; where none is,
@@ -62,6 +63,7 @@ class StageClips {
 
     const std::vector<ClipOnDevice>& clips() const { return clips_; }
     // A line for each segment of which it is known that it cannot be read; at its times, the performer is not there.
+    // And one for paint of a segment that cannot be read and does not show.
     const std::vector<std::string>& problems() const { return problems_; }
 
   private:
@@ -73,6 +75,7 @@ class StageClips {
         Id id;
         float frame = 0;
     };
+    std::optional<Place> place_in(const Id& id, const stage::EvaluatedPerformer& performer) const;
     ClipOnDevice::Segment& at(const Id& id) { return clips_[id.clip].segments[id.segment]; }
     const ClipOnDevice::Segment& at(const Id& id) const { return clips_[id.clip].segments[id.segment]; }
     const voctree::ClipSegment& file_of(const Id& id) const { return clips_[id.clip].index.segments[id.segment]; }
@@ -80,13 +83,16 @@ class StageClips {
     std::vector<Id> segments_of(const stage::EvaluatedPerformer& performer) const;
     bool is_missing(const Id& id) const { return at(id).readable && !at(id).loaded; }
     void take_results();
+    void tell(const std::string& problem);
     void fail(const Id& id, const std::string& problem);
+    void take(const Id& id, std::shared_ptr<const LoadedClip> loaded, ClipFiles::Paints paints);
     std::vector<Id> needed_at(const stage::EvaluatedStage& evaluated) const;
     std::vector<Id> ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) const;
     std::set<Id> chosen(const std::vector<Id>& needed, const std::vector<Id>& ahead) const;
     void drop_all_but(const std::set<Id>& kept);
     void remember(const stage::EvaluatedStage& evaluated);
     std::vector<ClipOnDevice> clips_;
+    std::vector<LayerFolders> folders_;  // by performer (StageAssets)
     std::shared_ptr<ClipFiles> files_;
     std::vector<std::string> problems_;
     // Of segmented clips only:

@@ -23,6 +23,12 @@ SetLightKind kind_of(stage::GltfLightKind kind) {
     return SetLightKind::kPoint;
 }
 
+// One of two places between which a performer fades, as if it were the only one.
+StageClips::Place alone(StageClips::Place place) {
+    place.share = 1;
+    return place;
+}
+
 std::vector<glm::vec4> download_halves(const gpu::Device& device, const gpu::Buffer& from) {
     std::vector<uint16_t> halves(from.bytes / 2);
     gpu::download(device, from, halves.data(), from.bytes);
@@ -80,6 +86,27 @@ void StageRenderer::update_fields() {
     while (slice_shares_ < fields_.size()) slice_shares_ = std::max(2 * slice_shares_, 1u);
     frames_->change_fields(fields_, slice_shares_);
     clips_.free_dropped();
+    update_segment_paints();
+}
+
+// Numbers the paints of segments that are there now, and removes those of before.
+void StageRenderer::update_segment_paints() {
+    auto before = std::exchange(segment_paints_, {});
+    for (const ClipOnDevice& clip : clips_.clips())
+        for (const ClipOnDevice::Segment& segment : clip.segments)
+            for (const auto& one : segment.paints) {
+                if (!one->paint || segment_paints_.contains(one->paint)) continue;
+                const auto known = before.extract(one->paint);
+                segment_paints_[one->paint] =
+                    known ? known.mapped()
+                          : NumberedPaint{segment.loaded,
+                                          frames_->paints(number_of(segment.loaded->field)).add(one->paint)};
+            }
+    for (const auto& [paint, numbered] : before) {
+        const auto clip = numbered.clip.lock();
+        const uint32_t field = clip ? number_of(clip->field) : static_cast<uint32_t>(fields_.size());
+        if (field < fields_.size()) frames_->paints(field).remove(numbered.number);
+    }
 }
 
 std::vector<std::string> StageRenderer::take_problems() {
@@ -197,9 +224,10 @@ media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, c
 }
 
 Instance StageRenderer::instance_at(const stage::EvaluatedPerformer& performer, const StageClips::Place& place) const {
+    const bool has_segment_paint = place.paint && place.paint->paint;
     return Instance{place.frame,
                     glm::mat4(performer.world_from_performer),
-                    paints_[performer.performer],
+                    has_segment_paint ? segment_paints_.at(place.paint->paint).number : paints_[performer.performer],
                     number_of(*place.field),
                     performer.opacity,
                     place.share,
@@ -212,7 +240,7 @@ std::optional<Instance> StageRenderer::instance_of(const stage::EvaluatedPerform
     if (!performer.visible) return std::nullopt;
     const std::vector<StageClips::Place> places = clips_.places_of(performer);
     if (places.empty()) return std::nullopt;
-    return instance_at(performer, {places[0].field, places[0].frame, 1});
+    return instance_at(performer, alone(places[0]));
 }
 
 FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
@@ -233,7 +261,7 @@ FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
         std::vector<StageClips::Place> places = clips_.places_of(performer);
         // Two translucent instances, one in the other, let less light through than one.
         const bool fades = may_fade && performer.opacity >= 1;
-        if (places.size() > 1 && !fades) places = {{places[0].field, places[0].frame, 1}};
+        if (places.size() > 1 && !fades) places = {alone(places[0])};
         for (const StageClips::Place& place : places) {
             Instance& instance = settings.instances.emplace_back(instance_at(performer, place));
             if (performer.performer == highlight.performer) instance.highlight = highlight.highlight;

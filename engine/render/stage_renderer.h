@@ -77,12 +77,12 @@ class StageRenderer {
     // The same field, valid for as long as the pointer exists.
     std::shared_ptr<const Field> shared_field(uint32_t clip) const { return {first(clip), &first(clip)->field}; }
     const voctree::PaintedField& painted_field(uint32_t clip) const { return first(clip)->painted; }
-    // A line for each segment that cannot be read, of those that were found since the last call, or since change(); at
-    // its times, the performer is not there.
+    // A line for each segment, and for paint of a segment, that cannot be read, of those that were found since the last
+    // call, or since change(): StageClips::problems.
     std::vector<std::string> take_problems();
     // ClipOnDevice::leaf_box.
     std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const { return clips_.clips()[clip].leaf_box; }
-    // The number of a performer's paint in frames().paints(); 0: no paint.
+    // The number of a performer's paint in frames().paints(); 0: no paint, or a segmented clip.
     uint32_t paint_of(uint32_t performer) const { return paints_[performer]; }
 
   private:
@@ -98,6 +98,7 @@ class StageRenderer {
     };
     const std::shared_ptr<const LoadedClip>& first(uint32_t clip) const { return clips_.clips()[clip].first; }
     void update_fields();
+    void update_segment_paints();
     Instance instance_at(const stage::EvaluatedPerformer& performer, const StageClips::Place& place) const;
     // Among fields_; their number where it is not among them.
     uint32_t number_of(const Field& field) const;
@@ -112,7 +113,13 @@ class StageRenderer {
     std::vector<const Field*> fields_;  // of clips_, in the order of FrameRenderer
     uint32_t slice_shares_ = 0;         // FrameRenderer::change_fields
     std::map<PaintKey, uint32_t> paint_numbers_;
-    std::vector<uint32_t> paints_;  // by performer
+    std::vector<uint32_t> paints_;  // by performer; 0 for those on segmented clips
+    // The paints of segments that are on the device: their numbers, and the clips whose fields they are on.
+    struct NumberedPaint {
+        std::weak_ptr<const LoadedClip> clip;
+        uint32_t number = 0;
+    };
+    std::map<std::shared_ptr<const Paint>, NumberedPaint> segment_paints_;
     std::unique_ptr<SetRaster> set_;
     std::unique_ptr<FrameRenderer> frames_;
 };

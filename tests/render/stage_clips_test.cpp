@@ -9,12 +9,14 @@
 
 #include "render/stage_renderer.h"
 #include "support/gpu_test.h"
+#include "support/input_error.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "support/temporary_folder.h"
 #include "voctree/coarse.h"
+#include "voctree/nvpaint.h"
 
 namespace neuvv::test::stage_clips_test {
 namespace {
@@ -225,6 +227,49 @@ TEST_F(StageClipsTest, AFileThatWasWrittenAgainIsReadAgain) {
     again.follow(*stage, evaluated);
     again.read_missing(evaluated);
     EXPECT_NE(again.clips()[0].segments[9].loaded, first);
+}
+
+TEST_F(StageClipsTest, PaintComesAndGoesWithItsSegment) {
+    const std::filesystem::path layer = folder.path / "look.nvpaint";
+    std::filesystem::create_directory(layer);
+    for (const uint32_t number : {0u, 9u}) {
+        const voctree::VOctree tree = voctree::read_nvv(segment(number));
+        voctree::EditLayer paint{voctree::painted_field(tree), {}};
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+            paint.edits.push_back({.leaf = leaf, .first = 0, .last = 1, .colour = {0, 1, 0}, .alpha = 1});
+        voctree::write_paint(voctree::paint_file(layer, {segment(number), 2 * number, 2}), paint);
+    }
+    stage::StageFile file = stage->file;
+    edit::add_paint_layer(file, stage->performers[0].node, layer, {});
+    const stage::Stage painted = stage::make_stage(file);
+    const auto fresh = [](const stage::Stage& shown, uint32_t number) {
+        render::StageRenderer renderer(device(), shown, render::StageLoader(device()).load(shown), {48, 36});
+        return image_at(renderer, shown, middle_of(number));
+    };
+    render::StageLoader loader(device());
+    render::StageRenderer renderer(device(), painted, loader.load(painted), {48, 36});
+    for (const uint32_t number : {0u, 9u, 5u, 0u, 11u, 3u, 9u}) {
+        const media::Image image = image_at(renderer, painted, middle_of(number));
+        EXPECT_EQ(image.rgba, fresh(painted, number).rgba) << number;
+        EXPECT_EQ(image.rgba == fresh(*stage, number).rgba, number != 0 && number != 9) << number;
+    }
+    // Edits of the stage, while segments stay on the device.
+    renderer.change(*stage, loader.load(*stage));
+    EXPECT_EQ(image_at(renderer, *stage, middle_of(9)).rgba, fresh(*stage, 9).rgba);
+    renderer.change(painted, loader.load(painted));
+    EXPECT_EQ(image_at(renderer, painted, middle_of(9)).rgba, fresh(painted, 9).rgba);
+    // By the thread that reads ahead.
+    const stage::EvaluatedStage evaluated = stage::stage_at(painted, middle_of(0));
+    for (int i = 0; i < 60'000; i++) {
+        renderer.show(evaluated, true, MissingSegments::kHold);
+        if (!renderer.holds(evaluated) && renderer.instance_of(evaluated.performers[0])->paint != 0) break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(
+        renderer.frames().render(look_at({0, 0.4, 4}, {0, 0.5, 0}, 48, 36, 1), renderer.settings_at(evaluated)).rgba,
+        fresh(painted, 0).rgba);
+    std::filesystem::remove_all(layer);
+    expect_input_error([&] { render::StageLoader(device()).load(painted); }, {"look.nvpaint", "no such folder"});
 }
 
 // Until the whole segment is there, the performer is at its time in one way or the other.

@@ -1,0 +1,42 @@
+// Paint of segments: a performer's layers on a clip in segments, each a folder with a file for every painted segment
+// (voctree/nvpaint.h). They are read and uploaded together with a segment.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/file_stamp.h"
+#include "render/paint.h"
+#include "voctree/clip_index.h"
+
+namespace neuvv::render {
+
+struct LayerFolder {
+    std::filesystem::path folder;
+    stage::PaintBlend blend = stage::PaintBlend::kNormal;
+    float opacity = 1;
+    auto operator<=>(const LayerFolder&) const = default;
+};
+// The visible layers of a performer, the lowest first.
+using LayerFolders = std::vector<LayerFolder>;
+
+// What layers hold for one segment.
+struct SegmentPaint {
+    LayerFolders layers;
+    std::vector<FileStamp> stamps;       // of the segment's file in each layer
+    std::shared_ptr<const Paint> paint;  // null: no leaf of the segment is painted
+    std::string problem;                 // why it cannot be read and is left out; mostly empty
+};
+
+// The stamps of the segment's file in each layer.
+std::vector<FileStamp> stamps_of(const LayerFolders& layers, const voctree::ClipSegment& segment);
+
+// Reads and uploads the paint of a segment; null where no leaf of it is painted. Throws InputError where
+// voctree::read_segment_paint does; RuntimeFailure where the device has no memory.
+std::shared_ptr<const Paint> load_segment_paint(const gpu::Device& device, const LayerFolders& layers,
+                                                const voctree::ClipSegment& segment,
+                                                const voctree::PaintedField& field);
+
+}  // namespace neuvv::render
