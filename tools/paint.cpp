@@ -1,11 +1,10 @@
 // neuvv paint: makes and changes layers of paint on a performer.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <functional>
-#include <map>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -20,70 +19,48 @@ namespace neuvv::tools {
 
 namespace {
 
-// The performer on the device, ready to be painted.
-struct DeviceScene {
-    DeviceScene(const PaintedScene& scene, const CommonOptions& common)
-        : device(common.device),
-          field(std::make_shared<const render::Field>(
-              render::upload_field(device, scene.clip->tree, render::WeightPrecision::kHalf))),
-          surface(device) {}
-    editor::PaintSession session(const PaintedScene& scene, editor::PaintOperation operation,
-                                 editor::PaintArea area) const {
-        editor::PaintSubject subject = scene.subject();
-        subject.field = field;
-        return {std::move(subject), scene.layer, std::move(operation), std::move(area)};
+// The surface that is painted on, on a device that is opened when it is needed first. The performer is one segment
+// after the other.
+class OnDevice {
+  public:
+    explicit OnDevice(const CommonOptions& common) : common_(common) {}
+
+    editor::PaintSession session(const PaintedSegment& segment, Layer before, editor::PaintOperation operation,
+                                 editor::PaintArea area) {
+        if (!device_) device_.emplace(common_.device);
+        if (!surface_) surface_.emplace(*device_);
+        surface_->clear();
+        editor::PaintSubject subject = segment.subject();
+        subject.field = std::make_shared<const render::Field>(
+            render::upload_field(*device_, segment.clip->tree, render::WeightPrecision::kHalf));
+        return {std::move(subject), std::move(before), std::move(operation), std::move(area)};
     }
-    gpu::Device device;
-    std::shared_ptr<const render::Field> field;
-    editor::PaintSurface surface;
+    editor::PaintSurface& surface() { return *surface_; }
+
+  private:
+    const CommonOptions& common_;
+    std::optional<gpu::Device> device_;
+    std::optional<editor::PaintSurface> surface_;
 };
 
-// Each of the functions that paint returns the painted layer, or null where there was no leaf to paint.
-using Layer = std::shared_ptr<const voctree::EditLayer>;
-
-Layer projected(const PaintedScene& scene, const PaintOptions& options, const edit::EditFrames& frames,
-                const CommonOptions& common) {
-    catch_stop_signals();
-    editor::PaintArea area = area_of(options);
-    area.image = media::read_png(options.image);
-    area.image_camera = camera_of(options, scene, {area.image.width, area.image.height});
-    area.every_frame = options.every_frame;
-    editor::PaintOperation operation;
-    operation.opacity = static_cast<float>(options.alpha);
-    operation.frames = frames;
-    DeviceScene on_device(scene, common);
-    editor::PaintSession session = on_device.session(scene, operation, std::move(area));
-    if (!options.every_frame) {
-        session.add_projection(on_device.surface);
-        return session.layer();
-    }
+// A Painting onto whole frames.
+Layer projected_on_each(editor::PaintSession session, editor::PaintSurface& surface, bool with_progress) {
     const auto [first, last] = session.projected_frames();
-    if (first > last)
-        throw InputError("--frames", fmt::format("{}:{}", frames.first, frames.last), "has no whole frame",
-                         "--every-frame projects on whole ones");
-    Progress progress("project", last - first + 1);
+    if (first > last) return nullptr;
+    std::optional<Progress> progress;
+    if (with_progress) progress.emplace("project", last - first + 1);
     for (uint32_t done = 1, more = 1; more; done++) {
         if (stop_requested()) throw RuntimeFailure("stopped before the end");
-        more = session.add_projection(on_device.surface);
-        progress.update(done);
+        more = session.add_projection(surface);
+        if (progress) progress->update(done);
     }
-    return session.layer();
-}
-
-Layer brushed(const PaintedScene& scene, const PaintOptions& options, const edit::EditFrames& frames,
-              const CommonOptions& common) {
-    expect_change(options);
-    const std::vector<glm::dvec2> line = line_of(options);
-    const stage::Camera camera = camera_of(options, scene, image_size(options, scene));
-    DeviceScene on_device(scene, common);
-    editor::PaintSession session = on_device.session(scene, operation_of(options, frames), area_of(options));
-    session.add_touches(on_device.surface, camera, line);
     return session.layer();
 }
 
 // Needs no device.
-Layer filled(const PaintedScene& scene, const PaintOptions& options, const editor::PaintOperation& operation) {
-    editor::PaintSession session(scene.subject(), scene.layer, operation);
+Layer filled(const PaintedSegment& segment, const Layer& before, const PaintOptions& options,
+             const editor::PaintOperation& operation) {
+    editor::PaintSession session(segment.subject(), before, operation);
     session.add_region(region_of(options));
     return session.layer();
 }
@@ -98,70 +75,146 @@ nlohmann::ordered_json stage_json(const StagedPerformer& staged) {
             {"added", !staged.change.empty()}};
 }
 
-void print_layer(const PaintOptions& options, const PaintedScene& scene) {
-    const voctree::EditLayer& layer = *scene.layer;
-    std::map<uint32_t, size_t> of_leaf;
-    size_t colours = 0, densities_set = 0, erased = 0;
-    for (const voctree::LeafEdit& edit : layer.edits) {
-        of_leaf[edit.leaf]++;
-        colours += edit.alpha > 0;
-        densities_set += edit.sigma > 0;
-        erased += edit.sigma == 0;
-    }
+void print_layer(const PaintOptions& options, const PaintedScene& scene, const LayerTotals& totals) {
     if (!options.json) {
+        const std::string segments =
+            scene.is_segmented() ? fmt::format("in {} of {} segments, ", totals.segments, scene.index.segments.size())
+                                 : "";
         fmt::print(
-            "{}: {} edits, each of a leaf and some frames; {} of {} leaves have any: {} colours, {} densities, {} "
+            "{}: {}{} edits, each of a leaf and some frames; {} of {} leaves have any: {} colours, {} densities, {} "
             "erased\n",
-            options.layer, layer.edits.size(), of_leaf.size(), layer.field.leaf_count, colours, densities_set, erased);
+            options.layer, segments, totals.edits, totals.leaves, totals.field_leaves, totals.colours, totals.densities,
+            totals.erased);
         return;
     }
     nlohmann::ordered_json json = {{"file", options.layer},
-                                   {"edits", layer.edits.size()},
-                                   {"leaves", of_leaf.size()},
-                                   {"colours", colours},
-                                   {"densities", densities_set},
-                                   {"erased", erased},
-                                   {"field_leaves", layer.field.leaf_count},
-                                   {"frames", layer.field.frames}};
+                                   {"edits", totals.edits},
+                                   {"leaves", totals.leaves},
+                                   {"colours", totals.colours},
+                                   {"densities", totals.densities},
+                                   {"erased", totals.erased},
+                                   {"field_leaves", totals.field_leaves},
+                                   {"frames", scene.index.frames()}};
+    if (scene.is_segmented()) json["segments"] = totals.segments;
     if (scene.staged) json["stage"] = stage_json(*scene.staged);
     fmt::print("{}", json_text(json));
 }
 
-// Saves the scene and prints what the layer holds now.
-void finish(const PaintOptions& options, const PaintedScene& scene) {
-    scene.save(options);
-    print_layer(options, scene);
+// Saves the stage and prints what the layer holds now; of a clip in segments, in those that were painted.
+void finish(const PaintOptions& options, const PaintedScene& scene, const LayerTotals& totals) {
+    scene.save_stage(options);
+    print_layer(options, scene, totals);
     if (scene.staged && !scene.staged->change.empty() && !options.json)
         fmt::print("{}: {}\n", options.scene, scene.staged->change);
 }
 
-// A function that paints.
-using Painting = std::function<Layer(const PaintedScene&, const edit::EditFrames&)>;
+// Paints a clip that is one file. Returns whether there was any leaf to paint.
+bool paint_file(const PaintedScene& scene, const PaintOptions& options, const edit::EditFrames& frames,
+                const Painting& painting, LayerTotals& totals) {
+    PaintedSegment segment(scene, options, 0);
+    const Layer painted = painting(segment, segment.layer, frames);
+    if (painted) {
+        segment.layer = painted;
+        segment.save();
+    }
+    totals.add(*segment.layer);
+    return painted != nullptr;
+}
 
-void paint(const PaintOptions& options, const Painting& painting) {
-    prepare_output_file("layer", options.layer);
-    PaintedScene scene(options);
-    const edit::EditFrames frames = frames_of(options, scene.at, scene.clip->tree.frames);
-    const Layer painted = painting(scene, frames);
-    if (!painted) {
-        fmt::print(stderr, "no leaf is there: nothing is painted, and nothing written\n");
-        scene.drop_new_layer();
-        print_layer(options, scene);
+void paint(PaintedScene& scene, const PaintOptions& options, const edit::EditFrames& frames, Spread spread,
+           const Painting& painting) {
+    LayerTotals totals;
+    const bool painted = scene.is_segmented() ? paint_segments(scene, options, frames, spread, painting, totals)
+                                              : paint_file(scene, options, frames, painting, totals);
+    if (painted) {
+        finish(options, scene, totals);
         return;
     }
-    scene.layer = painted;
-    finish(options, scene);
+    fmt::print(stderr, "no leaf is there: nothing is painted, and nothing written\n");
+    scene.drop_new_layer();
+    print_layer(options, scene, totals);
+}
+
+// Of a clip in segments, an image that is projected once is carried to the other segments.
+void project(const PaintOptions& options, const CommonOptions& common) {
+    catch_stop_signals();
+    PaintedScene scene(options);
+    const edit::EditFrames frames = frames_of(options, scene.at, scene.index.frames());
+    if (options.every_frame && std::ceil(frames.first) > std::floor(frames.last))
+        throw InputError("--frames", fmt::format("{}:{}", frames.first, frames.last), "has no whole frame",
+                         "--every-frame projects on whole ones");
+    const media::Image image = media::read_png(options.image);
+    OnDevice on_device(common);
+    const auto painting = [&](const PaintedSegment& segment, const Layer& before, const edit::EditFrames& at) {
+        editor::PaintArea area = area_of(options);
+        area.image = image;
+        area.image_camera = camera_of(options, scene, segment.clip_box, {image.width, image.height});
+        area.every_frame = options.every_frame;
+        editor::PaintOperation operation;
+        operation.opacity = static_cast<float>(options.alpha);
+        operation.frames = at;
+        editor::PaintSession session = on_device.session(segment, before, operation, std::move(area));
+        if (options.every_frame)
+            return projected_on_each(std::move(session), on_device.surface(), !scene.is_segmented());
+        session.add_projection(on_device.surface());
+        return session.layer();
+    };
+    paint(scene, options, frames, options.every_frame ? Spread::kEach : Spread::kCarried, painting);
+}
+
+void brush(const PaintOptions& options, const CommonOptions& common) {
+    expect_change(options);
+    PaintedScene scene(options);
+    const std::vector<glm::dvec2> line = line_of(options);
+    OnDevice on_device(common);
+    const auto painting = [&](const PaintedSegment& segment, const Layer& before, const edit::EditFrames& at) {
+        const stage::Camera camera = camera_of(options, scene, segment.clip_box, image_size(options, scene));
+        editor::PaintSession session = on_device.session(segment, before, operation_of(options, at), area_of(options));
+        session.add_touches(on_device.surface(), camera, line);
+        return session.layer();
+    };
+    paint(scene, options, frames_of(options, scene.at, scene.index.frames()), Spread::kCarried, painting);
+}
+
+// Of a clip in segments, each segment has leaves of its own in the region; but where edits follow leaves, the region is
+// one of the segment that is seen.
+void fill(const PaintOptions& options) {
+    expect_region(options);
+    expect_change(options);
+    PaintedScene scene(options);
+    const edit::EditFrames frames = frames_of(options, scene.at, scene.index.frames());
+    const bool follows = frames.follow != edit::Follow::kNot;
+    paint(scene, options, frames, follows ? Spread::kCarried : Spread::kEach,
+          [&](const PaintedSegment& segment, const Layer& before, const edit::EditFrames& at) {
+              return filled(segment, before, options, operation_of(options, at));
+          });
 }
 
 void restore(const PaintOptions& options) {
     expect_region(options);
-    PaintedScene scene(options, PaintedScene::Use::kRead);
-    prepare_output_file("layer", options.layer);
-    editor::PaintOperation operation;
-    operation.kind = editor::PaintOperation::Kind::kRestore;
-    operation.frames = frames_of(options, scene.at, scene.clip->tree.frames);
-    if (const Layer restored = filled(scene, options, operation)) scene.layer = restored;
-    finish(options, scene);
+    const PaintedScene scene(options, PaintedScene::Use::kRead);
+    if (!scene.is_segmented()) prepare_output_file("layer", options.layer);
+    const edit::EditFrames frames = frames_of(options, scene.at, scene.index.frames());
+    LayerTotals totals;
+    for (const uint32_t number : painted_segments(scene, options)) {
+        editor::PaintOperation operation;
+        operation.kind = editor::PaintOperation::Kind::kRestore;
+        operation.frames = frames_in(frames, scene.index.segments[number]);
+        if (operation.frames.first > operation.frames.last) continue;
+        PaintedSegment segment(scene, options, number);
+        if (const Layer restored = filled(segment, segment.layer, options, operation)) segment.layer = restored;
+        segment.save();
+        totals.add(*segment.layer);
+    }
+    finish(options, scene, totals);
+}
+
+void print_info(const PaintOptions& options) {
+    const PaintedScene scene(options, PaintedScene::Use::kRead);
+    LayerTotals totals;
+    for (const uint32_t number : painted_segments(scene, options))
+        totals.add(*PaintedSegment(scene, options, number).layer);
+    print_layer(options, scene, totals);
 }
 
 void add_project(Command paints, const std::shared_ptr<PaintOptions>& options, const CommonOptions& common) {
@@ -177,11 +230,7 @@ void add_project(Command paints, const std::shared_ptr<PaintOptions>& options, c
                   "Onto each of --frames as it is then, as a projector would: nothing is left bare when the performer "
                   "moves. On a stage it stands as at --time")
         .excludes(follow);
-    verb.callback([options, &common] {
-        paint(*options, [&](const PaintedScene& scene, const edit::EditFrames& frames) {
-            return projected(scene, *options, frames, common);
-        });
-    });
+    verb.callback([options, &common] { project(*options, common); });
 }
 
 void add_brush(Command paints, const std::shared_ptr<PaintOptions>& options, const CommonOptions& common) {
@@ -195,19 +244,7 @@ void add_brush(Command paints, const std::shared_ptr<PaintOptions>& options, con
     add_region_options(verb, *options);
     add_frame_options(verb, *options);
     add_follow_option(verb, *options);
-    verb.callback([options, &common] {
-        paint(*options, [&](const PaintedScene& scene, const edit::EditFrames& frames) {
-            return brushed(scene, *options, frames, common);
-        });
-    });
-}
-
-void fill(const PaintOptions& options) {
-    expect_region(options);
-    expect_change(options);
-    paint(options, [&](const PaintedScene& scene, const edit::EditFrames& frames) {
-        return filled(scene, options, operation_of(options, frames));
-    });
+    verb.callback([options, &common] { brush(*options, common); });
 }
 
 void add_region(Command paints, const std::shared_ptr<PaintOptions>& options) {
@@ -249,7 +286,7 @@ void add_erase_and_restore(Command paints, const std::shared_ptr<PaintOptions>& 
 void add_info(Command paints, const std::shared_ptr<PaintOptions>& options) {
     Command verb = paints.add_verb("info", "What the layer holds");
     add_scene_options(verb, *options);
-    verb.callback([options] { print_layer(*options, PaintedScene(*options, PaintedScene::Use::kRead)); });
+    verb.callback([options] { print_info(*options); });
 }
 
 }  // namespace
@@ -267,7 +304,9 @@ void add_paint(Command app, CommonOptions& common) {
         {"`neuvv render --paint` shows layers of a .nvv. On a stage the performer is painted where it stands at\n"
          "--time, as its layers show it then, whatever stands before it; a layer that is not in its list yet "
          "becomes\n"
-         "the uppermost one there. Copies have lists of their own, but a file that is in several shows on all.\n",
+         "the uppermost one there. Copies have lists of their own, but a file that is in several shows on all.\n"
+         "A layer of a clip in segments is a folder. What is painted goes on in all segments of --frames or "
+         "--follow.\n",
          kDeviceHelp, kExamplesHead,
          "  neuvv paint region build/performer.nvv build/look.nvpaint --box -1,0,-1,1,0.9,1 --hue 120\n"
          "  neuvv paint brush build/performer.nvv build/look.nvpaint --line 300,200 420,220 --colour '#d02020' "

@@ -1,16 +1,20 @@
-// What the files of `neuvv paint` share: its options (paint_options.cpp), and what it paints on (painted_scene.cpp): a
-// performer by itself, or one that stands on a stage.
+// What the files of `neuvv paint` share: its options (paint_options.cpp), what it paints on (painted_scene.cpp): a
+// performer by itself, or one that stands on a stage; and how it paints on clips in segments (paint_segments.cpp).
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "editor/paint_session.h"
 #include "stage/evaluated_stage.h"
 #include "tools/command_line.h"
 #include "tools/options.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::tools {
 
@@ -87,34 +91,80 @@ struct StagedPerformer {
 };
 
 struct PaintedScene {
-    // Reads all files that the options name. A layer that is to be painted may be missing, and is then added to the
-    // performer's list; a layer that is to be read must exist. Throws InputError.
+    // Reads what the options name, but for clip and paint. A layer that is to be painted may be missing, and is then
+    // added to the performer's list; a layer that is to be read must exist. Throws InputError.
     enum class Use { kPaint, kRead };
     explicit PaintedScene(const PaintOptions& options, Use use = Use::kPaint);
 
     std::optional<StagedPerformer> staged;  // where the scene is a stage
+    Use use;
+    std::filesystem::path clip;
+    voctree::ClipIndex index;  // of the clip
+    float at = 0;              // the frame of the clip that is seen
+
+    // Then the layer is a folder with a file for each segment.
+    bool is_segmented() const { return index.segments.size() > 1; }
+
+    // Keeps a new layer out of the performer's list, because nothing was painted.
+    void drop_new_layer();
+    // Writes the stage, atomically, where the layer is new in the performer's list. The layer must have been written.
+    void save_stage(const PaintOptions& options) const;
+};
+
+// A segment of the scene's clip and its paint; a clip that is one file is a segment. Throws InputError.
+struct PaintedSegment {
+    PaintedSegment(const PaintedScene& scene, const PaintOptions& options, uint32_t number);
+
+    std::filesystem::path layer_file;
     std::shared_ptr<const editor::PaintClip> clip;
     std::shared_ptr<const voctree::EditLayer> layer;  // the one that is painted
-    float at = 0;                                     // the frame of the clip that is seen
+    float at = 0;                                     // the frame of the segment that is seen, or is nearest to it
+    std::pair<glm::dvec3, glm::dvec3> clip_box;       // around the whole clip's leaves, or trees
 
     // The performer with the visible layers of its list, among them the painted one; without a stage with the painted
     // layer alone.
     editor::PaintSubject subject() const;
-
-    // Keeps a new layer out of the performer's list, because nothing was painted.
-    void drop_new_layer();
-    // Writes the layer's file, and then the stage where the layer is new in the performer's list; each atomically.
-    void save(const PaintOptions& options) const;
+    // Writes the layer's file, atomically. A segment without edits gets no file.
+    void save() const;
 
   private:
-    // In the order of the list; null for the painted layer and for those that are not visible.
-    std::vector<std::shared_ptr<const voctree::EditLayer>> other_layers_;
+    void read_other_layers(const StagedPerformer& staged, const PaintOptions& options,
+                           const voctree::ClipSegment* segment);
+    // What is visible beside and of the painted layer, the lowest first; a null layer is the painted one.
+    std::vector<editor::VisibleLayer> visible_;
 };
 
 // The size of the image whose pixels the options name.
 media::ImageSize image_size(const PaintOptions& options, const PaintedScene& scene);
 // The camera of the options for an image of this size, in the performer's own space: on a stage, relative to where the
 // performer stands there.
-stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, media::ImageSize size);
+stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene,
+                        const std::pair<glm::dvec3, glm::dvec3>& clip_box, media::ImageSize size);
+
+// What layers of paint hold.
+struct LayerTotals {
+    size_t segments = 0, edits = 0, leaves = 0, colours = 0, densities = 0, erased = 0;
+    uint64_t field_leaves = 0;
+    void add(const voctree::EditLayer& layer);
+};
+
+// A function that paints on a segment at frames of that segment. It returns the layer `before` with what it painted, or
+// null where there was no leaf to paint.
+using Layer = std::shared_ptr<const voctree::EditLayer>;
+using Painting = std::function<Layer(const PaintedSegment&, const Layer& before, const edit::EditFrames&)>;
+// How a painting goes on through the segments of a clip.
+enum class Spread {
+    kEach,     // each segment is painted by itself
+    kCarried,  // the segment that is seen is painted; others get the same edits, carried to their leaves
+};
+
+// Paints on the segments of a segmented clip, at frames of the clip, and saves each. Returns false where there was no
+// leaf to paint. Throws RuntimeFailure where it is stopped: what was painted until then is kept.
+bool paint_segments(const PaintedScene& scene, const PaintOptions& options, const edit::EditFrames& frames,
+                    Spread spread, const Painting& painting, LayerTotals& totals);
+// The numbers of the segments of which the layer has a file; of a clip that is one file, its number.
+std::vector<uint32_t> painted_segments(const PaintedScene& scene, const PaintOptions& options);
+// The part of frames of a clip that is in a segment's file, as frames of it; none (first > last) where there is none.
+edit::EditFrames frames_in(const edit::EditFrames& frames, const voctree::ClipSegment& segment);
 
 }  // namespace neuvv::tools

@@ -25,7 +25,10 @@ edit::Region sphere_of(const std::string& option, const std::string& text) {
 void add_scene_options(Command paint, PaintOptions& options) {
     paint.add_option("scene", options.scene, "The .nvv file, or a stage (.gltf, .glb) that a performer stands on")
         .required();
-    paint.add_option("layer", options.layer, "The .nvpaint to add to; made where there is none").required();
+    paint
+        .add_option("layer", options.layer,
+                    "The .nvpaint to add to, of a clip in segments a folder; made where there is none")
+        .required();
     paint.add_option("--node", options.node, "Of a stage: the performer, by name or index; not needed where it is one");
     paint.add_option("--time", options.time_s, "Of a stage: the time at which it is seen, seconds (default: 0)")
         .number_between(-stage::kMaxStageSeconds, stage::kMaxStageSeconds);

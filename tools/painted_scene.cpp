@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -108,37 +109,73 @@ stage::Camera stage_camera(const PaintOptions& options, const StagedPerformer& s
 
 }  // namespace
 
-PaintedScene::PaintedScene(const PaintOptions& options, Use use) : staged(open_stage(options, use)) {
-    const std::filesystem::path clip_path =
-        staged ? staged->stage.clips[staged->performer().clip].path : std::filesystem::path(options.scene);
-    clip = editor::read_performer(clip_path, nullptr, {}).clip;
-    layer = std::make_shared<voctree::EditLayer>(use == Use::kRead || std::filesystem::exists(options.layer)
-                                                     ? voctree::read_paint(options.layer, clip->field)
-                                                     : voctree::EditLayer{clip->field, {}});
+PaintedScene::PaintedScene(const PaintOptions& options, Use what)
+    : staged(open_stage(options, what)),
+      use(what),
+      clip(staged ? staged->stage.clips[staged->performer().clip].path
+                  : voctree::clip_path(std::filesystem::path(options.scene))),
+      index(voctree::read_clip_index(clip)) {
     at = static_cast<float>(options.at.value_or(staged ? double{staged->evaluated_performer().frame} : 0));
-    if (!(at >= 0 && at <= static_cast<float>(clip->tree.frames - 1)))
+    if (!(at >= 0 && at <= static_cast<float>(index.frames() - 1)))
         throw InputError("--at", fmt::format("{}", at), "is no frame of the clip",
-                         fmt::format("choose 0 to {}", clip->tree.frames - 1));
-    if (!staged) return;
-    for (const stage::PaintLayer& entry : staged->performer().settings.paint) {
-        const bool needed = entry.visible && entry.opacity > 0 && !is_painted(staged->stage, entry, options.layer);
-        other_layers_.push_back(
-            needed ? std::make_shared<const voctree::EditLayer>(voctree::read_paint(
-                         stage::file_of_uri(staged->stage.file, entry.uri, staged->performer().name), clip->field))
-                   : nullptr);
+                         fmt::format("choose 0 to {}", index.frames() - 1));
+    std::error_code error;
+    const bool needed = use == Use::kRead || std::filesystem::exists(options.layer, error);
+    if (is_segmented() && needed) voctree::expect_paint_folder(options.layer);
+    if (use == Use::kRead) return;
+    if (is_segmented())
+        prepare_output_folder("layer", options.layer);
+    else
+        prepare_output_file("layer", options.layer);
+}
+
+PaintedSegment::PaintedSegment(const PaintedScene& scene, const PaintOptions& options, uint32_t number)
+    : layer_file(scene.is_segmented() ? voctree::paint_file(options.layer, scene.index.segments[number])
+                                      : std::filesystem::path(options.layer)) {
+    const voctree::ClipSegment& segment = scene.index.segments[number];
+    clip = std::make_shared<const editor::PaintClip>(voctree::read_segment(segment));
+    const bool is_new =
+        !std::filesystem::exists(layer_file) && (scene.is_segmented() || scene.use == PaintedScene::Use::kPaint);
+    layer = std::make_shared<voctree::EditLayer>(is_new ? voctree::EditLayer{clip->field, {}}
+                                                        : voctree::read_paint(layer_file, clip->field));
+    at = std::clamp(scene.at - static_cast<float>(segment.first), 0.0f, static_cast<float>(clip->tree.frames - 1));
+    if (scene.is_segmented()) {
+        const voctree::ClipHead head = voctree::read_clip_head(scene.clip);
+        clip_box = {head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size)};
+    } else {
+        clip_box = voctree::occupied_box(clip->tree);
+    }
+    if (scene.staged)
+        read_other_layers(*scene.staged, options, scene.is_segmented() ? &segment : nullptr);
+    else
+        visible_.push_back({});
+}
+
+// `segment`: of a segmented clip.
+void PaintedSegment::read_other_layers(const StagedPerformer& staged, const PaintOptions& options,
+                                       const voctree::ClipSegment* segment) {
+    for (const stage::PaintLayer& entry : staged.performer().settings.paint) {
+        if (!entry.visible || entry.opacity <= 0) continue;
+        editor::VisibleLayer& visible =
+            visible_.emplace_back(editor::VisibleLayer{nullptr, entry.blend, static_cast<float>(entry.opacity)});
+        if (is_painted(staged.stage, entry, options.layer)) continue;
+        const std::filesystem::path path = stage::file_of_uri(staged.stage.file, entry.uri, staged.performer().name);
+        visible.layer = std::make_shared<const voctree::EditLayer>(
+            segment ? voctree::read_segment_paint(path, *segment, clip->field)
+                    : voctree::read_paint(path, clip->field));
     }
 }
 
-editor::PaintSubject PaintedScene::subject() const {
-    editor::PaintSubject subject{.clip = clip, .frame = at};
-    if (!staged) subject.paint = {{layer}};
-    for (size_t i = 0; i < other_layers_.size(); i++) {
-        const stage::PaintLayer& entry = staged->performer().settings.paint[i];
-        if (!entry.visible || entry.opacity <= 0) continue;
-        subject.paint.push_back(
-            {other_layers_[i] ? other_layers_[i] : layer, entry.blend, static_cast<float>(entry.opacity)});
-    }
+editor::PaintSubject PaintedSegment::subject() const {
+    editor::PaintSubject subject{.clip = clip, .frame = at, .paint = visible_};
+    for (editor::VisibleLayer& visible : subject.paint)
+        if (!visible.layer) visible.layer = layer;
     return subject;
+}
+
+void PaintedSegment::save() const {
+    std::error_code error;
+    if (!layer->edits.empty() || std::filesystem::exists(layer_file, error)) voctree::write_paint(layer_file, *layer);
 }
 
 void PaintedScene::drop_new_layer() {
@@ -147,8 +184,7 @@ void PaintedScene::drop_new_layer() {
     staged->layer = staged->performer().settings.paint.size();
 }
 
-void PaintedScene::save(const PaintOptions& options) const {
-    voctree::write_paint(options.layer, *layer);
+void PaintedScene::save_stage(const PaintOptions& options) const {
     if (!staged || staged->change.empty()) return;
     stage::StageFile file = staged->stage.file;
     if (stage::read_stage_file(options.scene).saved->bytes != file.saved->bytes)
@@ -167,11 +203,11 @@ media::ImageSize image_size(const PaintOptions& options, const PaintedScene& sce
     return scene.staged ? kStageSize : kClipSize;
 }
 
-stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene, media::ImageSize size) {
+stage::Camera camera_of(const PaintOptions& options, const PaintedScene& scene,
+                        const std::pair<glm::dvec3, glm::dvec3>& clip_box, media::ImageSize size) {
     if (!scene.staged)
-        return options.camera.empty()
-                   ? orbit_camera(voctree::occupied_box(scene.clip->tree), options.orbit_deg.value_or(0), size)
-                   : path_camera(options, size);
+        return options.camera.empty() ? orbit_camera(clip_box, options.orbit_deg.value_or(0), size)
+                                      : path_camera(options, size);
     const StagedPerformer& staged = *scene.staged;
     if (!stage::is_valid_transform(staged.evaluated_performer().world_from_performer))
         throw InputError(options.scene, fmt::format("/nodes/{}", staged.performer().node),
