@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "voctree/decode_colours.h"
 #include "voctree/half.h"
+#include "voctree/sh_weights.h"
 
 namespace neuvv::voctree {
 
@@ -119,10 +120,7 @@ class Plenoctree {
     VOctree tree(PlenoctreeColours colours) const {
         VOctree tree;
         tree.node_levels = (deepest_ + 1) / 2;
-        tree.bases = 1;
-        tree.hh_degree = format_.degree;
-        tree.sigma_basis = {1};
-        tree.gamma_basis = {0};
+        make_still(tree, format_.degree);
         build_topology(tree, positions_);
         const ColourDecoder decoder(format_.degree);
         parallel_for(positions_.size(), 4096, [&](size_t begin, size_t end) {
@@ -203,7 +201,9 @@ class Plenoctree {
             for (uint32_t i = 0; i < format_.numbers; ++i)
                 k[i] = format_.scale * double{number(cells_[leaf], uint64_t{channel} * format_.numbers + i)};
             turn_signs(k);
-            write_channel(weights, colours == PlenoctreeColours::kLinear ? decoder.decode(k) : k);
+            if (colours == PlenoctreeColours::kLinear) k = decoder.decode(k);
+            const std::vector<float> numbers(k.begin(), k.end());
+            write_sh(weights, format_.degree, numbers.data());
             weights += hh_count(format_.degree);
         }
     }
@@ -213,17 +213,6 @@ class Plenoctree {
         for (int l = 0; l <= static_cast<int>(kMaxHhDegree); ++l)
             for (int m = -l; m <= l; ++m)
                 if (m % 2 != 0) k[static_cast<size_t>(l * l + l + m)] *= -1;
-    }
-
-    // R_ll(π/2) = 2^l l! √(2(l+1) / (π (2l+1)!)) (errata 1). The weights of functions with n > l stay 0.
-    void write_channel(float* weights, const ChannelSh& k) const {
-        double power = 1, factorial = 1, odd_factorial = 1;  // 2^l, l!, (2l+1)!
-        for (uint32_t l = 0; l <= format_.degree; ++l) {
-            if (l > 0) power *= 2, factorial *= l, odd_factorial *= 2.0 * l * (2.0 * l + 1);
-            const double radial = power * factorial * std::sqrt(2.0 * (l + 1) / (std::numbers::pi * odd_factorial));
-            const uint32_t first = l * (l + 1) * (2 * l + 1) / 6 + l * l;  // H_l,l,−l
-            for (uint32_t i = 0; i <= 2 * l; ++i) weights[first + i] = static_cast<float>(k[l * l + i] / radial);
-        }
     }
 };
 

@@ -1,0 +1,67 @@
+#include "voctree/sh_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace neuvv::voctree {
+
+namespace {
+
+// C^a_k(x), the Gegenbauer polynomials, for k ≤ 3.
+double gegenbauer(uint32_t k, double a, double x) {
+    double before = 0, value = 1;
+    for (uint32_t i = 1; i <= k; i++) {
+        const double next = (2 * x * (i + a - 1) * value - (i + 2 * a - 2) * before) / i;
+        before = value;
+        value = next;
+    }
+    return value;
+}
+
+double factorial(uint32_t n) {
+    return n <= 1 ? 1 : n * factorial(n - 1);
+}
+
+// A_nl = 2^l l! √(2(n+1)(n−l)! / (π (n+l+1)!)).
+double normalisation(uint32_t n, uint32_t l) {
+    return std::exp2(l) * factorial(l) *
+           std::sqrt(2 * (n + 1) * factorial(n - l) / (std::numbers::pi * factorial(n + l + 1)));
+}
+
+}  // namespace
+
+Radial radial_functions(double gamma) {
+    static const auto kFactors = [] {
+        Radial factors{};
+        for (uint32_t n = 0; n <= kMaxHhDegree; n++)
+            for (uint32_t l = 0; l <= n; l++) factors[n][l] = static_cast<float>(normalisation(n, l));
+        return factors;
+    }();
+    const double sine = std::sin(gamma), cosine = std::cos(gamma);
+    Radial radial{};
+    for (uint32_t n = 0; n <= kMaxHhDegree; n++)
+        for (uint32_t l = 0; l <= n; l++)
+            radial[n][l] =
+                static_cast<float>(double{kFactors[n][l]} * std::pow(sine, l) * gegenbauer(n - l, l + 1.0, cosine));
+    return radial;
+}
+
+void make_still(VOctree& tree, uint32_t degree) {
+    tree.bases = 1;
+    tree.frames = 1;
+    tree.hh_degree = degree;
+    tree.sigma_basis = {1};
+    tree.gamma_basis = {0};
+}
+
+void write_sh(float* weights, uint32_t degree, const float* k) {
+    std::fill_n(weights, hh_count(degree), 0.0f);
+    for (uint32_t l = 0; l <= degree; l++) {
+        const auto radial = static_cast<float>(normalisation(l, l));   // R_ll(π/2)
+        const uint32_t first = l * (l + 1) * (2 * l + 1) / 6 + l * l;  // H_l,l,−l
+        for (uint32_t i = 0; i <= 2 * l; i++) weights[first + i] = k[l * l + i] / radial;
+    }
+}
+
+}  // namespace neuvv::voctree
