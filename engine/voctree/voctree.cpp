@@ -42,6 +42,16 @@ uint64_t spread_bits(uint32_t coordinate) {
     return bits;
 }
 
+// The inverse of spread_bits; other bits are ignored.
+uint32_t joined_bits(uint64_t bits) {
+    bits &= 0x249249249249ull;
+    bits = (bits | bits >> 2) & 0x0c30c30c30c3ull;
+    bits = (bits | bits >> 4) & 0x00f00f00f00full;
+    bits = (bits | bits >> 8) & 0x0000ff0000ffull;
+    bits = (bits | bits >> 16) & 0x000000000fffull;
+    return static_cast<uint32_t>(bits);
+}
+
 uint64_t morton_code(uint32_t x, uint32_t y, uint32_t z) {
     return spread_bits(x) | spread_bits(y) << 1 | spread_bits(z) << 2;
 }
@@ -84,6 +94,10 @@ NodePosition child_position(const NodePosition& parent, uint32_t node, uint32_t 
 
 uint64_t first_cell(const LeafPosition& position, uint32_t finest_depth) {
     return morton_code(position.x, position.y, position.z) << (3 * (finest_depth - position.depth));
+}
+
+LeafPosition position_of(uint64_t code, uint32_t depth) {
+    return {joined_bits(code), joined_bits(code >> 1), joined_bits(code >> 2), depth};
 }
 
 void build_nodes(VOctree& tree, const std::vector<LeafPosition>& positions) {

@@ -55,6 +55,8 @@ struct LeafPosition {
 // The Morton code of the leaf's first cell at `finest_depth`, which is at least the leaf's depth. The codes are in the
 // order in which a walk over the tree meets the leaves.
 uint64_t first_cell(const LeafPosition& position, uint32_t finest_depth);
+// The inverse for a code at the leaf's own depth.
+LeafPosition position_of(uint64_t code, uint32_t depth);
 
 // Builds nodes and children of a tree whose leaf i is at positions[i]. The leaves must not overlap and must fit
 // node_levels (assert). The weights are resized and set to 0.

@@ -1,0 +1,52 @@
+// The octree of a slice, depth by depth: the form in which a stream writes it and transforms its planes.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "stream/slice.h"
+
+namespace neuvv::stream {
+
+constexpr uint32_t kNone = UINT32_MAX;
+
+// How many of a cell's octants are cells, by a table, because not every processor counts bits.
+constexpr std::array<uint8_t, 256> kOctantCounts = [] {
+    std::array<uint8_t, 256> counts{};
+    for (uint32_t octants = 0; octants < 256; octants++) counts[octants] = static_cast<uint8_t>(std::popcount(octants));
+    return counts;
+}();
+constexpr uint32_t octant_count(uint8_t children) {
+    return kOctantCounts[children];
+}
+
+// A cell of an octree that is a leaf, or has children.
+struct Cell {
+    uint64_t code = 0;     // Morton code at its depth
+    uint8_t children = 0;  // the octants that are cells; 0: a leaf
+    // The index of its first child in the next depth; the others follow in the order of their octants. Of a leaf, its
+    // number in leaves_of.
+    uint32_t first = 0;
+};
+
+struct Octree {
+    // By depth, the root first; each in order of code. The finest depth has leaves alone. Empty where there are none.
+    std::vector<std::vector<Cell>> cells;
+    uint32_t leaf_count = 0;
+};
+
+// The leaves of a slice must be in order and must not overlap (assert).
+Octree octree_of(const std::vector<Leaf>& leaves, uint32_t depth);
+// The leaves in order of their cells.
+std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth);
+// Sets Cell::first of all cells, and the number of leaves, where the cells' codes and children are known.
+void link_cells(Octree& tree);
+
+// The six face neighbours of the cells of a depth, by index; kNone where there is no cell: −x, +x, −y, +y, −z, +z.
+using Neighbours = std::array<uint32_t, 6>;
+// Those of the children of the cells of a depth, from those of the cells.
+std::vector<Neighbours> neighbours_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours);
+
+}  // namespace neuvv::stream

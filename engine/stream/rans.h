@@ -1,0 +1,86 @@
+// Range asymmetric numeral systems: symbols as bytes, by tables of how often each is. The stream's page says how the
+// bytes are written.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace neuvv::stream {
+
+constexpr uint32_t kTableBits = 12;
+
+// How often each symbol comes, in shares of 2^kTableBits.
+class Table {
+  public:
+    Table() = default;
+    // Of the numbers of times that each of at most 256 symbols came; every one that came gets a share. Where none came,
+    // symbol 0 has all.
+    static Table of_counts(std::span<const uint32_t> counts);
+    // Of shares. Throws std::runtime_error where they do not sum to 2^kTableBits.
+    static Table of_shares(std::vector<uint16_t> shares);
+
+    const std::vector<uint16_t>& shares() const { return shares_; }
+    uint32_t first(uint32_t symbol) const { return first_[symbol]; }
+    uint32_t share(uint32_t symbol) const { return shares_[symbol]; }
+    // The symbol of a value below 2^kTableBits.
+    uint32_t symbol(uint32_t value) const { return symbols_[value]; }
+
+  private:
+    void finish();
+    std::vector<uint16_t> shares_, first_;
+    std::vector<uint8_t> symbols_;
+};
+
+// Collects symbols in the order in which they are decoded.
+class Encoder {
+  public:
+    void add(const Table& table, uint32_t symbol) { coded_.push_back({table.first(symbol), table.share(symbol)}); }
+    // Bits of equal likelihood, at most 8 of them.
+    void add_bits(uint32_t value, uint32_t bits) {
+        const uint32_t width = kTableBits - bits;
+        coded_.push_back({value << width, 1u << width});
+    }
+    std::vector<uint8_t> finish() const;
+
+  private:
+    struct Coded {
+        uint32_t first, share;
+    };
+    std::vector<Coded> coded_;
+};
+
+// Never reads beyond its bytes; where they are damaged or end early, it returns other symbols.
+class Decoder {
+  public:
+    explicit Decoder(std::span<const uint8_t> bytes);
+    uint32_t take(const Table& table) {
+        const uint32_t value = state_ & ((1u << kTableBits) - 1);
+        const uint32_t symbol = table.symbol(value);
+        advance(table.first(symbol), table.share(symbol), value);
+        return symbol;
+    }
+    uint32_t take_bits(uint32_t bits) {
+        const uint32_t width = kTableBits - bits, value = state_ & ((1u << kTableBits) - 1);
+        advance(value >> width << width, 1u << width, value);
+        return value >> width;
+    }
+    // Whether exactly the bytes were needed for what was taken, as it must be at the end.
+    bool ends_well() const { return next_ == bytes_.size() && state_ == kFirstState; }
+    static constexpr uint32_t kFirstState = 1u << 16;
+
+  private:
+    void advance(uint32_t first, uint32_t share, uint32_t value) {
+        state_ = share * (state_ >> kTableBits) + value - first;
+        if (state_ >= kFirstState) return;
+        uint32_t word = 0;
+        if (next_ + 2 <= bytes_.size()) word = bytes_[next_] | bytes_[next_ + 1] << 8;
+        next_ += 2;
+        state_ = state_ << 16 | word;
+    }
+    std::span<const uint8_t> bytes_;
+    size_t next_ = 0;
+    uint32_t state_ = kFirstState;
+};
+
+}  // namespace neuvv::stream

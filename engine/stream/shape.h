@@ -1,0 +1,86 @@
+// The shape of a slice, which of its octree's cells there are, as symbols. A cell's octants depend on which face
+// neighbours the cell has. `Coder` is a SymbolWriter or a SymbolReader.
+#pragma once
+
+#include <bit>
+#include <stdexcept>
+
+#include "stream/octree.h"
+#include "stream/symbols.h"
+
+namespace neuvv::stream {
+
+// The next depth's cells, with children to come: of those, a reader knows nothing yet.
+inline std::vector<Cell> children_of(const std::vector<Cell>& cells) {
+    std::vector<Cell> below;
+    for (const Cell& cell : cells)
+        for (uint32_t octant = 0; octant < 8; octant++)
+            if (cell.children >> octant & 1) below.push_back({cell.code << 3 | octant, 0, 0});
+    return below;
+}
+
+// Codes the octants of the cells of a depth that are no leaves. Which are leaves, `leaves` says.
+template <typename Coder>
+void code_octants(Coder& coder, std::vector<Cell>& cells, const std::vector<bool>& leaves,
+                  const std::vector<Neighbours>& neighbours, bool is_finest) {
+    for (size_t i = 0; i < cells.size(); i++) {
+        if (leaves[i]) continue;
+        uint32_t pattern = 0;
+        for (uint32_t side = 0; side < 6; side++) pattern |= (neighbours[i][side] != kNone ? 1u : 0u) << side;
+        const uint32_t table = kMaskTables + (is_finest ? 0 : 64) + pattern;
+        cells[i].children = static_cast<uint8_t>(coder.take(table, cells[i].children));
+        if (cells[i].children == 0) throw std::runtime_error("has a cell without octants");
+    }
+}
+
+// Codes which of a cell's children are leaves. What is likely depends on whether leaves, and cells that are none, came
+// before in the same cell. `children` are those of all cells, in order; a reader does not read them.
+template <typename Coder>
+std::vector<bool> code_leaves(Coder& coder, const std::vector<Cell>& cells, const std::vector<Cell>* children,
+                              bool is_last) {
+    std::vector<bool> leaves;
+    for (const Cell& cell : cells) {
+        uint32_t before = 0;
+        for (uint32_t octant = 0; octant < 8; octant++) {
+            if (!(cell.children >> octant & 1)) continue;
+            const bool is_leaf = children && (*children)[leaves.size()].children == 0;
+            leaves.push_back(coder.take(kLeafTables + (is_last ? 0 : 4) + before, is_leaf ? 1 : 0) != 0);
+            before |= leaves.back() ? 1 : 2;
+        }
+    }
+    return leaves;
+}
+
+// Codes the octree of at most `most` leaves, whose finest depth is `depth`. `tree` is what a writer writes; a reader
+// gives an empty one. Throws std::runtime_error where there are more leaves, or cells without leaves.
+template <typename Coder>
+Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t most) {
+    const bool writes = !tree.cells.empty();
+    Octree coded;
+    coded.cells.resize(depth + 1);
+    coded.cells[0] = {{0, writes ? tree.cells[0][0].children : uint8_t{0}, 0}};
+    std::vector<bool> leaves = {false};
+    std::vector<Neighbours> neighbours = {{kNone, kNone, kNone, kNone, kNone, kNone}};
+    for (uint32_t d = 0; d < depth; d++) {
+        std::vector<Cell>& cells = coded.cells[d];
+        code_octants(coder, cells, leaves, neighbours, d + 1 == depth);
+        coded.cells[d + 1] = children_of(cells);
+        if (coded.cells[d + 1].size() > most) throw std::runtime_error("has more leaves than it says");
+        uint32_t next = 0;
+        for (Cell& cell : cells) {
+            cell.first = next;
+            next += octant_count(cell.children);
+        }
+        if (d + 1 == depth) break;
+        const std::vector<Cell>* below = writes ? &tree.cells[d + 1] : nullptr;
+        leaves = code_leaves(coder, cells, below, d + 2 == depth);
+        if (below)
+            for (size_t i = 0; i < below->size(); i++) coded.cells[d + 1][i].children = (*below)[i].children;
+        neighbours = neighbours_below(cells, neighbours);
+    }
+    link_cells(coded);
+    if (coded.leaf_count > most) throw std::runtime_error("has more leaves than it says");
+    return coded;
+}
+
+}  // namespace neuvv::stream

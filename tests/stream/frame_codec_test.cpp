@@ -1,0 +1,156 @@
+// Frames as bytes and back.
+#include "stream/frame_codec.h"
+
+#include <gtest/gtest.h>
+
+#include "stream/random_slice.h"
+
+namespace neuvv::test::frame_codec_test {
+namespace {
+
+using stream::Slice;
+
+stream::Steps steps(uint16_t step) {
+    stream::Steps all;
+    all.fill(step);
+    return all;
+}
+
+struct Encoded {
+    stream::Tables tables;
+    std::vector<stream::FrameBytes> bytes;
+    std::vector<Slice> decoded;  // by the encoder
+};
+Encoded encode(const std::vector<Slice>& slices, uint16_t step) {
+    Encoded result;
+    std::vector<stream::FrameSymbols> frames;
+    stream::Counts counts = stream::no_counts();
+    for (size_t i = 0; i < slices.size(); i++) {
+        Slice decoded;
+        std::optional<stream::FrameBefore> before;
+        if (i > 0) before.emplace(slices[i - 1], result.decoded.back());
+        frames.push_back(stream::encode(slices[i], steps(step), before, decoded));
+        result.decoded.push_back(std::move(decoded));
+        stream::count(frames.back(), counts);
+    }
+    result.tables = stream::tables_of(counts);
+    for (const stream::FrameSymbols& frame : frames) result.bytes.push_back(stream::bytes_of(frame, result.tables));
+    return result;
+}
+
+double error_of(const Slice& a, const Slice& b, uint32_t plane) {
+    double sum = 0;
+    for (size_t i = 0; i < a.leaves.size(); i++) sum += std::abs(a.planes[plane][i] - b.planes[plane][i]);
+    return sum / static_cast<double>(a.leaves.size());
+}
+
+void expect_same(const Slice& a, const Slice& b) {
+    EXPECT_EQ(a.leaves, b.leaves);
+    EXPECT_EQ(a.planes, b.planes);
+}
+
+TEST(FrameCodec, DecodesWhatTheEncoderSays) {
+    for (const uint32_t degree : {0u, 1u, 2u, 3u})
+        for (const uint32_t depth : {2u, 6u, 8u}) {
+            const Slice slice = random_slice(7 * degree + depth, depth, 600, degree);
+            double last = 0;
+            for (const uint16_t step : {uint16_t{16}, uint16_t{60}, uint16_t{400}}) {
+                const Encoded frame = encode({slice}, step);
+                const stream::Format format{depth, degree, static_cast<uint32_t>(slice.leaves.size())};
+                const Slice decoded =
+                    stream::decode(frame.bytes[0].bytes, stream::kShFine, frame.tables, format, nullptr);
+                expect_same(decoded, frame.decoded[0]);
+                EXPECT_EQ(decoded.leaves, slice.leaves);
+                const double error = error_of(decoded, slice, 1);
+                EXPECT_LT(error, 0.6 * step);
+                EXPECT_GE(error, last);
+                last = error;
+            }
+        }
+}
+
+// What a prefix shows is coarser, but it is the same place for place.
+TEST(FrameCodec, EveryPrefixOfPartsDraws) {
+    const Slice slice = random_slice(3, 8, 900, 1);
+    const Encoded frame = encode({slice}, 10);
+    const stream::FrameBytes& bytes = frame.bytes[0];
+    const stream::Format format{8, 1, 2000};
+    double colour = 1e9, harmonics = 1e9;
+    for (const stream::Part last :
+         {stream::kShape, stream::kCoarse, stream::kFine, stream::kShCoarse, stream::kShFine}) {
+        const Slice decoded =
+            stream::decode(std::span(bytes.bytes).first(bytes.ends[last]), last, frame.tables, format, nullptr);
+        EXPECT_EQ(decoded.leaves, slice.leaves);
+        const double of_colour = error_of(decoded, slice, 1), of_harmonics = error_of(decoded, slice, 7);
+        EXPECT_LE(of_colour, colour);
+        EXPECT_LE(of_harmonics, harmonics);
+        colour = of_colour;
+        harmonics = of_harmonics;
+    }
+    EXPECT_LT(colour, 10);
+    EXPECT_LT(harmonics, 10);
+}
+
+TEST(FrameCodec, BlocksThatStayAreRepeated) {
+    const Slice first = random_slice(5, 6, 900, 1);
+    Slice moved = first;
+    for (size_t i = 0; i < moved.leaves.size() / 10; i++)
+        for (auto& plane : moved.planes) plane[i] = static_cast<int16_t>(1000 - plane[i]);
+    const Encoded frames = encode({first, first, moved}, 20);
+    const auto whole = frames.bytes[0].bytes.size();
+    EXPECT_LT(frames.bytes[1].bytes.size(), whole / 10);
+    EXPECT_LT(frames.bytes[2].bytes.size(), whole / 3);
+    EXPECT_GT(frames.bytes[2].bytes.size(), frames.bytes[1].bytes.size());
+    const stream::Format format{6, 1, 2000};
+    std::vector<Slice> decoded;
+    for (size_t i = 0; i < 3; i++) {
+        decoded.push_back(stream::decode(frames.bytes[i].bytes, stream::kShFine, frames.tables, format,
+                                         i == 0 ? nullptr : &decoded.back()));
+        expect_same(decoded[i], frames.decoded[i]);
+    }
+    EXPECT_LT(error_of(decoded[2], moved, 1), 20);
+    EXPECT_THROW(stream::decode(frames.bytes[1].bytes, stream::kShFine, frames.tables, format, nullptr),
+                 std::runtime_error);
+}
+
+TEST(FrameCodec, LeavesComeAndGo) {
+    const Slice empty = random_slice(1, 4, 0, 1);
+    Slice none = empty;
+    none.leaves.clear();
+    for (auto& plane : none.planes) plane.clear();
+    const std::vector<Slice> slices = {none, random_slice(2, 4, 60, 1), random_slice(3, 4, 60, 1), none};
+    const Encoded frames = encode(slices, 20);
+    const stream::Format format{4, 1, 400};
+    Slice before;
+    for (size_t i = 0; i < slices.size(); i++) {
+        before = stream::decode(frames.bytes[i].bytes, stream::kShFine, frames.tables, format, i ? &before : nullptr);
+        EXPECT_EQ(before.leaves, slices[i].leaves) << i;
+    }
+}
+
+// The sanitizers see whether damage leads out of bounds.
+TEST(FrameCodec, DamagedBytesAreRefusedOrShowSomethingElse) {
+    const Slice first = random_slice(5, 6, 300, 1), second = random_slice(6, 6, 300, 1);
+    const Encoded frames = encode({first, second}, 30);
+    const stream::Format format{6, 1, 2000};
+    Random random(11);
+    size_t refused = 0;
+    for (int i = 0; i < 3000; i++) {
+        std::vector<uint8_t> bytes = frames.bytes[i % 2].bytes;
+        for (uint32_t k = 0; k <= random.below(3); k++)
+            bytes[random.below(bytes.size())] = static_cast<uint8_t>(random.below(256));
+        if (i % 7 == 0) bytes.resize(random.below(bytes.size()));
+        try {
+            const Slice slice =
+                stream::decode(bytes, stream::kShFine, frames.tables, format, i % 2 ? &frames.decoded[0] : nullptr);
+            EXPECT_LE(slice.leaves.size(), 2000u);
+            for (const auto& plane : slice.planes) ASSERT_EQ(plane.size(), slice.leaves.size());
+        } catch (const std::runtime_error&) {
+            refused++;
+        }
+    }
+    EXPECT_GT(refused, 2000u);
+}
+
+}  // namespace
+}  // namespace neuvv::test::frame_codec_test

@@ -1,0 +1,107 @@
+// The octree of a slice and the transform of its planes.
+#include "stream/transform.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "stream/random_slice.h"
+
+namespace neuvv::test::transform_test {
+namespace {
+
+struct Coordinates {
+    int64_t x, y, z;
+};
+Coordinates coordinates_of(uint64_t code) {
+    const voctree::LeafPosition at = voctree::position_of(code, 0);
+    return {at.x, at.y, at.z};
+}
+
+TEST(StreamOctree, HasTheLeavesInOrder) {
+    for (const uint32_t depth : {2u, 4u, 6u, 8u}) {
+        const stream::Slice slice = random_slice(depth, depth, 300, 0);
+        const stream::Octree tree = stream::octree_of(slice.leaves, depth);
+        EXPECT_EQ(tree.leaf_count, slice.leaves.size());
+        EXPECT_EQ(stream::leaves_of(tree, depth), slice.leaves);
+    }
+    EXPECT_EQ(stream::octree_of({}, 4).leaf_count, 0u);
+}
+
+TEST(StreamOctree, KnowsFaceNeighbours) {
+    const uint32_t depth = 6;
+    const stream::Slice slice = random_slice(9, depth, 400, 0);
+    const stream::Octree tree = stream::octree_of(slice.leaves, depth);
+    std::vector<stream::Neighbours> neighbours(1);
+    neighbours[0].fill(stream::kNone);
+    size_t found = 0;
+    for (uint32_t d = 0; d < depth; d++) {
+        std::map<std::array<int64_t, 3>, uint32_t> cells;
+        for (uint32_t i = 0; i < tree.cells[d].size(); i++) {
+            const Coordinates at = coordinates_of(tree.cells[d][i].code);
+            cells[{at.x, at.y, at.z}] = i;
+        }
+        for (const auto& [at, i] : cells)
+            for (size_t side = 0; side < 6; side++) {
+                std::array<int64_t, 3> beside = at;
+                beside[side / 2] += side % 2 ? 1 : -1;
+                const auto cell = cells.find(beside);
+                EXPECT_EQ(neighbours[i][side], cell == cells.end() ? stream::kNone : cell->second);
+                found += cell != cells.end();
+            }
+        neighbours = stream::neighbours_below(tree.cells[d], neighbours);
+    }
+    EXPECT_GT(found, 100u);
+}
+
+// An orthonormal transform: the weighted squares of what values have beyond their mean are those of the coefficients.
+TEST(StreamTransform, KeepsSquares) {
+    const stream::Slice slice = random_slice(2, 6, 500, 0);
+    const stream::Octree tree = stream::octree_of(slice.leaves, slice.depth);
+    std::vector<double> weights = stream::areas_of(slice.leaves, slice.depth);
+    for (size_t i = 0; i < weights.size(); i++) weights[i] *= 1 + static_cast<double>(i % 5);
+    const stream::Pairs pairs = stream::pairs_of(tree, weights, 0.25);
+    ASSERT_EQ(pairs.size() + 1, slice.leaves.size());
+    const stream::Coefficients all = stream::transform(tree, pairs, weights, slice.planes[1]);
+    double mean = 0, sum = 0, squares = 0, of_coefficients = 0;
+    for (size_t i = 0; i < weights.size(); i++) {
+        mean += weights[i] * slice.planes[1][i];
+        sum += weights[i];
+    }
+    mean /= sum;
+    EXPECT_NEAR(all.root, mean, 1e-9);
+    for (size_t i = 0; i < weights.size(); i++)
+        squares += 0.25 * weights[i] * (slice.planes[1][i] - mean) * (slice.planes[1][i] - mean);
+    for (const double value : all.values) of_coefficients += value * value;
+    EXPECT_NEAR(of_coefficients / squares, 1, 1e-6);
+}
+
+TEST(StreamTransform, ComesBackWithinTheSteps) {
+    const stream::Slice slice = random_slice(4, 8, 700, 3);
+    const stream::Octree tree = stream::octree_of(slice.leaves, slice.depth);
+    const std::vector<double> weights = stream::areas_of(slice.leaves, slice.depth);
+    const stream::Pairs pairs = stream::pairs_of(tree, weights, 1);
+    const auto planes = static_cast<uint32_t>(slice.planes.size());  // 49: 12 four times, and 1
+    stream::Numbers numbers{planes, std::vector<int16_t>(planes * pairs.size())};
+    std::vector<float> roots, steps(planes, 16);
+    for (uint32_t p = 0; p < planes; p++) {
+        const stream::Coefficients all = stream::transform(tree, pairs, weights, slice.planes[p]);
+        roots.push_back(static_cast<float>(all.root));
+        for (size_t i = 0; i < pairs.size(); i++)
+            numbers.numbers[i * planes + p] = static_cast<int16_t>(std::lround(all.values[i] / 16));
+    }
+    const std::vector<std::vector<float>> back = stream::inverse_transform(tree, pairs, roots, steps, numbers);
+    double squares = 0;
+    for (uint32_t p = 0; p < planes; p++)
+        for (size_t i = 0; i < back[p].size(); i++) {
+            const double error = back[p][i] - slice.planes[p][i];
+            EXPECT_LT(std::abs(error), 48);
+            squares += weights[i] * error * error;
+        }
+    // Each coefficient is off by up to a half of its step: 16² / 12 in the mean.
+    EXPECT_NEAR(squares / (planes * static_cast<double>(pairs.size())), 256.0 / 12, 1);
+}
+
+}  // namespace
+}  // namespace neuvv::test::transform_test
