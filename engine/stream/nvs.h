@@ -1,0 +1,110 @@
+// The .nvs file: a clip as slices, compressed, that can be played from any of its groups of frames on, and whose index
+// stands at the front. engine/stream/README.md specifies the bytes.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "base/file_stamp.h"
+#include "stream/frame_codec.h"
+
+namespace neuvv::stream {
+
+// A run of frames that is decoded without any others.
+struct Group {
+    uint32_t first = 0, frames = 0;
+    Format format;
+    std::array<float, 3> box_min{}, box_size{1, 1, 1};  // metres
+    uint64_t offset = 0;                                // of its tables in the file; its frames follow
+    uint32_t table_bytes = 0, table_check = 0;          // as they are stored, deflated
+};
+
+struct FrameEntry {
+    std::array<uint32_t, kParts> ends{};    // of its parts, from its beginning
+    std::array<uint32_t, kParts> checks{};  // CRC-32 of each part
+};
+
+struct Index {
+    float fps = 25;
+    std::vector<Group> groups;       // in order, without gaps
+    std::vector<FrameEntry> frames;  // of the whole clip
+    uint32_t group_of(uint32_t frame) const;
+    uint64_t offset_of(uint32_t frame) const;  // in the file
+};
+
+constexpr uint32_t kMaxStreamFrames = 10'000'000;
+constexpr uint32_t kMaxGroupFrames = 1000;
+constexpr uint32_t kMaxStreamLeaves = 1u << 24;  // of a frame
+
+// Whether a file begins as a .nvs does. False where it cannot be read.
+bool is_stream(const std::filesystem::path& path);
+
+// A stream that is open. All functions may be called from any thread. All throw InputError with file, place and fix for
+// what is damaged.
+class Reader {
+  public:
+    explicit Reader(const std::filesystem::path& path);
+
+    const Index& index() const { return index_; }
+    const std::filesystem::path& path() const { return path_; }
+    const FileStamp& stamp() const { return stamp_; }  // when it was opened
+
+    // The frame, decoded from its first parts. The frame after the last one that was read is decoded alone; for others,
+    // the frames of the group before it are, too.
+    std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
+
+  private:
+    std::vector<uint8_t> bytes_at(uint64_t offset, uint64_t count, const std::string& place) const;
+    std::shared_ptr<const Slice> decode_next(uint32_t frame, Part last);
+    [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
+    std::filesystem::path path_;
+    FileStamp stamp_;
+    Index index_;
+    std::mutex mutex_;  // guards what follows
+    std::optional<uint32_t> table_group_;
+    Tables tables_;
+    std::shared_ptr<const Slice> last_;  // the frame that was decoded last
+    uint32_t last_frame_ = 0;
+    Part last_part_ = kShFine;
+};
+
+// Bytes of the head of a stream.
+uint64_t head_bytes(uint64_t groups, uint64_t frames);
+
+// Writes a stream: what is before the frames is written at the end, when it is known.
+class Writer {
+  public:
+    // The file appears, atomically, with finish(). `frames` and `groups` must be those that are added. Throws
+    // RuntimeFailure where the disk fails, as all functions do.
+    Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups);
+    ~Writer();
+    Writer(const Writer&) = delete;
+    Writer& operator=(const Writer&) = delete;
+
+    // Adds the next group: its frames in order, encoded as one group. The group's `first`, `offset` and tables are set
+    // here.
+    void add(Group group, const std::vector<FrameSymbols>& frames);
+    // Returns the number of bytes.
+    uint64_t finish();
+
+  private:
+    void write(const std::vector<uint8_t>& bytes);
+    std::filesystem::path path_, temporary_;
+    std::FILE* file_ = nullptr;
+    Index index_;
+    uint64_t next_ = 0;  // offset
+};
+
+// The bytes of a group's frames: its tables, deflated, and its frames.
+struct GroupBytes {
+    std::vector<uint8_t> tables;
+    std::vector<FrameBytes> frames;
+    uint64_t count() const;
+};
+GroupBytes bytes_of(const std::vector<FrameSymbols>& frames);
+
+}  // namespace neuvv::stream
