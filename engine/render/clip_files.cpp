@@ -27,14 +27,14 @@ std::shared_ptr<const LoadedClip> ClipFiles::find_locked(const std::filesystem::
 }
 
 std::shared_ptr<const LoadedClip> ClipFiles::find(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = stamp_of(segment.file);
+    const FileStamp stamp = stamp_of(segment);
     const std::lock_guard lock(mutex_);
     return find_locked(segment.file, stamp);
 }
 
 // A file is read by one thread at a time; others wait, and then find it.
 std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = stamp_of(segment.file);
+    const FileStamp stamp = stamp_of(segment);
     {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return !being_read_.contains(segment.file); });
@@ -115,7 +115,8 @@ void ClipFiles::add_result(Result result) {
 
 // Nothing where the file has no coarse tree, or cannot be read: reading the whole tree says what is wrong.
 void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = stamp_of(segment.file);
+    if (segment.stream) return;
+    const FileStamp stamp = stamp_of(segment);
     try {
         const auto tree = voctree::read_nvv_coarse(segment.file);
         if (!tree || tree->frames != segment.frames_of_file()) return;
@@ -131,7 +132,7 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
 }
 
 void ClipFiles::read_one_ahead(const Wanted& wanted) {
-    const FileStamp stamp = stamp_of(wanted.segment.file);
+    const FileStamp stamp = stamp_of(wanted.segment);
     try {
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
         const std::shared_ptr<const LoadedClip> clip = read(wanted.segment);

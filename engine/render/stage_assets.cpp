@@ -30,7 +30,7 @@ StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
 }
 
 const StageLoader::KnownHead& StageLoader::head_of(const voctree::ClipSegment& segment) {
-    const FileStamp stamp = stamp_of(segment.file);
+    const FileStamp stamp = stamp_of(segment);
     if (const auto known = heads_.find(segment.file); known != heads_.end() && known->second.stamp == stamp)
         return known->second;
     KnownHead head{stamp, {}, ""};

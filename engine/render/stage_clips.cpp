@@ -20,6 +20,11 @@ const LoadedClip* drawn(const ClipOnDevice::Segment& segment) {
     return segment.loaded ? segment.loaded.get() : segment.coarse.get();
 }
 
+// How many segments of a clip are on the device at once.
+uint32_t room_of(const ClipOnDevice& clip) {
+    return voctree::is_stream(clip.index) ? kStreamFramesOnDevice : kSegmentsOnDevice;
+}
+
 bool contains(const auto& list, const auto& one) {
     return std::find(list.begin(), list.end(), one) != list.end();
 }
@@ -78,7 +83,7 @@ std::vector<const Field*> StageClips::fields() const {
 uint32_t StageClips::usual_fields() const {
     uint32_t fields = 0;
     for (const ClipOnDevice& clip : clips_)
-        fields += std::min(static_cast<uint32_t>(clip.segments.size()), kSegmentsOnDevice);
+        fields += std::min(static_cast<uint32_t>(clip.segments.size()), room_of(clip));
     return fields;
 }
 
@@ -154,7 +159,7 @@ void StageClips::take(const Id& id, std::shared_ptr<const LoadedClip> loaded, Cl
 void StageClips::take_results() {
     for (const ClipFiles::Result& result : files_->take_results()) {
         const auto found = ids_.find(result.file);
-        if (found == ids_.end() || result.stamp != stamp_of(result.file)) continue;
+        if (found == ids_.end() || result.stamp != stamp_of(file_of(found->second[0]))) continue;
         for (const Id& id : found->second) {
             ClipOnDevice::Segment& segment = at(id);
             if (segment.loaded) continue;
@@ -187,7 +192,10 @@ std::vector<StageClips::Id> StageClips::needed_at(const stage::EvaluatedStage& e
 std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage,
                                                  const stage::EvaluatedStage& evaluated) const {
     std::vector<Id> ahead;
-    for (double after_s = kAheadStep_s; after_s <= kAhead_s; after_s += kAheadStep_s)
+    double step_s = kAheadStep_s;
+    for (const ClipOnDevice& clip : clips_)
+        if (voctree::is_stream(clip.index)) step_s = std::min(step_s, 1 / double{clip.index.fps});
+    for (double after_s = step_s; after_s <= kAhead_s; after_s += step_s)
         for (stage::EvaluatedPerformer performer : evaluated.performers) {
             if (!performer.visible || clips_[performer.clip].segments.size() == 1) continue;
             performer.frame = static_cast<float>(stage::frame_at(stage.performers[performer.performer].timeline,
@@ -208,7 +216,8 @@ std::set<StageClips::Id> StageClips::chosen(const std::vector<Id>& needed, const
                 return id.clip == last->id.clip && at(id).readable && !drawn(at(id));
             }))
             chosen.insert(last->id);
-    std::vector<uint32_t> room(clips_.size(), kSegmentsOnDevice);
+    std::vector<uint32_t> room;
+    for (const ClipOnDevice& clip : clips_) room.push_back(room_of(clip));
     for (const Id& id : chosen) room[id.clip] -= std::min(room[id.clip], 1u);
     for (uint32_t& one : room) one = std::max(one, kLeastSegmentsAhead);
     for (const std::vector<Id>* list : {&ahead, &recent_})

@@ -19,9 +19,9 @@ enum class MissingSegments {
     kHold,
 };
 
-// Segments of a segmented clip that are on the device at once; where performers show more than three of them, two more
-// than those.
-constexpr uint32_t kSegmentsOnDevice = 5, kLeastSegmentsAhead = 2;
+// Segments of a segmented clip, and frames of a stream, that are on the device at once; where performers show more than
+// all but two of them, two more than those.
+constexpr uint32_t kSegmentsOnDevice = 5, kStreamFramesOnDevice = 10, kLeastSegmentsAhead = 2;
 
 // Whoever draws fields() must call follow(), then draw the fields that there are now, and then call free_dropped().
 class StageClips {

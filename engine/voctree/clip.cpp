@@ -8,11 +8,18 @@
 
 #include "base/error.h"
 #include "voctree/plenoctree.h"
+#include "voctree/slice.h"
 
 namespace neuvv::voctree {
 
 bool has_clip_ending(const std::filesystem::path& path) {
-    return path.extension() == ".nvv" || path.extension() == ".npz";
+    return path.extension() == ".nvv" || path.extension() == ".npz" || path.extension() == ".nvs";
+}
+
+void expect_no_stream(const std::filesystem::path& path) {
+    if (stream::is_stream(path))
+        throw InputError(path.string(), "", "is a stream, and this needs the clip that it was made of",
+                         "name that .nvv");
 }
 
 bool is_plenoctree(const std::filesystem::path& path) {
@@ -27,6 +34,7 @@ VOctree read_clip(const std::filesystem::path& path) {
     if (is_segmented(path))
         throw InputError(path.string(), "", "is a clip in segments, which this cannot take as a whole",
                          fmt::format("name one of its segments, such as {}", (path / segment_file_name(0)).string()));
+    expect_no_stream(path);
     return is_plenoctree(path) ? read_plenoctree(path) : read_nvv(path);
 }
 
@@ -41,13 +49,44 @@ void require_frames(const ClipSegment& segment, uint32_t frames) {
 
 }  // namespace
 
+namespace {
+
+glm::vec3 vector_of(const std::array<float, 3>& numbers) {
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
+const stream::Group& group_of(const ClipSegment& segment) {
+    const stream::Index& index = segment.stream->index();
+    return index.groups[index.group_of(segment.first)];
+}
+
+NvvHead head_of_frame(const ClipSegment& segment) {
+    const stream::Group& group = group_of(segment);
+    return {group.format.depth / 2,
+            0,
+            0,
+            group.format.most_leaves,
+            1,
+            group.format.degree,
+            1,
+            segment.stream->index().fps,
+            vector_of(group.box_min),
+            vector_of(group.box_size)};
+}
+
+}  // namespace
+
 VOctree read_segment(const ClipSegment& segment) {
+    if (segment.stream)
+        return tree_of(*segment.stream->frame(segment.first), vector_of(group_of(segment).box_min),
+                       vector_of(group_of(segment).box_size), segment.stream->index().fps);
     VOctree tree = read_clip(segment.file);
     require_frames(segment, tree.frames);
     return tree;
 }
 
 NvvHead read_segment_head(const ClipSegment& segment) {
+    if (segment.stream) return head_of_frame(segment);
     const NvvHead head = summarise_nvv(segment.file).head;
     require_frames(segment, head.frames);
     return head;
@@ -80,7 +119,7 @@ ClipHead read_segmented_head(const std::filesystem::path& path) {
 }  // namespace
 
 ClipHead read_clip_head(const std::filesystem::path& path) {
-    if (is_segmented(path)) return read_segmented_head(path);
+    if (is_segmented(path) || stream::is_stream(path)) return read_segmented_head(path);
     if (is_plenoctree(path)) {
         const PlenoctreeBox box = read_plenoctree_box(path);
         return {1, VOctree{}.fps, box.min, box.size};

@@ -1,5 +1,5 @@
-// Clips that can be played: .nvv files, and PlenOctrees (.npz) as clips of one frame. The first bytes of a file decide
-// which it is.
+// Clips that can be played: .nvv files, streams (.nvs), and PlenOctrees (.npz) as clips of one frame. The first bytes
+// of a file decide which it is.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 namespace neuvv::voctree {
 
 // Reads a clip of either kind. Throws InputError where read_nvv or read_plenoctree does, and for a segmented clip
-// (clip_index.h), whose segments are read one by one.
+// (clip_index.h) and a stream, whose segments are read one by one.
 VOctree read_clip(const std::filesystem::path& path);
 
 // Reads a segment of a clip. Throws InputError as read_clip, and where the file has not as many frames as the index
@@ -32,7 +32,10 @@ struct ClipHead {
 // be read and have leaves. Throws InputError where the file's headers are damaged, or where no segment can be read.
 ClipHead read_clip_head(const std::filesystem::path& path);
 
-// Whether the path ends with ".nvv" or ".npz".
+// Throws InputError where the file is a stream.
+void expect_no_stream(const std::filesystem::path& path);
+
+// Whether the path ends with ".nvv", ".nvs" or ".npz".
 bool has_clip_ending(const std::filesystem::path& path);
 
 // Whether the file is a zip file, as only PlenOctrees are among clips. False where it cannot be read.

@@ -41,10 +41,33 @@ std::filesystem::path clip_path(const std::filesystem::path& given) {
     return given.has_filename() || !given.has_relative_path() ? given : given.parent_path();
 }
 
+namespace {
+
+ClipIndex index_of_stream(const std::filesystem::path& path) {
+    const auto reader = std::make_shared<stream::Reader>(path);
+    ClipIndex index{reader->index().fps, {}};
+    const auto frames = static_cast<uint32_t>(reader->index().frames.size());
+    index.segments.reserve(frames);
+    for (uint32_t frame = 0; frame < frames; frame++)
+        index.segments.push_back({path / segment_file_name(frame), frame, 1, 0, reader});
+    return index;
+}
+
+}  // namespace
+
+bool is_stream(const ClipIndex& index) {
+    return index.segments[0].stream != nullptr;
+}
+
+FileStamp stamp_of(const ClipSegment& segment) {
+    return segment.stream ? segment.stream->stamp() : neuvv::stamp_of(segment.file);
+}
+
 ClipIndex read_clip_index(const std::filesystem::path& clip) {
+    if (stream::is_stream(clip)) return index_of_stream(clip);
     if (!is_segmented(clip)) {
         const ClipHead head = read_clip_head(clip);
-        return {head.fps, {{clip, 0, head.frames}}};
+        return {head.fps, {{clip, 0, head.frames, 0, nullptr}}};
     }
     const JsonFile file = read_json(index_file(clip), "the index of a segmented clip");
     const JsonNode root = file.root();
@@ -61,7 +84,8 @@ ClipIndex read_clip_index(const std::filesystem::path& clip) {
         const auto frames = static_cast<uint32_t>(json_count(segment["frames"], kMaxClipFrames - first));
         if (frames == 0) segment["frames"].fail("is 0", "remove segments without frames");
         const uint64_t overlap = segment.has("overlap") ? json_count(segment["overlap"], kMostOverlap) : 0;
-        index.segments.push_back({clip / file_name(segment["file"]), first, frames, static_cast<uint32_t>(overlap)});
+        index.segments.push_back(
+            {clip / file_name(segment["file"]), first, frames, static_cast<uint32_t>(overlap), nullptr});
         if (!files.insert(index.segments.back().file).second)
             segment["file"].fail("is the file of another segment, too", "give each segment its own file");
         first += frames;

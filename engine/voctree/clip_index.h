@@ -3,18 +3,25 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <vector>
+
+#include "base/file_stamp.h"
+#include "stream/nvs.h"
 
 namespace neuvv::voctree {
 
 // A run of frames of a clip.
 struct ClipSegment {
-    std::filesystem::path file;  // with the clip's folder; it may be missing as long as the clip is being trained
-    uint32_t first = 0;          // frame of the clip
+    // With the clip's folder; it may be missing as long as the clip is being trained. Of a stream, a name that no file
+    // has: the stream's path and the frame.
+    std::filesystem::path file;
+    uint32_t first = 0;  // frame of the clip
     uint32_t frames = 1;
     // How many more frames the file has at its end: the first ones of the next segment. Slow motion goes on smoothly to
     // them, and players fade over them from this segment to the next (segment_shares).
     uint32_t overlap = 0;
+    std::shared_ptr<stream::Reader> stream{};  // of which this is a frame; null: this is a file
     uint32_t end() const { return first + frames; }
     uint32_t frames_of_file() const { return frames + overlap; }
 };
@@ -24,6 +31,12 @@ struct ClipIndex {
     std::vector<ClipSegment> segments;  // at least one; without gaps from frame 0 on
     uint32_t frames() const { return segments.back().end(); }
 };
+
+// Whether the clip is a stream, of which each frame is a segment.
+bool is_stream(const ClipIndex& index);
+
+// The stamp of the segment's file; of the whole stream, when it was opened, where it is a part of one.
+FileStamp stamp_of(const ClipSegment& segment);
 
 constexpr uint32_t kMaxClipFrames = 10'000'000;  // 46 hours at 60 fps
 
@@ -36,7 +49,7 @@ bool is_segmented(const std::filesystem::path& clip);
 // A clip's path without a separator at its end, which shells add when they complete the name of a folder.
 std::filesystem::path clip_path(const std::filesystem::path& given);
 
-// Reads the index of a clip of either kind; of a clip that is one file, its head is read. Throws InputError with file,
+// Reads the index of a clip of any kind; of a clip that is one file, its head is read. Throws InputError with file,
 // place and fix for what is damaged or out of bounds, and for a file that is named twice. Segments are not opened, so
 // that a clip with a damaged segment can be played but for that segment.
 ClipIndex read_clip_index(const std::filesystem::path& clip);

@@ -1,0 +1,167 @@
+#include "voctree/slice.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "base/parallel.h"
+#include "voctree/leaf_density.h"
+#include "voctree/sh_weights.h"
+
+namespace neuvv::voctree {
+
+namespace {
+
+constexpr size_t kLeavesOfPart = 4096;
+// Y_00, the same in all directions.
+constexpr float kMeanHarmonic = 0.28209479f;
+// Colours and opacities that are coded as 0 or 1 are a little more or less.
+constexpr float kMargin = 0.5f / stream::kUnit;
+constexpr float kLeastSlope = 0.02f;
+
+float dot(const float* row, const float* weights, uint32_t bases) {
+    float sum = 0;
+    for (uint32_t c = 0; c < bases; c++) sum += row[c] * weights[c];
+    return sum;
+}
+
+float sigmoid(float x) {
+    return 1 / (1 + std::exp(-x));
+}
+
+float srgb_of(float linear) {
+    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+float linear_of(float srgb) {
+    return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
+}
+
+// By how much one unit of a harmonic's coefficient changes the colour where the harmonic is largest along an axis, in
+// sRGB, at a colour in sRGB.
+float slope_of(float srgb, uint32_t l) {
+    const float linear = linear_of(srgb);
+    const float curve = linear <= 0.0031308f ? 12.92f : 1.055f / 2.4f * std::pow(linear, 1 / 2.4f - 1);
+    const float largest = std::sqrt((2.0f * static_cast<float>(l) + 1) / (4 * std::numbers::pi_v<float>));
+    return std::max(curve * linear * (1 - linear), kLeastSlope) * largest;
+}
+
+int16_t units(float value) {
+    return static_cast<int16_t>(std::lround(std::clamp(value, -4.0f, 4.0f) * stream::kUnit));
+}
+
+uint32_t degree_of(uint32_t harmonic) {
+    return harmonic == 0 ? 0 : harmonic < 4 ? 1 : harmonic < 9 ? 2 : 3;
+}
+
+// The colours of a leaf: k_lm of each channel.
+using Colours = std::array<std::array<float, kMaxShCount>, 3>;
+
+Colours colours_of(const VOctree& tree, const float* leaf, const float* row_b) {
+    const float angle = dot(row_b, leaf + tree.bases, tree.bases);
+    const Radial radial = radial_functions(std::numbers::pi * double{sigmoid(angle)});
+    Colours k{};
+    const float* weights = leaf + 2 * tree.bases;
+    for (auto& channel : k)
+        for (uint32_t n = 0; n <= tree.hh_degree; n++)
+            for (uint32_t l = 0; l <= n; l++)
+                for (uint32_t i = 0; i <= 2 * l; i++) channel[l * l + i] += radial[n][l] * *weights++;
+    return k;
+}
+
+void write_colours(const Colours& k, size_t leaf, stream::Slice& slice) {
+    std::array<float, 3> srgb;
+    for (size_t c = 0; c < 3; c++) srgb[c] = srgb_of(sigmoid(k[c][0] * kMeanHarmonic));
+    for (uint32_t i = 0; i < sh_count(slice.degree); i++) {
+        std::array<float, 3> shown = srgb;
+        for (size_t c = 0; c < 3 && i > 0; c++) shown[c] = k[c][i] * slope_of(srgb[c], degree_of(i));
+        const stream::Ycc ycc = stream::ycc_of({shown[0], shown[1], shown[2]});
+        slice.planes[1 + 3 * i][leaf] = units(ycc.y);
+        slice.planes[2 + 3 * i][leaf] = units(ycc.co);
+        slice.planes[3 + 3 * i][leaf] = units(ycc.cg);
+    }
+}
+
+Colours read_colours(const stream::Slice& slice, size_t leaf) {
+    Colours k{};
+    std::array<float, 3> srgb{};
+    for (uint32_t i = 0; i < sh_count(slice.degree); i++) {
+        const auto value = [&](uint32_t plane) {
+            return static_cast<float>(slice.planes[plane + 3 * i][leaf]) / stream::kUnit;
+        };
+        const stream::Rgb rgb = stream::rgb_of({value(1), value(2), value(3)});
+        const std::array<float, 3> shown = {rgb.r, rgb.g, rgb.b};
+        for (size_t c = 0; c < 3; c++) {
+            if (i > 0) {
+                k[c][i] = shown[c] / slope_of(srgb[c], degree_of(i));
+                continue;
+            }
+            srgb[c] = std::clamp(shown[c], kMargin, 1 - kMargin);
+            const float linear = linear_of(srgb[c]);
+            k[c][0] = std::log(linear / (1 - linear)) / kMeanHarmonic;
+        }
+    }
+    return k;
+}
+
+}  // namespace
+
+stream::Slice slice_of(const VOctree& tree, uint32_t frame) {
+    const float* row_a = &tree.sigma_basis[size_t{frame} * tree.bases];
+    const float* row_b = &tree.gamma_basis[size_t{frame} * tree.bases];
+    const std::vector<LeafPosition> positions = leaf_positions(tree);
+    std::vector<float> opacity(tree.leaf_count);
+    parallel_for(opacity.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) {
+            const float sigma = dot(row_a, tree.leaf(static_cast<uint32_t>(i)), tree.bases);
+            opacity[i] = sigma > 0 ? 1 - std::exp(-sigma * leaf_edge_m(tree, positions[i].depth)) : 0;
+        }
+    });
+    stream::Slice slice{2 * tree.node_levels, tree.hh_degree, {}, {}};
+    std::vector<std::pair<uint64_t, uint32_t>> live;  // first cell, leaf
+    for (uint32_t i = 0; i < tree.leaf_count; i++)
+        if (units(opacity[i]) > 0) live.emplace_back(first_cell(positions[i], slice.depth), i);
+    std::sort(live.begin(), live.end());
+    slice.planes.resize(stream::planes_of(slice.degree));
+    for (auto& plane : slice.planes) plane.resize(live.size());
+    slice.leaves.resize(live.size());
+    parallel_for(live.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) {
+            const auto [cell, leaf] = live[i];
+            slice.leaves[i] = {cell, positions[leaf].depth};
+            slice.planes[stream::kOpacityPlane][i] = units(opacity[leaf]);
+            write_colours(colours_of(tree, tree.leaf(leaf), row_b), i, slice);
+        }
+    });
+    return slice;
+}
+
+VOctree tree_of(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size, float fps) {
+    assert(slice.depth % 2 == 0);
+    VOctree tree;
+    tree.box_min = box_min;
+    tree.box_size = box_size;
+    tree.node_levels = slice.depth / 2;
+    tree.fps = fps;
+    make_still(tree, slice.degree);
+    std::vector<LeafPosition> positions;
+    positions.reserve(slice.leaves.size());
+    for (const stream::Leaf& leaf : slice.leaves)
+        positions.push_back(position_of(leaf.cell >> 3 * (slice.depth - leaf.depth), leaf.depth));
+    build_topology(tree, positions);
+    parallel_for(slice.leaves.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++) {
+            float* weights = tree.leaf(static_cast<uint32_t>(i));
+            const float opacity = static_cast<float>(slice.planes[stream::kOpacityPlane][i]) / stream::kUnit;
+            weights[0] = -std::log(1 - std::min(opacity, 1 - kMargin)) / leaf_edge_m(tree, slice.leaves[i].depth);
+            const Colours k = read_colours(slice, i);
+            for (uint32_t c = 0; c < 3; c++)
+                write_sh(weights + 2 + c * hh_count(slice.degree), slice.degree, k[c].data());
+        }
+    });
+    return tree;
+}
+
+}  // namespace neuvv::voctree

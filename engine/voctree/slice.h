@@ -1,0 +1,16 @@
+// Frames of a clip as slices of a stream, and back.
+#pragma once
+
+#include "stream/slice.h"
+#include "voctree/voctree.h"
+
+namespace neuvv::voctree {
+
+// What the tree shows at a frame: the leaves whose opacity along their edge is at least half of 1 / stream::kUnit.
+stream::Slice slice_of(const VOctree& tree, uint32_t frame);
+
+// The tree of one frame that shows the slice in a box, metres. Its leaves are in the order of the slice. The depth of
+// the slice must be even (assert).
+VOctree tree_of(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size, float fps);
+
+}  // namespace neuvv::voctree

@@ -1,0 +1,167 @@
+// Streams on the disk, and slices as trees.
+#include "stream/nvs.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "reference/slice.h"
+#include "stream/random_slice.h"
+#include "support/input_error.h"
+#include "support/temporary_folder.h"
+#include "voctree/clip.h"
+#include "voctree/leaf_density.h"
+#include "voctree/slice.h"
+
+namespace neuvv::test::nvs_test {
+namespace {
+
+using stream::Slice;
+
+struct NvsTest : testing::Test {
+    TemporaryFolder folder;
+    std::filesystem::path path = folder.path / "show.nvs";
+    voctree::VOctree tree = random_tree({.leaves = 300, .frames = 7});
+    std::vector<Slice> decoded;  // by the encoder
+
+    void SetUp() override { write(path); }
+    // Groups of three frames.
+    void write(const std::filesystem::path& to) {
+        stream::Steps steps;
+        steps.fill(8);
+        stream::Writer writer(to, 12.5f, 7, 3);
+        decoded.clear();
+        for (uint32_t first = 0; first < 7; first += 3) {
+            std::vector<stream::FrameSymbols> frames;
+            for (uint32_t i = first; i < std::min(first + 3, 7u); i++) {
+                Slice one;
+                const Slice last = voctree::slice_of(tree, i > first ? i - 1 : i);
+                std::optional<stream::FrameBefore> before;
+                if (i > first) before.emplace(last, decoded.back());
+                frames.push_back(stream::encode(voctree::slice_of(tree, i), steps, before, one));
+                decoded.push_back(std::move(one));
+            }
+            stream::Group group;
+            group.format = {2 * tree.node_levels, tree.hh_degree, tree.leaf_count};
+            for (int axis = 0; axis < 3; axis++) {
+                group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];
+                group.box_size[static_cast<size_t>(axis)] = tree.box_size[axis];
+            }
+            writer.add(group, frames);
+        }
+        EXPECT_FALSE(std::filesystem::exists(to)) << "not before it is finished";
+        const uint64_t bytes = writer.finish();
+        EXPECT_EQ(bytes, std::filesystem::file_size(to));
+    }
+    std::string bytes() const {
+        std::ifstream file(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    void overwrite(const std::string& bytes) const { std::ofstream(path, std::ios::binary) << bytes; }
+};
+
+TEST_F(NvsTest, FramesComeBackInAnyOrder) {
+    stream::Reader reader(path);
+    EXPECT_EQ(reader.index().fps, 12.5f);
+    ASSERT_EQ(reader.index().frames.size(), 7u);
+    for (const uint32_t frame : {0u, 1u, 2u, 3u, 6u, 5u, 5u, 1u, 4u}) {
+        const auto slice = reader.frame(frame);
+        EXPECT_EQ(slice->leaves, decoded[frame].leaves) << frame;
+        EXPECT_EQ(slice->planes, decoded[frame].planes) << frame;
+    }
+    const auto coarse = reader.frame(4, stream::kCoarse);
+    EXPECT_EQ(coarse->leaves, decoded[4].leaves);
+    EXPECT_NE(coarse->planes, decoded[4].planes);
+    EXPECT_EQ(reader.frame(4)->planes, decoded[4].planes);
+}
+
+TEST_F(NvsTest, DamageIsNamed) {
+    const std::string sound = bytes();
+    const auto expect_refused = [&](const std::string& damaged, std::initializer_list<std::string> parts) {
+        overwrite(damaged);
+        expect_input_error(
+            [&] {
+                stream::Reader reader(path);
+                for (uint32_t i = 0; i < 7; i++) reader.frame(i);
+            },
+            parts);
+    };
+    expect_refused("", {"show.nvs", "no stream"});
+    expect_refused(sound.substr(0, 20), {"show.nvs", "the head"});
+    expect_refused(sound.substr(0, 200), {"show.nvs", "the index"});
+    expect_refused(sound.substr(0, sound.size() - 1), {"show.nvs", "bytes"});
+    std::string other = sound;
+    other[8] = 2;
+    expect_refused(other, {"version 2", "newer neuvv"});
+    other = sound;
+    other[100] ^= 1;
+    expect_refused(other, {"the index", "damaged"});
+    // The last frame of the last group, and that group's tables.
+    other = sound;
+    other.back() = static_cast<char>(other.back() ^ 1);
+    expect_refused(other, {"frame 6", "damaged"});
+    overwrite(sound);
+    const stream::Index index = stream::Reader(path).index();
+    other = sound;
+    other[index.groups[2].offset] ^= 1;
+    expect_refused(other, {"the tables of frame 6", "damaged"});
+    other = sound;
+    other[index.offset_of(3)] ^= 1;
+    overwrite(other);
+    stream::Reader reader(path);
+    expect_input_error([&] { reader.frame(4); }, {"frame 3", "damaged"});
+    EXPECT_EQ(reader.frame(2)->planes, decoded[2].planes) << "other groups are whole";
+    EXPECT_EQ(reader.frame(6)->planes, decoded[6].planes);
+}
+
+TEST_F(NvsTest, IsAClipOfItsFrames) {
+    const voctree::ClipIndex index = voctree::read_clip_index(path);
+    EXPECT_EQ(index.fps, 12.5f);
+    EXPECT_EQ(index.frames(), 7u);
+    EXPECT_TRUE(voctree::is_stream(index));
+    const voctree::VOctree shown = voctree::read_segment(index.segments[5]);
+    EXPECT_EQ(voctree::defect_of(shown), "");
+    EXPECT_EQ(shown.frames, 1u);
+    EXPECT_EQ(shown.leaf_count, decoded[5].leaves.size());
+    const voctree::ClipHead head = voctree::read_clip_head(path);
+    EXPECT_EQ(head.frames, 7u);
+    EXPECT_EQ(head.box_min, tree.box_min);
+    expect_input_error([&] { voctree::read_clip(path); }, {"show.nvs", "is a stream"});
+}
+
+// A slice shows what the tree shows at that frame, up to rounding to 1 / kUnit.
+TEST(SliceOfTree, ShowsTheFrame) {
+    for (const uint32_t degree : {0u, 1u, 2u, 3u}) {
+        const voctree::VOctree tree = random_tree({.seed = degree + 1, .leaves = 200, .hh_degree = degree});
+        const std::vector<reference::LeafSlice> truth = reference::slice_tree(tree, 3);
+        const Slice slice = voctree::slice_of(tree, 3);
+        const voctree::VOctree still = voctree::tree_of(slice, tree.box_min, tree.box_size, tree.fps);
+        ASSERT_EQ(voctree::defect_of(still), "");
+        const std::vector<reference::LeafSlice> shown = reference::slice_tree(still, 0);
+        size_t compared = 0;
+        const std::vector<voctree::LeafPosition> positions = voctree::leaf_positions(still);
+        for (uint32_t i = 0; i < still.leaf_count; i++) {
+            const double side = std::ldexp(1.0, -static_cast<int>(positions[i].depth));
+            const uint32_t leaf =
+                voctree::find_leaf(tree, (glm::dvec3(positions[i].x, positions[i].y, positions[i].z) + 0.5) * side);
+            ASSERT_NE(leaf, UINT32_MAX);
+            const double edge = voctree::leaf_edge_m(tree, positions[i].depth);
+            EXPECT_NEAR(std::exp(-shown[i].sigma * edge), std::exp(-truth[leaf].sigma * edge), 0.6 / stream::kUnit);
+            for (size_t c = 0; c < 3; c++) {
+                const double mean = truth[leaf].k[c][0] * 0.28209479;
+                if (std::abs(mean) > 3) continue;  // nearly black or white: its harmonics show little
+                EXPECT_NEAR(reference::sigmoid(shown[i].k[c][0] * 0.28209479), reference::sigmoid(mean), 0.005);
+                // The three planes round by up to half a unit each, which is more of a dark colour's coefficients.
+                for (size_t k = 1; k < sh_count(degree); k++)
+                    EXPECT_NEAR(shown[i].k[c][k], truth[leaf].k[c][k], 0.11 + 0.02 * std::abs(truth[leaf].k[c][k]));
+                compared++;
+            }
+        }
+        EXPECT_GT(compared, 100u);
+        // Leaves that are left out are nearly clear.
+        EXPECT_LE(still.leaf_count, tree.leaf_count);
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test::nvs_test
