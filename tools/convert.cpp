@@ -12,12 +12,10 @@
 #include "base/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
-#include "render/frame.h"
 #include "tools/commands.h"
+#include "tools/compared_views.h"
 #include "tools/report.h"
 #include "tools/unfinished_clip.h"
-#include "tools/view_path.h"
-#include "training/metrics.h"
 #include "training/rig_file.h"
 #include "voctree/clip.h"
 #include "voctree/coarse.h"
@@ -43,44 +41,6 @@ float error_of(int strength) {
     return std::exp2(static_cast<float>(strength - kStrengths) / 4);
 }
 
-// Renders one tree after the other from the same views.
-class Views {
-  public:
-    Views(const gpu::Device& device, const voctree::VOctree& tree, const ConvertOptions& options)
-        : device_(device), size_(parse_size(options.size)) {
-        const std::vector<ViewStep> path = orbit_path(tree, size_);
-        for (size_t i = 0; i < options.views; i++)  // in the middles of equal parts of the orbit
-            views_.push_back(path[(2 * i + 1) * path.size() / (size_t{2} * options.views)]);
-    }
-
-    std::vector<media::Image> render(const voctree::VOctree& tree) const {
-        const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
-        render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
-        render::FrameSettings settings;
-        settings.width = size_.width;
-        settings.height = size_.height;
-        settings.samples = kDefaultSamples;
-        settings.resolve.background = {1, 1, 1, 1};
-        std::vector<media::Image> images;
-        for (const ViewStep& view : views_) {
-            settings.instances[0].frame = static_cast<float>(view.frame);
-            images.push_back(renderer.render(view.camera, settings));
-        }
-        return images;
-    }
-
-  private:
-    const gpu::Device& device_;
-    media::ImageSize size_;
-    std::vector<ViewStep> views_;
-};
-
-double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {
-    double worst = 99;
-    for (size_t i = 0; i < truth.size(); i++) worst = std::min(worst, training::compare(truth[i], images[i]).psnr);
-    return worst;
-}
-
 voctree::VOctree rounded(const voctree::VOctree& tree, int strength) {
     voctree::VOctree result = tree;
     voctree::round_weights(result, error_of(strength));
@@ -95,7 +55,7 @@ struct Rounding {
 };
 
 // Searches by bisection for the greatest strength whose images keep the quality. Throws InputError where none does.
-Rounding find_rounding(const std::filesystem::path& file, const voctree::VOctree& tree, const Views& views,
+Rounding find_rounding(const std::filesystem::path& file, const voctree::VOctree& tree, const ComparedViews& views,
                        const ConvertOptions& options) {
     const std::vector<media::Image> truth = views.render(tree);
     Progress progress("convert", std::bit_width(static_cast<unsigned>(kStrengths)));
@@ -132,7 +92,8 @@ void convert_file(const gpu::Device& device, const voctree::ClipSegment& file, c
     const uint64_t bytes_before = std::filesystem::file_size(file.file);
     voctree::VOctree result = tree;
     if (tree.leaf_count > 0) {  // else the performer is not in this segment
-        const Rounding rounding = find_rounding(file.file, tree, Views(device, tree, options), options);
+        const Rounding rounding = find_rounding(
+            file.file, tree, ComparedViews(device, tree, parse_size(options.size), options.views), options);
         result = rounded(tree, rounding.strength);
         outcome.psnr = std::min(outcome.psnr, rounding.psnr);
         outcome.error = std::max(outcome.error, error_of(rounding.strength));
@@ -169,6 +130,7 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     if (std::filesystem::equivalent(options.scene, options.output, ignored))
         throw InputError("--output", options.output, "is the scene itself, of which it would keep less",
                          "name another file");
+    voctree::expect_no_stream(options.scene);
     const bool segmented = voctree::is_segmented(options.scene);
     if (!segmented) prepare_output_file("--output", options.output);
     const gpu::Device device(common.device);

@@ -1,0 +1,56 @@
+#include "tools/compared_views.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/frame.h"
+#include "tools/command_line.h"
+#include "training/metrics.h"
+
+namespace neuvv::tools {
+
+ComparedViews::ComparedViews(const gpu::Device& device, const voctree::VOctree& tree, media::ImageSize size,
+                             uint32_t count)
+    : device_(device), size_(size) {
+    const std::vector<ViewStep> path = orbit_path(tree, size_);
+    for (size_t i = 0; i < count; i++) views_.push_back(path[(2 * i + 1) * path.size() / (size_t{2} * count)]);
+}
+
+void ComparedViews::round_frames() {
+    for (ViewStep& view : views_) view.frame = std::floor(view.frame);
+}
+
+std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree,
+                                                const std::vector<ViewStep>& views) const {
+    const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
+    render::FrameSettings settings;
+    settings.width = size_.width;
+    settings.height = size_.height;
+    settings.samples = kDefaultSamples;
+    settings.resolve.background = {1, 1, 1, 1};
+    std::vector<media::Image> images;
+    for (const ViewStep& view : views) {
+        settings.instances[0].frame = static_cast<float>(view.frame);
+        images.push_back(renderer.render(view.camera, settings));
+    }
+    return images;
+}
+
+std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree) const {
+    return render(tree, views_);
+}
+
+media::Image ComparedViews::render_still(const voctree::VOctree& tree, size_t i) const {
+    ViewStep view = views_[i];
+    view.frame = 0;
+    return render(tree, {view})[0];
+}
+
+double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {
+    double worst = 99;
+    for (size_t i = 0; i < truth.size(); i++) worst = std::min(worst, training::compare(truth[i], images[i]).psnr);
+    return worst;
+}
+
+}  // namespace neuvv::tools

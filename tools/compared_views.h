@@ -1,0 +1,37 @@
+// Views of a clip by which a smaller copy of it is compared with it: an orbit around its leaves while it plays.
+#pragma once
+
+#include <vector>
+
+#include "gpu/device.h"
+#include "media/image.h"
+#include "tools/view_path.h"
+#include "voctree/voctree.h"
+
+namespace neuvv::tools {
+
+class ComparedViews {
+  public:
+    // `count` views in the middles of equal parts of the orbit around the tree. The device must outlive it.
+    ComparedViews(const gpu::Device& device, const voctree::VOctree& tree, media::ImageSize size, uint32_t count);
+
+    // Images on white of a clip, each at the frame that its view has.
+    std::vector<media::Image> render(const voctree::VOctree& tree) const;
+    // One image of a tree of one frame, as view `i` sees it.
+    media::Image render_still(const voctree::VOctree& tree, size_t i) const;
+    double frame_of(size_t i) const { return views_[i].frame; }
+    // Shows whole frames in the views from now on.
+    void round_frames();
+    size_t count() const { return views_.size(); }
+
+  private:
+    std::vector<media::Image> render(const voctree::VOctree& tree, const std::vector<ViewStep>& views) const;
+    const gpu::Device& device_;
+    media::ImageSize size_;
+    std::vector<ViewStep> views_;
+};
+
+// The lowest PSNR of images, in dB, against the truth.
+double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images);
+
+}  // namespace neuvv::tools
