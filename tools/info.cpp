@@ -7,10 +7,12 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "editor/open_file.h"
+#include "stream/nvs.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/stage_verbs.h"
+#include "tools/stream_info.h"
 #include "training/checkpoint.h"
 #include "training/claim.h"
 #include "voctree/clip.h"
@@ -161,6 +163,7 @@ void run(const InfoOptions& options, const CommonOptions& common) {
         return print_stage_info(stage, common);
     }
     if (options.memory) throw InputError("--memory", options.file, "is for stages", "leave it out");
+    if (stream::is_stream(options.file)) return print_stream_info(options.file, options.json, options.check);
     if (voctree::is_segmented(options.file)) {
         if (!print_segments(options) && options.check)
             throw InputError(options.file, "", "has segments that cannot be played", "train them again");
@@ -183,9 +186,10 @@ void run(const InfoOptions& options, const CommonOptions& common) {
 void add_info(Command app, CommonOptions& common) {
     Command verb = app.add_verb("info", "Say what a clip holds, or who and what is on a stage");
     const auto options = std::make_shared<InfoOptions>();
-    verb.add_option("file", options->file,
-                    "A .nvv, the .npz of a PlenOctree, or a stage: .gltf or .glb (`neuvv stage info` tells it at "
-                    "any time)")
+    verb.add_option(
+            "file", options->file,
+            "A .nvv, a .nvs, the .npz of a PlenOctree, or a stage: .gltf or .glb (`neuvv stage info` tells it at "
+            "any time)")
         .required();
     verb.add_flag("--json", options->json, "Print JSON");
     verb.add_flag("--check", options->check, "Read all of it: checksums, topology, numbers (exit code 2 if damaged)");

@@ -115,6 +115,7 @@ PaintedScene::PaintedScene(const PaintOptions& options, Use what)
       clip(staged ? staged->stage.clips[staged->performer().clip].path
                   : voctree::clip_path(std::filesystem::path(options.scene))),
       index(voctree::read_clip_index(clip)) {
+    voctree::expect_no_stream(clip);
     at = static_cast<float>(options.at.value_or(staged ? double{staged->evaluated_performer().frame} : 0));
     if (!(at >= 0 && at <= static_cast<float>(index.frames() - 1)))
         throw InputError("--at", fmt::format("{}", at), "is no frame of the clip",

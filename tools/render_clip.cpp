@@ -285,9 +285,11 @@ void expect_no_stage_options(const RenderOptions& options) {
 
 RenderTotals render_clip(const RenderOptions& options, const CommonOptions& common) {
     if (std::filesystem::exists(options.scene) && !voctree::is_segmented(options.scene) &&
-        voctree::content_of(options.scene) == voctree::FileContent::kOther && !voctree::is_plenoctree(options.scene))
+        voctree::content_of(options.scene) == voctree::FileContent::kOther && !voctree::is_plenoctree(options.scene) &&
+        !stream::is_stream(options.scene))
         throw InputError(options.scene, "", "is neither a clip nor a stage",
-                         "name a .nvv of `neuvv train`, the .npz of a PlenOctree, or a .gltf or .glb of `neuvv stage`");
+                         "name a .nvv of `neuvv train`, a .nvs of `neuvv publish`, the .npz of a PlenOctree, or a "
+                         ".gltf or .glb of `neuvv stage`");
     expect_no_stage_options(options);
     const RenderPlan plan = plan_render(options);
     const media::ImageSize size = plan.size;

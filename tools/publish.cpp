@@ -1,0 +1,245 @@
+// neuvv publish: writes a clip as a stream, small enough for a rate or good enough for a quality.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/output_path.h"
+#include "stream/nvs.h"
+#include "tools/commands.h"
+#include "tools/compared_views.h"
+#include "tools/report.h"
+#include "voctree/clip.h"
+#include "voctree/slice.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+struct PublishOptions {
+    std::string scene, output, size = "480x270";
+    double quality = 47, group_s = 0.5;
+    std::optional<double> rate_mbps;
+    uint32_t views = 6;
+    bool json = false;
+};
+
+// How coarsely the coefficients are rounded: 4 more double the steps. At kUsualSteps, a clip of usual quality loses 0.3
+// dB against its held-out images.
+constexpr int kStepSizes = 33, kUsualSteps = 16;
+
+// Steps of the coefficients of opacity and colours at kUsualSteps, which lose as much quality for each byte that they
+// save (training/RESULTS.md).
+stream::Steps steps_of(int strength) {
+    constexpr std::array<double, stream::kKinds> kSteps = {0.22, 0.066, 0.145, 0.145, 0.085, 0.185};
+    const double scale = std::exp2((strength - kUsualSteps) / 4.0);
+    stream::Steps steps{};
+    for (size_t i = 0; i < steps.size(); i++)
+        steps[i] = static_cast<uint16_t>(std::clamp(std::lround(kSteps[i] * scale * stream::kUnit), 1l, 65535l));
+    return steps;
+}
+
+// The largest strength for which `keeps` holds, which must hold for all below it; nothing where it holds for none.
+std::optional<int> largest_strength(const std::function<bool(int)>& keeps) {
+    std::optional<int> best;
+    for (int low = 0, high = kStepSizes; low < high;) {
+        const int strength = (low + high) / 2;
+        const bool kept = keeps(strength);
+        if (kept) best = strength;
+        (kept ? low : high) = kept ? strength + 1 : strength;
+    }
+    return best;
+}
+
+std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>& slices, int strength) {
+    std::vector<stream::FrameSymbols> frames;
+    stream::Slice decoded, before;
+    for (size_t i = 0; i < slices.size(); i++) {
+        before = std::move(decoded);
+        std::optional<stream::FrameBefore> frame_before;
+        if (i > 0) frame_before.emplace(slices[i - 1], before);
+        frames.push_back(stream::encode(slices[i], steps_of(strength), frame_before, decoded));
+    }
+    return frames;
+}
+
+struct Published {
+    uint64_t bytes = 0;
+    double psnr = 99;  // of the worst image, where a quality was asked for
+    int coarsest = 0, finest = kStepSizes;
+    void add(int strength) {
+        coarsest = std::max(coarsest, strength);
+        finest = std::min(finest, strength);
+    }
+};
+
+class Publisher {
+  public:
+    Publisher(const PublishOptions& options, const CommonOptions& common)
+        : options_(options), index_(voctree::read_clip_index(options.scene)), progress_("publish", index_.frames()) {
+        voctree::expect_no_stream(options.scene);
+        group_frames_ = std::clamp(static_cast<uint32_t>(std::lround(options.group_s * double{index_.fps})), 1u,
+                                   stream::kMaxGroupFrames);
+        if (!options.rate_mbps) device_.emplace(common.device);
+    }
+    Published publish();
+
+  private:
+    void publish_segment(const voctree::ClipSegment& segment, stream::Writer& writer);
+    int strength_for_quality(const voctree::VOctree& tree, const std::filesystem::path& file);
+    int strength_for_rate(const std::vector<stream::Slice>& slices) const;
+    void expect_to_go_on() const {
+        if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options_.output));
+    }
+    const PublishOptions& options_;
+    voctree::ClipIndex index_;
+    Progress progress_;
+    uint32_t group_frames_ = 1;
+    std::optional<gpu::Device> device_;
+    Published published_;
+};
+
+// Only frames that a view shows are encoded, each as a key frame.
+int Publisher::strength_for_quality(const voctree::VOctree& tree, const std::filesystem::path& file) {
+    if (tree.leaf_count == 0) return kUsualSteps;
+    ComparedViews views(*device_, tree, parse_size(options_.size), options_.views);
+    views.round_frames();
+    const std::vector<media::Image> truth = views.render(tree);
+    std::vector<stream::Slice> slices;
+    for (size_t i = 0; i < views.count(); i++)
+        slices.push_back(voctree::slice_of(tree, static_cast<uint32_t>(views.frame_of(i))));
+    double last = 0, kept = 0;
+    const auto strength = largest_strength([&](int one) {
+        expect_to_go_on();
+        last = 99;
+        for (size_t i = 0; i < slices.size() && last >= options_.quality; i++) {
+            stream::Slice decoded;
+            stream::encode(slices[i], steps_of(one), {}, decoded);
+            const media::Image image =
+                views.render_still(voctree::tree_of(decoded, tree.box_min, tree.box_size, tree.fps), i);
+            last = std::min(last, worst_psnr({truth[i]}, {image}));
+        }
+        if (last >= options_.quality) kept = last;
+        return last >= options_.quality;
+    });
+    if (!strength)
+        throw InputError(file.string(), "",
+                         fmt::format("the finest steps show {:.1f} dB, not {:.1f}", last, options_.quality),
+                         fmt::format("ask for --quality {:.0f}", std::floor(last)));
+    published_.psnr = std::min(published_.psnr, kept);
+    return *strength;
+}
+
+// The finest whose bytes fit into the rate, or else the coarsest.
+int Publisher::strength_for_rate(const std::vector<stream::Slice>& slices) const {
+    const double seconds = static_cast<double>(slices.size()) / double{index_.fps};
+    const auto too_large = largest_strength([&](int strength) {
+        expect_to_go_on();
+        const uint64_t bytes =
+            stream::bytes_of(encode_group(slices, strength)).count() + stream::head_bytes(1, slices.size());
+        return 8e-6 * static_cast<double>(bytes) / seconds > *options_.rate_mbps;
+    });
+    return too_large ? std::min(*too_large + 1, kStepSizes - 1) : 0;
+}
+
+void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Writer& writer) {
+    const voctree::VOctree tree = voctree::read_segment(segment);
+    int strength = options_.rate_mbps ? 0 : strength_for_quality(tree, segment.file);
+    for (uint32_t first = 0; first < segment.frames; first += group_frames_) {
+        std::vector<stream::Slice> slices;
+        for (uint32_t i = first; i < std::min(first + group_frames_, segment.frames); i++) {
+            expect_to_go_on();
+            slices.push_back(voctree::slice_of(tree, i));
+        }
+        if (options_.rate_mbps) strength = strength_for_rate(slices);
+        published_.add(strength);
+        stream::Group group;
+        group.format = {slices[0].depth, slices[0].degree, 0};
+        for (const stream::Slice& slice : slices)
+            group.format.most_leaves = std::max(group.format.most_leaves, static_cast<uint32_t>(slice.leaves.size()));
+        for (int axis = 0; axis < 3; axis++) {
+            group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];
+            group.box_size[static_cast<size_t>(axis)] = tree.box_size[axis];
+        }
+        writer.add(group, encode_group(slices, strength));
+        progress_.update(segment.first + first + slices.size());
+    }
+}
+
+Published Publisher::publish() {
+    catch_stop_signals();
+    uint32_t groups = 0;
+    for (const voctree::ClipSegment& segment : index_.segments)
+        groups += (segment.frames + group_frames_ - 1) / group_frames_;
+    stream::Writer writer(options_.output, index_.fps, index_.frames(), groups);
+    for (const voctree::ClipSegment& segment : index_.segments) publish_segment(segment, writer);
+    published_.bytes = writer.finish();
+    progress_.finish();
+    return published_;
+}
+
+void run(const PublishOptions& options, const CommonOptions& common) {
+    if (std::filesystem::path(options.output).extension() != ".nvs")
+        throw InputError("--output", options.output, "does not end with .nvs", "name it so");
+    prepare_output_file("--output", options.output);
+    const Published published = Publisher(options, common).publish();
+    const stream::Index index = stream::Reader(options.output).index();
+    const auto frames = static_cast<double>(index.frames.size());
+    const double bytes_per_frame = static_cast<double>(published.bytes) / frames;
+    const double mbps = 8e-6 * bytes_per_frame * double{index.fps};
+    if (options.json) {
+        nlohmann::ordered_json json = {
+            {"input", options.scene},        {"output", options.output},           {"bytes", published.bytes},
+            {"frames", index.frames.size()}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}};
+        if (!options.rate_mbps) json["psnr_db"] = published.psnr;
+        fmt::print("{}", json_text(json));
+        return;
+    }
+    const std::string quality = options.rate_mbps ? "" : fmt::format("; the worst image has {:.1f} dB", published.psnr);
+    fmt::print("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}\n", options.output, size_text(published.bytes),
+               index.frames.size(), bytes_per_frame / 1000, mbps, quality);
+    if (options.rate_mbps && mbps > *options.rate_mbps)
+        fmt::print(stderr, "{}: more than {} Mbit/s, though rounded as coarsely as is possible\n", options.output,
+                   *options.rate_mbps);
+}
+
+}  // namespace
+
+void add_publish(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("publish", "Write a clip as a stream: a tenth of the bytes, to be played");
+    const auto options = std::make_shared<PublishOptions>();
+    verb.add_option("scene", options->scene, "The .nvv, in segments or not, or the .npz of a PlenOctree").required();
+    verb.add_option("-o,--output", options->output, "The .nvs to write").required();
+    Option rate = verb.add_option("--rate", options->rate_mbps, "Mbit/s, which every group of frames keeps to")
+                      .number_between(0.01, 1e5);
+    verb.add_option("--quality", options->quality,
+                    "In place of it, PSNR in dB that images keep at least, against the clip's own")
+        .number_between(10, 60)
+        .excludes(rate)
+        .show_default();
+    verb.add_option("--group", options->group_s, "Seconds of frames that are played without any before them")
+        .number_between(0.01, 60)
+        .show_default();
+    verb.add_option("--views", options->views, "Images that are compared, over one orbit as the clip plays")
+        .in_range(1, 100)
+        .show_default();
+    verb.add_option("--size", options->size, "WIDTHxHEIGHT of them").show_default();
+    verb.add_flag("--json", options->json, "Print JSON: bytes, frames, bytes_per_frame, mbps, psnr_db");
+    verb.footer(
+        {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
+         "painted,\nand between two frames it shows the nearer one.\n",
+         kDeviceHelp, kExamplesHead,
+         "  neuvv publish build/performer.nvv -o build/performer.nvs\n"
+         "  neuvv publish build/performer.nvv -o build/phone.nvs --rate 10\n"
+         "  neuvv render build/performer.nvs -o build/turn.mp4"});
+    verb.callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv::tools
