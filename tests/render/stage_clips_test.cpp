@@ -15,8 +15,10 @@
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "support/temporary_folder.h"
+#include "voctree/clip.h"
 #include "voctree/coarse.h"
 #include "voctree/nvpaint.h"
+#include "voctree/slice.h"
 
 namespace neuvv::test::stage_clips_test {
 namespace {
@@ -270,6 +272,44 @@ TEST_F(StageClipsTest, PaintComesAndGoesWithItsSegment) {
         fresh(painted, 0).rgba);
     std::filesystem::remove_all(layer);
     expect_input_error([&] { render::StageLoader(device()).load(painted); }, {"look.nvpaint", "no such folder"});
+}
+
+// Each frame of a stream is a segment. They are read ahead one after the other, and only some stay on the device.
+TEST_F(StageClipsTest, AStreamPlaysFrameByFrame) {
+    const voctree::ClipIndex index = voctree::read_clip_index(clip);
+    const std::filesystem::path path = folder.path / "long.nvs";
+    stream::Writer writer(path, index.fps, index.frames(), kSegments);
+    stream::Steps steps;
+    steps.fill(30);
+    for (const voctree::ClipSegment& one : index.segments) {
+        const voctree::VOctree tree = voctree::read_segment(one);
+        const stream::Slice slices[2] = {voctree::slice_of(tree, 0), voctree::slice_of(tree, 1)};
+        std::vector<stream::FrameSymbols> frames;
+        stream::Slice first, second;
+        frames.push_back(stream::encode(slices[0], steps, {}, first));
+        frames.push_back(stream::encode(slices[1], steps, stream::FrameBefore{slices[0], first}, second));
+        stream::Group group;
+        group.format = {2 * tree.node_levels, tree.hh_degree, tree.leaf_count};
+        group.box_min = {tree.box_min.x, tree.box_min.y, tree.box_min.z};
+        group.box_size = {tree.box_size.x, tree.box_size.y, tree.box_size.z};
+        writer.add(group, frames);
+    }
+    writer.finish();
+    write_stage(folder.path / "stream.gltf", path, "anna");
+    *stage = stage::load_stage(folder.path / "stream.gltf");
+    const double frame_s = 0.5 * kSegment_s;
+    Follower follower{*this};
+    ASSERT_TRUE(follower.until(0, [&] { return follower.field_of(7) != nullptr; }));
+    for (uint32_t frame = 0; frame < 8; frame++) EXPECT_NE(follower.field_of(frame), nullptr) << frame;
+    for (uint32_t frame = 0; frame < 2 * kSegments; frame++) {
+        const auto place = follower.at(frame * frame_s, MissingSegments::kWait);
+        ASSERT_TRUE(place);
+        EXPECT_EQ(place->field, follower.field_of(frame)) << frame;
+        EXPECT_LE(follower.clips.fields().size(), render::kStreamFramesOnDevice);
+    }
+    EXPECT_EQ(follower.clips.problems().size(), 0u);
+    render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+    EXPECT_NE(image_at(renderer, *stage, 0).rgba, image_at(renderer, *stage, 7 * frame_s).rgba);
 }
 
 // Until the whole segment is there, the performer is at its time in one way or the other.
