@@ -238,7 +238,8 @@ void add_publish(Command app, CommonOptions& common) {
          kDeviceHelp, kExamplesHead,
          "  neuvv publish build/performer.nvv -o build/performer.nvs\n"
          "  neuvv publish build/performer.nvv -o build/phone.nvs --rate 10\n"
-         "  neuvv render build/performer.nvs -o build/turn.mp4"});
+         "  neuvv render build/performer.nvs -o build/turn.mp4\n"
+         "  neuvv info https://example.com/performer.nvs"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

@@ -13,6 +13,7 @@
 #include "gpu/frame_capture.h"
 #include "media/image_sink.h"
 #include "render/frame_passes.h"
+#include "stream/nvs.h"
 #include "tools/options.h"
 #include "tools/render.h"
 #include "tools/report.h"
@@ -227,6 +228,11 @@ media::RenderFacts render_facts(const RenderOptions& options, double fps, media:
 }
 
 void add_clip_facts(media::RenderFacts& facts, const std::string& name, const std::filesystem::path& clip) {
+    if (stream::is_address(clip)) {
+        const FileStamp stamp = stream::Reader(clip).stamp();
+        facts[name] = fmt::format("{}, {} bytes", clip.string(), stamp.bytes);
+        return;
+    }
     if (!voctree::is_segmented(clip)) {
         facts[name] = media::content_fact(clip);
         return;

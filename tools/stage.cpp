@@ -84,6 +84,8 @@ struct AddOptions : StageTarget {
 };
 
 std::string add_performer(stage::StageFile& file, const AddOptions& options) {
+    if (stream::is_address(options.clip))
+        throw InputError(options.clip, "", "is an address, and a stage plays files alone", "download it first");
     const std::filesystem::path clip = voctree::clip_path(options.clip);
     voctree::read_clip_head(clip);
     edit::PerformerEdit performer = options.performer;

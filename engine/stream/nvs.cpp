@@ -133,6 +133,7 @@ uint64_t Index::offset_of(uint32_t frame) const {
 }
 
 bool is_stream(const std::filesystem::path& path) {
+    if (is_address(path)) return true;
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return false;
     char magic[sizeof kMagic] = {};
@@ -144,20 +145,19 @@ void Reader::fail(const std::string& place, const std::string& problem) const {
     throw InputError(path_.string(), place, problem, kFix);
 }
 
-std::vector<uint8_t> Reader::bytes_at(uint64_t offset, uint64_t count, const std::string& place) const {
-    std::ifstream file(path_, std::ios::binary);
-    if (!file) throw InputError(path_.string(), "", "cannot be opened");
-    if (count > stamp_.bytes || offset > stamp_.bytes - count) fail(place, "lies beyond the end of the file");
-    std::vector<uint8_t> bytes(count);
-    file.seekg(static_cast<std::streamoff>(offset));
-    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
-    if (!file) fail(place, "cannot be read to its end");
-    return bytes;
+std::vector<uint8_t> Reader::bytes_at(uint64_t offset, uint64_t count, const std::string& place) {
+    if (count > source_->size() || offset > source_->size() - count) fail(place, "lies beyond the end of the file");
+    return source_->read(offset, count);
 }
 
-Reader::Reader(const std::filesystem::path& path) : path_(path), stamp_(stamp_of(path)) {
-    if (!is_stream(path_)) throw InputError(path_.string(), "", "is no stream", "name a .nvs of `neuvv publish`");
+Reader::Reader(const std::filesystem::path& path) : path_(path) {
+    const auto expect_stream = [&](bool is) {
+        if (!is) throw InputError(path_.string(), "", "is no stream", "name a .nvs of `neuvv publish`");
+    };
+    expect_stream(is_stream(path_));
+    source_ = open_source(path_);
     const std::vector<uint8_t> fixed = bytes_at(0, kFixedBytes, "the head");
+    expect_stream(std::memcmp(fixed.data(), kMagic, sizeof kMagic) == 0);
     ByteReader reader{std::span<const uint8_t>(fixed).subspan(sizeof kMagic)};
     const uint64_t version = reader.number(4), frames = reader.number(4), groups = reader.number(4);
     if (version != kVersion)
@@ -198,7 +198,7 @@ Reader::Reader(const std::filesystem::path& path) : path_(path), stamp_(stamp_of
         fail(place, problem.what());
     }
     if (first != frames) fail("the index", "has frames without a group");
-    if (offset > stamp_.bytes) fail("", fmt::format("has {} bytes, not {}", stamp_.bytes, offset));
+    if (offset > source_->size()) fail("", fmt::format("has {} bytes, not {}", source_->size(), offset));
 }
 
 std::shared_ptr<const Slice> Reader::decode_next(uint32_t frame, Part last) {

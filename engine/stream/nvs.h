@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/file_stamp.h"
+#include "stream/byte_source.h"
 #include "stream/frame_codec.h"
 
 namespace neuvv::stream {
@@ -40,31 +40,33 @@ constexpr uint32_t kMaxStreamFrames = 10'000'000;
 constexpr uint32_t kMaxGroupFrames = 1000;
 constexpr uint32_t kMaxStreamLeaves = 1u << 24;  // of a frame
 
-// Whether a file begins as a .nvs does. False where it cannot be read.
+// Whether a file begins as a .nvs does, false where it cannot be read; or whether the path is an address, which nothing
+// else is taken from.
 bool is_stream(const std::filesystem::path& path);
 
 // A stream that is open. All functions may be called from any thread. All throw InputError with file, place and fix for
 // what is damaged.
 class Reader {
   public:
+    // `path` may be an address.
     explicit Reader(const std::filesystem::path& path);
 
     const Index& index() const { return index_; }
     const std::filesystem::path& path() const { return path_; }
-    const FileStamp& stamp() const { return stamp_; }  // when it was opened
+    const FileStamp& stamp() const { return source_->stamp(); }  // when it was opened
 
     // The frame, decoded from its first parts. The frame after the last one that was read is decoded alone; for others,
     // the frames of the group before it are, too.
     std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
 
   private:
-    std::vector<uint8_t> bytes_at(uint64_t offset, uint64_t count, const std::string& place) const;
+    std::vector<uint8_t> bytes_at(uint64_t offset, uint64_t count, const std::string& place);
     std::shared_ptr<const Slice> decode_next(uint32_t frame, Part last);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;
-    FileStamp stamp_;
+    std::unique_ptr<ByteSource> source_;  // by one thread at a time
     Index index_;
-    std::mutex mutex_;  // guards what follows
+    std::mutex mutex_;  // guards what follows, and reading
     std::optional<uint32_t> table_group_;
     Tables tables_;
     std::shared_ptr<const Slice> last_;  // the frame that was decoded last

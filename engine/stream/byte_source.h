@@ -1,0 +1,33 @@
+// Where the bytes of a stream come from: a file, or a server by HTTP ranges.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/file_stamp.h"
+
+namespace neuvv::stream {
+
+// Any thread may call its functions, one at a time.
+class ByteSource {
+  public:
+    virtual ~ByteSource() = default;
+    uint64_t size() const { return stamp_.bytes; }
+    const FileStamp& stamp() const { return stamp_; }  // when it was opened; of a server, its size alone
+    // Throws InputError where they cannot be read. They must lie within the size.
+    virtual std::vector<uint8_t> read(uint64_t offset, uint64_t count) = 0;
+
+  protected:
+    FileStamp stamp_;
+};
+
+// Whether a path is an address, http:// or https://.
+bool is_address(const std::filesystem::path& path);
+
+// Throws InputError where there is no such file, or the server does not answer, or not with a range of it.
+std::unique_ptr<ByteSource> open_source(const std::filesystem::path& path);
+
+}  // namespace neuvv::stream

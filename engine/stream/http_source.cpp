@@ -1,0 +1,195 @@
+#include "stream/http_source.h"
+
+#include <curl/curl.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "base/error.h"
+
+namespace neuvv::stream {
+
+namespace {
+
+constexpr int kTries = 4;
+constexpr long kConnect_s = 10, kStall_s = 15, kMostRedirects = 5;
+constexpr uint64_t kMostBytes = uint64_t{1} << 42;
+
+// Servers that are busy, and gateways that do not reach them.
+bool is_passing(long status) {
+    return status == 429 || status == 500 || status == 502 || status == 503 || status == 504;
+}
+
+// Connections that break or stall. Others, such as a name that is not known, will not be better a second later.
+bool is_passing(CURLcode code) {
+    return code == CURLE_COULDNT_CONNECT || code == CURLE_OPERATION_TIMEDOUT || code == CURLE_RECV_ERROR ||
+           code == CURLE_SEND_ERROR || code == CURLE_PARTIAL_FILE || code == CURLE_GOT_NOTHING;
+}
+
+void begin_curl() {
+    static std::once_flag once;
+    std::call_once(once, [] { curl_global_init(CURL_GLOBAL_DEFAULT); });
+}
+
+// The numbers of "bytes FIRST-LAST/SIZE"; all 0 where it is something else.
+struct Range {
+    uint64_t first = 0, last = 0, size = 0;
+};
+Range range_of(std::string_view text) {
+    Range range;
+    const size_t begin = text.find("bytes "), dash = text.find('-'), slash = text.find('/');
+    if (begin == std::string_view::npos || dash == std::string_view::npos || slash == std::string_view::npos) return {};
+    const auto number = [&](size_t from, uint64_t& value) {
+        return std::from_chars(text.data() + from, text.data() + text.size(), value).ec == std::errc();
+    };
+    if (!number(begin + 6, range.first) || !number(dash + 1, range.last) || !number(slash + 1, range.size)) return {};
+    return range;
+}
+
+}  // namespace
+
+struct HttpSource::Answer {
+    CURLcode code = CURLE_OK;
+    long status = 0;
+    uint64_t most = 0;  // bytes that are taken
+    std::vector<uint8_t> bytes;
+    std::string range;  // of the last answer's header
+    std::string problem;
+
+    static size_t take(char* data, size_t one, size_t count, void* to) {
+        auto& answer = *static_cast<Answer*>(to);
+        const size_t bytes = one * count;
+        if (answer.bytes.size() + bytes > answer.most) return 0;  // it ends the transfer
+        answer.bytes.insert(answer.bytes.end(), data, data + bytes);
+        return bytes;
+    }
+    static size_t take_header(char* data, size_t one, size_t count, void* to) {
+        auto& answer = *static_cast<Answer*>(to);
+        std::string line(data, one * count);
+        for (char& letter : line)
+            if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+        if (line.starts_with("http/")) answer.range.clear();  // of a redirect
+        if (line.starts_with("content-range:")) answer.range = line.substr(std::strlen("content-range:"));
+        return one * count;
+    }
+};
+
+HttpSource::HttpSource(std::string address) : address_(std::move(address)) {
+    begin_curl();
+    curl_ = curl_easy_init();
+    if (!curl_) throw std::bad_alloc();
+    const bool secure = address_.starts_with("https://");
+    curl_easy_setopt(curl_, CURLOPT_URL, address_.c_str());
+    curl_easy_setopt(curl_, CURLOPT_PROTOCOLS_STR, "http,https");
+    curl_easy_setopt(curl_, CURLOPT_REDIR_PROTOCOLS_STR, secure ? "https" : "http,https");
+    curl_easy_setopt(curl_, CURLOPT_FOLLOWLOCATION, 1L);
+    curl_easy_setopt(curl_, CURLOPT_MAXREDIRS, kMostRedirects);
+    curl_easy_setopt(curl_, CURLOPT_CONNECTTIMEOUT, kConnect_s);
+    curl_easy_setopt(curl_, CURLOPT_LOW_SPEED_LIMIT, 1L);
+    curl_easy_setopt(curl_, CURLOPT_LOW_SPEED_TIME, kStall_s);
+    curl_easy_setopt(curl_, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(curl_, CURLOPT_USERAGENT, "neuvv");
+    curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Answer::take);
+    curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Answer::take_header);
+    try {
+        fetch(0, 1);
+    } catch (...) {
+        curl_easy_cleanup(curl_);
+        throw;
+    }
+}
+
+HttpSource::~HttpSource() {
+    curl_easy_cleanup(curl_);
+}
+
+HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
+    for (int tries = 1;; tries++) {
+        Answer answer;
+        answer.most = count;
+        char problem[CURL_ERROR_SIZE] = {};
+        const std::string range = fmt::format("{}-{}", offset, offset + count - 1);
+        curl_easy_setopt(curl_, CURLOPT_RANGE, range.c_str());
+        curl_easy_setopt(curl_, CURLOPT_WRITEDATA, &answer);
+        curl_easy_setopt(curl_, CURLOPT_HEADERDATA, &answer);
+        curl_easy_setopt(curl_, CURLOPT_ERRORBUFFER, problem);
+        answer.code = curl_easy_perform(curl_);
+        curl_easy_setopt(curl_, CURLOPT_ERRORBUFFER, nullptr);
+        curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &answer.status);
+        answer.problem = problem[0] ? problem : curl_easy_strerror(answer.code);
+        const bool passing = answer.code == CURLE_OK ? is_passing(answer.status) : is_passing(answer.code);
+        if (!passing || tries == kTries) return answer;
+        std::this_thread::sleep_for(std::chrono::milliseconds(150 << tries));
+    }
+}
+
+// Throws InputError where the answer is not the range that was asked for. The file may end within it.
+void HttpSource::require_range(const Answer& answer, uint64_t offset, uint64_t count) {
+    const auto fail = [&](const std::string& problem, const char* fix) {
+        throw InputError(address_, "", problem, fix);
+    };
+    if (answer.status == 200)
+        fail("is sent as a whole, not by ranges", "put it on a server that answers range requests");
+    if (answer.code != CURLE_OK)
+        fail(fmt::format("cannot be read: {}", answer.problem), "check the address and the network");
+    if (answer.status != 206) fail(fmt::format("the server answers {}", answer.status), "check the address");
+    const Range range = range_of(answer.range);
+    const uint64_t last = std::min(offset + count, range.size) - 1;
+    if (range.size == 0 || range.size > kMostBytes || range.first != offset || range.last != last ||
+        answer.bytes.size() != last - offset + 1)
+        fail("the server sends another range than it was asked for", "put it on another server");
+    if (stamp_.bytes != 0 && stamp_.bytes != range.size) fail("was changed meanwhile", "open it again");
+    stamp_.bytes = range.size;
+}
+
+void HttpSource::fetch(uint64_t first_block, uint64_t blocks) {
+    const uint64_t offset = first_block * kBlock;
+    uint64_t count = blocks * kBlock;
+    if (stamp_.bytes != 0) count = std::min(count, stamp_.bytes - offset);
+    const Answer answer = request(offset, count);
+    require_range(answer, offset, count);
+    for (uint64_t begin = 0; begin < answer.bytes.size(); begin += kBlock) {
+        const uint64_t block = first_block + begin / kBlock,
+                       end = std::min<uint64_t>(begin + kBlock, answer.bytes.size());
+        blocks_[block].assign(answer.bytes.begin() + static_cast<ptrdiff_t>(begin),
+                              answer.bytes.begin() + static_cast<ptrdiff_t>(end));
+        std::erase(order_, block);
+        order_.push_back(block);
+    }
+}
+
+// Missing blocks that follow each other are one request.
+std::vector<uint8_t> HttpSource::read(uint64_t offset, uint64_t count) {
+    std::vector<uint8_t> bytes;
+    if (count == 0) return bytes;
+    bytes.reserve(count);
+    const uint64_t last = (offset + count - 1) / kBlock;
+    for (uint64_t block = offset / kBlock; block <= last; block++) {
+        if (!blocks_.contains(block)) {
+            uint64_t missing = 1;
+            while (block + missing <= last && missing < kMostBlocks / 2 && !blocks_.contains(block + missing))
+                missing++;
+            fetch(block, missing);
+        }
+        const std::vector<uint8_t>& whole = blocks_.at(block);
+        const uint64_t begin = std::max(offset, block * kBlock) - block * kBlock;
+        const uint64_t end = std::min(offset + count, block * kBlock + whole.size()) - block * kBlock;
+        bytes.insert(bytes.end(), whole.begin() + static_cast<ptrdiff_t>(begin),
+                     whole.begin() + static_cast<ptrdiff_t>(end));
+        std::erase(order_, block);
+        order_.push_back(block);
+        while (order_.size() > kMostBlocks) {
+            blocks_.erase(order_.front());
+            order_.erase(order_.begin());
+        }
+    }
+    return bytes;
+}
+
+}  // namespace neuvv::stream

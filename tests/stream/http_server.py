@@ -1,0 +1,64 @@
+#!/usr/bin/env python3
+"""A server that misbehaves, for tests: /MODE/NAME answers with ranges of FOLDER/NAME, in a way of MODE.
+
+    http_server.py FOLDER       prints its port, and serves until it is killed
+"""
+
+import http.server
+import pathlib
+import sys
+import time
+
+FOLDER = pathlib.Path(sys.argv[1])
+seen = {}  # How often each path was asked for.
+
+
+class Handler(http.server.BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.1"
+
+    def log_message(self, *_):
+        pass
+
+    def do_GET(self):
+        count = seen[self.path] = seen.get(self.path, 0) + 1
+        _, mode, name = self.path.split("/")
+        data = (FOLDER / name).read_bytes()
+        if mode == "missing":
+            return self.send_error(404)
+        if mode == "busy" and count <= 2 or mode == "busy-always":
+            return self.send_error(503)
+        if mode in ("redirect", "circle", "file"):
+            place = {"redirect": f"/ok/{name}", "circle": self.path, "file": "file:///etc/hostname"}
+            self.send_response(302)
+            self.send_header("Location", place[mode])
+            self.send_header("Content-Length", "0")
+            return self.end_headers()
+        if mode == "changed" and count > 1:
+            data += b"more"
+        self.send_data(mode, count, data)
+
+    def send_data(self, mode, count, data):
+        wanted = self.headers["Range"].removeprefix("bytes=").split("-")
+        first, last = int(wanted[0]), min(int(wanted[1]), len(data) - 1)
+        if mode == "other-range":
+            first += 1
+        part = data if mode == "whole" else data[first : last + 1]
+        if mode == "damaged":
+            part = part[:-9] + b"x" + part[-8:]
+        self.send_response(200 if mode == "whole" else 206)
+        self.send_header("Content-Range", f"bytes {first}-{last}/{len(data)}")
+        self.send_header("Content-Length", str(len(part)))
+        self.end_headers()
+        if mode == "breaks" and count == 1 or mode == "breaks-always":
+            self.wfile.write(part[: len(part) // 2])
+            self.close_connection = True
+            return
+        for begin in range(0, len(part), 4096):
+            self.wfile.write(part[begin : begin + 4096])
+            if mode == "slow":
+                time.sleep(0.02)
+
+
+server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+print(server.server_port, flush=True)
+server.serve_forever()
