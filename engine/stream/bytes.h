@@ -29,6 +29,11 @@ class ByteReader {
         return taken;
     }
 
+    // Throws std::runtime_error where bytes are left.
+    void expect_end() const {
+        if (!rest_.empty()) throw std::runtime_error("has more bytes than it needs");
+    }
+
   private:
     std::span<const uint8_t> rest_;
 };

@@ -292,10 +292,8 @@ Slice decode(std::span<const uint8_t> bytes, Part last, const Tables& tables, co
     if (!is_key) repeated = code_repeated(shape, *before, nullptr);
     if (repeated.leaves.size() + leaf_count > format.most_leaves)
         throw std::runtime_error("has more leaves than the stream says");
-    if (leaf_count == 0) return repeated;
-    const Octree tree = code_shape(shape, Octree(), format.depth, leaf_count);
+    const Octree tree = leaf_count > 0 ? code_shape(shape, Octree(), format.depth, leaf_count) : Octree();
     if (!shape.ends_well() || tree.leaf_count != leaf_count) throw std::runtime_error("has another shape than it says");
-    coded.leaves = leaves_of(tree, format.depth);
 
     std::vector<std::span<const uint8_t>> coarse(planes), fine(planes);
     for (const Part part : {kCoarse, kFine, kShCoarse, kShFine}) {
@@ -305,7 +303,12 @@ Slice decode(std::span<const uint8_t> bytes, Part last, const Tables& tables, co
         for (uint32_t plane = first; plane < end; plane++) lengths.push_back(reader.number(4));
         auto& streams = part == kCoarse || part == kShCoarse ? coarse : fine;
         for (uint32_t plane = first; plane < end; plane++) streams[plane] = reader.take(lengths[plane - first]);
+        for (const uint64_t length : lengths)
+            if (leaf_count == 0 && length > 0) throw std::runtime_error("has planes without leaves");
     }
+    reader.expect_end();
+    if (leaf_count == 0) return repeated;
+    coded.leaves = leaves_of(tree, format.depth);
 
     const auto decode_planes = [&](const Pairs& pairs, uint32_t first, uint32_t count) {
         Numbers numbers{count, std::vector<int16_t>(count * pairs.size())};

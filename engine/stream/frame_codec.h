@@ -43,7 +43,7 @@ struct FrameBytes {
 };
 FrameBytes bytes_of(const FrameSymbols& frame, const Tables& tables);
 
-// What a frame is decoded by: the same for all frames of a stream.
+// What a frame is decoded by: the same for all frames of a group.
 struct Format {
     uint32_t depth = 2, degree = 0;
     uint32_t most_leaves = 0;  // of a frame

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -23,6 +24,7 @@ constexpr char kMagic[8] = {'N', 'V', 'S', 't', 'r', 'e', 'a', 'm'};
 constexpr uint32_t kVersion = 1;
 // Bytes of the head: of its fixed part, of a group, of a frame, and of the check at the end.
 constexpr uint64_t kFixedBytes = 32, kGroupBytes = 64, kFrameBytes = 8 * kParts, kCheckBytes = 4;
+constexpr float kLeastBox = 1e-6f;  // metres
 constexpr const char* kFix = "publish the clip again";
 
 uint32_t check_of(std::span<const uint8_t> bytes) {
@@ -72,7 +74,8 @@ void expect_sound(const Group& group, const Index& index, uint64_t offset) {
         group.format.degree > kMaxDegree || group.format.most_leaves > kMaxStreamLeaves)
         throw std::runtime_error("has a form that this program does not know");
     for (size_t axis = 0; axis < 3; axis++)
-        if (!std::isfinite(group.box_min[axis]) || !std::isnormal(group.box_size[axis]) || group.box_size[axis] < 0)
+        if (!std::isfinite(group.box_min[axis]) || !(group.box_size[axis] >= kLeastBox) ||
+            !std::isfinite(group.box_min[axis] + group.box_size[axis]))
             throw std::runtime_error("has a box that cannot be");
     if (group.offset != offset) throw std::runtime_error("does not begin where the one before ends");
 }
@@ -109,7 +112,8 @@ std::vector<uint8_t> deflated(const std::vector<uint8_t>& bytes) {
 std::vector<uint8_t> inflated(std::span<const uint8_t> bytes, size_t count) {
     std::vector<uint8_t> result(count);
     auto written = static_cast<uLongf>(count);
-    if (uncompress(result.data(), &written, bytes.data(), static_cast<uLong>(bytes.size())) != Z_OK || written != count)
+    auto taken = static_cast<uLong>(bytes.size());
+    if (uncompress2(result.data(), &written, bytes.data(), &taken) != Z_OK || written != count || taken != bytes.size())
         throw std::runtime_error("has damaged tables");
     return result;
 }
@@ -198,10 +202,10 @@ Reader::Reader(const std::filesystem::path& path) : path_(path) {
         fail(place, problem.what());
     }
     if (first != frames) fail("the index", "has frames without a group");
-    if (offset > source_->size()) fail("", fmt::format("has {} bytes, not {}", source_->size(), offset));
+    if (offset != source_->size()) fail("", fmt::format("has {} bytes, not {}", source_->size(), offset));
 }
 
-std::shared_ptr<const Slice> Reader::decode_next(uint32_t frame, Part last) {
+std::shared_ptr<const Slice> Reader::decode_next(uint32_t frame, Part last, const Slice* before) {
     const uint32_t number = index_.group_of(frame);
     const Group& group = index_.groups[number];
     std::string place = fmt::format("the tables of frame {}", group.first);
@@ -219,12 +223,10 @@ std::shared_ptr<const Slice> Reader::decode_next(uint32_t frame, Part last) {
         for (uint32_t part = 0, begin = 0; part <= last; begin = entry.ends[part++])
             if (check_of(std::span(bytes).subspan(begin, entry.ends[part] - begin)) != entry.checks[part])
                 throw std::runtime_error("is damaged");
-        const bool follows = frame > group.first;
-        last_ =
-            std::make_shared<const Slice>(decode(bytes, last, tables_, group.format, follows ? last_.get() : nullptr));
-        last_frame_ = frame;
-        last_part_ = last;
-        return last_;
+        auto slice = std::make_shared<const Slice>(decode(bytes, last, tables_, group.format, before));
+        if (kept_.size() == kKept) kept_.erase(kept_.begin());
+        kept_.push_back({frame, last, slice});
+        return slice;
     } catch (const InputError&) {
         throw;
     } catch (const std::runtime_error& problem) {
@@ -235,17 +237,15 @@ std::shared_ptr<const Slice> Reader::decode_next(uint32_t frame, Part last) {
 std::shared_ptr<const Slice> Reader::frame(uint32_t frame, Part last) {
     const std::lock_guard lock(mutex_);
     const uint32_t first = index_.groups[index_.group_of(frame)].first;
-    const bool known = last_ && last_part_ == last && last_frame_ >= first && last_frame_ <= frame;
-    if (known && last_frame_ == frame) return last_;
-    uint32_t next = known ? last_frame_ + 1 : first;
-    if (!known) last_.reset();
-    try {
-        while (next < frame) decode_next(next++, last);
-        return decode_next(frame, last);
-    } catch (...) {
-        last_.reset();
-        throw;
-    }
+    uint32_t next = first;
+    std::shared_ptr<const Slice> slice;  // of the frame before `next`
+    for (const Kept& one : kept_)
+        if (one.last == last && one.frame + 1 > next && one.frame >= first && one.frame <= frame) {
+            slice = one.slice;
+            next = one.frame + 1;
+        }
+    for (; next <= frame; next++) slice = decode_next(next, last, next > first ? slice.get() : nullptr);
+    return slice;
 }
 
 GroupBytes bytes_of(const std::vector<FrameSymbols>& frames) {
@@ -270,11 +270,20 @@ Writer::Writer(const std::filesystem::path& path, float fps, uint32_t frames, ui
     index_.fps = fps;
     index_.frames.reserve(frames);
     index_.groups.reserve(groups);
-    write(std::vector<uint8_t>(head_bytes(groups, frames)));
+    try {
+        write(std::vector<uint8_t>(head_bytes(groups, frames)));
+    } catch (...) {
+        remove_unfinished();
+        throw;
+    }
 }
 
 Writer::~Writer() {
-    if (file_) std::fclose(file_);
+    remove_unfinished();
+}
+
+void Writer::remove_unfinished() {
+    if (file_) std::fclose(std::exchange(file_, nullptr));
     std::error_code ignored;
     std::filesystem::remove(temporary_, ignored);
 }
@@ -285,7 +294,7 @@ void Writer::write(const std::vector<uint8_t>& bytes) {
     next_ += bytes.size();
 }
 
-void Writer::add(Group group, const std::vector<FrameSymbols>& frames) {
+uint64_t Writer::add(Group group, const std::vector<FrameSymbols>& frames) {
     const GroupBytes bytes = bytes_of(frames);
     group.first = static_cast<uint32_t>(index_.frames.size());
     group.frames = static_cast<uint32_t>(frames.size());
@@ -301,10 +310,13 @@ void Writer::add(Group group, const std::vector<FrameSymbols>& frames) {
         write(frame.bytes);
     }
     index_.groups.push_back(group);
+    return next_ - group.offset + head_bytes(1, frames.size());
 }
 
 uint64_t Writer::finish() {
     const uint64_t bytes = next_;
+    assert(head_bytes(index_.groups.size(), index_.frames.size()) == index_.groups[0].offset &&
+           "as many groups and frames as the constructor was told");
     std::rewind(file_);
     write(head_of(index_));
     const bool closed = std::fclose(std::exchange(file_, nullptr)) == 0;

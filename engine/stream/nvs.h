@@ -55,13 +55,19 @@ class Reader {
     const std::filesystem::path& path() const { return path_; }
     const FileStamp& stamp() const { return source_->stamp(); }  // when it was opened
 
-    // The frame, decoded from its first parts. The frame after the last one that was read is decoded alone; for others,
-    // the frames of the group before it are, too.
+    // The frame, decoded from its first parts. Frames that were read last are kept, kKept of them; a frame behind one
+    // of these in the same group is decoded from there on, others from the beginning of their group.
+    static constexpr size_t kKept = 16;
     std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
 
   private:
     std::vector<uint8_t> bytes_at(uint64_t offset, uint64_t count, const std::string& place);
-    std::shared_ptr<const Slice> decode_next(uint32_t frame, Part last);
+    struct Kept {
+        uint32_t frame;
+        Part last;
+        std::shared_ptr<const Slice> slice;
+    };
+    std::shared_ptr<const Slice> decode_next(uint32_t frame, Part last, const Slice* before);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;
     std::unique_ptr<ByteSource> source_;  // by one thread at a time
@@ -69,9 +75,7 @@ class Reader {
     std::mutex mutex_;  // guards what follows, and reading
     std::optional<uint32_t> table_group_;
     Tables tables_;
-    std::shared_ptr<const Slice> last_;  // the frame that was decoded last
-    uint32_t last_frame_ = 0;
-    Part last_part_ = kShFine;
+    std::vector<Kept> kept_;  // the one that was decoded last at the end
 };
 
 // Bytes of the head of a stream.
@@ -88,13 +92,14 @@ class Writer {
     Writer& operator=(const Writer&) = delete;
 
     // Adds the next group: its frames in order, encoded as one group. The group's `first`, `offset` and tables are set
-    // here.
-    void add(Group group, const std::vector<FrameSymbols>& frames);
+    // here. Returns their bytes, those in the index included.
+    uint64_t add(Group group, const std::vector<FrameSymbols>& frames);
     // Returns the number of bytes.
     uint64_t finish();
 
   private:
     void write(const std::vector<uint8_t>& bytes);
+    void remove_unfinished();
     std::filesystem::path path_, temporary_;
     std::FILE* file_ = nullptr;
     Index index_;

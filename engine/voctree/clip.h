@@ -10,7 +10,7 @@
 
 namespace neuvv::voctree {
 
-// Reads a clip of either kind. Throws InputError where read_nvv or read_plenoctree does, and for a segmented clip
+// Reads a clip that is one file. Throws InputError where read_nvv or read_plenoctree does, and for a segmented clip
 // (clip_index.h) and a stream, whose segments are read one by one.
 VOctree read_clip(const std::filesystem::path& path);
 

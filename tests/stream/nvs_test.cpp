@@ -90,6 +90,7 @@ TEST_F(NvsTest, DamageIsNamed) {
     expect_refused(sound.substr(0, 20), {"show.nvs", "the head"});
     expect_refused(sound.substr(0, 200), {"show.nvs", "the index"});
     expect_refused(sound.substr(0, sound.size() - 1), {"show.nvs", "bytes"});
+    expect_refused(sound + "x", {"show.nvs", "bytes"});
     std::string other = sound;
     other[8] = 2;
     expect_refused(other, {"version 2", "newer neuvv"});

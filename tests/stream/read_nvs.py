@@ -146,15 +146,13 @@ def read_tables(data, group):
     shares = Bytes(content, "the list of tables")
     tables = {}
     for kind, (number, symbols) in TABLES.items():
-        tables[kind] = [complete(list(shares.take(f"{symbols}H"))) for _ in range(number)]
+        tables[kind] = [checked(list(shares.take(f"{symbols}H"))) for _ in range(number)]
     shares.finish()
     return tables
 
 
-def complete(shares):
-    """A table of these shares. Where all are 0, symbol 0 has all of them."""
-    if not any(shares):
-        shares[0] = TOTAL
+def checked(shares):
+    """A table of these shares."""
     check(sum(shares) == TOTAL, "the shares of a table have a wrong sum")
     return shares
 
