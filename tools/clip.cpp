@@ -85,6 +85,7 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
 }
 
 void cut(const CutOptions& options) {
+    voctree::expect_no_stream(options.clip);
     const voctree::ClipIndex index = voctree::read_clip_index(options.clip);
     const double fps = double{index.fps};
     const uint32_t begin = options.from.empty() ? 0 : parse_frames("--from", options.from, fps);
@@ -102,6 +103,7 @@ void join(const JoinOptions& options) {
     std::optional<float> fps;
     if (options.clips.size() < 2) throw InputError("clips", options.clips[0], "is one clip alone", "name two or more");
     for (const std::string& clip : options.clips) {
+        voctree::expect_no_stream(clip);
         const voctree::ClipIndex index = voctree::read_clip_index(clip);
         if (!fps) fps = index.fps;
         if (std::abs(*fps - index.fps) > 1e-3f * *fps)

@@ -72,12 +72,8 @@ std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>&
 
 struct Published {
     uint64_t bytes = 0;
-    double psnr = 99;  // of the worst image, where a quality was asked for
-    int coarsest = 0, finest = kStepSizes;
-    void add(int strength) {
-        coarsest = std::max(coarsest, strength);
-        finest = std::min(finest, strength);
-    }
+    double psnr = 99;      // of the worst compared image, where a quality was asked for
+    double most_mbps = 0;  // of a group
 };
 
 class Publisher {
@@ -119,7 +115,7 @@ int Publisher::strength_for_quality(const voctree::VOctree& tree, const std::fil
     const auto strength = largest_strength([&](int one) {
         expect_to_go_on();
         last = 99;
-        for (size_t i = 0; i < slices.size() && last >= options_.quality; i++) {
+        for (size_t i = 0; i < slices.size(); i++) {
             stream::Slice decoded;
             stream::encode(slices[i], steps_of(one), {}, decoded);
             const media::Image image =
@@ -159,7 +155,6 @@ void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Wri
             slices.push_back(voctree::slice_of(tree, i));
         }
         if (options_.rate_mbps) strength = strength_for_rate(slices);
-        published_.add(strength);
         stream::Group group;
         group.format = {slices[0].depth, slices[0].degree, 0};
         for (const stream::Slice& slice : slices)
@@ -168,7 +163,12 @@ void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Wri
             group.box_min[static_cast<size_t>(axis)] = tree.box_min[axis];
             group.box_size[static_cast<size_t>(axis)] = tree.box_size[axis];
         }
-        writer.add(group, encode_group(slices, strength));
+        if (group.format.most_leaves > stream::kMaxStreamLeaves)
+            throw InputError(segment.file.string(), fmt::format("frame {}", first), "has too many leaves for a stream",
+                             "train it with a smaller --resolution");
+        const uint64_t bytes = writer.add(group, encode_group(slices, strength));
+        published_.most_mbps = std::max(published_.most_mbps, 8e-6 * static_cast<double>(bytes) * double{index_.fps} /
+                                                                  static_cast<double>(slices.size()));
         progress_.update(segment.first + first + slices.size());
     }
 }
@@ -205,9 +205,9 @@ void run(const PublishOptions& options, const CommonOptions& common) {
     const std::string quality = options.rate_mbps ? "" : fmt::format("; the worst image has {:.1f} dB", published.psnr);
     fmt::print("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}\n", options.output, size_text(published.bytes),
                index.frames.size(), bytes_per_frame / 1000, mbps, quality);
-    if (options.rate_mbps && mbps > *options.rate_mbps)
-        fmt::print(stderr, "{}: more than {} Mbit/s, though rounded as coarsely as is possible\n", options.output,
-                   *options.rate_mbps);
+    if (options.rate_mbps && published.most_mbps > *options.rate_mbps)
+        fmt::print(stderr, "{}: up to {:.1f} Mbit/s, not {}, though rounded as coarsely as is possible\n",
+                   options.output, published.most_mbps, *options.rate_mbps);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ edit::Document open_document(const std::filesystem::path& path) {
         return document;
     }
     if (!voctree::has_clip_ending(file))
-        throw InputError(file.string(), "", "is neither a stage nor a clip", "open a .gltf, .glb, .nvv or .npz");
+        throw InputError(file.string(), "", "is neither a stage nor a clip", "open a .gltf, .glb, .nvv, .nvs or .npz");
     document.file = stage::make_stage_file(
         stage_of_file(file), R"({"asset":{"version":"2.0","generator":"NeuVV"},"scene":0,"scenes":[{}]})");
     edit::PerformerEdit performer;

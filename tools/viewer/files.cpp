@@ -110,7 +110,7 @@ void Files::opened(edit::Document document, bool modified, std::optional<edit::R
 }
 
 void Files::ask_to_open() {
-    ask_path("Open", {".gltf", ".glb", ".nvv", ".npz"}, false, "",
+    ask_path("Open", {".gltf", ".glb", ".nvv", ".nvs", ".npz"}, false, "",
              [this](const std::filesystem::path& path) { open(path); });
 }
 
@@ -162,9 +162,10 @@ void Files::open_or_add(const std::filesystem::path& file) {
         stage.environment = file;
         editor.edit([&](edit::Document& d) { return edit::set_stage(d.file, stage); });
     } else {
-        editor.notify(fmt::format("{}: is no stage, clip, paint or image (.gltf, .glb, .nvv, .npz, .nvpaint, .png)",
-                                  file.filename().string()),
-                      true);
+        editor.notify(
+            fmt::format("{}: is no stage, clip, paint or image (.gltf, .glb, .nvv, .nvs, .npz, .nvpaint, .png)",
+                        file.filename().string()),
+            true);
     }
 }
 

@@ -35,7 +35,7 @@ void file_menu(Context& context, const MenuBar& uses) {
     if (item(context, "New", "Ctrl+N")) uses.files.new_stage();
     if (item(context, "Open…", "Ctrl+O")) uses.files.ask_to_open();
     if (item(context, "Add to the stage…", "", context.editor.is_open()))
-        uses.files.ask_path("Add a clip, paint or environment", {".nvv", ".npz", ".nvpaint", ".png"}, false, "",
+        uses.files.ask_path("Add a clip, paint or environment", {".nvv", ".nvs", ".npz", ".nvpaint", ".png"}, false, "",
                             [files = &uses.files](const std::filesystem::path& path) { files->open_or_add(path); });
     recent_menu(context, uses);
     ImGui::Separator();
