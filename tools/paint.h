@@ -99,8 +99,9 @@ struct PaintedScene {
     std::optional<StagedPerformer> staged;  // where the scene is a stage
     Use use;
     std::filesystem::path clip;
-    voctree::ClipIndex index;  // of the clip
-    float at = 0;              // the frame of the clip that is seen
+    voctree::ClipIndex index;                              // of the clip
+    float at = 0;                                          // the frame of the clip that is seen
+    std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // of a clip in segments: around their trees
 
     // Then the layer is a folder with a file for each segment.
     bool is_segmented() const { return index.segments.size() > 1; }
@@ -116,6 +117,7 @@ struct PaintedSegment {
     PaintedSegment(const PaintedScene& scene, const PaintOptions& options, uint32_t number);
 
     std::filesystem::path layer_file;
+    bool is_in_folder;  // the layer's file
     std::shared_ptr<const editor::PaintClip> clip;
     std::shared_ptr<const voctree::EditLayer> layer;  // the one that is painted
     float at = 0;                                     // the frame of the segment that is seen, or is nearest to it
@@ -124,7 +126,8 @@ struct PaintedSegment {
     // The performer with the visible layers of its list, among them the painted one; without a stage with the painted
     // layer alone.
     editor::PaintSubject subject() const;
-    // Writes the layer's file, atomically. A segment without edits gets no file.
+    // Writes the layer's file, atomically. Of a clip in segments, the folder is made where it is missing, and a segment
+    // without edits has no file.
     void save() const;
 
   private:

@@ -1,4 +1,6 @@
 // neuvv paint on clips in segments: what is painted on one segment goes on in the others.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <unordered_set>
@@ -76,7 +78,12 @@ class SegmentPainter {
 };
 
 void SegmentPainter::begin_segment() {
-    if (stop_requested()) throw RuntimeFailure("stopped before the end; segments that are painted stay painted");
+    if (stop_requested())
+        throw RuntimeFailure(
+            scene_.staged && !scene_.staged->change.empty()
+                ? fmt::format("stopped before the end; `neuvv stage paint {} {} --add {}` shows what is painted",
+                              options_.scene, scene_.staged->performer().node, options_.layer)
+                : "stopped before the end; segments that are painted stay painted");
     progress_.update(begun_++);
 }
 
@@ -111,7 +118,7 @@ bool SegmentPainter::paint_carried() {
     if (!edits.empty()) add_and_save(segment, edits, totals_);
     for (const int direction : {1, -1}) carry(direction, number, {seen_, edits});
     progress_.update(count());
-    return true;
+    return totals_.segments > 0;
 }
 
 void SegmentPainter::carry(int direction, uint32_t from, Neighbour last) {

@@ -123,16 +123,21 @@ PaintedScene::PaintedScene(const PaintOptions& options, Use what)
     std::error_code error;
     const bool needed = use == Use::kRead || std::filesystem::exists(options.layer, error);
     if (is_segmented() && needed) voctree::expect_paint_folder(options.layer);
-    if (use == Use::kRead) return;
-    if (is_segmented())
-        prepare_output_folder("layer", options.layer);
-    else
+    if (is_segmented()) {
+        const voctree::ClipHead head = voctree::read_clip_head(clip);
+        box.emplace(head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size));
+        // Between two segments, the frame that a player shows.
+        const voctree::SegmentFrame place = voctree::segment_frame(index, double{at});
+        at = static_cast<float>(index.segments[place.segment].first) + place.frame;
+    } else if (use == Use::kPaint) {
         prepare_output_file("layer", options.layer);
+    }
 }
 
 PaintedSegment::PaintedSegment(const PaintedScene& scene, const PaintOptions& options, uint32_t number)
     : layer_file(scene.is_segmented() ? voctree::paint_file(options.layer, scene.index.segments[number])
-                                      : std::filesystem::path(options.layer)) {
+                                      : std::filesystem::path(options.layer)),
+      is_in_folder(scene.is_segmented()) {
     const voctree::ClipSegment& segment = scene.index.segments[number];
     clip = std::make_shared<const editor::PaintClip>(voctree::read_segment(segment));
     const bool is_new =
@@ -140,12 +145,7 @@ PaintedSegment::PaintedSegment(const PaintedScene& scene, const PaintOptions& op
     layer = std::make_shared<voctree::EditLayer>(is_new ? voctree::EditLayer{clip->field, {}}
                                                         : voctree::read_paint(layer_file, clip->field));
     at = std::clamp(scene.at - static_cast<float>(segment.first), 0.0f, static_cast<float>(clip->tree.frames - 1));
-    if (scene.is_segmented()) {
-        const voctree::ClipHead head = voctree::read_clip_head(scene.clip);
-        clip_box = {head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size)};
-    } else {
-        clip_box = voctree::occupied_box(clip->tree);
-    }
+    clip_box = scene.box ? *scene.box : voctree::occupied_box(clip->tree);
     if (scene.staged)
         read_other_layers(*scene.staged, options, scene.is_segmented() ? &segment : nullptr);
     else
@@ -176,7 +176,12 @@ editor::PaintSubject PaintedSegment::subject() const {
 
 void PaintedSegment::save() const {
     std::error_code error;
-    if (!layer->edits.empty() || std::filesystem::exists(layer_file, error)) voctree::write_paint(layer_file, *layer);
+    if (layer->edits.empty() && is_in_folder) {
+        std::filesystem::remove(layer_file, error);
+        return;
+    }
+    if (is_in_folder) prepare_output_folder("layer", layer_file.parent_path());
+    voctree::write_paint(layer_file, *layer);
 }
 
 void PaintedScene::drop_new_layer() {

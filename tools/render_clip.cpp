@@ -136,6 +136,7 @@ void read_scene(const RenderOptions& options, RenderPlan& plan) {
             plan.paint.layers.push_back(voctree::read_paint(one.folder, field));
         return;
     }
+    if (!plan.paint.names.empty()) voctree::expect_no_stream(options.scene);
     for (const render::LayerFolder& one : plan.paint.names) voctree::expect_paint_folder(one.folder);
     const voctree::ClipHead head = voctree::read_clip_head(options.scene);
     plan.box = {head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size)};
@@ -227,6 +228,11 @@ class PlayingRenderer {
         // Two segments are shown while one fades into the next: slices stay where their share of the budget does.
         const bool fades = std::ranges::any_of(plan_.clip.segments, &voctree::ClipSegment::overlap);
         if (fades || !is_first) renderer_->change_fields(fields, fades ? 2 : 1);
+        std::erase_if(paints_, [&](const auto& one) {
+            for (uint32_t i = 0; i < fields.size(); i++)
+                if (segments_.segment_of(i) == one.first) return false;
+            return true;
+        });
         for (uint32_t i = 0; i < fields.size(); i++) {
             NumberedPaint& of_field = paints_[segments_.segment_of(i)];
             if (of_field.paint && of_field.number == 0) of_field.number = renderer_->paints(i).add(of_field.paint);

@@ -28,6 +28,7 @@ void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path
 
 // Throws InputError where a layer is not one of this clip. Of a clip in segments, the first that is painted is read.
 void expect_layer_of(const std::filesystem::path& clip, const std::filesystem::path& layer) {
+    voctree::expect_no_stream(clip);
     const voctree::ClipIndex index = voctree::read_clip_index(clip);
     if (index.segments.size() == 1) {
         voctree::read_paint(layer, voctree::painted_field(voctree::read_segment(index.segments[0])));

@@ -115,6 +115,7 @@ void for_visible_layers(const stage::Stage& stage, const stage::StagePerformer& 
 LayerFolders folders_of(const stage::Stage& stage, const stage::StagePerformer& performer) {
     LayerFolders folders;
     for_visible_layers(stage, performer, [&](const std::filesystem::path& path, const stage::PaintLayer& layer) {
+        voctree::expect_no_stream(stage.clips[performer.clip].path);
         voctree::expect_paint_folder(path);
         folders.push_back({path, layer.blend, static_cast<float>(layer.opacity)});
         if (folders.size() > kPaintLayerLimit)

@@ -11,7 +11,7 @@ namespace neuvv::render {
 namespace {
 
 // How far segments are read ahead of the stage's clock, and at which times in between it is asked which they are.
-constexpr double kAhead_s = 2, kAheadStep_s = 0.25;
+constexpr double kAhead_s = 2, kAheadStep_s = 0.25, kLeastStep_s = 0.005;
 // A larger step of the clock is a jump, which says nothing about its direction.
 constexpr double kJump_s = 0.5;
 
@@ -168,7 +168,9 @@ void StageClips::take_results() {
                 continue;
             }
             if (!result.is_coarse) {
-                take(id, result.clip, result.paints);
+                // What was wanted for an earlier version of the stage may have other paint: it is wanted again.
+                if (std::ranges::equal(result.paints, clips_[id.clip].layers, {}, &SegmentPaint::layers))
+                    take(id, result.clip, result.paints);
                 continue;
             }
             segment.coarse = result.clip;
@@ -192,10 +194,16 @@ std::vector<StageClips::Id> StageClips::needed_at(const stage::EvaluatedStage& e
 std::vector<StageClips::Id> StageClips::ahead_of(const stage::Stage& stage,
                                                  const stage::EvaluatedStage& evaluated) const {
     std::vector<Id> ahead;
-    double step_s = kAheadStep_s;
-    for (const ClipOnDevice& clip : clips_)
-        if (voctree::is_stream(clip.index)) step_s = std::min(step_s, 1 / double{clip.index.fps});
-    for (double after_s = step_s; after_s <= kAhead_s; after_s += step_s)
+    double step_s = kAheadStep_s, until_s = 0;
+    for (const ClipOnDevice& clip : clips_) {
+        const bool is_stream = voctree::is_stream(clip.index);
+        const double frame_s = 1 / double{clip.index.fps};
+        if (is_stream) step_s = std::min(step_s, frame_s);
+        // Of a stream, no more than there is room for.
+        until_s = std::max(until_s, is_stream ? std::min(kAhead_s, kStreamFramesOnDevice * frame_s) : kAhead_s);
+    }
+    step_s = std::max(step_s, kLeastStep_s);
+    for (double after_s = step_s; after_s <= until_s; after_s += step_s)
         for (stage::EvaluatedPerformer performer : evaluated.performers) {
             if (!performer.visible || clips_[performer.clip].segments.size() == 1) continue;
             performer.frame = static_cast<float>(stage::frame_at(stage.performers[performer.performer].timeline,

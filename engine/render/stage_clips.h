@@ -62,6 +62,10 @@ class StageClips {
     bool holds(const stage::EvaluatedStage& evaluated) const;
 
     const std::vector<ClipOnDevice>& clips() const { return clips_; }
+    // Calls each(segment) for the segments of segmented clips that are on the device.
+    void for_segments(const auto& each) const {
+        for (const Id& id : on_device_) each(at(id));
+    }
     // A line for each segment of which it is known that it cannot be read; at its times, the performer is not there.
     // And one for paint of a segment that cannot be read and does not show.
     const std::vector<std::string>& problems() const { return problems_; }

@@ -92,16 +92,16 @@ void StageRenderer::update_fields() {
 // Numbers the paints of segments that are there now, and removes those of before.
 void StageRenderer::update_segment_paints() {
     auto before = std::exchange(segment_paints_, {});
-    for (const ClipOnDevice& clip : clips_.clips())
-        for (const ClipOnDevice::Segment& segment : clip.segments)
-            for (const auto& one : segment.paints) {
-                if (!one->paint || segment_paints_.contains(one->paint)) continue;
-                const auto known = before.extract(one->paint);
-                segment_paints_[one->paint] =
-                    known ? known.mapped()
-                          : NumberedPaint{segment.loaded,
-                                          frames_->paints(number_of(segment.loaded->field)).add(one->paint)};
-            }
+    clips_.for_segments([&](const ClipOnDevice::Segment& segment) {
+        for (const auto& one : segment.paints) {
+            if (!one->paint || segment_paints_.contains(one->paint)) continue;
+            const auto known = before.extract(one->paint);
+            segment_paints_[one->paint] =
+                known
+                    ? known.mapped()
+                    : NumberedPaint{segment.loaded, frames_->paints(number_of(segment.loaded->field)).add(one->paint)};
+        }
+    });
     for (const auto& [paint, numbered] : before) {
         const auto clip = numbered.clip.lock();
         const uint32_t field = clip ? number_of(clip->field) : static_cast<uint32_t>(fields_.size());

@@ -261,15 +261,22 @@ TEST_F(StageClipsTest, PaintComesAndGoesWithItsSegment) {
     renderer.change(painted, loader.load(painted));
     EXPECT_EQ(image_at(renderer, painted, middle_of(9)).rgba, fresh(painted, 9).rgba);
     // By the thread that reads ahead.
-    const stage::EvaluatedStage evaluated = stage::stage_at(painted, middle_of(0));
+    render::StageRenderer ahead(device(), painted, loader.load(painted), {48, 36});
+    image_at(ahead, painted, middle_of(0));
+    const stage::EvaluatedStage evaluated = stage::stage_at(painted, middle_of(9));
     for (int i = 0; i < 60'000; i++) {
-        renderer.show(evaluated, true, MissingSegments::kHold);
-        if (!renderer.holds(evaluated) && renderer.instance_of(evaluated.performers[0])->paint != 0) break;
+        ahead.show(evaluated, true, MissingSegments::kHold);
+        if (!ahead.holds(evaluated) && ahead.instance_of(evaluated.performers[0])->frame == 0.5f) break;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    EXPECT_EQ(
-        renderer.frames().render(look_at({0, 0.4, 4}, {0, 0.5, 0}, 48, 36, 1), renderer.settings_at(evaluated)).rgba,
-        fresh(painted, 0).rgba);
+    EXPECT_NE(ahead.instance_of(evaluated.performers[0])->paint, 0u);
+    EXPECT_EQ(ahead.frames().render(look_at({0, 0.4, 4}, {0, 0.5, 0}, 48, 36, 1), ahead.settings_at(evaluated)).rgba,
+              fresh(painted, 9).rgba);
+    // What was asked for with other paint is asked for again.
+    render::StageRenderer edited(device(), *stage, loader.load(*stage), {48, 36});
+    edited.show(stage::stage_at(*stage, middle_of(9)), true, MissingSegments::kHold);
+    edited.change(painted, loader.load(painted));
+    EXPECT_EQ(image_at(edited, painted, middle_of(9)).rgba, fresh(painted, 9).rgba);
     std::filesystem::remove_all(layer);
     expect_input_error([&] { render::StageLoader(device()).load(painted); }, {"look.nvpaint", "no such folder"});
 }
