@@ -64,7 +64,7 @@ std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>&
     for (size_t i = 0; i < slices.size(); i++) {
         before = std::move(decoded);
         std::optional<stream::FrameBefore> frame_before;
-        if (i > 0) frame_before.emplace(slices[i - 1], before);
+        if (i > 0) frame_before.emplace(stream::FrameBefore{slices[i - 1], before});
         frames.push_back(stream::encode(slices[i], steps_of(strength), frame_before, decoded));
     }
     return frames;

@@ -79,8 +79,8 @@ Paint::Paint(const gpu::Device& device, uint32_t field_leaves, std::span<const P
     layers = gpu::uploaded(device, "paint layers", packed.layers, VK_FORMAT_R32G32_UINT);
 }
 
-uint32_t Paints::add(std::shared_ptr<const Paint> paint) {
-    paints_.try_emplace(++last_, std::move(paint));
+uint32_t Paints::add(const std::shared_ptr<const Paint>& paint) {
+    paints_.try_emplace(++last_, paint);
     return last_;
 }
 

@@ -47,7 +47,7 @@ class Paints {
     uint32_t add(std::span<const PaintUse> layers) { return add(Paint(device_, leaf_count_, layers)); }
     // Adds a paint that was created for this field, and returns its number.
     uint32_t add(Paint paint) { return add(std::make_shared<const Paint>(std::move(paint))); }
-    uint32_t add(std::shared_ptr<const Paint> paint);
+    uint32_t add(const std::shared_ptr<const Paint>& paint);
     // No frame that uses the paint may be under way.
     void remove(uint32_t paint) { paints_.erase(paint); }
     // Null where there is no paint of this number.

@@ -28,7 +28,7 @@ Encoded encode(const std::vector<Slice>& slices, uint16_t step) {
     for (size_t i = 0; i < slices.size(); i++) {
         Slice decoded;
         std::optional<stream::FrameBefore> before;
-        if (i > 0) before.emplace(slices[i - 1], result.decoded.back());
+        if (i > 0) before.emplace(stream::FrameBefore{slices[i - 1], result.decoded.back()});
         frames.push_back(stream::encode(slices[i], steps(step), before, decoded));
         result.decoded.push_back(std::move(decoded));
         stream::count(frames.back(), counts);

@@ -37,7 +37,7 @@ struct NvsTest : testing::Test {
                 Slice one;
                 const Slice last = voctree::slice_of(tree, i > first ? i - 1 : i);
                 std::optional<stream::FrameBefore> before;
-                if (i > first) before.emplace(last, decoded.back());
+                if (i > first) before.emplace(stream::FrameBefore{last, decoded.back()});
                 frames.push_back(stream::encode(voctree::slice_of(tree, i), steps, before, one));
                 decoded.push_back(std::move(one));
             }

@@ -54,7 +54,7 @@ void write_vector(const Vector& vector) {
         for (size_t i = 0; i < slices.size(); i++) {
             before = std::move(decoded);
             std::optional<stream::FrameBefore> frame_before;
-            if (i > 0) frame_before.emplace(slices[i - 1], before);
+            if (i > 0) frame_before.emplace(stream::FrameBefore{slices[i - 1], before});
             frames.push_back(stream::encode(slices[i], steps, frame_before, decoded));
         }
         stream::Group group;
