@@ -213,7 +213,7 @@ void run(const PublishOptions& options, const CommonOptions& common) {
 }  // namespace
 
 void add_publish(Command app, CommonOptions& common) {
-    Command verb = app.add_verb("publish", "Write a clip as a stream: a tenth of the bytes, to be played");
+    Command verb = app.add_verb("publish", "Write a clip as a stream: a quarter of the bytes or less, to be played");
     const auto options = std::make_shared<PublishOptions>();
     verb.add_option("scene", options->scene, "The .nvv, in segments or not, or the .npz of a PlenOctree").required();
     verb.add_option("-o,--output", options->output, "The .nvs to write").required();
@@ -234,7 +234,8 @@ void add_publish(Command app, CommonOptions& common) {
     verb.add_flag("--json", options->json, "Print JSON: bytes, frames, bytes_per_frame, mbps, psnr_db");
     verb.footer(
         {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
-         "painted,\nand between two frames it shows the nearer one.\n",
+         "painted,\nand between two frames it shows the nearer one. Segments that overlap do not fade into each other "
+         "there.\n--quality is measured on frames by themselves; that frames repeat what stays is not.\n",
          kDeviceHelp, kExamplesHead,
          "  neuvv publish build/performer.nvv -o build/performer.nvs\n"
          "  neuvv publish build/performer.nvv -o build/phone.nvs --rate 10\n"
