@@ -121,9 +121,9 @@ PaintedScene::PaintedScene(const PaintOptions& options, Use what)
         throw InputError("--at", fmt::format("{}", at), "is no frame of the clip",
                          fmt::format("choose 0 to {}", index.frames() - 1));
     std::error_code error;
-    const bool needed = use == Use::kRead || std::filesystem::exists(options.layer, error);
-    if (is_segmented() && needed) voctree::expect_paint_folder(options.layer);
     if (is_segmented()) {
+        if (use == Use::kRead || std::filesystem::exists(options.layer, error))
+            voctree::expect_paint_folder(options.layer);
         const voctree::ClipHead head = voctree::read_clip_head(clip);
         box.emplace(head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size));
         // Between two segments, the frame that a player shows.

@@ -145,7 +145,7 @@ Slice code_repeated(Coder& coder, const Slice& before, const std::vector<bool>* 
     const std::vector<size_t> blocks = blocks_of(before);
     uint32_t last = 0;
     for (size_t i = 0; i + 1 < blocks.size(); i++) {
-        last = coder.take(kCopyTables + last, repeats && (*repeats)[i] ? 1 : 0);
+        last = coder.take(kRepeatTables + last, repeats && (*repeats)[i] ? 1 : 0);
         for (size_t leaf = blocks[i]; last && leaf < blocks[i + 1]; leaf++) append_leaf(before, leaf, repeated);
     }
     return repeated;

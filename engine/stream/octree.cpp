@@ -1,6 +1,5 @@
 #include "stream/octree.h"
 
-#include <bit>
 #include <cassert>
 
 namespace neuvv::stream {

@@ -27,7 +27,7 @@ void code_octants(Coder& coder, std::vector<Cell>& cells, const std::vector<bool
         if (leaves[i]) continue;
         uint32_t pattern = 0;
         for (uint32_t side = 0; side < 6; side++) pattern |= (neighbours[i][side] != kNone ? 1u : 0u) << side;
-        const uint32_t table = kMaskTables + (is_finest ? 0 : 64) + pattern;
+        const uint32_t table = kOctantTables + (is_finest ? 0 : 64) + pattern;
         cells[i].children = static_cast<uint8_t>(coder.take(table, cells[i].children));
         if (cells[i].children == 0) throw std::runtime_error("has a cell without octants");
     }

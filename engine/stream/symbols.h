@@ -10,14 +10,14 @@
 
 namespace neuvv::stream {
 
-// Tables by context. Their numbers, and how many symbols each has:
-constexpr uint32_t kMaskTables = 0, kMaskContexts = 2 * 64;                           // 256 symbols
-constexpr uint32_t kLeafTables = kMaskTables + kMaskContexts, kLeafContexts = 2 * 4;  // 2 symbols
-constexpr uint32_t kCopyTables = kLeafTables + kLeafContexts, kCopyContexts = 2;      // 2 symbols
+// Tables by context, as the stream's page has them. Their numbers, and how many symbols each has:
+constexpr uint32_t kOctantTables = 0, kOctantContexts = 2 * 64;                           // 256 symbols
+constexpr uint32_t kLeafTables = kOctantTables + kOctantContexts, kLeafContexts = 2 * 4;  // 2 symbols
+constexpr uint32_t kRepeatTables = kLeafTables + kLeafContexts, kRepeatContexts = 2;      // 2 symbols
 constexpr uint32_t kKinds = 6, kDepthClasses = 3, kActivities = 6;
 constexpr uint32_t kPlaneContexts = kKinds * kDepthClasses * kActivities;
-constexpr uint32_t kAnyTables = kCopyTables + kCopyContexts;     // 2 symbols
-constexpr uint32_t kNumberTables = kAnyTables + kPlaneContexts;  // kNumbers symbols
+constexpr uint32_t kAnyTables = kRepeatTables + kRepeatContexts;  // 2 symbols
+constexpr uint32_t kNumberTables = kAnyTables + kPlaneContexts;   // kNumbers symbols
 constexpr uint32_t kTables = kNumberTables + kPlaneContexts;
 constexpr uint32_t kNumbers = 16;  // the last is an escape
 
@@ -49,7 +49,6 @@ class SymbolWriter {
     }
     void count(Counts& counts) const;
     std::vector<uint8_t> bytes(const Tables& tables) const;
-    bool is_empty() const { return symbols_.empty(); }
 
   private:
     static constexpr uint32_t kBits = 1u << 31;

@@ -40,7 +40,7 @@ std::vector<std::vector<double>> sums_of(const Octree& tree, const std::vector<d
 
 // The sums of each group of octants, for those groups that for_pairs splits.
 struct Groups {
-    std::array<std::array<double, 8>, 4> sums;  // by the number of octants in a group: 1, 2, 4 as 0, 1, 2
+    std::array<std::array<double, 8>, 3> sums;  // by the number of octants in a group: 1, 2, 4 as 0, 1, 2
     explicit Groups(const Octants& octants) {
         sums[0] = octants;
         for (uint32_t level = 1; level < 3; level++)
@@ -123,8 +123,8 @@ Coefficients transform(const Octree& tree, const Pairs& pairs, const std::vector
 
 namespace {
 
-// `Planes` is a number that the compiler knows, so that it can do some planes at once. `first` of `numbers.planes`
-// planes.
+// Inverts some of the planes, from `first` on. Their number is known to the compiler, so that it can do several at
+// once.
 template <size_t Planes>
 void invert_planes(const Octree& tree, const Pairs& pairs, std::span<const float> roots, std::span<const float> steps,
                    const Numbers& numbers, size_t first, std::vector<std::vector<float>>& leaves) {

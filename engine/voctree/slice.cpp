@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "media/image.h"
 #include "voctree/leaf_density.h"
 #include "voctree/sh_weights.h"
 
@@ -32,11 +33,11 @@ float sigmoid(float x) {
 }
 
 float srgb_of(float linear) {
-    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+    return static_cast<float>(media::srgb_from_linear(double{linear}));
 }
 
 float linear_of(float srgb) {
-    return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
+    return static_cast<float>(media::linear_from_srgb(double{srgb}));
 }
 
 // By how much one unit of a harmonic's coefficient changes the colour where the harmonic is largest along an axis, in
