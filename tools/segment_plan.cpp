@@ -19,9 +19,6 @@ namespace {
 // Segments of so many frames overlap the next one by one frame or two. For shorter ones, that would cost too much.
 constexpr uint32_t kLeastForOverlap = 4, kLeastForTwo = 8;
 
-// A frame that is shown less than this is still trained so much: slow motion goes on to it.
-constexpr float kLeastFrameShare = 0.25f;
-
 constexpr double kUsualSecond = 25;  // frames, where a rig does not say how many there are a second
 
 // By how many frames a segment overlaps the next one; there are `more` frames behind it. Each frame shall have a basis
@@ -136,9 +133,8 @@ SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig)
     return plan;
 }
 
-TrainOptions options_of(const TrainOptions& clip, const SegmentPlan& plan, size_t index) {
-    const voctree::ClipSegment& segment = plan.segments[index];
-    const double share = static_cast<double>(segment.frames) / plan.frames();
+TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames) {
+    const double share = static_cast<double>(segment.frames) / frames;
     TrainOptions options = clip;
     options.output = segment.file;
     training::TrainSettings& settings = options.settings;
@@ -148,11 +144,6 @@ TrainOptions options_of(const TrainOptions& clip, const SegmentPlan& plan, size_
     options.psi_minutes *= share;
     options.psi_steps = share_of(options.psi_steps, share);
     options.max_megabytes *= share;
-    const auto in_clip = std::find_if(plan.clip.segments.begin(), plan.clip.segments.end(),
-                                      [&](const voctree::ClipSegment& other) { return other.first == segment.first; });
-    settings.frame_shares =
-        voctree::shown_shares(plan.clip, static_cast<size_t>(in_clip - plan.clip.segments.begin()));
-    for (float& frame : settings.frame_shares) frame = std::max(frame, kLeastFrameShare);
     // A segment is finished when its checkpoint file is gone.
     settings.resume = std::filesystem::exists(training::state_path(segment.file));
     return options;

@@ -98,9 +98,8 @@ void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan);
 // log of an earlier run; then it writes the index, and rig.json where options have a correction. Throws RuntimeFailure.
 void begin_segments(const TrainOptions& options, const SegmentPlan& plan);
 
-// The options of the plan's segment of that index, whose share of all budgets is that of its frames. Its frames are
-// trained as much as players show them, so that an overlap costs nothing.
-TrainOptions options_of(const TrainOptions& clip, const SegmentPlan& plan, size_t index);
+// The options of a segment, whose share of all budgets is that of its frames among `frames`.
+TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames);
 
 // Where --refine asks for a search, finds what all segments correct, from the images of the segment nearest to the
 // clip's middle that shows the performer. False where Ctrl-C stopped it. Throws InputError where no segment will do,

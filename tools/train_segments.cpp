@@ -67,7 +67,6 @@ class SegmentedRun {
           options_(options),
           rig_(rig),
           times_(training::times_of(rig)),
-          plan_(plan),
           segments_(plan.segments),
           frames_(plan.frames()),
           ranks_(ranks),
@@ -96,7 +95,6 @@ class SegmentedRun {
     const TrainOptions& options_;
     training::Rig rig_;
     std::vector<double> times_;
-    const SegmentPlan& plan_;
     const std::vector<voctree::ClipSegment>& segments_;
     uint32_t frames_;  // of all of these
     const Ranks& ranks_;
@@ -149,7 +147,7 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
                      return fmt::format("{}, all {:.0f} % | ", name_of(segment),
                                         100 * fraction_of_all(segment, fraction));
                  }};
-    TrainOptions options = options_of(options_, plan_, segment);
+    TrainOptions options = options_of(options_, frames, frames_);
     options.frames = {times_, frames.first, frames.frames_of_file()};
     if (!ranks_.is_first()) options.live = {};
     try {

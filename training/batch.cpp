@@ -1,8 +1,8 @@
 #include "training/batch.h"
 
 #include <algorithm>
-#include <cassert>
 #include <glm/gtc/packing.hpp>
+#include <numeric>
 
 #include "base/parallel.h"
 
@@ -58,32 +58,20 @@ static_assert(TiledImage::kSide == kTile, "the tiles of a batch are those of the
 }  // namespace
 
 BatchSampler::BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row,
-                           uint32_t reach, TimeShares shares)
-    : dataset_(dataset),
-      tiles_per_batch_(tiles_per_batch),
-      seed_(seed),
-      in_a_row_(1),
-      reach_(reach),
-      random_(seed),
-      frames_(dataset.times.size()),
-      shares_(std::move(shares)),
-      turns_due_(dataset.times.size(), 1) {
-    if (shares_.empty()) shares_.assign(dataset.times.size(), 1);
-    assert(shares_.size() == dataset.times.size() && std::count(shares_.begin(), shares_.end(), 1.0f) > 0);
-    double tiles = 0, tiles_of_epoch = 0;
+                           uint32_t reach)
+    : dataset_(dataset), tiles_per_batch_(tiles_per_batch), seed_(seed), in_a_row_(1), reach_(reach), random_(seed) {
+    frames_.resize(dataset.times.size());
+    double tiles = 0;
     for (uint32_t i = 0; i < dataset.views.size(); i++) {
         const auto time = std::lower_bound(dataset.times.begin(), dataset.times.end(), dataset.views[i].time);
-        const auto frame = static_cast<size_t>(time - dataset.times.begin());
-        frames_[frame].views.push_back(i);
+        frames_[static_cast<size_t>(time - dataset.times.begin())].views.push_back(i);
         const TiledImage& image = dataset.views[i].image;
         const auto foreground = static_cast<double>(image.tile_count());
         const std::vector<bool> near = tiles_near_foreground(image, reach_);
         const auto drawn_from = static_cast<double>(std::count(near.begin(), near.end(), true));
-        const double of_view = foreground + double{kBackgroundShare} * (drawn_from - foreground);
-        tiles += of_view;
-        tiles_of_epoch += of_view * double{shares_[frame]};
+        tiles += foreground + double{kBackgroundShare} * (drawn_from - foreground);
     }
-    rays_per_epoch_ = static_cast<uint64_t>(tiles_of_epoch * kTilePixels);
+    rays_per_epoch_ = static_cast<uint64_t>(tiles * kTilePixels);
     const double batches = tiles / static_cast<double>(frames_.size()) / std::max(tiles_per_batch, 1u);
     in_a_row_ =
         static_cast<uint32_t>(std::clamp(kMaxShareInARow * batches, 1.0, static_cast<double>(std::max(in_a_row, 1u))));
@@ -108,21 +96,13 @@ void BatchSampler::refill(FrameViews& frame) {
     shuffle(frame.queue);
 }
 
-void BatchSampler::begin_round() {
-    constexpr float kRounding = 1e-4f;  // of the sums: a share of a third has its turn in every third round
-    for (uint32_t frame = 0; frame < frames_.size(); frame++) {
-        if (turns_due_[frame] >= 1 - kRounding) {
-            times_left_.push_back(frame);
-            turns_due_[frame] -= 1;
-        }
-        turns_due_[frame] += shares_[frame];
-    }
-    shuffle(times_left_);
-}
-
 BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
     if (left_of_time_ == 0 && !times_left_.empty()) times_left_.pop_back();
-    if (times_left_.empty()) begin_round();
+    if (times_left_.empty()) {
+        times_left_.resize(frames_.size());
+        std::iota(times_left_.begin(), times_left_.end(), 0u);
+        shuffle(times_left_);
+    }
     if (left_of_time_ == 0) left_of_time_ = in_a_row_;
     left_of_time_--;
     Drawn drawn{times_left_.back(), {}};

@@ -24,12 +24,8 @@ struct Batch {
 // reach_of_hull() says how far that is; kEveryTile: all tiles.
 constexpr uint32_t kLeastReach = 2, kEveryTile = UINT32_MAX;
 
-// By Dataset::times: in which share of the rounds a time has its turn, above 0 and at most 1, of at least one 1. Empty:
-// all times have a turn in every round.
-using TimeShares = std::vector<float>;
-
-// Draws batches in rounds. In a round, times come in random order, `in_a_row` batches of each (fewer where that would be
-// more than an eighth of a time's epoch); all come in the first round, later each in its share of them. Of a time's images, every tile with
+// Draws batches. Times come in random order, `in_a_row` batches of each (fewer where that would be more than an eighth
+// of a time's epoch), until every time had its turn; then they come in a new order. Of a time's images, every tile with
 // foreground is drawn once per epoch, and a fifth of the tiles near them. All rays of a tile leave from the same random
 // position inside their pixels, because a pixel is a mean over its area, which its centre does not represent. The
 // background of the rays is the camera's clean plate where there is one, else one random colour per tile. The same seed
@@ -39,7 +35,7 @@ class BatchSampler {
     // The data set must outlive it. `reach`: how many tiles away from one with foreground those without it may lie that
     // are drawn.
     BatchSampler(const Dataset& dataset, uint32_t tiles_per_batch, uint64_t seed, uint32_t in_a_row = 1,
-                 uint32_t reach = kLeastReach, TimeShares shares = {});
+                 uint32_t reach = kLeastReach);
 
     // A batch has at least one image tile, and no more than fit into tiles_per_batch tiles: an image tile becomes
     // samples² tiles of rays. `samples` must divide kTile. Of the batch's image tiles, the share `part` of `parts`
@@ -53,7 +49,7 @@ class BatchSampler {
     // from those of next(). The same seed gives the same tiles.
     Batch sample(size_t frame, uint32_t tiles_per_view, uint64_t seed) const;
 
-    // Pixels of one epoch, all times together: of a time with a share below 1, only so many of its own.
+    // Pixels of one epoch, all times together.
     uint64_t rays_per_epoch() const { return rays_per_epoch_; }
 
   private:
@@ -66,7 +62,6 @@ class BatchSampler {
         std::vector<ViewTile> queue;  // tiles of this epoch that are still to come, drawn from the back
     };
     void refill(FrameViews& frame);
-    void begin_round();
     struct Drawn {
         uint32_t frame;
         std::vector<ViewTile> tiles;
@@ -83,9 +78,7 @@ class BatchSampler {
     uint32_t in_a_row_, reach_;
     std::mt19937_64 random_;
     std::vector<FrameViews> frames_;
-    TimeShares shares_;                 // by frame
-    std::vector<float> turns_due_;      // by frame: the sum of its shares, less the turns it had
-    std::vector<uint32_t> times_left_;  // frames whose turn of the round is still to come; the last one is drawn from
+    std::vector<uint32_t> times_left_;  // frames whose turn is still to come; the last one is drawn from
     uint32_t left_of_time_ = 0;         // batches still to come of that frame
     uint64_t rays_per_epoch_ = 0;
 };

@@ -37,8 +37,7 @@ class Run {
           // Braces evaluate from left to right: begin() sets seed and tree, which the arguments after it read.
           sampler_{begin(), run_.tiles_per_step * settings.team.size, run_.seed, batches_in_a_row(tree_),
                    reach_of_hull(dataset, tree_.box_min, tree_.box_size, run_.max_depth - kLevelsAbovePixel,
-                                 settings.shape.hull_margin),
-                   settings.frame_shares} {
+                                 settings.shape.hull_margin)} {
         if (settings_.resume && run_.dataset_hash != given_hash_)
             throw InputError(state_path(output_).string(), "",
                              fmt::format("is of a run on other images, mattes or cameras than those of {}",
@@ -121,11 +120,6 @@ class Run {
 };
 
 const Dataset& Run::begin() {
-    if (!settings_.frame_shares.empty() && settings_.frame_shares.size() != dataset_.times.size())
-        throw InputError(dataset_.folder.string(), "",
-                         fmt::format("has images of {} of the segment's {} frames", dataset_.times.size(),
-                                     settings_.frame_shares.size()),
-                         "give images of every frame");
     if (settings_.resume) {
         if (!std::filesystem::exists(state_path(output_)))
             throw InputError(state_path(output_).string(), "", "is not there: no run to go on with",

@@ -45,8 +45,6 @@ struct TrainSettings {
     // The tree with which a run begins, in place of initial_tree. All its leaves must lie kLevelsAbovePixel levels
     // above the finest depth of `shape`.
     const voctree::VOctree* first_tree = nullptr;
-    // How often the data set's frames are trained (TimeShares of batch.h); empty: all as often as each other.
-    std::vector<float> frame_shares;
     // Called between steps; returns false to end the run. It may move the data set's cameras, and may use the step as
     // long as it changes no weights.
     std::function<bool(const BetweenSteps&)> between_steps;

@@ -149,15 +149,6 @@ std::vector<SegmentShare> segment_shares(const ClipIndex& index, double frame) {
     return {{at}};
 }
 
-std::vector<float> shown_shares(const ClipIndex& index, size_t segment) {
-    const ClipSegment& own = index.segments[segment];
-    std::vector<float> shares(own.frames_of_file());
-    for (uint32_t i = 0; i < shares.size(); i++)
-        for (const SegmentShare& shown : segment_shares(index, own.first + i))
-            if (shown.at.segment == segment) shares[i] = shown.share;
-    return shares;
-}
-
 uint32_t fade_frames(const ClipIndex& index, size_t segment) {
     if (segment + 1 >= index.segments.size()) return 0;
     return std::min(index.segments[segment].overlap, index.segments[segment + 1].frames - 1);

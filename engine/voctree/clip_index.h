@@ -84,10 +84,6 @@ struct SegmentShare {
 // One or two, the one of segment_frame first.
 std::vector<SegmentShare> segment_shares(const ClipIndex& index, double frame);
 
-// By frame of a segment's file: the share that players show of it at that frame of the clip (segment_shares). It is 0 of
-// frames of an overlap that is longer than the fade.
-std::vector<float> shown_shares(const ClipIndex& index, size_t segment);
-
 // The frames over which a segment fades into the next: its overlap, but fewer than the next one has.
 uint32_t fade_frames(const ClipIndex& index, size_t segment);
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 
@@ -128,17 +127,6 @@ TEST(Batch, InstantsComeInRunsAndEvenly) {
     for (uint32_t i = 1; i < times.size(); i++) EXPECT_TRUE(i % kInARow == 0 || times[i] == times[i - 1]) << i;
     ASSERT_EQ(batches.size(), 2u);
     for (const auto& [time, count] : batches) EXPECT_EQ(count, 4 * static_cast<int>(kInARow)) << time;
-}
-
-TEST(Batch, ATimeWithASmallShareHasItsTurnInFewerRounds) {
-    const training::BatchSampler all(batch_capture(), 2, 8);
-    training::BatchSampler sampler(batch_capture(), 2, 8, 1, training::kLeastReach, {1.0f / 3, 1});
-    EXPECT_LT(sampler.rays_per_epoch(), all.rays_per_epoch());
-    std::vector<uint32_t> frames;
-    for (uint32_t i = 0; i < 8; i++) frames.push_back(sampler.next().frame);  // rounds of 2, 1, 1, 2, 1, 1 turns
-    EXPECT_EQ(std::count(frames.begin(), frames.end(), 0u), 2);
-    EXPECT_EQ(std::count(frames.begin(), frames.begin() + 2, 0u), 1) << "each time has its turn in the first round";
-    EXPECT_EQ(std::count(frames.begin() + 4, frames.begin() + 6, 0u), 1);
 }
 
 TEST(Batch, SmallBatchesSeeEveryForegroundTileBeforeAnyTwice) {

@@ -216,16 +216,5 @@ TEST(SegmentShares, FadeOverTheFramesOfAnOverlap) {
     EXPECT_EQ(voctree::fade_frames({25, {{"a", 0, 4, 9}}}, 0), 0u) << "there is no next one";
 }
 
-TEST(ClipIndex, WhatIsShownOfTwoSegmentsMakesEachFrameOnce) {
-    const voctree::ClipIndex index{25, {{"a", 0, 4, 2}, {"b", 4, 3, 4}, {"c", 7, 3}}};
-    const std::vector<std::vector<float>> expected = {
-        {1, 1, 1, 1, 2 / 3.0f, 1 / 3.0f}, {1 / 3.0f, 2 / 3.0f, 1, 2 / 3.0f, 1 / 3.0f, 0, 0}, {1 / 3.0f, 2 / 3.0f, 1}};
-    for (size_t segment = 0; segment < expected.size(); segment++) {
-        const std::vector<float> shares = voctree::shown_shares(index, segment);
-        ASSERT_EQ(shares.size(), expected[segment].size()) << segment;
-        for (size_t i = 0; i < shares.size(); i++) EXPECT_FLOAT_EQ(shares[i], expected[segment][i]) << segment << ' ' << i;
-    }
-}
-
 }  // namespace
 }  // namespace neuvv::test
