@@ -20,13 +20,6 @@ constexpr uint32_t kBlockBits = 6;  // of a cell's code: blocks of 4³ finest ce
 constexpr double kRoundUp = 0.6, kRoundUpSh = 0.67;
 constexpr int kMaxNumber = 32000;
 
-int16_t rounded_value(float value, uint32_t plane) {
-    const float least = plane == kOpacityPlane ? 0 : -4 * kUnit, most = plane == kOpacityPlane ? kUnit : 4 * kUnit;
-    const float raised = std::clamp(value, least, most) + 0.5f;
-    const auto cut = static_cast<int32_t>(raised);  // std::floor is a call where the processor may be an old one
-    return static_cast<int16_t>(static_cast<float>(cut) > raised ? cut - 1 : cut);
-}
-
 // What weighs a leaf's colours.
 std::vector<double> weights_of(const std::vector<double>& areas, const std::vector<int16_t>& opacity) {
     std::vector<double> weights = areas;
@@ -34,42 +27,29 @@ std::vector<double> weights_of(const std::vector<double>& areas, const std::vect
     return weights;
 }
 
-// Sets some planes of the slice, from `first` on, to what their numbers show.
-void set_planes(const Octree& tree, const Pairs& pairs, const Numbers& numbers, const std::vector<int16_t>& roots,
-                const Steps& steps, uint32_t first, Slice& slice) {
-    std::vector<float> some_roots, some_steps;
-    for (uint32_t plane = first; plane < first + numbers.planes; plane++) {
-        some_roots.push_back(roots[plane]);
-        some_steps.push_back(steps[kind_of(plane)]);
-    }
-    const std::vector<std::vector<float>> values = inverse_transform(tree, pairs, some_roots, some_steps, numbers);
-    for (uint32_t p = 0; p < numbers.planes; p++) {
-        std::vector<int16_t>& plane = slice.planes[first + p];
-        plane.resize(values[p].size());
-        for (size_t i = 0; i < plane.size(); i++) plane[i] = rounded_value(values[p][i], first + p);
-    }
-}
-
 // Encodes some planes, from `first` on, and sets those of `decoded` to what will be decoded.
 void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, const std::vector<double>& weights,
                    uint32_t first, uint32_t count, FrameSymbols& frame, Slice& decoded) {
-    Numbers numbers{count, std::vector<int16_t>(count * pairs.size())};
+    std::vector<std::vector<int16_t>> numbers(count);
+    std::vector<PlaneOfTree> planes(count);
     parallel_for(count, 1, [&](size_t begin, size_t end) {
         for (auto p = static_cast<uint32_t>(begin); p < end; p++) {
             const uint32_t plane = first + p;
             const Kind kind = kind_of(plane);
             const Coefficients coefficients = transform(tree, pairs, weights, slice.planes[plane]);
             const double step = frame.steps[kind], up = kind >= kShLuma ? kRoundUpSh : kRoundUp;
-            PlaneNumbers own(numbers, p);
-            for (size_t i = 0; i < pairs.size(); i++) {
-                const double number = std::min(std::abs(coefficients.values[i]) / step + 1 - up, double{kMaxNumber});
-                own[i] = static_cast<int16_t>(coefficients.values[i] < 0 ? -std::floor(number) : std::floor(number));
+            for (const double value : coefficients.values) {
+                const double number = std::floor(std::min(std::abs(value) / step + 1 - up, double{kMaxNumber}));
+                numbers[p].push_back(static_cast<int16_t>(value < 0 ? -number : number));
             }
             frame.roots[plane] = rounded_value(static_cast<float>(coefficients.root), plane);
-            code_plane(frame.coarse[plane], &frame.fine[plane], tree, slice.depth, kind, own);
+            decoded.planes[plane].resize(tree.leaf_count);
+            planes[p] = {plane, static_cast<float>(frame.roots[plane]), static_cast<float>(frame.steps[kind]),
+                         numbers[p], decoded.planes[plane]};
         }
     });
-    set_planes(tree, pairs, numbers, frame.roots, frame.steps, first, decoded);
+    code_planes(std::span(frame.coarse).subspan(first, count), std::span(frame.fine).subspan(first, count), tree, pairs,
+                slice.depth, planes);
 }
 
 // The planes of a slice without repeated blocks. Colours need the decoded opacity.
@@ -127,9 +107,13 @@ bool is_similar(const Slice& slice, size_t a, const Slice& before, size_t b, siz
     return true;
 }
 
-void append_leaf(const Slice& from, size_t leaf, Slice& to) {
-    to.leaves.push_back(from.leaves[leaf]);
-    for (size_t plane = 0; plane < from.planes.size(); plane++) to.planes[plane].push_back(from.planes[plane][leaf]);
+void append_leaves(const Slice& from, size_t begin, size_t end, Slice& to) {
+    const auto append = [&](const auto& numbers, auto& all) {
+        all.insert(all.end(), numbers.begin() + static_cast<ptrdiff_t>(begin),
+                   numbers.begin() + static_cast<ptrdiff_t>(end));
+    };
+    append(from.leaves, to.leaves);
+    for (size_t plane = 0; plane < from.planes.size(); plane++) append(from.planes[plane], to.planes[plane]);
 }
 
 Slice without_leaves(const Slice& slice) {
@@ -146,21 +130,25 @@ Slice code_repeated(Coder& coder, const Slice& before, const std::vector<bool>* 
     uint32_t last = 0;
     for (size_t i = 0; i + 1 < blocks.size(); i++) {
         last = coder.take(kRepeatTables + last, repeats && (*repeats)[i] ? 1 : 0);
-        for (size_t leaf = blocks[i]; last && leaf < blocks[i + 1]; leaf++) append_leaf(before, leaf, repeated);
+        if (last) append_leaves(before, blocks[i], blocks[i + 1], repeated);
     }
     return repeated;
 }
 
 // The leaves of both, in order of their cells. Throws std::runtime_error where they overlap.
-Slice merged(const Slice& a, const Slice& b) {
+Slice merged(Slice a, Slice b) {
     if (a.leaves.empty()) return b;
     Slice both = without_leaves(a);
-    size_t next = 0;
-    for (size_t i = 0; i < a.leaves.size(); i++) {
-        for (; next < b.leaves.size() && b.leaves[next].cell < a.leaves[i].cell; next++) append_leaf(b, next, both);
-        append_leaf(a, i, both);
+    // Runs of the one that come before the next leaf of the other.
+    const auto append_run = [&](const Slice& from, size_t& at, uint64_t until) {
+        const size_t begin = at;
+        while (at < from.leaves.size() && from.leaves[at].cell < until) at++;
+        append_leaves(from, begin, at, both);
+    };
+    for (size_t i = 0, j = 0; i < a.leaves.size() || j < b.leaves.size();) {
+        append_run(a, i, j < b.leaves.size() ? b.leaves[j].cell : UINT64_MAX);
+        append_run(b, j, i < a.leaves.size() ? a.leaves[i].cell + 1 : UINT64_MAX);
     }
-    for (; next < b.leaves.size(); next++) append_leaf(b, next, both);
     for (size_t i = 0; i + 1 < both.leaves.size(); i++) {
         const uint64_t cells = uint64_t{1} << 3 * (both.depth - both.leaves[i].depth);
         if (both.leaves[i + 1].cell - both.leaves[i].cell < cells)
@@ -190,7 +178,7 @@ Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbol
     repeated = code_repeated(frame.shape, before, &repeats);
     Slice rest = without_leaves(slice);
     for (size_t i = 0; i < slice.leaves.size(); i++)
-        if (!is_taken[i]) append_leaf(slice, i, rest);
+        if (!is_taken[i]) append_leaves(slice, i, i + 1, rest);
     return rest;
 }
 
@@ -228,17 +216,8 @@ namespace {
 
 // The planes of a part.
 std::pair<uint32_t, uint32_t> planes_of_part(Part part, uint32_t planes) {
-    if (part == kCoarse || part == kFine) return {0, 4};
-    return {4, planes};
-}
-
-// A plane of which the streams are not there has numbers of 0.
-void read_plane(std::span<const uint8_t> coarse, std::span<const uint8_t> fine, const Tables& tables,
-                const Octree& tree, const Format& format, Kind kind, PlaneNumbers numbers) {
-    if (coarse.empty() && fine.empty()) return;
-    SymbolReader in_coarse(coarse, tables), in_fine(fine, tables);
-    code_plane(in_coarse, fine.empty() ? nullptr : &in_fine, tree, format.depth, kind, numbers);
-    if (!in_coarse.ends_well() || !in_fine.ends_well()) throw std::runtime_error("has a damaged plane");
+    if (part == kCoarse || part == kFine) return {0, kPlanesOfMean};
+    return {kPlanesOfMean, planes};
 }
 
 }  // namespace
@@ -270,60 +249,122 @@ FrameBytes bytes_of(const FrameSymbols& frame, const Tables& tables) {
     return result;
 }
 
+namespace {
+
+// A frame that is being decoded.
+class FrameReader {
+  public:
+    FrameReader(std::span<const uint8_t> bytes, Part last, const Tables& tables, const Format& format)
+        : bytes_(bytes),
+          last_(last),
+          tables_(tables),
+          format_(format),
+          planes_(planes_of(format.degree)),
+          roots_(planes_),
+          coarse_(planes_),
+          fine_(planes_) {
+        coded_.depth = format.depth;
+        coded_.degree = format.degree;
+        coded_.planes.resize(planes_);
+    }
+
+    Slice read(const Slice* before) {
+        read_head(before != nullptr);
+        Slice repeated = read_shape(before);
+        for (const Part part : {kCoarse, kFine, kShCoarse, kShFine})
+            if (part <= last_) find_streams(part);
+        bytes_.expect_end();
+        if (leaf_count_ == 0) return repeated;
+        coded_.leaves = leaves_of(tree_, format_.depth);
+        const std::vector<double> areas = areas_of(coded_.leaves, format_.depth);
+        decode_planes(pairs_of(tree_, areas, 1), kOpacityPlane, 1);
+        const std::vector<double> weights = weights_of(areas, coded_.planes[kOpacityPlane]);
+        const Pairs pairs = pairs_of(tree_, weights, 1.0 / kUnit);
+        decode_planes(pairs, kFirstColourPlane, kPlanesOfMean - kFirstColourPlane);
+        if (planes_ > kPlanesOfMean) decode_planes(pairs, kPlanesOfMean, planes_ - kPlanesOfMean);
+        return merged(std::move(repeated), std::move(coded_));
+    }
+
+  private:
+    void read_head(bool has_before) {
+        const uint64_t key = bytes_.number(1);
+        if (key > 1) throw std::runtime_error("is no frame that this program knows");
+        is_key_ = key == 1;
+        if (!is_key_ && !has_before) throw std::runtime_error("needs the frame before it");
+        leaf_count_ = static_cast<uint32_t>(bytes_.number(4));
+        if (leaf_count_ > format_.most_leaves) throw std::runtime_error("has more leaves than the stream says");
+        for (uint16_t& step : steps_) step = static_cast<uint16_t>(bytes_.number(2));
+        for (int16_t& root : roots_) root = static_cast<int16_t>(bytes_.number(2));
+    }
+
+    // Reads which leaves there are, and returns those that are repeated.
+    Slice read_shape(const Slice* before) {
+        Slice repeated = without_leaves(coded_);
+        SymbolReader shape(bytes_.take(bytes_.number(4)), tables_);
+        if (!is_key_) repeated = code_repeated(shape, *before, nullptr);
+        if (repeated.leaves.size() + leaf_count_ > format_.most_leaves)
+            throw std::runtime_error("has more leaves than the stream says");
+        if (leaf_count_ > 0) tree_ = code_shape(shape, Octree(), format_.depth, leaf_count_);
+        if (!shape.ends_well() || tree_.leaf_count != leaf_count_)
+            throw std::runtime_error("has another shape than it says");
+        return repeated;
+    }
+
+    void find_streams(Part part) {
+        const auto [first, end] = planes_of_part(part, planes_);
+        std::vector<uint64_t> lengths;
+        for (uint32_t plane = first; plane < end; plane++) lengths.push_back(bytes_.number(4));
+        auto& streams = part == kCoarse || part == kShCoarse ? coarse_ : fine_;
+        for (uint32_t plane = first; plane < end; plane++) streams[plane] = bytes_.take(lengths[plane - first]);
+        for (const uint64_t length : lengths)
+            if (leaf_count_ == 0 && length > 0) throw std::runtime_error("has planes without leaves");
+    }
+
+    // Decodes `count` planes from `first` on, which are all in the same parts.
+    void decode_planes(const Pairs& pairs, uint32_t first, uint32_t count) {
+        std::vector<PlaneOfTree> own;
+        for (uint32_t plane = first; plane < first + count; plane++) {
+            coded_.planes[plane].resize(leaf_count_);
+            own.push_back({plane,
+                           static_cast<float>(roots_[plane]),
+                           static_cast<float>(steps_[kind_of(plane)]),
+                           {},
+                           coded_.planes[plane]});
+        }
+        const bool is_mean = first < kPlanesOfMean;
+        const auto readers_of = [&](const auto& streams, Part part) {
+            std::vector<SymbolReader> readers;
+            for (uint32_t plane = first; part <= last_ && plane < first + count; plane++)
+                readers.emplace_back(streams[plane], tables_);
+            return readers;
+        };
+        std::vector<SymbolReader> coarse = readers_of(coarse_, is_mean ? kCoarse : kShCoarse);
+        std::vector<SymbolReader> fine = readers_of(fine_, is_mean ? kFine : kShFine);
+        code_planes<SymbolReader>(coarse, fine, tree_, pairs, format_.depth, own);
+        for (const auto* readers : {&coarse, &fine})
+            for (const SymbolReader& reader : *readers)
+                if (!reader.ends_well()) throw std::runtime_error("has a damaged plane");
+    }
+
+    ByteReader bytes_;
+    Part last_;
+    const Tables& tables_;
+    const Format& format_;
+    uint32_t planes_;
+    bool is_key_ = true;
+    uint32_t leaf_count_ = 0;  // that are not repeated
+    Steps steps_{};
+    std::vector<int16_t> roots_;                           // by plane
+    std::vector<std::span<const uint8_t>> coarse_, fine_;  // by plane; empty where the part is not there
+    Octree tree_;
+    Slice coded_;  // the leaves of the tree
+};
+
+}  // namespace
+
 Slice decode(std::span<const uint8_t> bytes, Part last, const Tables& tables, const Format& format,
              const Slice* before) {
-    ByteReader reader(bytes);
-    const uint64_t key = reader.number(1);
-    if (key > 1) throw std::runtime_error("is no frame that this program knows");
-    const bool is_key = key == 1;
-    if (!is_key && !before) throw std::runtime_error("needs the frame before it");
-    const auto leaf_count = static_cast<uint32_t>(reader.number(4));
-    if (leaf_count > format.most_leaves) throw std::runtime_error("has more leaves than the stream says");
-    Steps steps;
-    for (uint16_t& step : steps) step = static_cast<uint16_t>(reader.number(2));
-    const uint32_t planes = planes_of(format.degree);
-    std::vector<int16_t> roots(planes);
-    for (int16_t& root : roots) root = static_cast<int16_t>(reader.number(2));
-
-    Slice coded{format.depth, format.degree, {}, {}};
-    coded.planes.resize(planes);
-    Slice repeated = coded;
-    SymbolReader shape(reader.take(reader.number(4)), tables);
-    if (!is_key) repeated = code_repeated(shape, *before, nullptr);
-    if (repeated.leaves.size() + leaf_count > format.most_leaves)
-        throw std::runtime_error("has more leaves than the stream says");
-    const Octree tree = leaf_count > 0 ? code_shape(shape, Octree(), format.depth, leaf_count) : Octree();
-    if (!shape.ends_well() || tree.leaf_count != leaf_count) throw std::runtime_error("has another shape than it says");
-
-    std::vector<std::span<const uint8_t>> coarse(planes), fine(planes);
-    for (const Part part : {kCoarse, kFine, kShCoarse, kShFine}) {
-        if (part > last) break;
-        const auto [first, end] = planes_of_part(part, planes);
-        std::vector<uint64_t> lengths;
-        for (uint32_t plane = first; plane < end; plane++) lengths.push_back(reader.number(4));
-        auto& streams = part == kCoarse || part == kShCoarse ? coarse : fine;
-        for (uint32_t plane = first; plane < end; plane++) streams[plane] = reader.take(lengths[plane - first]);
-        for (const uint64_t length : lengths)
-            if (leaf_count == 0 && length > 0) throw std::runtime_error("has planes without leaves");
-    }
-    reader.expect_end();
-    if (leaf_count == 0) return repeated;
-    coded.leaves = leaves_of(tree, format.depth);
-
-    const auto decode_planes = [&](const Pairs& pairs, uint32_t first, uint32_t count) {
-        Numbers numbers{count, std::vector<int16_t>(count * pairs.size())};
-        parallel_for(count, 1, [&](size_t begin, size_t end) {
-            for (auto p = static_cast<uint32_t>(begin); p < end; p++)
-                read_plane(coarse[first + p], fine[first + p], tables, tree, format, kind_of(first + p),
-                           PlaneNumbers(numbers, p));
-        });
-        set_planes(tree, pairs, numbers, roots, steps, first, coded);
-    };
-    const std::vector<double> areas = areas_of(coded.leaves, format.depth);
-    decode_planes(pairs_of(tree, areas, 1), kOpacityPlane, 1);
-    const std::vector<double> weights = weights_of(areas, coded.planes[kOpacityPlane]);
-    decode_planes(pairs_of(tree, weights, 1.0 / kUnit), kFirstColourPlane, planes - 1);
-    return merged(repeated, coded);
+    return FrameReader(bytes, last, tables, format).read(before);
 }
 
 }  // namespace neuvv::stream

@@ -1,5 +1,6 @@
 #include "stream/octree.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace neuvv::stream {
@@ -13,6 +14,12 @@ uint32_t child_of(const Cell& cell, uint32_t octant) {
 }
 
 }  // namespace
+
+size_t Octree::most_cells() const {
+    size_t most = 0;
+    for (const std::vector<Cell>& of_depth : cells) most = std::max(most, of_depth.size());
+    return most;
+}
 
 Octree octree_of(const std::vector<Leaf>& leaves, uint32_t depth) {
     Octree tree;
@@ -34,36 +41,45 @@ Octree octree_of(const std::vector<Leaf>& leaves, uint32_t depth) {
 }
 
 void link_cells(Octree& tree) {
-    // How many leaves lie below each cell.
-    std::vector<std::vector<uint32_t>> below(tree.cells.size());
-    for (size_t d = 0; d < tree.cells.size(); d++) {
+    const size_t finest = tree.cells.size() - 1;
+    // How many leaves lie below each cell; at the finest depth each is one.
+    std::vector<std::vector<uint32_t>> below(finest);
+    for (size_t d = 0; d < finest; d++) {
+        below[d].resize(tree.cells[d].size());
         uint32_t next = 0;
         for (Cell& cell : tree.cells[d]) {
             cell.first = next;
             next += octant_count(cell.children);
         }
     }
-    for (size_t d = tree.cells.size(); d-- > 0;)
-        for (const Cell& cell : tree.cells[d]) {
-            uint32_t& leaves = below[d].emplace_back(cell.children ? 0 : 1);
-            for (uint32_t c = 0; c < octant_count(cell.children); c++) leaves += below[d + 1][cell.first + c];
+    for (size_t d = finest; d-- > 0;)
+        for (size_t i = 0; i < below[d].size(); i++) {
+            const Cell& cell = tree.cells[d][i];
+            const uint32_t children = octant_count(cell.children);
+            if (!cell.children)
+                below[d][i] = 1;
+            else if (d + 1 == finest)
+                below[d][i] = children;
+            else
+                for (uint32_t c = 0; c < children; c++) below[d][i] += below[d + 1][cell.first + c];
         }
-    tree.leaf_count = tree.cells.empty() ? 0 : below[0][0];
+    tree.leaf_count = below[0][0];
     // The number of the first of them, from the root down.
     std::vector<uint32_t> first = {0}, first_below;
-    for (size_t d = 0; d < tree.cells.size(); d++) {
-        first_below.clear();
-        for (size_t i = 0; i < tree.cells[d].size(); i++) {
+    for (size_t d = 0; d < finest; d++) {
+        first_below.resize(tree.cells[d + 1].size());
+        for (size_t i = 0; i < below[d].size(); i++) {
             Cell& cell = tree.cells[d][i];
             uint32_t next = first[i];
             for (uint32_t c = 0; c < octant_count(cell.children); c++) {
-                first_below.push_back(next);
-                next += below[d + 1][cell.first + c];
+                first_below[cell.first + c] = next;
+                next += d + 1 == finest ? 1 : below[d + 1][cell.first + c];
             }
             if (!cell.children) cell.first = first[i];
         }
         first.swap(first_below);
     }
+    for (size_t i = 0; i < first.size(); i++) tree.cells[finest][i].first = first[i];
 }
 
 std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth) {
@@ -76,19 +92,18 @@ std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth) {
 
 std::vector<Neighbours> neighbours_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours) {
     std::vector<Neighbours> below;
+    below.reserve(4 * cells.size());
     for (size_t i = 0; i < cells.size(); i++)
-        for (uint32_t octant = 0; octant < 8; octant++) {
-            if (!(cells[i].children >> octant & 1)) continue;
+        for_octants(cells[i].children, [&](uint32_t octant) {
             Neighbours& all = below.emplace_back();
-            for (uint32_t axis = 0; axis < 3; axis++)
-                for (uint32_t side = 0; side < 2; side++) {
-                    const uint32_t beside = octant ^ 1u << axis;
-                    // Towards the octant's own side lies another cell, else a sibling.
-                    const uint32_t cell =
-                        (octant >> axis & 1) == side ? neighbours[i][2 * axis + side] : static_cast<uint32_t>(i);
-                    all[2 * axis + side] = cell == kNone ? kNone : child_of(cells[cell], beside);
-                }
-        }
+            for (uint32_t axis = 0; axis < 3; axis++) {
+                // Towards the octant's own side lies another cell, else a sibling.
+                const uint32_t own_side = octant >> axis & 1, beside = octant ^ 1u << axis;
+                const uint32_t other = neighbours[i][2 * axis + own_side];
+                all[2 * axis + own_side] = other == kNone ? kNone : child_of(cells[other], beside);
+                all[2 * axis + 1 - own_side] = child_of(cells[i], beside);
+            }
+        });
     return below;
 }
 

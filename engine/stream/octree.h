@@ -22,6 +22,12 @@ constexpr uint32_t octant_count(uint8_t children) {
     return kOctantCounts[children];
 }
 
+// Calls visit(octant) for each octant that is a cell, in order.
+template <typename Visit>
+void for_octants(uint32_t children, const Visit& visit) {
+    for (; children; children &= children - 1) visit(static_cast<uint32_t>(std::countr_zero(children)));
+}
+
 // A cell of an octree that is a leaf, or has children.
 struct Cell {
     uint64_t code = 0;     // Morton code at its depth
@@ -35,6 +41,7 @@ struct Octree {
     // By depth, the root first; each in order of code. The finest depth has leaves alone. Empty where there are none.
     std::vector<std::vector<Cell>> cells;
     uint32_t leaf_count = 0;
+    size_t most_cells() const;  // of a depth
 };
 
 // The leaves of a slice must be in order and must not overlap (assert).

@@ -44,11 +44,12 @@ Table Table::of_shares(std::vector<uint16_t> shares) {
 }
 
 void Table::finish() {
-    first_.resize(shares_.size());
+    ranges_.resize(shares_.size());
     symbols_.resize(kAll);
+    share_of_0_ = shares_[0];
     uint32_t next = 0;
     for (size_t i = 0; i < shares_.size(); i++) {
-        first_[i] = static_cast<uint16_t>(next);
+        ranges_[i] = {static_cast<uint16_t>(next), shares_[i]};
         std::fill_n(symbols_.begin() + next, shares_[i], static_cast<uint8_t>(i));
         next += shares_[i];
     }

@@ -21,21 +21,30 @@ class Table {
     static Table of_shares(std::vector<uint16_t> shares);
 
     const std::vector<uint16_t>& shares() const { return shares_; }
-    uint32_t first(uint32_t symbol) const { return first_[symbol]; }
-    uint32_t share(uint32_t symbol) const { return shares_[symbol]; }
+    // A symbol's share, and the sum of those before it.
+    struct Range {
+        uint16_t first = 0, share = 0;
+    };
+    Range range(uint32_t symbol) const { return ranges_[symbol]; }
+    uint32_t share_of_0() const { return share_of_0_; }
     // The symbol of a value below 2^kTableBits.
     uint32_t symbol(uint32_t value) const { return symbols_[value]; }
 
   private:
     void finish();
-    std::vector<uint16_t> shares_, first_;
+    std::vector<uint16_t> shares_;
+    std::vector<Range> ranges_;
     std::vector<uint8_t> symbols_;
+    uint32_t share_of_0_ = 0;
 };
 
 // Collects symbols in the order in which they are decoded.
 class Encoder {
   public:
-    void add(const Table& table, uint32_t symbol) { coded_.push_back({table.first(symbol), table.share(symbol)}); }
+    void add(const Table& table, uint32_t symbol) {
+        const Table::Range range = table.range(symbol);
+        coded_.push_back({range.first, range.share});
+    }
     // Bits of equal likelihood, at most 8 of them.
     void add_bits(uint32_t value, uint32_t bits) {
         const uint32_t width = kTableBits - bits;
@@ -57,8 +66,16 @@ class Decoder {
     uint32_t take(const Table& table) {
         const uint32_t value = state_ & ((1u << kTableBits) - 1);
         const uint32_t symbol = table.symbol(value);
-        advance(table.first(symbol), table.share(symbol), value);
+        const Table::Range range = table.range(symbol);
+        advance(range.first, range.share, value);
         return symbol;
+    }
+    // Of a table of two symbols, without looking it up.
+    uint32_t take_either(const Table& table) {
+        const uint32_t value = state_ & ((1u << kTableBits) - 1), share = table.share_of_0();
+        const bool second = value >= share;
+        advance(second ? share : 0, second ? (1u << kTableBits) - share : share, value);
+        return second ? 1 : 0;
     }
     uint32_t take_bits(uint32_t bits) {
         const uint32_t width = kTableBits - bits, value = state_ & ((1u << kTableBits) - 1);

@@ -12,10 +12,12 @@ namespace neuvv::stream {
 
 // The next depth's cells, with children to come: of those, a reader knows nothing yet.
 inline std::vector<Cell> children_of(const std::vector<Cell>& cells) {
-    std::vector<Cell> below;
+    size_t count = 0;
+    for (const Cell& cell : cells) count += octant_count(cell.children);
+    std::vector<Cell> below(count);
+    Cell* next = below.data();
     for (const Cell& cell : cells)
-        for (uint32_t octant = 0; octant < 8; octant++)
-            if (cell.children >> octant & 1) below.push_back({cell.code << 3 | octant, 0, 0});
+        for_octants(cell.children, [&](uint32_t octant) { (next++)->code = cell.code << 3 | octant; });
     return below;
 }
 
@@ -41,10 +43,9 @@ std::vector<bool> code_leaves(Coder& coder, const std::vector<Cell>& cells, cons
     std::vector<bool> leaves;
     for (const Cell& cell : cells) {
         uint32_t before = 0;
-        for (uint32_t octant = 0; octant < 8; octant++) {
-            if (!(cell.children >> octant & 1)) continue;
+        for (uint32_t c = 0; c < octant_count(cell.children); c++) {
             const bool is_leaf = children && (*children)[leaves.size()].children == 0;
-            leaves.push_back(coder.take(kLeafTables + (is_last ? 0 : 4) + before, is_leaf ? 1 : 0) != 0);
+            leaves.push_back(coder.take_either(kLeafTables + (is_last ? 0 : 4) + before, is_leaf ? 1 : 0) != 0);
             before |= leaves.back() ? 1 : 2;
         }
     }

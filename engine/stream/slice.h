@@ -16,6 +16,7 @@ constexpr uint32_t kMaxDegree = 3;
 // planes (kLuma, kOrange, kGreen) for every spherical harmonic, l² + l + m: of 0, they are the colour in sRGB at the
 // mean over all directions; of others, by how much the harmonic's largest value changes that.
 constexpr uint32_t kOpacityPlane = 0, kFirstColourPlane = 1;
+constexpr uint32_t kPlanesOfMean = 4;  // the opacity, and the colour of harmonic 0
 constexpr uint32_t planes_of(uint32_t degree) {
     return 1 + 3 * (degree + 1) * (degree + 1);
 }

@@ -43,6 +43,7 @@ class SymbolWriter {
         symbols_.push_back(table << 8 | symbol);
         return symbol;
     }
+    uint32_t take_either(uint32_t table, uint32_t symbol) { return take(table, symbol); }
     uint32_t take_bits(uint32_t bits, uint32_t value) {
         symbols_.push_back(kBits | bits << 8 | value);
         return value;
@@ -61,6 +62,7 @@ class SymbolReader {
     static constexpr bool kWrites = false;
     SymbolReader(std::span<const uint8_t> bytes, const Tables& tables) : decoder_(bytes), tables_(tables) {}
     uint32_t take(uint32_t table, uint32_t) { return decoder_.take(tables_[table]); }
+    uint32_t take_either(uint32_t table, uint32_t) { return decoder_.take_either(tables_[table]); }
     uint32_t take_bits(uint32_t bits, uint32_t) { return decoder_.take_bits(bits); }
     bool ends_well() const { return decoder_.ends_well(); }
 

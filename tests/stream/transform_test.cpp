@@ -1,5 +1,6 @@
 // The octree of a slice and the transform of its planes.
 #include "stream/transform.h"
+#include "stream/planes.h"
 
 #include <gtest/gtest.h>
 
@@ -82,16 +83,16 @@ TEST(StreamTransform, ComesBackWithinTheSteps) {
     const stream::Octree tree = stream::octree_of(slice.leaves, slice.depth);
     const std::vector<double> weights = stream::areas_of(slice.leaves, slice.depth);
     const stream::Pairs pairs = stream::pairs_of(tree, weights, 1);
-    const auto planes = static_cast<uint32_t>(slice.planes.size());  // 49: 12 four times, and 1
-    stream::Numbers numbers{planes, std::vector<int16_t>(planes * pairs.size())};
-    std::vector<float> roots, steps(planes, 16);
+    const size_t planes = slice.planes.size();  // 49: nine five times, three and one
+    std::vector<std::vector<int16_t>> numbers(planes), back(planes, std::vector<int16_t>(slice.leaves.size()));
+    std::vector<stream::PlaneOfTree> given;
     for (uint32_t p = 0; p < planes; p++) {
         const stream::Coefficients all = stream::transform(tree, pairs, weights, slice.planes[p]);
-        roots.push_back(static_cast<float>(all.root));
-        for (size_t i = 0; i < pairs.size(); i++)
-            numbers.numbers[i * planes + p] = static_cast<int16_t>(std::lround(all.values[i] / 16));
+        for (const double value : all.values) numbers[p].push_back(static_cast<int16_t>(std::lround(value / 16)));
+        given.push_back({p, static_cast<float>(all.root), 16, numbers[p], back[p]});
     }
-    const std::vector<std::vector<float>> back = stream::inverse_transform(tree, pairs, roots, steps, numbers);
+    std::vector<stream::SymbolWriter> coarse(planes), fine(planes);
+    stream::code_planes<stream::SymbolWriter>(coarse, fine, tree, pairs, slice.depth, given);
     double squares = 0;
     for (uint32_t p = 0; p < planes; p++)
         for (size_t i = 0; i < back[p].size(); i++) {
@@ -100,7 +101,7 @@ TEST(StreamTransform, ComesBackWithinTheSteps) {
             squares += weights[i] * error * error;
         }
     // Each coefficient is off by up to a half of its step: 16² / 12 in the mean.
-    EXPECT_NEAR(squares / (planes * static_cast<double>(pairs.size())), 256.0 / 12, 1);
+    EXPECT_NEAR(squares / static_cast<double>(planes * pairs.size()), 256.0 / 12, 1);
 }
 
 }  // namespace
