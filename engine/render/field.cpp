@@ -29,6 +29,20 @@ size_t plane_floats(const voctree::VOctree& tree) {
     return size_t{4} * tree.leaf_count * (2 * ((tree.bases + 3) / 4) + hh_count(tree.hh_degree));
 }
 
+// The weights of all leaves by planes, each number converted.
+template <typename Number, typename Convert>
+std::vector<Number> planes_of(const voctree::VOctree& tree, const Convert& convert) {
+    std::vector<Number> planes(plane_floats(tree));
+    const uint32_t stride = tree.weights_per_leaf();
+    parallel_for(tree.leaf_count, kCachedLeaves, [&](size_t begin, size_t end) {
+        for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
+            Number* to = &planes[size_t{4} * plane * tree.leaf_count + component];
+            for (size_t leaf = begin; leaf < end; leaf++) to[4 * leaf] = convert(tree.weights[leaf * stride + index]);
+        });
+    });
+    return planes;
+}
+
 // The largest number of planes that are not 0 at any time. Between two frames their rows are mixed, so two neighbouring
 // rows count together.
 uint32_t count_busy_planes(const std::vector<float>& basis, uint32_t frames, uint32_t bases) {
@@ -67,15 +81,7 @@ void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_positions
 }  // namespace
 
 std::vector<float> weights_to_planes(const voctree::VOctree& tree) {
-    std::vector<float> planes(plane_floats(tree));
-    const uint32_t stride = tree.weights_per_leaf();
-    parallel_for(tree.leaf_count, kCachedLeaves, [&](size_t begin, size_t end) {
-        for_each_weight(tree, [&](uint32_t index, uint32_t plane, uint32_t component) {
-            float* to = &planes[size_t{4} * plane * tree.leaf_count + component];
-            for (size_t leaf = begin; leaf < end; leaf++) to[4 * leaf] = tree.weights[leaf * stride + index];
-        });
-    });
-    return planes;
+    return planes_of<float>(tree, [](float weight) { return weight; });
 }
 
 void weights_from_planes(const std::vector<float>& planes, voctree::VOctree& tree) {
@@ -121,16 +127,12 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.level_begin = walk.level_begin;
     field.sigma_basis = gpu::uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
     field.gamma_basis = gpu::uploaded(device, "basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
-    const std::vector<float> planes = weights_to_planes(tree);
-    if (precision == WeightPrecision::kFloat) {
-        field.weights = gpu::uploaded(device, "leaf weights", planes, VK_FORMAT_R32G32B32A32_SFLOAT);
-    } else {
-        std::vector<uint16_t> halves(planes.size());
-        parallel_for(planes.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; i++) halves[i] = voctree::half_from_float(planes[i]);
-        });
-        field.weights = gpu::uploaded(device, "leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT);
-    }
+    if (precision == WeightPrecision::kFloat)
+        field.weights = gpu::uploaded(device, "leaf weights", weights_to_planes(tree), VK_FORMAT_R32G32B32A32_SFLOAT);
+    else
+        field.weights =
+            gpu::uploaded(device, "leaf weights (fp16)", planes_of<uint16_t>(tree, voctree::half_from_float),
+                          VK_FORMAT_R16G16B16A16_SFLOAT);
     return field;
 }
 

@@ -101,23 +101,24 @@ class Walker {
     WalkTree walk_;
 };
 
-// The bounds of all leaves in the cells of a grid with 4^levels cells along each side.
+// The first and the last cell of a grid that have leaves, along each axis.
 struct Bounds {
     glm::uvec3 low{0}, last{0};
+    Bounds coarser(uint32_t depths) const { return {low >> depths, last >> depths}; }
     uint64_t cells() const {
         const glm::u64vec3 size(last - low + 1u);
         return size.x * size.y * size.z;
     }
 };
 
-Bounds bounds_of(const std::vector<voctree::LeafPosition>& positions, uint32_t levels) {
+// In the grid with 2^depth cells along each side; no leaf is deeper.
+Bounds bounds_of(const std::vector<voctree::LeafPosition>& positions, uint32_t depth) {
     Bounds bounds{glm::uvec3(UINT32_MAX), glm::uvec3(0)};
     for (const voctree::LeafPosition& position : positions) {
         const glm::uvec3 cell(position.x, position.y, position.z);
-        const bool finer = position.depth > 2 * levels;
-        const uint32_t shift = finer ? position.depth - 2 * levels : 2 * levels - position.depth;
-        bounds.low = glm::min(bounds.low, finer ? cell >> shift : cell << shift);
-        bounds.last = glm::max(bounds.last, finer ? cell >> shift : ((cell + 1u) << shift) - 1u);
+        const uint32_t shift = depth - position.depth;
+        bounds.low = glm::min(bounds.low, cell << shift);
+        bounds.last = glm::max(bounds.last, ((cell + 1u) << shift) - 1u);
     }
     return positions.empty() ? Bounds{} : bounds;
 }
@@ -178,17 +179,23 @@ WalkTree walk_tree(const voctree::VOctree& tree) {
         odd += position.depth % 2;
     }
     const uint32_t above = odd > positions.size() / 2 && finest < 2 * kMaxNodeLevels ? 1 : 0;
-    voctree::VOctree rooted;
-    rooted.node_levels = (finest + above + 1) / 2;
-    for (voctree::LeafPosition& position : positions) position.depth += above;
-    voctree::build_nodes(rooted, positions);
-
-    WalkTree walk = Walker(rooted).take();
-    walk.node_levels = rooted.node_levels;
+    const uint32_t node_levels = (finest + above + 1) / 2;
+    WalkTree walk;
+    if (above == 0 && node_levels == tree.node_levels) {
+        walk = Walker(tree).take();
+    } else {
+        voctree::VOctree rooted;
+        rooted.node_levels = node_levels;
+        for (voctree::LeafPosition& position : positions) position.depth += above;
+        voctree::build_nodes(rooted, positions);
+        walk = Walker(rooted).take();
+    }
+    walk.node_levels = node_levels;
     walk.scale = 1 + above;
+    const Bounds finest_bounds = bounds_of(positions, 2 * node_levels);
     Bounds bounds;
-    for (uint32_t levels = 0; levels < walk.node_levels; levels++) {
-        const Bounds finer = bounds_of(positions, levels);
+    for (uint32_t levels = 0; levels < node_levels; levels++) {
+        const Bounds finer = finest_bounds.coarser(2 * (node_levels - levels));
         if (levels > 0 && finer.cells() > kMaxTopCells) break;
         walk.top_levels = levels;
         bounds = finer;

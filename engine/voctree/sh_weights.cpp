@@ -56,11 +56,15 @@ void make_still(VOctree& tree, uint32_t degree) {
 }
 
 void write_sh(float* weights, uint32_t degree, const float* k) {
+    static const std::array<float, kMaxHhDegree + 1> kRadial = [] {  // R_ll(π/2)
+        std::array<float, kMaxHhDegree + 1> radial{};
+        for (uint32_t l = 0; l < radial.size(); l++) radial[l] = static_cast<float>(normalisation(l, l));
+        return radial;
+    }();
     std::fill_n(weights, hh_count(degree), 0.0f);
     for (uint32_t l = 0; l <= degree; l++) {
-        const auto radial = static_cast<float>(normalisation(l, l));   // R_ll(π/2)
         const uint32_t first = l * (l + 1) * (2 * l + 1) / 6 + l * l;  // H_l,l,−l
-        for (uint32_t i = 0; i <= 2 * l; i++) weights[first + i] = k[l * l + i] / radial;
+        for (uint32_t i = 0; i <= 2 * l; i++) weights[first + i] = k[l * l + i] / kRadial[l];
     }
 }
 

@@ -85,26 +85,51 @@ void write_colours(const Colours& k, size_t leaf, stream::Slice& slice) {
     }
 }
 
+// What a channel's colour in sRGB says, in halves of 1 / stream::kUnit, of which a slice's colours are whole numbers.
+struct Channel {
+    float constant;                             // k_00
+    std::array<float, kMaxHhDegree + 1> slope;  // slope_of, by degree
+};
+
+const Channel& channel_of(float units) {
+    static const std::vector<Channel> kChannels = [] {
+        std::vector<Channel> channels;
+        for (uint32_t half = 0; half <= 2 * stream::kUnit; half++) {
+            const float srgb = std::clamp(static_cast<float>(half) / (2 * stream::kUnit), kMargin, 1 - kMargin);
+            const float linear = linear_of(srgb);
+            Channel& channel = channels.emplace_back();
+            channel.constant = std::log(linear / (1 - linear)) / kMeanHarmonic;
+            for (uint32_t l = 0; l < channel.slope.size(); l++) channel.slope[l] = slope_of(srgb, l);
+        }
+        return channels;
+    }();
+    return kChannels[static_cast<size_t>(std::clamp(2 * units, 0.0f, 2.0f * stream::kUnit))];
+}
+
 Colours read_colours(const stream::Slice& slice, size_t leaf) {
     Colours k{};
-    std::array<float, 3> srgb{};
+    std::array<const Channel*, 3> channels{};
     for (uint32_t i = 0; i < sh_count(slice.degree); i++) {
-        const auto value = [&](uint32_t plane) {
-            return static_cast<float>(slice.planes[plane + 3 * i][leaf]) / stream::kUnit;
-        };
+        const auto value = [&](uint32_t plane) { return static_cast<float>(slice.planes[plane + 3 * i][leaf]); };
         const stream::Rgb rgb = stream::rgb_of({value(1), value(2), value(3)});
         const std::array<float, 3> shown = {rgb.r, rgb.g, rgb.b};
         for (size_t c = 0; c < 3; c++) {
-            if (i > 0) {
-                k[c][i] = shown[c] / slope_of(srgb[c], degree_of(i));
-                continue;
-            }
-            srgb[c] = std::clamp(shown[c], kMargin, 1 - kMargin);
-            const float linear = linear_of(srgb[c]);
-            k[c][0] = std::log(linear / (1 - linear)) / kMeanHarmonic;
+            if (i == 0) channels[c] = &channel_of(shown[c]);
+            k[c][i] = i == 0 ? channels[c]->constant : shown[c] / stream::kUnit / channels[c]->slope[degree_of(i)];
         }
     }
     return k;
+}
+
+// The optical depth along the edge of a leaf, by its opacity.
+float optical_depth_of(int16_t opacity) {
+    static const std::vector<float> kDepths = [] {
+        std::vector<float> depths;
+        for (int units = 0; units <= stream::kUnit; units++)
+            depths.push_back(-std::log(1 - std::min(static_cast<float>(units) / stream::kUnit, 1 - kMargin)));
+        return depths;
+    }();
+    return kDepths[static_cast<size_t>(opacity)];
 }
 
 }  // namespace
@@ -152,11 +177,12 @@ VOctree tree_of(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_siz
     for (const stream::Leaf& leaf : slice.leaves)
         positions.push_back(position_of(leaf.cell >> 3 * (slice.depth - leaf.depth), leaf.depth));
     build_topology(tree, positions);
+    std::array<float, stream::kMaxDepth + 1> edges;
+    for (uint32_t d = 0; d < edges.size(); d++) edges[d] = leaf_edge_m(tree, d);
     parallel_for(slice.leaves.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             float* weights = tree.leaf(static_cast<uint32_t>(i));
-            const float opacity = static_cast<float>(slice.planes[stream::kOpacityPlane][i]) / stream::kUnit;
-            weights[0] = -std::log(1 - std::min(opacity, 1 - kMargin)) / leaf_edge_m(tree, slice.leaves[i].depth);
+            weights[0] = optical_depth_of(slice.planes[stream::kOpacityPlane][i]) / edges[slice.leaves[i].depth];
             const Colours k = read_colours(slice, i);
             for (uint32_t c = 0; c < 3; c++)
                 write_sh(weights + 2 + c * hh_count(slice.degree), slice.degree, k[c].data());

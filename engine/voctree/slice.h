@@ -10,7 +10,7 @@ namespace neuvv::voctree {
 stream::Slice slice_of(const VOctree& tree, uint32_t frame);
 
 // The tree of one frame that shows the slice in a box, metres. Its leaves are in the order of the slice. The depth of
-// the slice must be even (assert).
+// the slice must be even (assert), and its opacities 0 to stream::kUnit.
 VOctree tree_of(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_size, float fps);
 
 }  // namespace neuvv::voctree

@@ -70,7 +70,8 @@ std::vector<SortedLeaf> sort_leaves(const std::vector<LeafPosition>& positions, 
         assert(std::max({position.x, position.y, position.z}) >> position.depth == 0 && "leaf must lie inside the box");
         sorted[i] = {first_cell(position, finest_depth), static_cast<uint32_t>(i), position.depth};
     }
-    std::sort(sorted.begin(), sorted.end(), [](const SortedLeaf& a, const SortedLeaf& b) { return a.code < b.code; });
+    const auto is_before = [](const SortedLeaf& a, const SortedLeaf& b) { return a.code < b.code; };
+    if (!std::is_sorted(sorted.begin(), sorted.end(), is_before)) std::sort(sorted.begin(), sorted.end(), is_before);
     for ([[maybe_unused]] size_t i = 1; i < sorted.size(); ++i)
         assert(sorted[i].code - sorted[i - 1].code >= uint64_t{1} << (3 * (finest_depth - sorted[i - 1].depth)) &&
                "leaves must not overlap");
