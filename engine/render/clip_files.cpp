@@ -16,7 +16,7 @@ ClipFiles::~ClipFiles() {
         stop_ = true;
     }
     changed_.notify_all();
-    if (thread_.joinable()) thread_.join();
+    for (std::thread& thread : threads_) thread.join();
 }
 
 std::shared_ptr<const LoadedClip> ClipFiles::find_locked(const std::filesystem::path& path,
@@ -52,8 +52,11 @@ std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& se
     };
     try {
         const voctree::VOctree tree = voctree::read_segment(segment);
+        // To merge leaves would take longer than a stream's frame is shown.
+        Field field =
+            segment.stream ? upload_field(device_, tree, WeightPrecision::kHalf) : upload_far_levels(device_, tree);
         auto clip = std::make_shared<const LoadedClip>(
-            LoadedClip{segment.file, stamp, upload_far_levels(device_, tree), voctree::painted_field(tree)});
+            LoadedClip{segment.file, stamp, std::move(field), voctree::painted_field(tree)});
         end_reading(clip);
         return clip;
     } catch (...) {
@@ -98,7 +101,9 @@ void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
         const std::lock_guard lock(mutex_);
         if (wanted_.empty() && wanted.empty()) return;
         wanted_.assign(wanted.begin(), wanted.end());
-        if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+        if (threads_.empty())
+            for (const bool streams_alone : {false, true})
+                threads_.emplace_back([this, streams_alone] { run(streams_alone); });
     }
     changed_.notify_all();
 }
@@ -145,15 +150,22 @@ void ClipFiles::read_one_ahead(const Wanted& wanted) {
     }
 }
 
-void ClipFiles::run() {
+std::deque<ClipFiles::Wanted>::iterator ClipFiles::next_locked(bool streams_alone) {
+    return std::find_if(wanted_.begin(), wanted_.end(), [&](const Wanted& one) {
+        return !being_read_.contains(one.segment.file) && (one.segment.stream || !streams_alone);
+    });
+}
+
+void ClipFiles::run(bool streams_alone) {
     for (;;) {
         Wanted next;
         {
             std::unique_lock lock(mutex_);
-            changed_.wait(lock, [this] { return stop_ || !wanted_.empty(); });
+            changed_.wait(lock, [&] { return stop_ || next_locked(streams_alone) != wanted_.end(); });
             if (stop_) return;
-            next = wanted_.front();
-            wanted_.pop_front();
+            const auto chosen = next_locked(streams_alone);
+            next = std::move(*chosen);
+            wanted_.erase(chosen);
         }
         read_one_ahead(next);
     }

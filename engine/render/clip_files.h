@@ -1,4 +1,5 @@
-// Clip files: brings the files of clips from the disk to the device, at once or ahead of time on a thread of its own.
+// Clip files: brings the files of clips from the disk to the device, at once or ahead of time on threads of its own:
+// one for all clips, and one that reads only frames of streams, so that one is decoded while another is uploaded.
 #pragma once
 
 #include <condition_variable>
@@ -55,11 +56,11 @@ class ClipFiles {
         bool is_urgent = false;              // its coarse tree is read first, where the file has one
         std::vector<LayerFolders> layers{};  // of which the paint is read, too
     };
-    // Has these segments read on the thread, one after the other. They replace those of earlier calls that are not
-    // being read yet. Where the device has no memory for one, the thread leaves it out and pauses for a second.
+    // Has these segments read on the threads, in this order. They replace those of earlier calls that are not being
+    // read yet. Where the device has no memory for one, the thread leaves it out and pauses for a second.
     void read_ahead(std::vector<Wanted> wanted);
 
-    // A segment that the thread has read, or the line that says why it could not.
+    // A segment that a thread has read, or the line that says why it could not.
     struct Result {
         std::filesystem::path file;
         FileStamp stamp;
@@ -78,7 +79,9 @@ class ClipFiles {
     void read_coarse(const voctree::ClipSegment& segment);
     void read_one_ahead(const Wanted& wanted);
     void add_result(Result result);
-    void run();
+    // The next that is wanted and nobody reads.
+    std::deque<Wanted>::iterator next_locked(bool streams_alone);
+    void run(bool streams_alone);
     const gpu::Device& device_;
     std::mutex mutex_;  // guards all that follows
     std::condition_variable changed_;
@@ -93,7 +96,7 @@ class ClipFiles {
     std::set<std::filesystem::path> being_read_;
     std::vector<Result> results_;
     bool stop_ = false;
-    std::thread thread_;  // begins with the first that is wanted
+    std::vector<std::thread> threads_;  // begin with the first that is wanted
 };
 
 }  // namespace neuvv::render

@@ -249,6 +249,20 @@ void StageClips::drop_all_but(const std::set<Id>& kept) {
     std::erase_if(recent_, [&](const Id& id) { return !on_device_.contains(id); });
 }
 
+// Frames of a stream may come later than they are due. Then performers show the one that came, where it is nearer to
+// their time than what they show.
+void StageClips::show_late_frames(const stage::EvaluatedStage& evaluated) {
+    for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
+        if (!performer.visible || !voctree::is_stream(clips_[performer.clip].index)) continue;
+        const Id wanted = wanted_by(performer).id;
+        const auto away = [&](const Id& id) { return std::abs(int64_t{id.segment} - int64_t{wanted.segment}); };
+        std::optional<Shown>& shown = shown_[performer.performer];
+        for (const Id& id : on_device_)
+            if (id.clip == wanted.clip && (!shown || shown->id.clip != id.clip || away(id) < away(shown->id)))
+                shown = Shown{id, 0};
+    }
+}
+
 // Notes what performers show now, for when a segment is missing.
 void StageClips::remember(const stage::EvaluatedStage& evaluated) {
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
@@ -272,6 +286,7 @@ void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& 
         direction_ = step_s < 0 ? -1 : 1;
     last_s_ = evaluated.time_s;
     take_results();
+    show_late_frames(evaluated);
     const std::vector<Id> needed = needed_at(evaluated), ahead = ahead_of(stage, evaluated);
     const std::set<Id> kept = chosen(needed, ahead);
     drop_all_but(kept);

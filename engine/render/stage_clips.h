@@ -94,6 +94,7 @@ class StageClips {
     std::vector<Id> ahead_of(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) const;
     std::set<Id> chosen(const std::vector<Id>& needed, const std::vector<Id>& ahead) const;
     void drop_all_but(const std::set<Id>& kept);
+    void show_late_frames(const stage::EvaluatedStage& evaluated);
     void remember(const stage::EvaluatedStage& evaluated);
     std::vector<ClipOnDevice> clips_;
     std::vector<LayerFolders> folders_;  // by performer (StageAssets)
