@@ -19,7 +19,7 @@ namespace {
 // checked.
 void expect_fitting_time(const stage::TimeMap& time, const std::filesystem::path& clip) {
     std::error_code error;
-    if (!std::filesystem::exists(clip, error)) return;
+    if (!stream::is_address(clip) && !std::filesystem::exists(clip, error)) return;
     const voctree::ClipHead head = voctree::read_clip_head(clip);
     const std::string text = stage::text_of(time);
     stage::expect_parts_within(stage::timeline_of(time, head.frames, static_cast<double>(head.fps), "--time", text),
@@ -52,7 +52,7 @@ void expect_fitting_paint(const stage::StageFile& file, uint32_t node, const std
                           const std::filesystem::path& layer) {
     const std::filesystem::path clip = edit::clip_of(file, node);
     std::error_code error;
-    if (!std::filesystem::exists(clip, error)) return;
+    if (!stream::is_address(clip) && !std::filesystem::exists(clip, error)) return;
     try {
         expect_layer_of(clip, layer);
     } catch (const InputError& problem) {
@@ -85,8 +85,6 @@ struct AddOptions : StageTarget {
 };
 
 std::string add_performer(stage::StageFile& file, const AddOptions& options) {
-    if (stream::is_address(options.clip))
-        throw InputError(options.clip, "", "is an address, and a stage plays files alone", "download it first");
     const std::filesystem::path clip = voctree::clip_path(options.clip);
     voctree::read_clip_head(clip);
     edit::PerformerEdit performer = options.performer;
@@ -97,7 +95,9 @@ std::string add_performer(stage::StageFile& file, const AddOptions& options) {
 
 void add_add(Command stage) {
     auto [verb, options] = add_edit_verb(stage, "add", "Put a performer on a stage", add_performer);
-    verb.add_option("CLIP", options.clip, "The .nvv that it plays, or the .npz of a PlenOctree").required();
+    verb.add_option("CLIP", options.clip,
+                    "The .nvv or .nvs that it plays, the .npz of a PlenOctree, or the address of a .nvs")
+        .required();
     verb.add_option("--name", options.name, "Its node's; default: the file's");
     add_placement_options(verb, options.placement);
     add_performer_options(verb, options.performer);

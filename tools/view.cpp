@@ -18,9 +18,10 @@ struct ViewOptions {
 void add_view(Command app, CommonOptions& common) {
     auto options = std::make_shared<ViewOptions>();
     Command verb = app.add_verb("view", "Watch and edit clips and stages in a window");
-    verb.add_option("file", options->file,
-                    "A stage (.gltf, .glb), a clip (.nvv, or the .npz of a PlenOctree), or a folder whose newest clip "
-                    "is shown as training goes on");
+    verb.add_option(
+        "file", options->file,
+        "A stage (.gltf, .glb), a clip (.nvv, .nvs, or the .npz of a PlenOctree), the address of a .nvs, or a "
+        "folder whose newest clip is shown as training goes on");
     verb.add_option("--size", options->size, "Of the window, as 1280x720; otherwise as it was last");
     verb.add_option("--ui-scale", options->ui_scale, "Of letters and panels; otherwise the monitor's")
         .number_between(0.5, 4);

@@ -111,7 +111,7 @@ void edit_performer(stage::StageFile& file, ordered_json& performer, const Perfo
         changes.push_back(text);
     };
     if (edit.clip) {
-        performer["uri"] = stage::uri_of_file(file, *edit.clip);
+        performer["uri"] = stage::uri_of_clip(file, *edit.clip);
         changes.push_back("plays " + performer["uri"].get<std::string>());
     }
     if (edit.time) {

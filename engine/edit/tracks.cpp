@@ -23,7 +23,7 @@ std::optional<PerformerTrack> track_of(const stage::StageFile& file, uint32_t no
     PerformerTrack track;
     track.node = node;
     track.name = node_title(file, node);
-    track.clip = stage::absolute_path(stage::file_of_uri(file, settings.uri, json_pointer_of(node) + "/uri"));
+    track.clip = stage::clip_of_uri(file, settings.uri, json_pointer_of(node) + "/uri");
     const auto clip = std::find_if(clips.begin(), clips.end(),
                                    [&](const stage::StageClip& other) { return other.path == track.clip; });
     if (clip == clips.end()) return std::nullopt;

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "edit/operations.h"
 #include "stage/stage.h"
+#include "stream/byte_source.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
 
@@ -29,11 +30,19 @@ std::filesystem::path newest_clip(const std::filesystem::path& folder) {
 }
 
 std::filesystem::path opened_file(const std::filesystem::path& given) {
+    if (stream::is_address(given)) return given;
     const std::filesystem::path path = voctree::clip_path(given);
     std::error_code error;
     const auto kind = std::filesystem::status(path, error).type();
     if (kind == std::filesystem::file_type::not_found) throw InputError(path.string(), "", "there is no such file");
     return kind == std::filesystem::file_type::directory && !voctree::is_segmented(path) ? newest_clip(path) : path;
+}
+
+// What a file would be named that is downloaded from an address.
+std::filesystem::path name_of_address(const std::filesystem::path& address) {
+    const std::string text = address.string();
+    const std::filesystem::path name = std::filesystem::path(text.substr(0, text.find_first_of("?#"))).filename();
+    return name.empty() ? "stream" : name;
 }
 
 }  // namespace
@@ -45,7 +54,8 @@ bool has_stage_ending(const std::filesystem::path& path) {
 }
 
 std::filesystem::path stage_of_file(const std::filesystem::path& path) {
-    std::filesystem::path stage = stage::absolute_path(opened_file(path));
+    const std::filesystem::path file = opened_file(path);
+    std::filesystem::path stage = stage::absolute_path(stream::is_address(file) ? name_of_address(file) : file);
     if (!has_stage_ending(stage)) stage.replace_extension(".gltf");
     return stage;
 }
@@ -58,13 +68,13 @@ edit::Document open_document(const std::filesystem::path& path) {
         stage::expect_sound_document(document.file);
         return document;
     }
-    if (!voctree::has_clip_ending(file))
+    if (!stream::is_address(file) && !voctree::has_clip_ending(file))
         throw InputError(file.string(), "", "is neither a stage nor a clip", "open a .gltf, .glb, .nvv, .nvs or .npz");
     document.file = stage::make_stage_file(
         stage_of_file(file), R"({"asset":{"version":"2.0","generator":"NeuVV"},"scene":0,"scenes":[{}]})");
     edit::PerformerEdit performer;
     performer.clip = file;
-    edit::add_performer(document.file, file.stem().string(), performer, {});
+    edit::add_performer(document.file, document.file.path.stem().string(), performer, {});
     return document;
 }
 

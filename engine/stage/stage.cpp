@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "stage/pose.h"
+#include "stream/byte_source.h"
 #include "voctree/clip.h"
 
 namespace neuvv::stage {
@@ -30,11 +31,6 @@ const ordered_json* extension_of(const StageJson& json, const char* list, size_t
 
 std::string extension_place(const char* list, size_t index, const char* name) {
     return fmt::format("/{}/{}/extensions/{}", list, index, name);
-}
-
-// The path of a performer's .nvv.
-std::filesystem::path clip_path(const Stage& stage, const StagePerformer& performer, const std::string& place) {
-    return absolute_path(file_of_uri(stage.file, performer.settings.uri, place + "/uri"));
 }
 
 // The index of a performer's clip in stage.clips; the header of a file that is not there yet is read.
@@ -63,14 +59,14 @@ void read_performers(Stage& stage, bool clips_needed) {
         performer.node = i;
         performer.name = node_title(stage.scene, i);
         performer.settings = performer_settings_of(*extension, file, place);
-        const std::filesystem::path path = clip_path(stage, performer, place);
+        const std::filesystem::path path = clip_of_uri(stage.file, performer.settings.uri, place + "/uri");
         if (!performer.settings.skeleton_uri.empty())
             performer.skeleton =
                 absolute_path(file_of_uri(stage.file, performer.settings.skeleton_uri, place + "/skeleton"));
         for (const PaintLayer& layer : performer.settings.paint) file_of_uri(stage.file, layer.uri, place + "/paint");
         if (!stage.scene.nodes[i].in_scene) continue;
         std::error_code error;
-        if (clips_needed || std::filesystem::exists(path, error)) {
+        if (clips_needed || stream::is_address(path) || std::filesystem::exists(path, error)) {
             performer.clip = clip_of(stage, path, performer, place);
             const StageClip& clip = stage.clips[performer.clip];
             performer.timeline = timeline_of(performer.settings.time, clip.frames, clip.fps, file, place + "/time");

@@ -10,6 +10,7 @@
 #include "base/platform.h"
 #include "stage/gltf_container.h"
 #include "stage/json_splice.h"
+#include "stream/byte_source.h"
 
 namespace neuvv::stage {
 
@@ -55,7 +56,8 @@ template <typename Edit>
 void edit_uris(ordered_json& value, const std::string& member, const Edit& edit) {
     const auto edit_uri = [&](ordered_json& owner, const std::string& place, bool below) {
         if (!owner.is_object() || !owner.contains("uri") || !owner["uri"].is_string()) return;
-        if (!owner["uri"].get_ref<const std::string&>().starts_with("data:")) edit(owner["uri"], place + "/uri", below);
+        const auto& uri = owner["uri"].get_ref<const std::string&>();
+        if (!uri.starts_with("data:") && !stream::is_address(uri)) edit(owner["uri"], place + "/uri", below);
     };
     const auto each_of = [](ordered_json& list, const std::string& name, const auto& each) {
         if (!list.is_array()) return;
@@ -226,6 +228,14 @@ std::filesystem::path file_of_uri(const StageFile& file, const std::string& uri,
 std::string uri_of_file(const StageFile& file, const std::filesystem::path& named) {
     const std::filesystem::path whole = folder_of(named) / named.filename();
     return encoded_uri(whole.lexically_relative(folder_of(file.path)).generic_string());
+}
+
+std::filesystem::path clip_of_uri(const StageFile& file, const std::string& uri, const std::string& place) {
+    return stream::is_address(uri) ? std::filesystem::path(uri) : absolute_path(file_of_uri(file, uri, place));
+}
+
+std::string uri_of_clip(const StageFile& file, const std::filesystem::path& clip) {
+    return stream::is_address(clip) ? clip.string() : uri_of_file(file, clip);
 }
 
 }  // namespace neuvv::stage

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 #include <set>
 
 #include "base/error.h"
@@ -43,8 +45,28 @@ std::filesystem::path clip_path(const std::filesystem::path& given) {
 
 namespace {
 
+// A stream that is open already is not opened again, unless its file has changed: what it has read and decoded is
+// there.
+std::shared_ptr<stream::Reader> opened_stream(const std::filesystem::path& path) {
+    static std::mutex mutex;
+    static std::map<std::filesystem::path, std::weak_ptr<stream::Reader>> open;
+    const auto is_current = [&](const stream::Reader& reader) {
+        return stream::is_address(path) || reader.stamp() == neuvv::stamp_of(path);
+    };
+    {
+        const std::lock_guard lock(mutex);
+        std::erase_if(open, [](const auto& one) { return one.second.expired(); });
+        if (const auto found = open.find(path); found != open.end())
+            if (auto reader = found->second.lock(); reader && is_current(*reader)) return reader;
+    }
+    auto reader = std::make_shared<stream::Reader>(path);  // which may take as long as a server does
+    const std::lock_guard lock(mutex);
+    open[path] = reader;
+    return reader;
+}
+
 ClipIndex index_of_stream(const std::filesystem::path& path) {
-    const auto reader = std::make_shared<stream::Reader>(path);
+    const std::shared_ptr<stream::Reader> reader = opened_stream(path);
     ClipIndex index{reader->index().fps, {}};
     const auto frames = static_cast<uint32_t>(reader->index().frames.size());
     index.segments.reserve(frames);

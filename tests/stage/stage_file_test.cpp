@@ -111,6 +111,23 @@ TEST_F(StageFiles, UrisNameFilesOnTheWayFromTheStage) {
         expect_input_error([&] { stage::file_of_uri(file, uri, "/nodes/0"); }, {"s.gltf", "/nodes/0", "../captures/"});
 }
 
+TEST_F(StageFiles, APerformerMayPlayWhatIsAtAnAddress) {
+    const std::string address = "https://example.com/a%20b/anna.nvs?key=1:2";
+    write_text(at("s.gltf"), R"({"asset":{"version":"2.0"},"nodes":[{"extensions":{"NEUVV_performer":{"uri":")" +
+                                 address + R"("}}}]})");
+    stage::StageFile file = stage::read_stage_file(at("s.gltf"));
+    EXPECT_EQ(stage::clip_of_uri(file, address, "p"), address);
+    EXPECT_EQ(stage::uri_of_clip(file, address), address);
+    EXPECT_EQ(stage::clip_of_uri(file, "../a.nvv", "p"), stage::absolute_path(at("../a.nvv")));
+    EXPECT_EQ(stage::uri_of_clip(file, at("a.nvv")), "a.nvv");
+    for (const char* uri : {"ftp://example.com/a.nvs", "file:a.nvs", "/etc/passwd"})
+        expect_input_error([&] { stage::clip_of_uri(file, uri, "/nodes/0"); }, {"s.gltf", "/nodes/0"});
+    std::filesystem::create_directories(at("other"));
+    stage::save_stage_file(file, at("other/s.gltf"));
+    const auto json = stage::read_stage_file(at("other/s.gltf")).json;
+    EXPECT_EQ(json["nodes"][0]["extensions"]["NEUVV_performer"]["uri"], address);
+}
+
 TEST_F(StageFiles, WhatIsNoStageIsRefused) {
     const auto refused = [&](const std::string& bytes, std::initializer_list<std::string> parts) {
         write_text(at("x.gltf"), bytes);

@@ -1,6 +1,7 @@
 // neuvv publish, and what plays streams, on the command line.
 #include <gtest/gtest.h>
 
+#include "support/child_process.h"
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
@@ -78,6 +79,33 @@ TEST_F(CliPublish, SegmentsBecomeOneStream) {
     EXPECT_EQ(json.at("groups"), 3) << "one frame; two of three, as one second has; one";
     EXPECT_EQ(json.at("checked"), true);
     EXPECT_GT(training::compare(on_stage(scene, "1.5"), on_stage(stream, "1.5")).psnr, 38);
+}
+
+TEST_F(CliPublish, AStagePlaysFromAServer) {
+    publish(scene, {"--quality", "45"});
+    const media::Image truth = on_stage(stream, "0.5");
+    const std::string log = file("serve.log");
+    test::ChildProcess server({NEUVV_SOURCE_DIR "/tools/serve", folder.path.string(), "--port", "0"}, log);
+    std::string address;
+    ASSERT_TRUE(server.until([&] {
+        const std::string said = read_text(log);
+        const size_t begin = said.find("http://"), end = said.find('\n');
+        if (begin != std::string::npos && end != std::string::npos) address = said.substr(begin, end - begin);
+        return !address.empty();
+    })) << read_text(log);
+    address += "show.nvs";
+    const std::string show = file("net.gltf");
+    ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
+    const ProgramResult added = run_neuvv({"stage", "add", show, address, "--name", "anna", "--time", "loop"});
+    ASSERT_EQ(added.code, 0) << added.err;
+    ASSERT_EQ(run_neuvv({"render", show, "-o", file("x.png"), "--size", "64x48", "--time", "0.5"}).code, 0);
+    EXPECT_EQ(media::read_png(file("x.png")).rgba, truth.rgba);
+    const ProgramResult info = run_neuvv({"stage", "info", show});
+    EXPECT_NE(info.out.find(address), std::string::npos) << info.out << info.err;
+    server.send(SIGKILL);
+    server.wait();
+    expect_refused({"render", show, "-o", file("x.png"), "--time", "0.5"}, 2,
+                   {"net.gltf", "show.nvs", "cannot be read"});
 }
 
 TEST_F(CliPublish, WrongUseIsRefused) {

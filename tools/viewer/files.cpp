@@ -86,7 +86,7 @@ void Files::read(const std::filesystem::path& path) {
             // Edits that were made while the file was read are asked about again.
             if (context_.editor.modified() && context_.editor.id() != id) return open(path);
             opened(std::move(*document), false);
-            remember_file(preferences_, std::filesystem::absolute(path));
+            remember_file(preferences_, path);
         };
     });
 }
@@ -141,7 +141,7 @@ void Files::save_to(const std::filesystem::path& path, const std::function<void(
     const bool moves = file.saved->on_disk && stage::absolute_path(path) != stage::absolute_path(file.path);
     saver_.save(path, [this, path, moves, then](const edit::Document& saved, uint64_t open_count) {
         if (moves && open_count == context_.editor.open_count()) events_.saved_elsewhere(edit::used_layers(saved.file));
-        remember_file(preferences_, std::filesystem::absolute(path));
+        remember_file(preferences_, path);
         if (then) then();
     });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "editor/preference_file.h"
+#include "stream/byte_source.h"
 
 namespace neuvv::viewer {
 
@@ -35,7 +36,7 @@ void read_recent(editor::PreferenceReader& reader, const ordered_json& document,
         std::string file;
         const std::string member = fmt::format("recent[{}]", i);
         if (!reader.text((*list)[i], member, file)) continue;
-        if (std::filesystem::path(file).is_absolute())
+        if (stream::is_address(file) || std::filesystem::path(file).is_absolute())
             remember_file(preferences, file);
         else
             reader.wrong.push_back(member);
@@ -125,7 +126,8 @@ void save_preferences(const std::filesystem::path& path, const Preferences& pref
 }
 
 void remember_file(Preferences& preferences, const std::filesystem::path& file) {
-    const std::filesystem::path whole = std::filesystem::absolute(file).lexically_normal();
+    const std::filesystem::path whole =
+        stream::is_address(file) ? file : std::filesystem::absolute(file).lexically_normal();
     std::erase(preferences.recent, whole);
     preferences.recent.insert(preferences.recent.begin(), whole);
     if (preferences.recent.size() > kMaxRecentFiles) preferences.recent.resize(kMaxRecentFiles);
@@ -135,7 +137,7 @@ std::vector<bool> recent_files_exist(const Preferences& preferences) {
     std::vector<bool> exist;
     for (const std::filesystem::path& file : preferences.recent) {
         std::error_code ignored;
-        exist.push_back(std::filesystem::is_regular_file(file, ignored));
+        exist.push_back(stream::is_address(file) || std::filesystem::is_regular_file(file, ignored));
     }
     return exist;
 }
