@@ -26,6 +26,12 @@ inline std::string file_url(const std::filesystem::path& path) {
 inline void free_packet(AVPacket* packet) {
     av_packet_free(&packet);
 }
+inline void free_codec(AVCodecContext* codec) {
+    avcodec_free_context(&codec);
+}
+inline void free_frame(AVFrame* frame) {
+    av_frame_free(&frame);
+}
 inline void close_input(AVFormatContext* context) {
     avformat_close_input(&context);
 }
@@ -44,6 +50,8 @@ struct Release {
 template <typename T, auto release>
 using Owned = std::unique_ptr<T, Release<release>>;
 
+using OwnedCodec = Owned<AVCodecContext, free_codec>;
+using OwnedFrame = Owned<AVFrame, free_frame>;
 using OwnedPacket = Owned<AVPacket, free_packet>;
 using OwnedInput = Owned<AVFormatContext, close_input>;
 using OwnedOutput = Owned<AVFormatContext, close_output>;

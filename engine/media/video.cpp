@@ -24,16 +24,6 @@ constexpr int kMpeg4Quantiser = 3;   // the same quality with the fallback encod
 constexpr uint32_t kHdLines = 720;   // from this height on, video without a matrix is taken as BT.709
 constexpr int kMaxTimeBase = 65535;  // the finest that MPEG-4 part 2 can store
 
-void free_context(AVCodecContext* context) {
-    avcodec_free_context(&context);
-}
-void free_frame(AVFrame* frame) {
-    av_frame_free(&frame);
-}
-
-using OwnedCodec = Owned<AVCodecContext, free_context>;
-using OwnedFrame = Owned<AVFrame, free_frame>;
-
 }  // namespace
 
 struct VideoWriter::State {

@@ -160,7 +160,7 @@ TEST_F(Histories, UrisFollowTheStageToAnotherFolder) {
     history.undo(document);
     history.redo(document);
     EXPECT_EQ(document.file.path, at("below/show.gltf"));
-    EXPECT_EQ(edit::clip_of(document.file, 0), at("below/../anna.nvv"));
+    EXPECT_EQ(edit::clip_of(document.file, 0), stage::absolute_path(at("below/../anna.nvv")));
     EXPECT_EQ(stage::make_stage(document.file).performers[0].name, "berta");
     rename(history, "carla", 0);
     edit::save_document(document, at("show.gltf"));

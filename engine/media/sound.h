@@ -1,0 +1,39 @@
+// Sound by libav*: what a file has is read as a whole, and a video gets a track.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+namespace neuvv::media {
+
+constexpr uint32_t kSoundRate = 48000;  // samples a second, of all sounds in memory
+constexpr uint32_t kSoundHop = 1024;    // samples that are made at a time
+
+// Left and right; 1 is as loud as a file can be.
+using StereoSample = std::array<float, 2>;
+
+// A sound that was read. It takes 192 KB a second.
+struct Sound {
+    std::vector<std::array<int16_t, 2>> samples;
+    double length_s() const { return static_cast<double>(samples.size()) / kSoundRate; }
+};
+
+constexpr double kMaxSound_s = 4 * 3600;
+
+// Reads the first sound of a file: .wav, .flac, .ogg, .mp3, .m4a, .mp4, .mov, .mkv, .webm or .avi. One channel is heard
+// from both sides; of more than two, libswresample makes two. Throws InputError where it has none, is damaged or lasts
+// longer than kMaxSound_s.
+Sound read_sound(const std::filesystem::path& path);
+
+// Fills in the next kSoundHop samples.
+using NextSamples = std::function<void(std::array<StereoSample, kSoundHop>&)>;
+
+// Gives an .mp4 of a VideoWriter or of join_videos a track (AAC, 192 kbit/s) that is as long as the video, whose images
+// are not encoded again. A comment stays. The file is replaced when all is written. Throws InputError where it is no
+// such video, RuntimeFailure where it cannot be written or there is no encoder.
+void add_sound(const std::filesystem::path& video, const NextSamples& next);
+
+}  // namespace neuvv::media
