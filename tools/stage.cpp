@@ -124,7 +124,7 @@ std::string set_node(stage::StageFile& file, const SetOptions& options) {
         expect_fitting_time(*performer.time, performer.clip ? *performer.clip : edit::clip_of(file, node));
     const bool of_performer = performer.clip || performer.time || performer.spin_deg_per_s || performer.opacity ||
                               performer.visible || performer.casts_shadow || performer.receives_shadow ||
-                              performer.skeleton;
+                              performer.skeleton || performer.sound || performer.gain_db;
     std::string change;
     if (options.name) append_change(change, edit::rename_node(file, node, *options.name));
     if (is_given(options.placement)) append_change(change, edit::place_node(file, node, options.placement));

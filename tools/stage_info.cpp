@@ -119,6 +119,7 @@ ordered_json performers_json(const stage::Stage& stage, const stage::EvaluatedSt
                         {"casts_shadow", at.casts_shadow},
                         {"receives_shadow", at.receives_shadow},
                         {"skeleton", settings.skeleton_uri},
+                        {"sound", settings.sound ? stage::json_of(*settings.sound) : ordered_json()},
                         {"paint_layers", settings.paint.size()},
                         {"paint", paint_json(settings)}});
     }
@@ -249,6 +250,7 @@ std::string settings_text(const stage::StagePerformer& performer, const stage::E
     if (!settings.casts_shadow) text += ", casts no shadows";
     if (!settings.receives_shadow) text += ", no shadows fall on it";
     if (!settings.skeleton_uri.empty()) text += ", skeleton " + settings.skeleton_uri;
+    if (settings.sound) text += fmt::format(", sound {} at {} dB", settings.sound->uri, settings.sound->gain_db);
     if (!settings.paint.empty()) text += ", painted: " + paint_text(settings);
     return text;
 }

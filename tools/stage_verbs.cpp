@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "editor/open_file.h"
 #include "media/image.h"
+#include "media/sound.h"
 #include "motion/skeleton_file.h"
 #include "stage/stage.h"
 #include "tools/options.h"
@@ -114,6 +115,15 @@ void add_performer_options(Command verb, edit::PerformerEdit& edit) {
             edit.skeleton = file;
         },
         "Its .skeleton.glb; empty: the file beside its .nvv");
+    verb.add_parsed_option(
+        "--sound",
+        [&edit](const std::string& file) {
+            if (!file.empty()) media::read_sound(file);
+            edit.sound = file;
+        },
+        "What is heard as its clip plays: a .wav, .flac, .ogg, .mp3, .m4a, or a video with sound; empty: nothing");
+    verb.add_option("--gain", edit.gain_db, "How loud its sound is, dB")
+        .number_between(stage::kLeastGain_db, stage::kMostGain_db);
 }
 
 void add_stage_options(Command verb, edit::StageEdit& edit) {

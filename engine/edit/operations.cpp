@@ -103,6 +103,22 @@ std::vector<std::string> changes_of(const Placement& placement, const LocalTrans
     return changes;
 }
 
+void edit_sound(stage::StageFile& file, ordered_json& performer, const PerformerEdit& edit,
+                std::vector<std::string>& changes) {
+    if (edit.sound && edit.sound->empty()) {
+        performer.erase("sound");
+        changes.push_back("no sound");
+    } else if (edit.sound) {
+        performer["sound"]["uri"] = stage::uri_of_file(file, *edit.sound);
+        changes.push_back("sound " + performer["sound"]["uri"].get<std::string>());
+    }
+    if (!edit.gain_db) return;
+    if (!performer.contains("sound"))
+        throw InputError("--gain", fmt::format("{}", *edit.gain_db), "the performer has no sound", "give it a --sound");
+    performer["sound"]["gain"] = *edit.gain_db;
+    changes.push_back(fmt::format("gain {} dB", *edit.gain_db));
+}
+
 void edit_performer(stage::StageFile& file, ordered_json& performer, const PerformerEdit& edit,
                     std::vector<std::string>& changes) {
     const auto set = [&](const char* name, const auto& value, const std::string& text) {
@@ -134,6 +150,7 @@ void edit_performer(stage::StageFile& file, ordered_json& performer, const Perfo
         performer["skeleton"] = {{"uri", stage::uri_of_file(file, *edit.skeleton)}};
         changes.push_back("skeleton " + performer["skeleton"]["uri"].get<std::string>());
     }
+    edit_sound(file, performer, edit, changes);
 }
 
 void edit_environment(stage::StageFile& file, ordered_json& stage, const StageEdit& edit,

@@ -43,6 +43,11 @@ PerformerSettings performer_settings_of(const ordered_json& json, const std::str
     members.boolean("receivesShadow", settings.receives_shadow);
     if (const ordered_json* skeleton = members.find("skeleton"))
         settings.skeleton_uri = required_uri(JsonMembers(*skeleton, file, place + "/skeleton"));
+    if (const ordered_json* sound = members.find("sound")) {
+        const JsonMembers own(*sound, file, place + "/sound");
+        settings.sound = PerformerSound{required_uri(own)};
+        own.number("gain", kLeastGain_db, kMostGain_db, settings.sound->gain_db);
+    }
     const ordered_json* paint = members.find("paint");
     if (!paint) return settings;
     if (!paint->is_array() || paint->size() > kMaxPaintLayers)
@@ -61,6 +66,12 @@ ordered_json json_of(const PaintLayer& layer) {
     return json;
 }
 
+ordered_json json_of(const PerformerSound& sound) {
+    ordered_json json = {{"uri", sound.uri}};
+    if (sound.gain_db != 0) json["gain"] = sound.gain_db;
+    return json;
+}
+
 ordered_json json_of(const PerformerSettings& settings) {
     ordered_json json = {{"uri", settings.uri}};
     if (!settings.time.empty()) json["time"] = json_of(settings.time);
@@ -70,6 +81,7 @@ ordered_json json_of(const PerformerSettings& settings) {
     if (!settings.casts_shadow) json["castsShadow"] = false;
     if (!settings.receives_shadow) json["receivesShadow"] = false;
     if (!settings.skeleton_uri.empty()) json["skeleton"] = {{"uri", settings.skeleton_uri}};
+    if (settings.sound) json["sound"] = json_of(*settings.sound);
     if (settings.paint.empty()) return json;
     json["paint"] = ordered_json::array();
     for (const PaintLayer& layer : settings.paint) json["paint"].push_back(json_of(layer));

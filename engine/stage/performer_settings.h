@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,13 @@ struct PaintLayer {
     PaintBlend blend = PaintBlend::kNormal;
 };
 
+constexpr double kLeastGain_db = -60, kMostGain_db = 24;
+
+struct PerformerSound {
+    std::string uri;     // of a file with a sound, relative to the stage
+    double gain_db = 0;  // kLeastGain_db to kMostGain_db
+};
+
 struct PerformerSettings {
     std::string uri;            // of the .nvv, relative to the stage
     TimeMap time;               // stage time to clip time
@@ -35,8 +43,9 @@ struct PerformerSettings {
     bool visible = true;
     double opacity = 1;  // 0..1
     bool casts_shadow = true, receives_shadow = true;
-    std::vector<PaintLayer> paint;  // the lowest layer first
-    std::string skeleton_uri;       // of its motion, relative to the stage; empty: the file beside the .nvv, if any
+    std::vector<PaintLayer> paint;        // the lowest layer first
+    std::optional<PerformerSound> sound;  // begins with the clip, and follows its time map
+    std::string skeleton_uri;  // of its motion, relative to the stage; empty: the file beside the .nvv, if any
 };
 
 // `place` is the extension's (or the layer's) location in the JSON, for error messages. Throws InputError where a known
@@ -48,5 +57,6 @@ PaintLayer paint_layer_of(const nlohmann::ordered_json& json, const std::string&
 // Writes the URI, and the members that differ from their defaults.
 nlohmann::ordered_json json_of(const PerformerSettings& settings);
 nlohmann::ordered_json json_of(const PaintLayer& layer);
+nlohmann::ordered_json json_of(const PerformerSound& sound);
 
 }  // namespace neuvv::stage

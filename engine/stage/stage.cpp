@@ -63,6 +63,8 @@ void read_performers(Stage& stage, bool clips_needed) {
         if (!performer.settings.skeleton_uri.empty())
             performer.skeleton =
                 absolute_path(file_of_uri(stage.file, performer.settings.skeleton_uri, place + "/skeleton"));
+        if (performer.settings.sound)
+            performer.sound = absolute_path(file_of_uri(stage.file, performer.settings.sound->uri, place + "/sound"));
         for (const PaintLayer& layer : performer.settings.paint) file_of_uri(stage.file, layer.uri, place + "/paint");
         if (!stage.scene.nodes[i].in_scene) continue;
         std::error_code error;

@@ -30,7 +30,7 @@ struct StagePerformer {
     std::string name;   // node_title
     uint32_t clip = 0;  // index into Stage::clips
     PerformerSettings settings;
-    std::filesystem::path skeleton;  // absolute; empty where the file does not name one
+    std::filesystem::path skeleton, sound;  // absolute; empty where the file does not name one
     Timeline timeline;
 };
 

@@ -72,8 +72,9 @@ void edit_uris(ordered_json& value, const std::string& member, const Edit& edit)
         if (member == "buffers" || member == "images") return edit_uri(owner, place, true);
         if (ordered_json* performer = extension(owner, "NEUVV_performer"); performer && member == "nodes") {
             edit_uri(*performer, place + "/extensions/NEUVV_performer", false);
-            if (performer->is_object() && performer->contains("skeleton"))
-                edit_uri((*performer)["skeleton"], place + "/extensions/NEUVV_performer/skeleton", false);
+            for (const char* named : {"skeleton", "sound"})
+                if (performer->is_object() && performer->contains(named))
+                    edit_uri((*performer)[named], place + "/extensions/NEUVV_performer/" + named, false);
             if (performer->is_object() && performer->contains("paint"))
                 each_of((*performer)["paint"], "paint",
                         [&](ordered_json& layer, const std::string& at) { edit_uri(layer, place + at, false); });

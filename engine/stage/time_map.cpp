@@ -36,7 +36,11 @@ double ping_pong_length(const Timeline::Step& step) {
 }
 
 // The time of the clip before the operator that is shown at t after it; t is from 0 to the length after the operator.
-double shown_by(const Timeline::Step& step, double t) {
+// At the end of a part, the last frame stands, or goes on as sound does.
+enum class LastFrame { kStands, kGoesOn };
+double shown_by(const Timeline::Step& step, double t, LastFrame last) {
+    const double whole = step.b - step.a;
+    const double end = last == LastFrame::kStands ? std::max(0.0, whole - step.frame) : whole;  // of a part
     switch (step.verb) {
         case TimeVerb::kOffset:
             return t - step.a;
@@ -47,13 +51,13 @@ double shown_by(const Timeline::Step& step, double t) {
         case TimeVerb::kFreeze:
             return step.a;
         case TimeVerb::kClip:
-            return step.a + std::min(t, std::max(0.0, step.b - step.a - step.frame));
+            return step.a + std::min(t, end);
         case TimeVerb::kReverse:
             return step.length - step.frame - t;
         case TimeVerb::kJump:
             return t < step.a - kFrameTolerance ? t : t - step.a + step.b;
         case TimeVerb::kLoop:
-            return step.a + std::min(wrapped(t, step.b - step.a), std::max(0.0, step.b - step.a - step.frame));
+            return step.a + std::min(wrapped(t, whole), end);
         case TimeVerb::kPingPong: {
             const double length = ping_pong_length(step);
             if (length <= kFrameTolerance) return step.a;
@@ -135,13 +139,26 @@ void expect_parts_within(const Timeline& timeline, const std::string& file, cons
     }
 }
 
-double frame_at(const Timeline& timeline, double stage_s) {
+namespace {
+
+// Frames of the clip's time, 0 to its end.
+double place_in_clip(const Timeline& timeline, double stage_s, LastFrame last) {
     double t = snapped(std::clamp(stage_s * timeline.fps, -kMaxStageFrames, kMaxStageFrames));
     for (size_t i = timeline.steps.size(); i-- > 0;) {
         const Timeline::Step& step = timeline.steps[i];
-        t = snapped(shown_by(step, std::clamp(t, 0.0, step.length_after)));
+        t = snapped(shown_by(step, std::clamp(t, 0.0, step.length_after), last));
     }
-    t = std::clamp(t, 0.0, timeline.frames - 1.0);
+    return std::clamp(t, 0.0, static_cast<double>(timeline.frames));
+}
+
+}  // namespace
+
+double clip_position(const Timeline& timeline, double stage_s) {
+    return place_in_clip(timeline, stage_s, LastFrame::kGoesOn);
+}
+
+double frame_at(const Timeline& timeline, double stage_s) {
+    const double t = std::min(place_in_clip(timeline, stage_s, LastFrame::kStands), timeline.frames - 1.0);
     return timeline.hold ? std::floor(t) : t;
 }
 

@@ -70,7 +70,7 @@ TEST_F(StageFiles, InAnotherFolderItNamesTheSameFiles) {
     const std::string text = R"({"asset":{"version":"2.0"},"buffers":[{"uri":"deep/a%20b.bin","byteLength":4},
  {"uri":"data:,x","byteLength":1}],
 "scenes":[{"extensions":{"NEUVV_stage":{"environment":{"uri":"../sky.png"}}}}],
-"nodes":[{"extensions":{"NEUVV_performer":{"uri":"../captures/an%23na.nvv","paint":[{"uri":"red.nvpaint"}],"skeleton":{"uri":"b.glb"}}}}]})";
+"nodes":[{"extensions":{"NEUVV_performer":{"uri":"../captures/an%23na.nvv","paint":[{"uri":"red.nvpaint"}],"skeleton":{"uri":"b.glb"},"sound":{"uri":"../a.wav"}}}}]})";
     write_text(at("project/s.gltf"), text);
     stage::StageFile file = stage::read_stage_file(at("project/s.gltf"));
     stage::save_stage_file(file, at("up.gltf"));
@@ -83,6 +83,7 @@ TEST_F(StageFiles, InAnotherFolderItNamesTheSameFiles) {
     EXPECT_EQ(performer["uri"], "captures/an%23na.nvv");
     EXPECT_EQ(performer["paint"][0]["uri"], "project/red.nvpaint");
     EXPECT_EQ(performer["skeleton"]["uri"], "project/b.glb");
+    EXPECT_EQ(performer["sound"]["uri"], "a.wav");
     stage::save_stage_file(file, at("project/s.gltf"));
     EXPECT_EQ(read_text(at("project/s.gltf")), text) << "there and back";
     expect_input_error([&] { stage::save_stage_file(file, at("other/in.gltf")); },

@@ -215,7 +215,7 @@ TEST_F(Stages, HostileOnesAreRefusedInALine) {
     expect_refused("\"anna.nvv\"", "\"berta.nvv\"", {"stage.gltf", "\"Anna\"", "berta.nvv"});
     expect_refused("\"anna.nvv\"", "\"stage.gltf\"", {"\"Anna\"", "stage.gltf"});
     expect_refused("\"anna.nvv\"", "\"/anna.nvv\"", {"/nodes/4/extensions/NEUVV_performer/uri", "relative"});
-    expect_refused("\"anna.nvv\"", "\"https://x/anna.nvv\"", {"relative"});
+    expect_refused("\"anna.nvv\"", "\"ftp://x/anna.nvs\"", {"relative"});
     expect_refused("\"anna.nvv\"", "7", {"/nodes/4/extensions/NEUVV_performer/uri", "string"});
     expect_refused("\"uri\" : \"anna.nvv\", ", "", {"/nodes/4/extensions/NEUVV_performer", "uri"});
     expect_refused("\"spin\" : 90.0", "\"spin\":\"fast\"", {"NEUVV_performer/spin"});
@@ -317,10 +317,12 @@ TEST(StageSchema, PerformerHoldsWhatIsWritten) {
     settings.opacity = 0.5;
     settings.visible = settings.casts_shadow = settings.receives_shadow = false;
     settings.skeleton_uri = "a.skeleton.glb";
+    settings.sound = stage::PerformerSound{"a.wav", -3};
     settings.paint = {{"p.nvpaint", "red", false, 0.25, stage::PaintBlend::kTint}};
     const ordered_json json = stage::json_of(settings), schema = schema_of("NEUVV_performer.schema.json");
     expect_members(schema, json, "performer");
     expect_members(schema["properties"]["skeleton"], json["skeleton"], "skeleton");
+    expect_members(schema["properties"]["sound"], json["sound"], "sound");
     expect_members(schema["$defs"]["layer"], json["paint"][0], "layer");
     EXPECT_EQ(schema["$defs"]["layer"]["properties"]["blend"]["enum"], ordered_json(stage::kPaintBlendNames));
     ordered_json operators = ordered_json::object();
@@ -385,6 +387,9 @@ TEST(StageSchema, BoundsAreTheReaders) {
     const ordered_json performer = {{"uri", "a"}}, schema = schema_of("NEUVV_performer.schema.json");
     each(schema["properties"], performer,
          [](const ordered_json& json) { stage::performer_settings_of(json, "f", "p"); });
+    each(schema["properties"]["sound"]["properties"], performer, [&](const ordered_json& json) {
+        stage::performer_settings_of({{"uri", "a"}, {"sound", json}}, "f", "p");
+    });
     each(schema["$defs"]["layer"]["properties"], performer,
          [](const ordered_json& json) { stage::paint_layer_of(json, "f", "p"); });
     const ordered_json stage = schema_of("NEUVV_stage.schema.json");
