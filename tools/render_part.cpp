@@ -114,12 +114,18 @@ uint32_t RenderPart::missing() const {
 void RenderPart::join() const {
     std::vector<std::filesystem::path> parts;
     for (uint32_t part = 1; part <= number_.parts; part++) parts.push_back(video_of(part));
-    media::join_videos(parts, whole_.path, facts_hash_);
+    const std::filesystem::path joined = folder_of_parts(whole_) / fmt::format("whole-{}.mp4", facts_hash_);
+    media::join_videos(parts, joined, facts_hash_);
+    if (finish_) finish_(joined);
+    replace_file(link_target(whole_.path), joined);
     for (const std::filesystem::path& part : parts) remove_if_there(part);
 }
 
 std::string RenderPart::join_if_complete() const {
-    if (number_.parts == 1) return {};
+    if (number_.parts == 1) {
+        if (finish_ && whole_.kind == media::ImageOutput::Kind::kVideo) finish_(whole_.path);
+        return {};
+    }
     const std::string done =
         fmt::format("part {} of {}, images {} to {}, is there", number_.part, number_.parts, first(), end() - 1);
     if (!is_part_of_video()) return done;

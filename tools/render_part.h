@@ -1,6 +1,8 @@
 // A render that several processes share: each renders a part of its images.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -34,6 +36,11 @@ class RenderPart {
     RenderPart(PartNumber number, media::ImageOutput whole, const media::RenderFacts& facts, uint32_t images,
                bool resume);
 
+    // What is done to the whole video, once all of its images are there: with several parts, before it is seen under
+    // its name.
+    using FinishVideo = std::function<void(const std::filesystem::path& video)>;
+    void finish_with(FinishVideo finish) { finish_ = std::move(finish); }
+
     media::ImageOutput output() const;
     std::optional<media::ImageRange> range() const;  // nothing where the part is the whole
     uint32_t first() const { return bound(number_.part - 1); }
@@ -59,6 +66,7 @@ class RenderPart {
     std::string facts_hash_;
     uint32_t images_;
     std::optional<FileLock> lock_;  // of this part of a video
+    FinishVideo finish_;
 };
 
 }  // namespace neuvv::tools

@@ -1,0 +1,81 @@
+// Sounds of performers, on the command line.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "media/sound.h"
+#include "media/video.h"
+#include "support/wav_file.h"
+#include "tests/tools/cli_gpu.h"
+
+namespace neuvv {
+namespace {
+
+struct CliSound : CliGpu {
+    std::string show = file("show.gltf"), wav = file("tone.wav"), video = file("show.mp4");
+
+    void SetUp() override {
+        CliGpu::SetUp();
+        test::write_wav(wav, test::stereo_tone(2 * media::kSoundRate), 2, media::kSoundRate);
+        expect_done({"stage", "new", show});
+        expect_done({"stage", "add", show, scene, "--name", "anna", "--time", "loop", "--sound", wav, "--gain", "-6"});
+    }
+    static void expect_done(const std::vector<std::string>& call) {
+        const ProgramResult run = run_neuvv(call);
+        EXPECT_EQ(run.code, 0) << run.err;
+    }
+    void render(const std::vector<std::string>& more) {
+        std::vector<std::string> call = {"render", show, "-o", video, "--size", "32x24", "--time", "0:1", "--fps", "8"};
+        call.insert(call.end(), more.begin(), more.end());
+        expect_done(call);
+    }
+    // The loudest sample of the video's sound, in its middle.
+    double loudest() const {
+        const media::Sound sound = media::read_sound(video);
+        EXPECT_NEAR(sound.length_s(), 1, 0.05);
+        double most = 0;
+        for (size_t i = media::kSoundRate / 4; i < media::kSoundRate * 3 / 4; i++)
+            most = std::max(most, std::abs(sound.samples[i][0] / 16000.0));
+        return most;
+    }
+};
+
+TEST_F(CliSound, AVideoOfAStageHasTheSoundOfItsPerformers) {
+    render({});
+    EXPECT_EQ(media::summarise_video(video).frames, 8u);
+    EXPECT_NEAR(loudest(), std::pow(10, -6.0 / 20), 0.05);
+    const ProgramResult info = run_neuvv({"stage", "info", show});
+    EXPECT_NE(info.out.find("sound tone.wav at -6 dB"), std::string::npos) << info.out;
+    expect_done({"stage", "add", show, scene, "--name", "berta", "--time", "loop", "--sound", wav, "--gain", "-6"});
+    render({});
+    EXPECT_NEAR(loudest(), 2 * std::pow(10, -6.0 / 20), 0.1) << "both together";
+    expect_done({"stage", "set", show, "berta", "--visible", "off"});
+    expect_done({"stage", "set", show, "anna", "--sound", ""});
+    render({});
+    EXPECT_THROW(media::read_sound(video), InputError) << "nobody is heard";
+}
+
+TEST_F(CliSound, PartsOfAVideoAreJoinedWithSound) {
+    render({"--part", "1/2"});
+    EXPECT_FALSE(std::filesystem::exists(video));
+    render({"--part", "2/2"});
+    EXPECT_EQ(media::summarise_video(video).frames, 8u);
+    EXPECT_NEAR(loudest(), std::pow(10, -6.0 / 20), 0.05);
+    EXPECT_FALSE(std::filesystem::exists(video + ".parts"));
+    render({"--part", "2/2", "--resume"});  // finds that all is there
+    EXPECT_NEAR(loudest(), std::pow(10, -6.0 / 20), 0.05);
+}
+
+TEST_F(CliSound, WrongSoundsAreRefused) {
+    expect_refused({"stage", "set", show, "anna", "--sound", scene}, 2, {"cannot be opened as a sound"});
+    expect_refused({"stage", "set", show, "anna", "--gain", "100"}, 2, {"--gain"});
+    expect_done({"stage", "set", show, "anna", "--sound", ""});
+    expect_refused({"stage", "set", show, "anna", "--gain", "3"}, 2, {"has no sound"});
+    expect_done({"stage", "set", show, "anna", "--sound", wav});
+    std::filesystem::remove(wav);
+    expect_refused({"render", show, "-o", video, "--size", "32x24", "--time", "0:1"}, 2, {"tone.wav"});
+}
+
+}  // namespace
+}  // namespace neuvv
