@@ -299,7 +299,7 @@ RenderTotals render_images(const RenderOptions& options, media::ImageSize size, 
         }
         progress.update(i + 1 - part.first());
     }
-    sink.finish(part.end());
+    sink.finish(part.end(), [&] { part.finish_whole(); });
     RenderTotals totals = conclude_part(options, part, size, fps);
     totals.rendered = rendered;
     totals.seconds = seconds;

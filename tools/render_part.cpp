@@ -111,6 +111,10 @@ uint32_t RenderPart::missing() const {
     return count;
 }
 
+void RenderPart::finish_whole() const {
+    if (number_.parts == 1 && finish_ && whole_.kind == media::ImageOutput::Kind::kVideo) finish_(whole_.path);
+}
+
 void RenderPart::join() const {
     std::vector<std::filesystem::path> parts;
     for (uint32_t part = 1; part <= number_.parts; part++) parts.push_back(video_of(part));
@@ -122,10 +126,7 @@ void RenderPart::join() const {
 }
 
 std::string RenderPart::join_if_complete() const {
-    if (number_.parts == 1) {
-        if (finish_ && whole_.kind == media::ImageOutput::Kind::kVideo) finish_(whole_.path);
-        return {};
-    }
+    if (number_.parts == 1) return {};
     const std::string done =
         fmt::format("part {} of {}, images {} to {}, is there", number_.part, number_.parts, first(), end() - 1);
     if (!is_part_of_video()) return done;

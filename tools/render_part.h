@@ -40,6 +40,8 @@ class RenderPart {
     // its name.
     using FinishVideo = std::function<void(const std::filesystem::path& video)>;
     void finish_with(FinishVideo finish) { finish_ = std::move(finish); }
+    // Call it when the part is written. It does that where the part is the whole.
+    void finish_whole() const;
 
     media::ImageOutput output() const;
     std::optional<media::ImageRange> range() const;  // nothing where the part is the whole

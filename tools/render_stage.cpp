@@ -195,10 +195,6 @@ media::RenderFacts stage_facts(const RenderOptions& options, const StagePlan& pl
                         media::content_fact(stage::file_of_uri(plan.stage.file, uri, kind));
             }
     for (const stage::StagePerformer& performer : plan.stage.performers)
-        if (performer.settings.sound)
-            facts["sound of " + performer.name] =
-                fmt::format("{}, {} dB", media::content_fact(performer.sound), performer.settings.sound->gain_db);
-    for (const stage::StagePerformer& performer : plan.stage.performers)
         for (const stage::PaintLayer& layer : performer.settings.paint)
             add_layer_facts(facts, "paint " + layer.uri,
                             stage::file_of_uri(plan.stage.file, layer.uri, performer.name));
@@ -234,12 +230,15 @@ void render_image(render::StageRenderer& renderer, const RenderOptions& options,
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common) {
     const StagePlan plan = plan_stage(options);
     const media::RenderFacts facts = stage_facts(options, plan);
-    StageSound sound(plan.stage, plan.first_s);
+    std::optional<StageSound> sound;
+    if (plan.output.kind == media::ImageOutput::Kind::kVideo) sound.emplace(plan.stage, plan.first_s);
     RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, plan.images, options.resume);
-    if (!sound.is_silent())
+    if (sound && !sound->is_silent()) {
+        media::expect_sound_encoder();
         part.finish_with([&](const std::filesystem::path& video) {
-            media::add_sound(video, [&](auto& samples) { sound.next(samples); });
+            media::add_sound(video, [&](auto& samples) { sound->next(samples); });
         });
+    }
     if (options.resume && part.is_there()) return conclude_part(options, part, plan.size, plan.fps);
     media::ImageSink sink(part.output(), plan.size, plan.fps, facts, options.resume, part.range());
     const gpu::Device device(device_of(common));

@@ -3,12 +3,15 @@
 #include <cmath>
 #include <map>
 
+#include "stage/evaluated_stage.h"
+
 namespace neuvv::tools {
 
 StageSound::StageSound(const stage::Stage& stage, double begin_s) {
     std::map<std::filesystem::path, std::shared_ptr<const media::Sound>> sounds;
-    for (const stage::StagePerformer& performer : stage.performers) {
-        if (!performer.settings.sound || !performer.settings.visible) continue;
+    for (const stage::EvaluatedPerformer& evaluated : stage::stage_at(stage, begin_s).performers) {
+        const stage::StagePerformer& performer = stage.performers[evaluated.performer];
+        if (!performer.settings.sound || !evaluated.visible) continue;
         auto& sound = sounds[performer.sound];
         if (!sound) sound = std::make_shared<const media::Sound>(media::read_sound(performer.sound));
         heard_.push_back({sound, stage::Heard(*sound, performer.timeline, begin_s),

@@ -11,7 +11,8 @@ namespace neuvv::tools {
 
 class StageSound {
   public:
-    // Reads the sounds of the performers that are seen, each file once. It begins at a stage time. Throws InputError.
+    // Reads the sounds of the performers that are visible at the stage time at which it begins, each file once. Throws
+    // InputError.
     StageSound(const stage::Stage& stage, double begin_s);
 
     bool is_silent() const { return heard_.empty(); }

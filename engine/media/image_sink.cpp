@@ -228,12 +228,13 @@ void ImageSink::add(uint32_t i, const LinearImage& image) {
     record_finished(i);
 }
 
-void ImageSink::finish(uint32_t end) {
+void ImageSink::finish(uint32_t end, const std::function<void()>& complete) {
     if (!video_path_.empty()) {
         video_.emplace(video_path_, size_.width, size_.height, fps_);
         for (uint32_t i = first_; i < end; ++i) video_->add(read_png(output_.file(i)));
     }
     if (video_) video_->finish();
+    if (complete) complete();
     if (video_path_.empty()) return;
     std::error_code ignored;  // the kept images are not needed any more; a folder with other files in it stays
     for (uint32_t i = first_; i < end; ++i) std::filesystem::remove(output_.file(i), ignored);

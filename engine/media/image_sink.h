@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -66,8 +67,9 @@ class ImageSink {
     // Adds an image that the sink does not have yet; call it in order of i.
     void add(uint32_t i, const Image& image);
     void add(uint32_t i, const LinearImage& image);
-    // After the last image, whose number is end − 1.
-    void finish(uint32_t end);
+    // After the last image, whose number is end − 1. `complete` is called when the video is there, while an interrupted
+    // run could still make it again.
+    void finish(uint32_t end, const std::function<void()>& complete = {});
 
   private:
     void open_record(bool resume, const std::optional<ImageRange>& range);

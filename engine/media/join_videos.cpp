@@ -3,8 +3,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "base/platform.h"
-#include "media/libav.h"
+#include "media/mp4_file.h"
 #include "media/video.h"
 
 namespace neuvv::media {
@@ -30,10 +29,8 @@ Part open_part(const std::filesystem::path& path) {
     AVFormatContext* opened = nullptr;
     if (open_video_file(path, &opened) < 0) part.fail("cannot be opened as a video");
     part.input.reset(opened);
-    const int found = avformat_find_stream_info(opened, nullptr);
-    const int index = found < 0 ? found : av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-    if (index < 0) part.fail("has no video");
-    part.stream = opened->streams[index];
+    part.stream = video_of(opened);
+    if (!part.stream) part.fail("has no video");
     if (part.stream->avg_frame_rate.num <= 0 || part.stream->avg_frame_rate.den <= 0) part.fail("has no frame rate");
     return part;
 }
@@ -47,49 +44,27 @@ bool is_alike(const AVCodecParameters& a, const AVCodecParameters& b) {
 
 class JoinedVideo {
   public:
-    explicit JoinedVideo(const std::filesystem::path& path) : path_(path), temporary_(path.string() + ".tmp.mp4") {}
-    ~JoinedVideo() {
-        output_.reset();
-        std::error_code ignored;
-        if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
-    }
-    JoinedVideo(const JoinedVideo&) = delete;
-    JoinedVideo& operator=(const JoinedVideo&) = delete;
+    explicit JoinedVideo(const std::filesystem::path& path) : file_(path, ".tmp.mp4") {}
 
     // Before the first append(): the video is encoded as `first`.
     void open(const Part& first, const std::string& comment);
     void append(const Part& part);
-    void finish();
+    void finish() { file_.finish(); }
 
   private:
-    void check(int code, const char* what) const {
-        if (code < 0) throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path_.string(), what, error_text(code)));
-    }
-    std::filesystem::path path_, temporary_;
-    OwnedOutput output_;
+    Mp4File file_;
     OwnedPacket packet_;
-    AVStream* stream_ = nullptr;  // owned by output_
+    AVStream* stream_ = nullptr;  // owned by file_
     int64_t frames_ = 0;
 };
 
 void JoinedVideo::open(const Part& first, const std::string& comment) {
     packet_.reset(av_packet_alloc());
-    AVFormatContext* allocated = nullptr;
-    check(avformat_alloc_output_context2(&allocated, nullptr, "mp4", file_url(temporary_).c_str()), "open a muxer");
-    output_.reset(allocated);
-    stream_ = avformat_new_stream(allocated, nullptr);
-    if (!stream_ || !packet_) throw RuntimeFailure("out of memory while joining videos");
-    check(avcodec_parameters_copy(stream_->codecpar, first.stream->codecpar), "describe the stream");
-    stream_->codecpar->codec_tag = 0;  // the muxer's own
-    stream_->time_base = first.stream->time_base;
+    if (!packet_) throw std::bad_alloc();
+    file_.open();
+    stream_ = file_.add_stream(*first.stream->codecpar, first.stream->time_base);
     stream_->avg_frame_rate = first.stream->avg_frame_rate;
-    av_dict_set(&allocated->metadata, kComment, comment.c_str(), 0);
-    check(avio_open(&allocated->pb, file_url(temporary_).c_str(), AVIO_FLAG_WRITE), "create the file");
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "movflags", "+faststart", 0);
-    const int written = avformat_write_header(allocated, &options);
-    av_dict_free(&options);
-    check(written, "write the header");
+    file_.begin(comment);
 }
 
 // Each part's times begin at 0 again, so the frames before it are added to them. The times at which frames are decoded
@@ -112,18 +87,11 @@ void JoinedVideo::append(const Part& part) {
         packet_->stream_index = stream_->index;
         packet_->pos = -1;
         count++;
-        check(av_interleaved_write_frame(output_.get(), packet_.get()), "write a frame");
+        file_.write(packet_.get());
     }
     if (count == 0 || count < part.stream->nb_frames)
         part.fail(fmt::format("holds {} of {} frames", count, part.stream->nb_frames));
     frames_ += count;
-}
-
-void JoinedVideo::finish() {
-    check(av_write_trailer(output_.get()), "complete the file");
-    check(avio_closep(&output_->pb), "close the file");
-    replace_file(path_, temporary_);
-    temporary_.clear();
 }
 
 }  // namespace
@@ -132,7 +100,7 @@ void join_videos(const std::vector<std::filesystem::path>& parts, const std::fil
                  const std::string& comment) {
     av_log_set_level(AV_LOG_QUIET);  // only tools print
     const Part first = open_part(parts.at(0));
-    JoinedVideo joined(link_target(path));
+    JoinedVideo joined(path);
     joined.open(first, comment);
     for (const std::filesystem::path& file : parts) {
         const Part part = open_part(file);

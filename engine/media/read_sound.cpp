@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.h"
 #include "media/libav.h"
 #include "media/sound.h"
@@ -18,6 +21,8 @@ void free_converter(SwrContext* converter) {
 using OwnedConverter = Owned<SwrContext, free_converter>;
 
 constexpr const char* kFormats = "wav,flac,ogg,mp3,aac,mov,mp4,matroska,avi";
+constexpr int kLeastRate = 4000, kMostRate = 768'000, kMostChannels = 64;
+constexpr double kGap_s = 0.03;  // a frame that comes later than this begins after a silence
 
 class SoundReader {
   public:
@@ -31,68 +36,106 @@ class SoundReader {
         if (code < 0) fail("cannot be opened as a sound");
         input_.reset(opened);
         const AVCodec* codec = nullptr;
+        int index = -1;
         if (avformat_find_stream_info(opened, nullptr) >= 0)
-            index_ = av_find_best_stream(opened, AVMEDIA_TYPE_AUDIO, -1, -1, &codec, 0);
-        if (index_ < 0 || !codec) fail("has no sound that can be decoded");
+            index = av_find_best_stream(opened, AVMEDIA_TYPE_AUDIO, -1, -1, &codec, 0);
+        if (index < 0 || !codec) fail("has no sound that can be decoded");
+        stream_ = opened->streams[index];
         decoder_.reset(avcodec_alloc_context3(codec));
         packet_.reset(av_packet_alloc());
         frame_.reset(av_frame_alloc());
         if (!decoder_ || !packet_ || !frame_) throw std::bad_alloc();
-        if (avcodec_parameters_to_context(decoder_.get(), opened->streams[index_]->codecpar) < 0 ||
+        if (avcodec_parameters_to_context(decoder_.get(), stream_->codecpar) < 0 ||
             avcodec_open2(decoder_.get(), codec, nullptr) < 0)
             fail("has a sound that cannot be decoded");
+        decoder_->pkt_timebase = stream_->time_base;
     }
 
     Sound read() {
-        while (av_read_frame(input_.get(), packet_.get()) >= 0) {
-            if (packet_->stream_index == index_) decode(packet_.get());
+        int code = 0;
+        while ((code = av_read_frame(input_.get(), packet_.get())) >= 0) {
+            if (packet_->stream_index == stream_->index) decode(packet_.get());
             av_packet_unref(packet_.get());
         }
+        if (code != AVERROR_EOF) fail("cannot be read to its end");
         decode(nullptr);
-        convert(nullptr);
+        drain();
         if (sound_.samples.empty()) fail("has a sound without samples");
         return std::move(sound_);
     }
 
   private:
+    // What the converter was opened for.
+    struct Form {
+        int format = -1, rate = 0, channels = 0;
+        bool operator==(const Form&) const = default;
+    };
+
     [[noreturn]] void fail(const std::string& problem) const {
         throw InputError(path_.string(), "", problem, "give a .wav, .flac, .ogg, .mp3 or .m4a, or a video with sound");
     }
-    // A damaged packet is left out, as players do; null: what the decoder holds back.
+    // A damaged packet is left out: what comes after it is where it belongs. Null: what the decoder holds back.
     void decode(const AVPacket* packet) {
         if (avcodec_send_packet(decoder_.get(), packet) < 0) return;
         while (avcodec_receive_frame(decoder_.get(), frame_.get()) >= 0) {
-            convert(frame_.get());
+            take_frame();
             av_frame_unref(frame_.get());
         }
     }
-    // Null: what the converter holds back.
-    void convert(const AVFrame* frame) {
-        if (frame && !converter_) open_converter(*frame);
-        if (!converter_) return;
-        const int given = frame ? frame->nb_samples : 0;
-        const int room = swr_get_out_samples(converter_.get(), given);
+    void take_frame() {
+        const Form form{frame_->format, frame_->sample_rate, frame_->ch_layout.nb_channels};
+        if (form.rate < kLeastRate || form.rate > kMostRate || form.channels < 1 || form.channels > kMostChannels)
+            fail(fmt::format("has a sound of {} channels at {} Hz", form.channels, form.rate));
+        if (form != form_) {  // also of files that were put behind each other
+            drain();
+            open_converter();
+            form_ = form;
+        }
+        fill_gap();
+        convert(const_cast<const uint8_t**>(frame_->extended_data), frame_->nb_samples);
+    }
+    // A track may begin later than its file, and have gaps.
+    void fill_gap() {
+        if (frame_->best_effort_timestamp == AV_NOPTS_VALUE) return;
+        const double begin_s = input_->start_time == AV_NOPTS_VALUE ? 0 : double(input_->start_time) / AV_TIME_BASE;
+        const double at_s = static_cast<double>(frame_->best_effort_timestamp) * av_q2d(stream_->time_base) - begin_s;
+        const double held_s = static_cast<double>(swr_get_delay(converter_.get(), kSoundRate)) / kSoundRate;
+        const double gap_s = at_s - held_s - sound_.length_s();
+        if (!(gap_s > kGap_s)) return;
+        drain();
+        open_converter();  // which drained gives nothing more
+        resize(sound_.samples.size() + static_cast<size_t>(std::min(gap_s, 2 * kMaxSound_s) * kSoundRate));
+    }
+    void resize(size_t samples) {
+        if (static_cast<double>(samples) > kMaxSound_s * kSoundRate)
+            fail(fmt::format("has a sound of more than {} hours", kMaxSound_s / 3600));
+        sound_.samples.resize(samples);
+    }
+    // What the converter holds back.
+    void drain() {
+        if (converter_) convert(nullptr, 0);
+    }
+    void convert(const uint8_t** from, int count) {
+        const int room = swr_get_out_samples(converter_.get(), count);
         if (room < 0) fail("has a sound that cannot be converted");
         const size_t before = sound_.samples.size();
-        if (static_cast<double>(before + static_cast<size_t>(room)) > kMaxSound_s * kSoundRate)
-            fail(fmt::format("has a sound of more than {} hours", kMaxSound_s / 3600));
-        sound_.samples.resize(before + static_cast<size_t>(room));
+        resize(before + static_cast<size_t>(room));
         auto* to = reinterpret_cast<uint8_t*>(sound_.samples.data() + before);
-        const int made = swr_convert(converter_.get(), &to, room,
-                                     frame ? const_cast<const uint8_t**>(frame->extended_data) : nullptr, given);
-        if (made < 0) fail("changes its form on the way");
+        const int made = swr_convert(converter_.get(), &to, room, from, count);
+        if (made < 0) fail("has a sound that cannot be converted");
         sound_.samples.resize(before + static_cast<size_t>(made));
     }
-    void open_converter(const AVFrame& frame) {
+    void open_converter() {
         AVChannelLayout from{};
-        if (frame.ch_layout.order == AV_CHANNEL_ORDER_UNSPEC)
-            av_channel_layout_default(&from, frame.ch_layout.nb_channels);
-        else if (av_channel_layout_copy(&from, &frame.ch_layout) < 0)
+        if (frame_->ch_layout.order == AV_CHANNEL_ORDER_UNSPEC)
+            av_channel_layout_default(&from, frame_->ch_layout.nb_channels);
+        else if (av_channel_layout_copy(&from, &frame_->ch_layout) < 0)
             throw std::bad_alloc();
         AVChannelLayout stereo = AV_CHANNEL_LAYOUT_STEREO;
         SwrContext* opened = nullptr;
-        const int code = swr_alloc_set_opts2(&opened, &stereo, AV_SAMPLE_FMT_S16, kSoundRate, &from,
-                                             static_cast<AVSampleFormat>(frame.format), frame.sample_rate, 0, nullptr);
+        const int code =
+            swr_alloc_set_opts2(&opened, &stereo, AV_SAMPLE_FMT_S16, kSoundRate, &from,
+                                static_cast<AVSampleFormat>(frame_->format), frame_->sample_rate, 0, nullptr);
         av_channel_layout_uninit(&from);
         converter_.reset(opened);
         if (code < 0 || swr_init(opened) < 0) fail("has a sound that cannot be converted");
@@ -104,7 +147,8 @@ class SoundReader {
     OwnedPacket packet_;
     OwnedFrame frame_;
     OwnedConverter converter_;
-    int index_ = -1;
+    Form form_;
+    const AVStream* stream_ = nullptr;  // owned by input_
     Sound sound_;
 };
 

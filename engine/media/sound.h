@@ -24,12 +24,16 @@ struct Sound {
 constexpr double kMaxSound_s = 4 * 3600;
 
 // Reads the first sound of a file: .wav, .flac, .ogg, .mp3, .m4a, .mp4, .mov, .mkv, .webm or .avi. One channel is heard
-// from both sides; of more than two, libswresample makes two. Throws InputError where it has none, is damaged or lasts
-// longer than kMaxSound_s.
+// from both sides; of more than two, libswresample makes two. A track that begins later than its file has silence
+// first, and so has a gap; what is damaged is left out. Throws InputError where it has none, cannot be read or decoded,
+// or lasts longer than kMaxSound_s.
 Sound read_sound(const std::filesystem::path& path);
 
 // Fills in the next kSoundHop samples.
 using NextSamples = std::function<void(std::array<StereoSample, kSoundHop>&)>;
+
+// Throws RuntimeFailure where add_sound() would, for want of an encoder.
+void expect_sound_encoder();
 
 // Gives an .mp4 of a VideoWriter or of join_videos a track (AAC, 192 kbit/s) that is as long as the video, whose images
 // are not encoded again. A comment stays. The file is replaced when all is written. Throws InputError where it is no

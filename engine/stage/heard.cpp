@@ -69,17 +69,16 @@ Heard::Grain Heard::aligned(Grain grain) const {
     if (std::abs(apart) <= 1) return natural;  // it differs by rounding
     if (std::abs(apart) > kNearby) return grain;
     Grain best = grain;
-    double most = -2;
+    double most = likeness(natural, grain);
     constexpr int64_t kReach = kSoundHop / 2;
-    for (int64_t moved = -kReach; moved <= kReach; moved += kCoarse) {
-        Grain tried = grain;
-        tried.first += moved;
-        const double like = likeness(natural, tried);
-        if (like > most) {
+    for (int64_t moved = kCoarse; moved <= kReach; moved += kCoarse)  // the least move of those that are as good
+        for (const int64_t by : {moved, -moved}) {
+            const Grain tried{grain.first + by, grain.step};
+            const double like = likeness(natural, tried);
+            if (like <= most) continue;
             most = like;
             best = tried;
         }
-    }
     return best;
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "media/libav.h"
 #include "media/video.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
@@ -66,6 +67,71 @@ TEST_F(SoundTest, OtherRatesAndChannelsAreConverted) {
         apart = std::max(apart, std::abs(sound.samples[i][0] - expected));
     }
     EXPECT_LT(apart, 3000) << "one channel is heard from both sides, as loud or 3 dB softer";
+}
+
+// Appends a sine of 440 Hz to a file of AAC frames.
+void append_aac(const std::filesystem::path& path, int channels, int rate, int frames) {
+    AVCodecContext* codec = avcodec_alloc_context3(avcodec_find_encoder(AV_CODEC_ID_AAC));
+    codec->sample_fmt = AV_SAMPLE_FMT_FLTP;
+    codec->sample_rate = rate;
+    av_channel_layout_default(&codec->ch_layout, channels);
+    ASSERT_GE(avcodec_open2(codec, nullptr, nullptr), 0);
+    AVFormatContext* output = nullptr;
+    const std::string part = path.string() + ".part";
+    ASSERT_GE(avformat_alloc_output_context2(&output, nullptr, "adts", part.c_str()), 0);
+    AVStream* stream = avformat_new_stream(output, nullptr);
+    avcodec_parameters_from_context(stream->codecpar, codec);
+    ASSERT_GE(avio_open(&output->pb, part.c_str(), AVIO_FLAG_WRITE), 0);
+    ASSERT_GE(avformat_write_header(output, nullptr), 0);
+    AVPacket* packet = av_packet_alloc();
+    const auto write = [&] {
+        while (avcodec_receive_packet(codec, packet) >= 0) av_write_frame(output, packet);
+    };
+    for (int i = 0; i < frames; i++) {
+        AVFrame* frame = av_frame_alloc();
+        frame->format = AV_SAMPLE_FMT_FLTP;
+        frame->nb_samples = codec->frame_size;
+        av_channel_layout_copy(&frame->ch_layout, &codec->ch_layout);
+        ASSERT_GE(av_frame_get_buffer(frame, 0), 0);
+        for (int c = 0; c < channels; c++)
+            for (int s = 0; s < frame->nb_samples; s++)
+                reinterpret_cast<float*>(frame->extended_data[c])[s] = static_cast<float>(
+                    0.5 * std::sin(2 * std::numbers::pi * 440 * (double(i) * frame->nb_samples + s) / rate));
+        frame->pts = int64_t{i} * frame->nb_samples;
+        avcodec_send_frame(codec, frame);
+        write();
+        av_frame_free(&frame);
+    }
+    avcodec_send_frame(codec, nullptr);
+    write();
+    av_write_trailer(output);
+    avio_closep(&output->pb);
+    avformat_free_context(output);
+    av_packet_free(&packet);
+    avcodec_free_context(&codec);
+    std::ofstream(path, std::ios::binary | std::ios::app) << std::ifstream(part, std::ios::binary).rdbuf();
+}
+
+// Files that were put behind each other: stereo at 48 kHz, then mono at 24 kHz.
+TEST_F(SoundTest, ASoundMayChangeItsForm) {
+    const std::filesystem::path file = folder.path / "two.aac";
+    append_aac(file, 2, 48000, 48);  // 1.02 s
+    append_aac(file, 1, 24000, 24);  // 1.02 s
+    const media::Sound sound = media::read_sound(file);
+    EXPECT_NEAR(sound.length_s(), 2.1, 0.1);
+    for (const double from_s : {0.3, 1.4}) {
+        int crossings = 0;
+        const auto begin = static_cast<size_t>(from_s * media::kSoundRate);
+        for (size_t i = begin; i < begin + media::kSoundRate / 2; i++)
+            for (const size_t side : {0u, 1u})
+                crossings += sound.samples[i][side] < 0 && sound.samples[i + 1][side] >= 0;
+        EXPECT_NEAR(crossings, 440, 8) << "half a second of both sides, from " << from_s;
+    }
+}
+
+TEST_F(SoundTest, WrongRatesAreRefused) {
+    write_wav(wav, stereo_tone(2000), 2, 1);
+    expect_input_error([&] { media::read_sound(wav); }, {"a.wav", "1 Hz"});
 }
 
 TEST_F(SoundTest, AVideoGetsATrack) {
