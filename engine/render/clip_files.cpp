@@ -10,10 +10,16 @@
 
 namespace neuvv::render {
 
+Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
+    return segment.stream ? upload_field(device, tree, WeightPrecision::kHalf) : upload_far_levels(device, tree);
+}
+
 ClipFiles::~ClipFiles() {
     {
         const std::lock_guard lock(mutex_);
         stop_ = true;
+        for (const auto& [file, stream] : being_read_)
+            if (stream) stream->cancel();
     }
     changed_.notify_all();
     for (std::thread& thread : threads_) thread.join();
@@ -39,7 +45,7 @@ std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& se
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return !being_read_.contains(segment.file); });
         if (auto known = find_locked(segment.file, stamp)) return known;
-        being_read_.insert(segment.file);
+        being_read_.emplace(segment.file, segment.stream);
     }
     const auto end_reading = [&](const std::shared_ptr<const LoadedClip>& clip) {
         {
@@ -52,11 +58,8 @@ std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& se
     };
     try {
         const voctree::VOctree tree = voctree::read_segment(segment);
-        // To merge leaves would take longer than a stream's frame is shown.
-        Field field =
-            segment.stream ? upload_field(device_, tree, WeightPrecision::kHalf) : upload_far_levels(device_, tree);
         auto clip = std::make_shared<const LoadedClip>(
-            LoadedClip{segment.file, stamp, std::move(field), voctree::painted_field(tree)});
+            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), voctree::painted_field(tree)});
         end_reading(clip);
         return clip;
     } catch (...) {
@@ -102,8 +105,7 @@ void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
         if (wanted_.empty() && wanted.empty()) return;
         wanted_.assign(wanted.begin(), wanted.end());
         if (threads_.empty())
-            for (const bool streams_alone : {false, true})
-                threads_.emplace_back([this, streams_alone] { run(streams_alone); });
+            for (const bool streams : {false, true}) threads_.emplace_back([this, streams] { run(streams); });
     }
     changed_.notify_all();
 }
@@ -142,28 +144,39 @@ void ClipFiles::read_one_ahead(const Wanted& wanted) {
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
         const std::shared_ptr<const LoadedClip> clip = read(wanted.segment);
         add_result({wanted.segment.file, stamp, clip, "", false, read_paints(wanted.segment, *clip, wanted.layers)});
+    } catch (const stream::ServerProblem& problem) {
+        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true});
+        pause();
     } catch (const InputError& problem) {
         add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}});
     } catch (const std::exception&) {  // no memory: there may be some later, and who waits for it is told
-        std::unique_lock lock(mutex_);
-        changed_.wait_for(lock, std::chrono::seconds(1), [this] { return stop_; });
+        pause();
     }
 }
 
-std::deque<ClipFiles::Wanted>::iterator ClipFiles::next_locked(bool streams_alone) {
+// Before what failed is tried again.
+void ClipFiles::pause() {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(1), [this] { return stop_; });
+}
+
+std::deque<ClipFiles::Wanted>::iterator ClipFiles::next_locked(bool streams) {
+    const auto is_taken = [&](const voctree::ClipSegment& segment) {
+        return streams ? segment.stream != nullptr : !segment.stream || !stream::is_address(segment.stream->path());
+    };
     return std::find_if(wanted_.begin(), wanted_.end(), [&](const Wanted& one) {
-        return !being_read_.contains(one.segment.file) && (one.segment.stream || !streams_alone);
+        return !being_read_.contains(one.segment.file) && is_taken(one.segment);
     });
 }
 
-void ClipFiles::run(bool streams_alone) {
+void ClipFiles::run(bool streams) {
     for (;;) {
         Wanted next;
         {
             std::unique_lock lock(mutex_);
-            changed_.wait(lock, [&] { return stop_ || next_locked(streams_alone) != wanted_.end(); });
+            changed_.wait(lock, [&] { return stop_ || next_locked(streams) != wanted_.end(); });
             if (stop_) return;
-            const auto chosen = next_locked(streams_alone);
+            const auto chosen = next_locked(streams);
             next = std::move(*chosen);
             wanted_.erase(chosen);
         }

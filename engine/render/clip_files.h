@@ -1,12 +1,13 @@
 // Clip files: brings the files of clips from the disk to the device, at once or ahead of time on threads of its own:
-// one for all clips, and one that reads only frames of streams, so that one is decoded while another is uploaded.
+// one for all but what comes from servers, and one that reads only frames of streams, so that one is decoded while
+// another is uploaded, and no file waits for a server.
 #pragma once
 
 #include <condition_variable>
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -27,12 +28,16 @@ struct LoadedClip {
     voctree::PaintedField painted;
 };
 
+// A segment on the device, as stages show it: with far levels, but for frames of streams, because to merge leaves would
+// take longer than a frame is shown.
+Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment, const voctree::VOctree& tree);
+
 // All functions may be called from any thread.
 class ClipFiles {
   public:
     // The device must outlive this and all that it reads.
     explicit ClipFiles(const gpu::Device& device) : device_(device) {}
-    // Waits for the file that is being read.
+    // Waits for the files that are being read, but not for servers.
     ~ClipFiles();
     ClipFiles(const ClipFiles&) = delete;
     ClipFiles& operator=(const ClipFiles&) = delete;
@@ -68,6 +73,7 @@ class ClipFiles {
         std::string problem;
         bool is_coarse = false;  // this is its coarse tree; the whole one follows
         Paints paints{};         // for the lists of layers that were wanted; none of a coarse tree
+        bool may_come = false;   // it could not be read because a server does not answer
     };
     // The results since the last call. Until then, they keep what was read on the device.
     std::vector<Result> take_results();
@@ -79,9 +85,10 @@ class ClipFiles {
     void read_coarse(const voctree::ClipSegment& segment);
     void read_one_ahead(const Wanted& wanted);
     void add_result(Result result);
+    void pause();
     // The next that is wanted and nobody reads.
-    std::deque<Wanted>::iterator next_locked(bool streams_alone);
-    void run(bool streams_alone);
+    std::deque<Wanted>::iterator next_locked(bool streams);
+    void run(bool streams);
     const gpu::Device& device_;
     std::mutex mutex_;  // guards all that follows
     std::condition_variable changed_;
@@ -93,7 +100,7 @@ class ClipFiles {
     };
     std::vector<KnownPaint> known_paints_;  // all that are in use
     std::deque<Wanted> wanted_;
-    std::set<std::filesystem::path> being_read_;
+    std::map<std::filesystem::path, std::shared_ptr<stream::Reader>> being_read_;  // null: of a file
     std::vector<Result> results_;
     bool stop_ = false;
     std::vector<std::thread> threads_;  // begin with the first that is wanted

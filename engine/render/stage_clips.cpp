@@ -163,6 +163,10 @@ void StageClips::take_results() {
         for (const Id& id : found->second) {
             ClipOnDevice::Segment& segment = at(id);
             if (segment.loaded) continue;
+            if (!result.clip && result.may_come) {  // it is wanted again
+                tell(result.problem);
+                continue;
+            }
             if (!result.clip) {
                 fail(id, result.problem);
                 continue;
@@ -250,15 +254,19 @@ void StageClips::drop_all_but(const std::set<Id>& kept) {
 }
 
 // Frames of a stream may come later than they are due. Then performers show the one that came, where it is nearer to
-// their time than what they show.
+// their time than what they show, but not one that is still to come.
 void StageClips::show_late_frames(const stage::EvaluatedStage& evaluated) {
     for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
         if (!performer.visible || !voctree::is_stream(clips_[performer.clip].index)) continue;
         const Id wanted = wanted_by(performer).id;
         const auto away = [&](const Id& id) { return std::abs(int64_t{id.segment} - int64_t{wanted.segment}); };
+        const auto is_to_come = [&](const Id& id) {
+            return direction_ > 0 ? id.segment > wanted.segment : id.segment < wanted.segment;
+        };
         std::optional<Shown>& shown = shown_[performer.performer];
         for (const Id& id : on_device_)
-            if (id.clip == wanted.clip && (!shown || shown->id.clip != id.clip || away(id) < away(shown->id)))
+            if (id.clip == wanted.clip && !is_to_come(id) &&
+                (!shown || shown->id.clip != id.clip || away(id) < away(shown->id)))
                 shown = Shown{id, 0};
     }
 }
@@ -306,6 +314,8 @@ void StageClips::read_missing(const stage::EvaluatedStage& evaluated) {
         try {
             const std::shared_ptr<const LoadedClip> loaded = files_->read(file_of(id));
             take(id, loaded, files_->read_paints(file_of(id), *loaded, clips_[id.clip].layers));
+        } catch (const stream::ServerProblem& problem) {
+            tell(problem.what());
         } catch (const InputError& problem) {
             fail(id, problem.what());
         }

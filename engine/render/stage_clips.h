@@ -15,7 +15,7 @@ namespace neuvv::render {
 enum class MissingSegments {
     kWait,  // it is read before the image is drawn
     // The performer stays as it was shown last until a thread has read the segment's coarse tree, which it shows until
-    // the whole one is there: no image waits for a disk.
+    // the whole one is there, or a frame of a stream that is nearer to its time: no image waits for a disk.
     kHold,
 };
 

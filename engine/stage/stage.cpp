@@ -68,7 +68,7 @@ void read_performers(Stage& stage, bool clips_needed) {
         for (const PaintLayer& layer : performer.settings.paint) file_of_uri(stage.file, layer.uri, place + "/paint");
         if (!stage.scene.nodes[i].in_scene) continue;
         std::error_code error;
-        if (clips_needed || stream::is_address(path) || std::filesystem::exists(path, error)) {
+        if (clips_needed || (!stream::is_address(path) && std::filesystem::exists(path, error))) {
             performer.clip = clip_of(stage, path, performer, place);
             const StageClip& clip = stage.clips[performer.clip];
             performer.timeline = timeline_of(performer.settings.time, clip.frames, clip.fps, file, place + "/time");

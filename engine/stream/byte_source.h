@@ -7,9 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/file_stamp.h"
 
 namespace neuvv::stream {
+
+// A server that does not answer now, but may later.
+class ServerProblem : public InputError {
+  public:
+    using InputError::InputError;
+};
 
 // Any thread may call its functions, one at a time.
 class ByteSource {
@@ -17,8 +24,10 @@ class ByteSource {
     virtual ~ByteSource() = default;
     uint64_t size() const { return stamp_.bytes; }
     const FileStamp& stamp() const { return stamp_; }  // when it was opened; of a server, its size alone
-    // Throws InputError where they cannot be read. They must lie within the size.
+    // Throws InputError where they cannot be read, ServerProblem where that may pass. They must lie within the size.
     virtual std::vector<uint8_t> read(uint64_t offset, uint64_t count) = 0;
+    // At any time: what waits for a server ends with ServerProblem, now and later.
+    virtual void cancel() {}
 
   protected:
     FileStamp stamp_;

@@ -32,6 +32,15 @@ bool is_passing(CURLcode code) {
            code == CURLE_SEND_ERROR || code == CURLE_PARTIAL_FILE || code == CURLE_GOT_NOTHING;
 }
 
+// The same a minute later: also where the network is gone for a while, and nobody knows the name.
+bool may_pass(CURLcode code) {
+    return is_passing(code) || code == CURLE_COULDNT_RESOLVE_HOST || code == CURLE_ABORTED_BY_CALLBACK;
+}
+
+int is_cancelled(void* cancelled, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+    return *static_cast<const std::atomic<bool>*>(cancelled) ? 1 : 0;
+}
+
 void begin_curl() {
     static std::once_flag once;
     std::call_once(once, [] { curl_global_init(CURL_GLOBAL_DEFAULT); });
@@ -95,6 +104,9 @@ HttpSource::HttpSource(std::string address) : address_(std::move(address)) {
     curl_easy_setopt(curl_, CURLOPT_LOW_SPEED_TIME, kStall_s);
     curl_easy_setopt(curl_, CURLOPT_NOSIGNAL, 1L);
     curl_easy_setopt(curl_, CURLOPT_USERAGENT, "neuvv");
+    curl_easy_setopt(curl_, CURLOPT_NOPROGRESS, 0L);
+    curl_easy_setopt(curl_, CURLOPT_XFERINFOFUNCTION, &is_cancelled);
+    curl_easy_setopt(curl_, CURLOPT_XFERINFODATA, &cancelled_);
     curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Answer::take);
     curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Answer::take_header);
     try {
@@ -124,7 +136,7 @@ HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
         curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &answer.status);
         answer.problem = problem[0] ? problem : curl_easy_strerror(answer.code);
         const bool passing = answer.code == CURLE_OK ? is_passing(answer.status) : is_passing(answer.code);
-        if (!passing || tries == kTries) return answer;
+        if (!passing || tries == kTries || cancelled_) return answer;
         std::this_thread::sleep_for(std::chrono::milliseconds(150 << tries));
     }
 }
@@ -136,8 +148,12 @@ void HttpSource::require_range(const Answer& answer, uint64_t offset, uint64_t c
     };
     if (answer.status == 200)
         fail("is sent as a whole, not by ranges", "put it on a server that answers range requests");
-    if (answer.code != CURLE_OK)
-        fail(fmt::format("cannot be read: {}", answer.problem), "check the address and the network");
+    if (may_pass(answer.code))
+        throw ServerProblem(address_, "", fmt::format("cannot be read: {}", answer.problem),
+                            "check the address and the network");
+    if (answer.code != CURLE_OK) fail(fmt::format("cannot be read: {}", answer.problem), "check the address");
+    if (is_passing(answer.status))
+        throw ServerProblem(address_, "", fmt::format("the server answers {}", answer.status), "try again later");
     if (answer.status != 206) fail(fmt::format("the server answers {}", answer.status), "check the address");
     const Range range = range_of(answer.range);
     const uint64_t last = std::min(offset + count, range.size) - 1;

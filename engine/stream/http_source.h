@@ -1,6 +1,7 @@
 // A file on a server, read by ranges (RFC 9110, section 14). Any plain file server does.
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <string>
 
@@ -20,6 +21,7 @@ class HttpSource : public ByteSource {
 
     // Throws InputError where the server does not answer, not with this range, or with that of another file.
     std::vector<uint8_t> read(uint64_t offset, uint64_t count) override;
+    void cancel() override { cancelled_ = true; }
 
     static constexpr uint64_t kBlock = uint64_t{256} << 10;
     static constexpr size_t kMostBlocks = 256;  // 64 MiB
@@ -31,6 +33,7 @@ class HttpSource : public ByteSource {
     void require_range(const Answer& answer, uint64_t offset, uint64_t count);
     std::string address_;
     void* curl_ = nullptr;  // CURL
+    std::atomic<bool> cancelled_ = false;
     std::map<uint64_t, std::vector<uint8_t>> blocks_;
     std::vector<uint64_t> order_;  // of the blocks, the one that was used last at the end
 };

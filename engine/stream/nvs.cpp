@@ -146,12 +146,25 @@ bool is_stream(const std::filesystem::path& path) {
 }
 
 void Reader::fail(const std::string& place, const std::string& problem) const {
+    failed_ = true;
     throw InputError(path_.string(), place, problem, kFix);
+}
+
+void Reader::cancel() {
+    failed_ = true;
+    source_->cancel();
 }
 
 std::vector<uint8_t> Reader::bytes_at(uint64_t offset, uint64_t count, const std::string& place) {
     if (count > source_->size() || offset > source_->size() - count) fail(place, "lies beyond the end of the file");
-    return source_->read(offset, count);
+    try {
+        return source_->read(offset, count);
+    } catch (const ServerProblem&) {
+        throw;
+    } catch (const InputError&) {
+        failed_ = true;
+        throw;
+    }
 }
 
 Reader::Reader(const std::filesystem::path& path) : path_(path) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -45,7 +46,7 @@ constexpr uint32_t kMaxStreamLeaves = 1u << 24;  // of a frame
 bool is_stream(const std::filesystem::path& path);
 
 // A stream that is open. All functions may be called from any thread. All throw InputError with file, place and fix for
-// what is damaged.
+// what is damaged, ServerProblem where a server does not answer.
 class Reader {
   public:
     // `path` may be an address.
@@ -54,6 +55,10 @@ class Reader {
     const Index& index() const { return index_; }
     const std::filesystem::path& path() const { return path_; }
     const FileStamp& stamp() const { return source_->stamp(); }  // when it was opened
+    // Whether it was found to be damaged or to have changed: then it should be opened again.
+    bool has_failed() const { return failed_; }
+    // Ends what waits for a server, in all threads and from now on (ServerProblem).
+    void cancel();
 
     // The frame, decoded from its first parts. Frames that were read last are kept, kKept of them; a frame behind one
     // of these in the same group is decoded from there on, others from the beginning of their group.
@@ -72,6 +77,7 @@ class Reader {
     std::filesystem::path path_;
     std::unique_ptr<ByteSource> source_;  // by one thread at a time
     Index index_;
+    mutable std::atomic<bool> failed_ = false;
     std::mutex mutex_;  // guards what follows, and reading
     std::optional<uint32_t> table_group_;
     Tables tables_;

@@ -45,13 +45,13 @@ std::filesystem::path clip_path(const std::filesystem::path& given) {
 
 namespace {
 
-// A stream that is open already is not opened again, unless its file has changed: what it has read and decoded is
-// there.
+// A stream that is open already is not opened again, unless its file has changed, or it was found to be damaged or
+// changed on its server: what it has read and decoded is there.
 std::shared_ptr<stream::Reader> opened_stream(const std::filesystem::path& path) {
     static std::mutex mutex;
     static std::map<std::filesystem::path, std::weak_ptr<stream::Reader>> open;
     const auto is_current = [&](const stream::Reader& reader) {
-        return stream::is_address(path) || reader.stamp() == neuvv::stamp_of(path);
+        return !reader.has_failed() && (stream::is_address(path) || reader.stamp() == neuvv::stamp_of(path));
     };
     {
         const std::lock_guard lock(mutex);

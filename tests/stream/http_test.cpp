@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <thread>
 
 #include "stream/http_source.h"
 #include "stream/nvs.h"
@@ -65,6 +66,30 @@ struct HttpTest : testing::Test {
 TEST_F(HttpTest, PlaysFromAServer) {
     expect_plays("ok");
     expect_plays("redirect");
+}
+
+TEST_F(HttpTest, WhatMayPassIsToldFromWhatDoesNot) {
+    EXPECT_THROW(stream::Reader reader(address("busy-always")), stream::ServerProblem);
+    EXPECT_THROW(stream::Reader reader("http://127.0.0.1:1/show.nvs"), stream::ServerProblem);
+    try {
+        stream::Reader reader(address("missing"));
+        FAIL() << "it is not there";
+    } catch (const stream::ServerProblem&) {
+        FAIL() << "and will not be";
+    } catch (const InputError&) {
+    }
+    stream::Reader reader(address("changed"));
+    EXPECT_FALSE(reader.has_failed());
+    EXPECT_THROW(reader.frame(2), InputError);
+    EXPECT_TRUE(reader.has_failed()) << "who opens it again opens it anew";
+}
+
+TEST_F(HttpTest, WhoWaitsForAServerCanBeStopped) {
+    stream::Reader reader(address("slow"));
+    std::thread waiting([&] { EXPECT_THROW(reader.frame(2), stream::ServerProblem); });
+    reader.cancel();
+    waiting.join();
+    EXPECT_THROW(reader.frame(1), stream::ServerProblem);
 }
 
 TEST_F(HttpTest, PlaysFromABadServer) {

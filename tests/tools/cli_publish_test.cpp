@@ -104,6 +104,7 @@ TEST_F(CliPublish, AStagePlaysFromAServer) {
     EXPECT_NE(info.out.find(address), std::string::npos) << info.out << info.err;
     server.send(SIGKILL);
     server.wait();
+    EXPECT_EQ(run_neuvv({"stage", "set", show, "anna", "--opacity", "0.5"}).code, 0) << "edits do not need the server";
     expect_refused({"render", show, "-o", file("x.png"), "--time", "0.5"}, 2,
                    {"net.gltf", "show.nvs", "cannot be read"});
 }
