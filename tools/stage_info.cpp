@@ -10,6 +10,7 @@
 #include "base/json.h"
 #include "edit/operations.h"
 #include "gpu/device.h"
+#include "render/clip_files.h"
 #include "render/frame.h"
 #include "render/light_status.h"
 #include "stage/camera_path_json.h"
@@ -47,7 +48,7 @@ std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInf
         ClipMemory memory;
         for (const voctree::ClipSegment& segment : voctree::read_clip_index(clip.path).segments) {
             const uint64_t before = device.buffer_bytes();
-            const render::Field field = render::upload_far_levels(device, voctree::read_segment(segment));
+            const render::Field field = render::upload_segment(device, segment, voctree::read_segment(segment));
             memory.field_bytes += device.buffer_bytes() - before;
             const uint64_t share = render::slice_share(budget, fields);
             memory.slice_bytes += slice_bytes_of(device, field, share);

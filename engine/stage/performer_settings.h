@@ -37,7 +37,7 @@ struct PerformerSound {
 };
 
 struct PerformerSettings {
-    std::string uri;            // of the .nvv, relative to the stage
+    std::string uri;            // of the clip (clip_of_uri)
     TimeMap time;               // stage time to clip time
     double spin_deg_per_s = 0;  // about the performer's +Y, proportional to stage time
     bool visible = true;

@@ -35,9 +35,10 @@ double ping_pong_length(const Timeline::Step& step) {
     return std::max(0.0, step.b - step.a - step.frame);
 }
 
-// The time of the clip before the operator that is shown at t after it; t is from 0 to the length after the operator.
-// At the end of a part, the last frame stands, or goes on as sound does.
+// What happens at the end of a part that is cut out or repeated: its last frame stands, or goes on as sound does.
 enum class LastFrame { kStands, kGoesOn };
+
+// The time of the clip before the operator that is shown at t after it; t is from 0 to the length after the operator.
 double shown_by(const Timeline::Step& step, double t, LastFrame last) {
     const double whole = step.b - step.a;
     const double end = last == LastFrame::kStands ? std::max(0.0, whole - step.frame) : whole;  // of a part

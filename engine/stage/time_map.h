@@ -87,8 +87,9 @@ Timeline timeline_of(const TimeMap& map, uint32_t frames, double fps, const std:
 // kFrameTolerance of a whole one.
 double frame_at(const Timeline& timeline, double stage_s);
 
-// Where the clip is then for who hears it: frames of its time, 0 to its end, which is `frames`. The last frame of a
-// part does not stand, but goes on to its end, and whole frames are not held.
+// Where the clip is then for who hears it: frames of its time, 0 to its end, which is `frames`. The last frame of what
+// `clip` cuts out and `loop` repeats does not stand, but goes on to its end, and whole frames are not held. `reverse`
+// and `ping-pong` turn at the beginning of the last frame, as images do.
 double clip_position(const Timeline& timeline, double stage_s);
 
 // Throws InputError where a part that is cut out or repeated reaches beyond the end of what it is of: the last frame

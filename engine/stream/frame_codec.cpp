@@ -145,6 +145,7 @@ Slice merged(Slice a, Slice b) {
         while (at < from.leaves.size() && from.leaves[at].cell < until) at++;
         append_leaves(from, begin, at, both);
     };
+    // Of two leaves in the same cell, that of `a` comes last; what follows finds them.
     for (size_t i = 0, j = 0; i < a.leaves.size() || j < b.leaves.size();) {
         append_run(a, i, j < b.leaves.size() ? b.leaves[j].cell : UINT64_MAX);
         append_run(b, j, i < a.leaves.size() ? a.leaves[i].cell + 1 : UINT64_MAX);

@@ -15,9 +15,9 @@ uint32_t child_of(const Cell& cell, uint32_t octant) {
 
 }  // namespace
 
-size_t Octree::most_cells() const {
+size_t Octree::most_cells(size_t depths) const {
     size_t most = 0;
-    for (const std::vector<Cell>& of_depth : cells) most = std::max(most, of_depth.size());
+    for (size_t d = 0; d < depths; d++) most = std::max(most, cells[d].size());
     return most;
 }
 

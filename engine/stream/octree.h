@@ -41,7 +41,7 @@ struct Octree {
     // By depth, the root first; each in order of code. The finest depth has leaves alone. Empty where there are none.
     std::vector<std::vector<Cell>> cells;
     uint32_t leaf_count = 0;
-    size_t most_cells() const;  // of a depth
+    size_t most_cells(size_t depths) const;  // that one of the first so many depths has
 };
 
 // The leaves of a slice must be in order and must not overlap (assert).

@@ -73,8 +73,8 @@ class Walk {
           next_pair_(pairs.data()),
           finest_(finest),
           planes_(planes),
-          places_(std::make_unique_for_overwrite<Place[]>(tree.most_cells())),
-          below_(std::make_unique_for_overwrite<Place[]>(tree.most_cells())) {
+          places_(std::make_unique_for_overwrite<Place[]>(tree.most_cells(finest))),
+          below_(std::make_unique_for_overwrite<Place[]>(tree.most_cells(finest))) {
         Place& root = places_[0] = {};
         for (size_t p = 0; p < Planes; p++) {
             root.values[p] = planes[p].root;
@@ -198,7 +198,7 @@ class Walk {
 
 // Streams of planes do not depend on each other: where several are coded in one walk, the processor takes symbols of
 // the one while it waits for a table of another. 9 in a walk took 25 ms where 3 took 29. Fewer leave work to other
-// cores. Pairs of the first plane and their number.
+// cores. Returns the first plane of each walk, and how many it has.
 std::vector<std::pair<size_t, size_t>> planes_together(size_t planes) {
     std::vector<std::pair<size_t, size_t>> groups;
     for (size_t first = 0; first < planes; first += groups.back().second) {

@@ -16,8 +16,8 @@ template <size_t Numbers, typename OfLeaf, typename Visit>
 std::array<double, Numbers> sum_up(const Octree& tree, const OfLeaf& of_leaf, const Visit& visit) {
     using Sums = std::array<double, Numbers>;
     size_t pair = tree.leaf_count - 1;
-    auto sums = std::make_unique_for_overwrite<Sums[]>(tree.most_cells());
-    auto below = std::make_unique_for_overwrite<Sums[]>(tree.most_cells());
+    auto sums = std::make_unique_for_overwrite<Sums[]>(tree.most_cells(tree.cells.size()));
+    auto below = std::make_unique_for_overwrite<Sums[]>(tree.most_cells(tree.cells.size()));
     for (size_t d = tree.cells.size(); d-- > 0;) {
         const std::vector<Cell>& cells = tree.cells[d];
         for (size_t i = cells.size(); i-- > 0;) {
