@@ -25,17 +25,17 @@ float window(size_t at) {
 
 }  // namespace
 
-Heard::Heard(const media::Sound& sound, Timeline timeline, double begin_s)
-    : sound_(sound), timeline_(std::move(timeline)), begin_s_(begin_s) {
-    before_ = grain_at(begin_s);
+Heard::Heard(const media::Sound& sound, Timeline timeline, double begin_s, double speed)
+    : sound_(sound), timeline_(std::move(timeline)), begin_s_(begin_s), speed_(speed) {
+    before_ = grain_at(0);
 }
 
-// The grain whose middle is at a stage time.
-Heard::Grain Heard::grain_at(double stage_s) const {
-    const auto place_s = [&](double t) { return clip_position(timeline_, t) / timeline_.fps; };
-    const double here = place_s(stage_s), next = place_s(stage_s + kStep_s);
+// The grain whose middle is so long after the beginning.
+Heard::Grain Heard::grain_at(double heard_s) const {
+    const auto place_s = [&](double t) { return clip_position(timeline_, begin_s_ + speed_ * t) / timeline_.fps; };
+    const double here = place_s(heard_s), next = place_s(heard_s + kStep_s);
     double speed = (next - here) / kStep_s;
-    if (std::abs(speed) > kMostSpeed) speed = (here - place_s(stage_s - kStep_s)) / kStep_s;  // it is about to jump
+    if (std::abs(speed) > kMostSpeed) speed = (here - place_s(heard_s - kStep_s)) / kStep_s;  // it is about to jump
     if (std::abs(speed) < kLeastSpeed || std::abs(speed) > kMostSpeed) return {};
     const int step = speed > 0 ? 1 : -1;
     return {std::llround(here * kSoundRate) - step * int64_t{kSoundHop}, step};
@@ -84,7 +84,7 @@ Heard::Grain Heard::aligned(Grain grain) const {
 
 void Heard::add_hop(std::array<media::StereoSample, kSoundHop>& samples, float gain) {
     hops_++;
-    const Grain grain = aligned(grain_at(begin_s_ + static_cast<double>(hops_ * kSoundHop) / kSoundRate));
+    const Grain grain = aligned(grain_at(static_cast<double>(hops_ * kSoundHop) / kSoundRate));
     for (size_t i = 0; i < kSoundHop; i++) {
         const media::StereoSample out = sample(before_, kSoundHop + i), in = sample(grain, i);
         for (size_t side = 0; side < 2; side++)

@@ -13,8 +13,12 @@ namespace neuvv::stage {
 // grain is moved by up to half a hop to where it goes on like the one before.
 class Heard {
   public:
-    // From a stage time on. The sound must outlive it.
-    Heard(const media::Sound& sound, Timeline timeline, double begin_s);
+    // From a stage time on, where the stage's clock runs at `speed` stage seconds a second, backwards below 0. The
+    // sound must outlive it.
+    Heard(const media::Sound& sound, Timeline timeline, double begin_s, double speed = 1);
+
+    // To be called before the first hop, which then rises from silence.
+    void begin_softly() { before_ = {}; }
 
     // Adds the next hop, times `gain`.
     void add_hop(std::array<media::StereoSample, media::kSoundHop>& samples, float gain);
@@ -24,7 +28,7 @@ class Heard {
         int64_t first = 0;  // sample of the sound
         int step = 0;       // 1, −1 backwards, 0: silent
     };
-    Grain grain_at(double stage_s) const;
+    Grain grain_at(double heard_s) const;
     // Moves the grain to where it goes on like the one before.
     Grain aligned(Grain grain) const;
     media::StereoSample sample(const Grain& grain, size_t at) const;
@@ -32,7 +36,7 @@ class Heard {
 
     const media::Sound& sound_;
     Timeline timeline_;
-    double begin_s_;
+    double begin_s_, speed_;
     uint64_t hops_ = 0;  // that were made
     Grain before_;       // fades out during the next hop
 };

@@ -43,6 +43,7 @@ struct ViewState {
     bool grid = false;               // a grid of lines is drawn on the floor
     bool along_path = false;         // the eye follows the camera path of the stage
     bool show_path = true;           // the camera path is drawn over the image
+    bool sound = true;               // performers are heard while the clock runs
 };
 
 }  // namespace neuvv::viewer

@@ -221,6 +221,7 @@ void Viewer::frame() {
     const FrameMeter::Ids before = requested();
     move_eye();
     coaching_.tick(context_);
+    play_sound();
     draw_panels();
     if (editor_.dragging() && !ImGui::IsAnyItemActive() && !tools_.is_editing()) editor_.end_drag();
     request_document();
@@ -304,9 +305,18 @@ void Viewer::handle_key(const ui::KeyPress& press) {
     const bool beside_fields = ImGui::GetIO().MousePos.x < input_.image_area.left + input_.image_area.width;
     if (beside_fields && (press.key == GLFW_KEY_ENTER || press.key == GLFW_KEY_KP_ENTER))
         press.shift ? remove_nearest_key(context_) : add_key_here(context_);
+    if (press.key == GLFW_KEY_M) view_.sound = !view_.sound;
     if (press.key == GLFW_KEY_TAB) view_.panels.all = !view_.panels.all;
     if (press.key == GLFW_KEY_F11) window_.toggle_full_screen();
     if (press.key == GLFW_KEY_F12) press.shift ? screenshots_.request_window() : screenshots_.request_image();
+}
+
+void Viewer::play_sound() {
+    const double speed = view_.clock.playing && view_.sound ? view_.clock.speed : 0;
+    stage::EvaluatedStage now = input_.evaluated;
+    now.time_s = view_.clock.time_s();  // the displayed time stands still from frame to frame
+    sound_player_.follow(input_.stage, now, speed, glm::mat4(world_from_eye(view_.eye)));
+    if (std::string problem = sound_player_.take_problem(); !problem.empty()) editor_.notify(problem, true);
 }
 
 void Viewer::handle_control_key(const ui::KeyPress& press) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "editor/shader_watch.h"
+#include "editor/sound_player.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/exporter.h"
 #include "tools/viewer/files.h"
@@ -57,6 +58,7 @@ class Viewer {
     void handle_key(const ui::KeyPress& press);
     void handle_control_key(const ui::KeyPress& press);
     void move_eye();
+    void play_sound();
     void draw_panels();
     void request_document();
     void request_view();
@@ -93,6 +95,7 @@ class Viewer {
     PropertiesPanel properties_;
     TimelineState timeline_;
     Coaching coaching_;
+    editor::SoundPlayer sound_player_;
     std::vector<editor::Notice> notices_;
     FrameMeter meter_;
 

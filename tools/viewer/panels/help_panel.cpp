@@ -26,7 +26,7 @@ constexpr KeyLine kKeys[] = {
     {"click a number", "type it; drag it to change it"},
     {"H, F2, Del, Ctrl+D", "hide, rename, delete, duplicate"},
     {"[ ], Alt + click, Ctrl", "smaller, larger brush; take a colour; erase"},
-    {"Space", "play, pause"},
+    {"Space, M", "play, pause; with sound or without"},
     {", . Home End", "the image before, the next; first, last"},
     {"Enter, Shift+Enter", "add a key of the camera path, remove it"},
     {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},

@@ -101,6 +101,7 @@ void view_menu(Context& context, ui::Window& window) {
     if (item(context, "Focus", "F")) focus(context);
     ImGui::Separator();
     sizes(context);
+    if (item(context, "Sound", "M", true, context.view.sound)) context.view.sound = !context.view.sound;
     if (item(context, "Full screen", "F11")) window.toggle_full_screen();
     if (item(context, "Panels", "Tab", true, context.view.panels.all))
         context.view.panels.all = !context.view.panels.all;
