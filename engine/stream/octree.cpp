@@ -90,6 +90,31 @@ std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth) {
     return leaves;
 }
 
+std::vector<uint8_t> patterns_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours) {
+    // By axis: the octants on its lower side. Those on the upper side are so many bits higher.
+    constexpr std::array<uint32_t, 3> kLower = {0x55, 0x33, 0x0f}, kStep = {1, 2, 4};
+    std::vector<uint8_t> patterns;
+    patterns.reserve(4 * cells.size());
+    for (size_t i = 0; i < cells.size(); i++) {
+        const auto octants_beside = [&](size_t side) {
+            return neighbours[i][side] == kNone ? 0u : uint32_t{cells[neighbours[i][side]].children};
+        };
+        const uint32_t own = cells[i].children;
+        std::array<uint32_t, 6> beside;  // by side: the octants that have a neighbour there
+        for (size_t axis = 0; axis < 3; axis++) {
+            const uint32_t lower = kLower[axis], step = kStep[axis];
+            beside[2 * axis] = (own & lower) << step | (octants_beside(2 * axis) >> step & lower);
+            beside[2 * axis + 1] = (own >> step & lower) | (octants_beside(2 * axis + 1) & lower) << step;
+        }
+        for_octants(own, [&](uint32_t octant) {
+            uint32_t pattern = 0;
+            for (uint32_t side = 0; side < 6; side++) pattern |= (beside[side] >> octant & 1) << side;
+            patterns.push_back(static_cast<uint8_t>(pattern));
+        });
+    }
+    return patterns;
+}
+
 std::vector<Neighbours> neighbours_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours) {
     std::vector<Neighbours> below;
     below.reserve(4 * cells.size());

@@ -53,7 +53,9 @@ void link_cells(Octree& tree);
 
 // The six face neighbours of the cells of a depth, by index; kNone where there is no cell: −x, +x, −y, +y, −z, +z.
 using Neighbours = std::array<uint32_t, 6>;
-// Those of the children of the cells of a depth, from those of the cells.
+// Of the children of the cells of a depth, which of their face neighbours there are: bits in that order.
+std::vector<uint8_t> patterns_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours);
+// The neighbours of those children, from those of the cells.
 std::vector<Neighbours> neighbours_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours);
 
 }  // namespace neuvv::stream

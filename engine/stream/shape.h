@@ -21,31 +21,32 @@ inline std::vector<Cell> children_of(const std::vector<Cell>& cells) {
     return below;
 }
 
-// Codes the octants of the cells of a depth that are no leaves. Which are leaves, `leaves` says.
+// Codes the octants of the cells of a depth that are no leaves. `leaves` says which are (1); `patterns` are
+// patterns_below.
 template <typename Coder>
-void code_octants(Coder& coder, std::vector<Cell>& cells, const std::vector<bool>& leaves,
-                  const std::vector<Neighbours>& neighbours, bool is_finest) {
+void code_octants(Coder& coder, std::vector<Cell>& cells, const std::vector<uint8_t>& leaves,
+                  const std::vector<uint8_t>& patterns, bool is_finest) {
     for (size_t i = 0; i < cells.size(); i++) {
         if (leaves[i]) continue;
-        uint32_t pattern = 0;
-        for (uint32_t side = 0; side < 6; side++) pattern |= (neighbours[i][side] != kNone ? 1u : 0u) << side;
-        const uint32_t table = kOctantTables + (is_finest ? 0 : 64) + pattern;
+        const uint32_t table = kOctantTables + (is_finest ? 0 : 64) + patterns[i];
         cells[i].children = static_cast<uint8_t>(coder.take(table, cells[i].children));
         if (cells[i].children == 0) throw std::runtime_error("has a cell without octants");
     }
 }
 
-// Codes which of a cell's children are leaves. What is likely depends on whether leaves, and cells that are none, came
-// before in the same cell. `children` are those of all cells, in order; a reader does not read them.
+// Codes which of a cell's children are leaves (1). What is likely depends on whether leaves, and cells that are none,
+// came before in the same cell. `children` are those of all cells, in order; a reader does not read them.
 template <typename Coder>
-std::vector<bool> code_leaves(Coder& coder, const std::vector<Cell>& cells, const std::vector<Cell>* children,
-                              bool is_last) {
-    std::vector<bool> leaves;
+std::vector<uint8_t> code_leaves(Coder& coder, const std::vector<Cell>& cells, const std::vector<Cell>* children,
+                                 bool is_last) {
+    std::vector<uint8_t> leaves;
+    leaves.reserve(4 * cells.size());
     for (const Cell& cell : cells) {
         uint32_t before = 0;
         for (uint32_t c = 0; c < octant_count(cell.children); c++) {
             const bool is_leaf = children && (*children)[leaves.size()].children == 0;
-            leaves.push_back(coder.take_either(kLeafTables + (is_last ? 0 : 4) + before, is_leaf ? 1 : 0) != 0);
+            leaves.push_back(
+                static_cast<uint8_t>(coder.take_either(kLeafTables + (is_last ? 0 : 4) + before, is_leaf ? 1 : 0)));
             before |= leaves.back() ? 1 : 2;
         }
     }
@@ -60,11 +61,12 @@ Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t mos
     Octree coded;
     coded.cells.resize(depth + 1);
     coded.cells[0] = {{0, writes ? tree.cells[0][0].children : uint8_t{0}, 0}};
-    std::vector<bool> leaves = {false};
+    std::vector<uint8_t> leaves = {0};
+    std::vector<uint8_t> patterns = {0};
     std::vector<Neighbours> neighbours = {{kNone, kNone, kNone, kNone, kNone, kNone}};
     for (uint32_t d = 0; d < depth; d++) {
         std::vector<Cell>& cells = coded.cells[d];
-        code_octants(coder, cells, leaves, neighbours, d + 1 == depth);
+        code_octants(coder, cells, leaves, patterns, d + 1 == depth);
         coded.cells[d + 1] = children_of(cells);
         if (coded.cells[d + 1].size() > most) throw std::runtime_error("has more leaves than it says");
         uint32_t next = 0;
@@ -77,7 +79,8 @@ Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t mos
         leaves = code_leaves(coder, cells, below, d + 2 == depth);
         if (below)
             for (size_t i = 0; i < below->size(); i++) coded.cells[d + 1][i].children = (*below)[i].children;
-        neighbours = neighbours_below(cells, neighbours);
+        patterns = patterns_below(cells, neighbours);
+        if (d + 2 < depth) neighbours = neighbours_below(cells, neighbours);
     }
     link_cells(coded);
     if (coded.leaf_count > most) throw std::runtime_error("has more leaves than it says");

@@ -51,7 +51,12 @@ TEST(StreamOctree, KnowsFaceNeighbours) {
                 EXPECT_EQ(neighbours[i][side], cell == cells.end() ? stream::kNone : cell->second);
                 found += cell != cells.end();
             }
+        const std::vector<uint8_t> patterns = stream::patterns_below(tree.cells[d], neighbours);
         neighbours = stream::neighbours_below(tree.cells[d], neighbours);
+        ASSERT_EQ(patterns.size(), neighbours.size());
+        for (size_t i = 0; i < patterns.size(); i++)
+            for (size_t side = 0; side < 6; side++)
+                EXPECT_EQ(patterns[i] >> side & 1, neighbours[i][side] == stream::kNone ? 0 : 1) << d << ' ' << i;
     }
     EXPECT_GT(found, 100u);
 }
