@@ -108,19 +108,20 @@ void add_performer_options(Command verb, edit::PerformerEdit& edit) {
     add_switch(verb, "--visible", edit.visible, "Whether it is seen");
     add_switch(verb, "--casts-shadow", edit.casts_shadow, "Whether it casts shadows");
     add_switch(verb, "--receives-shadow", edit.receives_shadow, "Whether shadows fall on it");
-    verb.add_parsed_option(
-        "--skeleton",
-        [&edit](const std::string& file) {
-            if (!file.empty()) motion::read_skeleton(file);
-            edit.skeleton = file;
-        },
+    const auto add_file = [&verb](const char* option, auto& file, const auto& read, const char* help) {
+        verb.add_parsed_option(
+            option,
+            [&file, read](const std::string& given) {
+                if (!given.empty()) read(given);  // throws where it is no such file
+                file = given;
+            },
+            help);
+    };
+    add_file(
+        "--skeleton", edit.skeleton, [](const std::string& file) { motion::read_skeleton(file); },
         "Its .skeleton.glb; empty: the file beside its .nvv");
-    verb.add_parsed_option(
-        "--sound",
-        [&edit](const std::string& file) {
-            if (!file.empty()) media::read_sound(file);
-            edit.sound = file;
-        },
+    add_file(
+        "--sound", edit.sound, [](const std::string& file) { media::read_sound(file); },
         "What is heard as its clip plays: a .wav, .flac, .ogg, .mp3, .m4a, or a video with sound; empty: nothing");
     verb.add_option("--gain", edit.gain_db, "How loud its sound is, dB")
         .number_between(stage::kLeastGain_db, stage::kMostGain_db);
