@@ -11,11 +11,13 @@ struct Edit {
     float opacity;
 };
 
-// Reads an edit; false where it does not apply at push.frame.
+// Reads an edit; false where it does not apply at push.frame. Frames are compared as the bits of floats, whose order is
+// that of the floats where none is negative: an edit may begin just behind frame 0, with a denormal, which devices may
+// take for 0.
 bool edit_applies(uint index, out Edit edit) {
     const uvec4 words = texelFetch(edits, int(index));
-    const vec2 frames = uintBitsToFloat(words.xy);
-    if (!(frames.x <= push.frame && push.frame <= frames.y)) return false;
+    const uint frame = floatBitsToUint(push.frame);
+    if (!(words.x <= frame && frame <= words.y)) return false;
     const uint more = texelFetch(edit_sigmas, int(index)).x;
     const uvec2 layer = texelFetch(layers, int(more >> 16u)).xy;
     const vec2 red_green = unpackHalf2x16(words.z), blue_alpha = unpackHalf2x16(words.w);

@@ -23,6 +23,11 @@ struct PackedPaint {
     std::vector<uint32_t> sigmas;
 };
 
+// The bits of a frame, none of −0, as paint_edits.glsl compares them.
+uint32_t frame_bits(float frame) {
+    return std::bit_cast<uint32_t>(frame + 0.0f);
+}
+
 uint32_t halves(float low, float high) {
     return voctree::half_from_float(low) | uint32_t{voctree::half_from_float(high)} << 16;
 }
@@ -47,8 +52,8 @@ PackedPaint pack(std::span<const PaintUse> uses) {
         packed.layers.emplace_back(static_cast<uint32_t>(uses[i].blend), std::bit_cast<uint32_t>(uses[i].opacity));
         for (const voctree::LeafEdit& edit : uses[i].layer->edits) {
             const uint32_t at = next[edit.leaf]++;
-            packed.edits[at] = {std::bit_cast<uint32_t>(edit.first), std::bit_cast<uint32_t>(edit.last),
-                                halves(edit.colour.r, edit.colour.g), halves(edit.colour.b, edit.alpha)};
+            packed.edits[at] = {frame_bits(edit.first), frame_bits(edit.last), halves(edit.colour.r, edit.colour.g),
+                                halves(edit.colour.b, edit.alpha)};
             packed.sigmas[at] = voctree::half_from_float(edit.sigma) | i << 16;
         }
     }
@@ -57,7 +62,7 @@ PackedPaint pack(std::span<const PaintUse> uses) {
 
 PaintPush paint_push(const Paint& paint, float frame) {
     PaintPush push{};
-    push.frame = frame;
+    push.frame = frame + 0.0f;
     push.leaves = paint.leaf_count;
     return push;
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 
 #include "base/error.h"
 #include "reference/paint.h"
@@ -120,6 +121,19 @@ TEST_F(PaintTest, EveryEntryIsAsTheReferencePaintsIt) {
         for (const bool in_parts : {false, true})
             EXPECT_LE(worst_entry(tree, all, 1.5f, in_parts, all), kWorstEntry) << "degree " << degree;
     }
+}
+
+// Devices may take a denormal, as the frame just behind 0 is, for 0.
+TEST_F(PaintTest, WhatBeginsJustBehindFrame0DoesNotApplyThere) {
+    const voctree::VOctree tree = random_tree({.leaves = 200, .bases = 3});
+    voctree::EditLayer behind{voctree::painted_field(tree), {}};
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+        behind.edits.push_back({leaf, std::numeric_limits<float>::denorm_min(), 1, {0, 0, 1}, 1, voctree::kKeepSigma});
+    voctree::EditLayer from_0 = behind;
+    for (voctree::LeafEdit& edit : from_0.edits) edit.first = -0.0f;
+    EXPECT_LE(worst_entry(tree, {{&behind}}, 0, false, {}), kWorstEntry);
+    EXPECT_LE(worst_entry(tree, {{&behind}}, 0.5f, false, {{&behind}}), kWorstEntry);
+    EXPECT_LE(worst_entry(tree, {{&from_0}}, 0, false, {{&from_0}}), kWorstEntry);
 }
 
 TEST_F(PaintTest, TheComparisonNoticesAnotherBlendOrOrderOrOpacity) {
