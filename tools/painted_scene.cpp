@@ -161,6 +161,7 @@ void PaintedSegment::read_other_layers(const StagedPerformer& staged, const Pain
             visible_.emplace_back(editor::VisibleLayer{nullptr, entry.blend, static_cast<float>(entry.opacity)});
         if (is_painted(staged.stage, entry, options.layer)) continue;
         const std::filesystem::path path = stage::file_of_uri(staged.stage.file, entry.uri, staged.performer().name);
+        if (segment) voctree::expect_paint_folder(path);
         visible.layer = std::make_shared<const voctree::EditLayer>(
             segment ? voctree::read_segment_paint(path, *segment, clip->field)
                     : voctree::read_paint(path, clip->field));

@@ -13,8 +13,7 @@
 
 namespace neuvv::edit {
 
-// Layers by paint_path. A layer is never changed in place: painting replaces it.
-using PaintLayers = std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>>;
+using voctree::PaintLayers;
 
 struct Document {
     stage::StageFile file;

@@ -320,9 +320,8 @@ void RenderThread::make_renderer(const stage::Stage& stage, const render::StageL
         if (view_) capacity = {roomy(view_->camera.width), roomy(view_->camera.height)};
         if (next_view_) capacity = {roomy(next_view_->camera.width), roomy(next_view_->camera.height)};
     }
-    const render::PaintSource paint = [this](const std::filesystem::path& path, const voctree::PaintedField&) {
-        const auto found = document_->paint.find(stage::absolute_path(path));
-        return found != document_->paint.end() ? found->second : nullptr;
+    const render::PaintSource paint = [this](const std::filesystem::path& layer) {
+        return voctree::files_of_layer(document_->paint, stage::absolute_path(layer));
     };
     if (!loader_) loader_ = std::make_unique<render::StageLoader>(device_, paint);
     renderer_ = std::make_unique<render::StageRenderer>(device_, stage, loader_->load(stage, progress),

@@ -76,7 +76,8 @@ ClipFiles::Paints ClipFiles::read_paints(const voctree::ClipSegment& segment, co
 }
 
 std::shared_ptr<const SegmentPaint> ClipFiles::read_paint(const voctree::ClipSegment& segment, const LoadedClip& clip,
-                                                          const LayerFolders& layers) {
+                                                          const LayerFolders& of_clip) {
+    const LayerFolders layers = of_segment(of_clip, segment);
     const std::vector<FileStamp> stamps = stamps_of(layers, segment);
     {
         const std::lock_guard lock(mutex_);

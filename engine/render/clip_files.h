@@ -80,7 +80,7 @@ class ClipFiles {
 
   private:
     std::shared_ptr<const SegmentPaint> read_paint(const voctree::ClipSegment& segment, const LoadedClip& clip,
-                                                   const LayerFolders& layers);
+                                                   const LayerFolders& of_clip);
     std::shared_ptr<const LoadedClip> find_locked(const std::filesystem::path& path, const FileStamp& stamp) const;
     void read_coarse(const voctree::ClipSegment& segment);
     void read_one_ahead(const Wanted& wanted);

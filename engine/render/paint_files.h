@@ -10,10 +10,9 @@
 
 namespace neuvv::render {
 
-// Returns the layer for the path of a paint file and a field: the same pointer for as long as the layer is unchanged,
-// and another pointer once it has been painted on. Null: the layer is to be read from the disk.
-using PaintSource = std::function<std::shared_ptr<const voctree::EditLayer>(const std::filesystem::path& path,
-                                                                            const voctree::PaintedField& field)>;
+// Returns the files of a layer that are edited (voctree::files_of_layer): each the same pointer for as long as it is
+// unchanged, and another pointer once it has been painted on. Others are read from the disk.
+using PaintSource = std::function<voctree::PaintLayers(const std::filesystem::path& layer)>;
 
 class PaintFiles {
   public:

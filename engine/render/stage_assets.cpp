@@ -112,12 +112,15 @@ void for_visible_layers(const stage::Stage& stage, const stage::StagePerformer& 
     }
 }
 
-LayerFolders folders_of(const stage::Stage& stage, const stage::StagePerformer& performer) {
+// A folder of which any file is edited need not be on the disk yet.
+LayerFolders folders_of(const stage::Stage& stage, const stage::StagePerformer& performer, const PaintSource& source) {
     LayerFolders folders;
     for_visible_layers(stage, performer, [&](const std::filesystem::path& path, const stage::PaintLayer& layer) {
         voctree::expect_no_stream(stage.clips[performer.clip].path);
-        voctree::expect_paint_folder(path);
-        folders.push_back({path, layer.blend, static_cast<float>(layer.opacity)});
+        voctree::PaintLayers edited = source ? source(path) : voctree::PaintLayers();
+        if (edited.empty()) voctree::expect_paint_folder(path);
+        folders.push_back(
+            {stage::absolute_path(path), layer.blend, static_cast<float>(layer.opacity), std::move(edited)});
         if (folders.size() > kPaintLayerLimit)
             throw InputError(path.string(), "", fmt::format("is one of more than {} visible layers", kPaintLayerLimit),
                              "hide some");
@@ -131,7 +134,9 @@ std::vector<LoadedLayer> StageLoader::load_layers(const stage::Stage& stage, con
                                                   const voctree::PaintedField& painted) {
     std::vector<LoadedLayer> layers;
     for_visible_layers(stage, performer, [&](const std::filesystem::path& path, const stage::PaintLayer& layer) {
-        std::shared_ptr<const voctree::EditLayer> edits = paint_source_ ? paint_source_(path, painted) : nullptr;
+        std::shared_ptr<const voctree::EditLayer> edits;
+        if (paint_source_)
+            for (const auto& [file, edited] : paint_source_(path)) edits = edited;
         if (!edits) edits = paint_files_.read(path, painted);
         if (edits->field != painted)
             throw InputError(path.string(), "", "is paint for another clip", "paint on this one anew");
@@ -147,10 +152,13 @@ void StageLoader::load_paint(const stage::Stage& stage, StageAssets& assets) {
         const bool segmented = clip.segments.size() > 1;
         assets.paint.push_back(segmented ? std::vector<LoadedLayer>()
                                          : load_layers(stage, performer, clip.first->painted));
-        assets.folders.push_back(segmented ? folders_of(stage, performer) : LayerFolders());
-        const LayerFolders& folders = assets.folders.back();
-        if (!folders.empty() && std::ranges::find(clip.layers, folders) == clip.layers.end())
-            clip.layers.push_back(folders);
+        assets.layers.push_back(kNoLayers);
+        if (!segmented) continue;
+        LayerFolders folders = folders_of(stage, performer, paint_source_);
+        if (folders.empty()) continue;
+        const auto known = std::ranges::find(clip.layers, folders);
+        assets.layers.back() = static_cast<uint32_t>(known - clip.layers.begin());
+        if (known == clip.layers.end()) clip.layers.push_back(std::move(folders));
     }
     for (ClipOnDevice& clip : assets.clips)
         for (size_t i = 0; i < clip.segments.size(); i++) {

@@ -38,12 +38,15 @@ struct LoadedLayer {
     auto operator<=>(const LoadedLayer&) const = default;
 };
 
+constexpr uint32_t kNoLayers = UINT32_MAX;
+
 struct StageAssets {
     std::vector<ClipOnDevice> clips;                    // in the order of Stage::clips
     std::shared_ptr<const SetEnvironment> environment;  // black where the stage has none
-    // By performer: the visible layers, the lowest first; those on segmented clips are in `folders`, others in `paint`.
+    // By performer: the visible layers, the lowest first; and on a segmented clip, an index into ClipOnDevice::layers,
+    // kNoLayers where there are none.
     std::vector<std::vector<LoadedLayer>> paint;
-    std::vector<LayerFolders> folders;
+    std::vector<uint32_t> layers;
     std::vector<std::string> problems;  // a line for each segment that cannot be read
     std::shared_ptr<ClipFiles> files;   // reads the segments that are not on the device
 };

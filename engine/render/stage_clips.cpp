@@ -33,7 +33,7 @@ bool contains(const auto& list, const auto& one) {
 
 StageClips::StageClips(const StageAssets& assets)
     : clips_(assets.clips),
-      folders_(assets.folders),
+      layers_(assets.layers),
       files_(assets.files),
       problems_(assets.problems),
       shown_(assets.paint.size()) {
@@ -107,8 +107,8 @@ std::optional<StageClips::Place> StageClips::place_in(const Id& id, const stage:
     const LoadedClip* loaded = drawn(segment);
     if (!loaded) return std::nullopt;
     Place place{&loaded->field};
-    for (const auto& paint : segment.paints)
-        if (segment.loaded && paint->layers == folders_[performer.performer]) place.paint = paint.get();
+    const uint32_t layers = layers_[performer.performer];
+    if (segment.loaded && layers < segment.paints.size()) place.paint = segment.paints[layers].get();
     return place;
 }
 
@@ -173,8 +173,11 @@ void StageClips::take_results() {
             }
             if (!result.is_coarse) {
                 // What was wanted for an earlier version of the stage may have other paint: it is wanted again.
-                if (std::ranges::equal(result.paints, clips_[id.clip].layers, {}, &SegmentPaint::layers))
-                    take(id, result.clip, result.paints);
+                const bool is_same = std::ranges::equal(result.paints, clips_[id.clip].layers,
+                                                        [&](const auto& paint, const LayerFolders& layers) {
+                                                            return paint->layers == of_segment(layers, file_of(id));
+                                                        });
+                if (is_same) take(id, result.clip, result.paints);
                 continue;
             }
             segment.coarse = result.clip;

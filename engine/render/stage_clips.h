@@ -97,7 +97,7 @@ class StageClips {
     void show_late_frames(const stage::EvaluatedStage& evaluated);
     void remember(const stage::EvaluatedStage& evaluated);
     std::vector<ClipOnDevice> clips_;
-    std::vector<LayerFolders> folders_;  // by performer (StageAssets)
+    std::vector<uint32_t> layers_;  // by performer: an index into ClipOnDevice::layers (StageAssets)
     std::shared_ptr<ClipFiles> files_;
     std::vector<std::string> problems_;
     // Of segmented clips only:

@@ -128,7 +128,6 @@ void expect_paint_folder(const std::filesystem::path& layer) {
 
 EditLayer read_segment_paint(const std::filesystem::path& layer, const ClipSegment& segment,
                              const PaintedField& field) {
-    expect_paint_folder(layer);
     const std::filesystem::path file = paint_file(layer, segment);
     std::error_code error;
     if (!std::filesystem::exists(file, error)) return {field, {}};

@@ -20,8 +20,8 @@ EditLayer read_paint(const std::filesystem::path& path, const PaintedField& fiel
 // there, with the name of the segment's file: that of 000012.nvv is 000012.nvpaint.
 std::filesystem::path paint_file(const std::filesystem::path& layer, const ClipSegment& segment);
 
-// A segment's part of such a layer, without edits where the folder has no file for the segment. Throws InputError as
-// read_paint does, and where `layer` is no folder.
+// A segment's part of such a layer, without edits where there is no file for the segment. Throws InputError as
+// read_paint does.
 EditLayer read_segment_paint(const std::filesystem::path& layer, const ClipSegment& segment, const PaintedField& field);
 // Throws InputError where there is no folder at this path.
 void expect_paint_folder(const std::filesystem::path& layer);

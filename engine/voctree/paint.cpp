@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include "shared/paint.h"
 
@@ -109,6 +108,15 @@ PaintedField painted_field(const VOctree& tree) {
     }
     XXH3_64bits_update(state.get(), tree.children.data(), tree.children.size() * sizeof(uint32_t));
     return {XXH3_64bits_digest(state.get()), tree.leaf_count, tree.frames};
+}
+
+PaintLayers files_of_layer(const PaintLayers& layers, const std::filesystem::path& layer) {
+    PaintLayers files;
+    // Files in a folder come right behind it in the order of paths.
+    for (auto file = layers.lower_bound(layer);
+         file != layers.end() && (file->first == layer || file->first.parent_path() == layer); ++file)
+        files.insert(*file);
+    return files;
 }
 
 void add_edits(EditLayer& layer, std::span<const LeafEdit> edits) {

@@ -3,7 +3,11 @@
 // blend and opacity belong to the performer that uses it (stage/performer_settings.h).
 #pragma once
 
+#include <filesystem>
+#include <map>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "voctree/voctree.h"
 
@@ -34,6 +38,11 @@ struct EditLayer {
     PaintedField field;
     std::vector<LeafEdit> edits;
 };
+// Layers by the absolute path of the .nvpaint that holds them. Of a layer on a clip in segments, each segment's file is
+// one of its own (paint_file of nvpaint.h). A layer is never changed in place: painting replaces it.
+using PaintLayers = std::map<std::filesystem::path, std::shared_ptr<const EditLayer>>;
+// Those of a layer of a performer, whose path is that of the file, or that of the folder in which the files are.
+PaintLayers files_of_layer(const PaintLayers& layers, const std::filesystem::path& layer);
 
 // Adds edits over those of the layer, each over those before it. Where two edits apply at the same time, the upper
 // one's colour is composited over the lower one's by its alpha (1 replaces it), and its density, where it has one,

@@ -281,6 +281,61 @@ TEST_F(StageClipsTest, PaintComesAndGoesWithItsSegment) {
     expect_input_error([&] { render::StageLoader(device()).load(painted); }, {"look.nvpaint", "no such folder"});
 }
 
+// Files of a layer that are edited, as in an open document, show in place of those on the disk, which need not be
+// there.
+TEST_F(StageClipsTest, EditedPaintOfASegmentShowsAtOnce) {
+    const std::filesystem::path layer = folder.path / "look.nvpaint";
+    stage::StageFile file = stage->file;
+    edit::add_paint_layer(file, stage->performers[0].node, layer, {});
+    const stage::Stage painted = stage::make_stage(file);
+    voctree::PaintLayers edited;
+    const auto paint = [&](uint32_t number, const glm::vec3& colour) {
+        const voctree::VOctree tree = voctree::read_nvv(segment(number));
+        voctree::EditLayer one{voctree::painted_field(tree), {}};
+        for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++)
+            one.edits.push_back({.leaf = leaf, .first = 0, .last = 1, .colour = colour, .alpha = 1});
+        edited[voctree::paint_file(layer, {segment(number), 2 * number, 2})] =
+            std::make_shared<const voctree::EditLayer>(one);
+        return one;
+    };
+    const auto saved = [&](uint32_t number) {  // as a program shows it that reads the files
+        std::filesystem::create_directory(layer);
+        for (const auto& [name, one] : edited) voctree::write_paint(name, *one);
+        render::StageRenderer renderer(device(), painted, render::StageLoader(device()).load(painted), {48, 36});
+        auto rgba = image_at(renderer, painted, middle_of(number)).rgba;
+        std::filesystem::remove_all(layer);
+        return rgba;
+    };
+    paint(9, {0, 1, 0});
+    const auto green = saved(9);
+    render::StageLoader loader(device(),
+                               [&](const std::filesystem::path& of) { return voctree::files_of_layer(edited, of); });
+    render::StageRenderer renderer(device(), painted, loader.load(painted), {48, 36});
+    EXPECT_EQ(image_at(renderer, painted, middle_of(9)).rgba, green);
+    EXPECT_EQ(image_at(renderer, painted, middle_of(2)).rgba, saved(2));
+    paint(9, {1, 0, 0});
+    renderer.change(painted, loader.load(painted));
+    EXPECT_EQ(image_at(renderer, painted, middle_of(9)).rgba, saved(9));
+    EXPECT_NE(image_at(renderer, painted, middle_of(9)).rgba, green);
+    // While the clip plays, too; and a segment keeps its paint while another one is painted.
+    image_at(renderer, painted, middle_of(2));
+    const auto known = loader.load(painted);
+    paint(2, {0, 0, 1});
+    const auto changed = loader.load(painted);
+    EXPECT_NE(known.clips[0].segments[2].paints, changed.clips[0].segments[2].paints);
+    EXPECT_EQ(known.clips[0].segments[9].paints, changed.clips[0].segments[9].paints);
+    // Paint of another field is named, and costs the segment's paint alone.
+    edited.begin()->second = std::make_shared<const voctree::EditLayer>(
+        voctree::EditLayer{voctree::painted_field(voctree::read_nvv(segment(3))), {}});
+    renderer.change(painted, loader.load(painted));
+    image_at(renderer, painted, middle_of(2));
+    const std::vector<std::string> problems = renderer.take_problems();
+    ASSERT_EQ(problems.size(), 1u);
+    EXPECT_NE(problems[0].find("is paint for another clip"), std::string::npos) << problems[0];
+    edited.clear();
+    expect_input_error([&] { loader.load(painted); }, {"look.nvpaint", "no such folder"});
+}
+
 // Each frame of a stream is a segment. They are read ahead one after the other, and only some stay on the device.
 TEST_F(StageClipsTest, AStreamPlaysFrameByFrame) {
     const voctree::ClipIndex index = voctree::read_clip_index(clip);

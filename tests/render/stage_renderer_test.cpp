@@ -251,8 +251,8 @@ TEST_F(StageRendererTest, PaintOfASourceShowsAtOnce) {
     const voctree::VOctree tree = clip_tree(1);
     const std::filesystem::path unsaved = draft.folder.path / "unsaved.nvpaint";
     std::shared_ptr<const voctree::EditLayer> open;
-    const render::PaintSource source = [&](const std::filesystem::path& path, const voctree::PaintedField&) {
-        return path == unsaved ? open : nullptr;
+    const render::PaintSource source = [&](const std::filesystem::path& layer) {
+        return layer == unsaved ? voctree::PaintLayers{{layer, open}} : voctree::PaintLayers{};
     };
     Live live{device(), draft, draft.stage(), source};
     const render::Field* field = &live.renderer.field(0);
@@ -287,7 +287,9 @@ TEST_F(StageRendererTest, WhatFailsLeavesTheStageBefore) {
     Draft draft;
     const voctree::VOctree tree = clip_tree(1), other = clip_tree(2);
     std::shared_ptr<const voctree::EditLayer> open;
-    const render::PaintSource source = [&](const std::filesystem::path&, const voctree::PaintedField&) { return open; };
+    const render::PaintSource source = [&](const std::filesystem::path& layer) {
+        return open ? voctree::PaintLayers{{layer, open}} : voctree::PaintLayers{};
+    };
     Live live{device(), draft, draft.stage(), source};
     const media::Image before = live.image();
     const auto expect_refusal = [&](const std::string& what) {

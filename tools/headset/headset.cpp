@@ -197,10 +197,8 @@ struct SessionContext {
 
 void make_renderer(Program& program, RuntimeContext& context, const EyeImages& eyes) {
     if (context.renderer) return;
-    const render::PaintSource paint = [&program](const std::filesystem::path& path, const voctree::PaintedField&) {
-        const auto& edited = program.state.editor.document().paint;
-        const auto found = edited.find(stage::absolute_path(path));
-        return found != edited.end() ? found->second : nullptr;
+    const render::PaintSource paint = [&program](const std::filesystem::path& layer) {
+        return voctree::files_of_layer(program.state.editor.document().paint, stage::absolute_path(layer));
     };
     context.drawn_stage = program.state.stage;
     context.loader = std::make_unique<render::StageLoader>(context.device, paint);
