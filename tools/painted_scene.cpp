@@ -176,13 +176,9 @@ editor::PaintSubject PaintedSegment::subject() const {
 }
 
 void PaintedSegment::save() const {
-    std::error_code error;
-    if (layer->edits.empty() && is_in_folder) {
-        std::filesystem::remove(layer_file, error);
-        return;
-    }
-    if (is_in_folder) prepare_output_folder("layer", layer_file.parent_path());
-    voctree::write_paint(layer_file, *layer);
+    if (!is_in_folder) return voctree::write_paint(layer_file, *layer);
+    if (!layer->edits.empty()) prepare_output_folder("layer", layer_file.parent_path());
+    voctree::write_segment_paint(layer_file, *layer);
 }
 
 void PaintedScene::drop_new_layer() {

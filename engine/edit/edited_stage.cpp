@@ -52,8 +52,9 @@ std::optional<std::filesystem::path> save_document(Document& document, const std
     stage::expect_sound_document(document.file);
     const std::set<std::filesystem::path> used = used_layers(document.file);
     for (const auto& layer : document.paint) {
-        if (!used.contains(layer.first) || is_saved(document, layer)) continue;
-        voctree::write_paint(layer.first, *layer.second);
+        const bool is_in_folder = used.contains(layer.first.parent_path());
+        if (!(is_in_folder || used.contains(layer.first)) || is_saved(document, layer)) continue;
+        (is_in_folder ? voctree::write_segment_paint : voctree::write_paint)(layer.first, *layer.second);
         document.saved_paint[layer.first] = layer.second;
     }
     std::optional<std::filesystem::path> kept;

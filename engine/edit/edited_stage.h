@@ -17,10 +17,11 @@ using voctree::PaintLayers;
 
 struct Document {
     stage::StageFile file;
-    // The layers as edited; a layer that is missing here is as on the disk. open_paint adds a layer before its first
-    // edit, so that undo knows how it was. A layer that has no file yet may be added at any time.
+    // The layers as edited, by the paths of their files; what is missing here is as on the disk. open_paint adds a file
+    // before its first edit, so that undo knows how it was. The files of a new layer may be added at any time.
     PaintLayers paint;
-    PaintLayers saved_paint;  // the layers of `paint` that have a file, as the disk has them
+    // Those of `paint` that the disk has, as it has them; also without edits, for a segment that has no file.
+    PaintLayers saved_paint;
     // Whether the file on the disk is not the one that this document was made from, but another program's. This is so
     // for a recovered document.
     bool disk_is_foreign = false;

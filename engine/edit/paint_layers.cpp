@@ -39,7 +39,8 @@ std::filesystem::path free_paint_path(const Document& document, uint32_t node) {
         const std::string name = number == 1 ? stem + ".nvpaint" : fmt::format("{}-{}.nvpaint", stem, number);
         const std::filesystem::path path = paint_path(document.file, stage::uri_of_file(document.file, folder / name));
         std::error_code error;
-        if (!taken.contains(path) && !document.paint.contains(path) && !std::filesystem::exists(path, error))
+        if (!taken.contains(path) && voctree::files_of_layer(document.paint, path).empty() &&
+            !std::filesystem::exists(path, error))
             return path;
     }
 }
@@ -76,14 +77,14 @@ std::string unshare_paint(Document& document, uint32_t node, size_t at, const st
 }
 
 std::string set_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
-                      std::shared_ptr<const voctree::EditLayer> layer, const std::string& what) {
+                      const PaintLayers& files, const std::string& what) {
     const auto used = paint_layers_of(document.file, node).value_or(std::vector<ListedLayer>{});
     if (std::none_of(used.begin(), used.end(), [&](const ListedLayer& one) { return one.path == path; })) {
         PaintEdit entry;
         entry.name = name;
         add_paint_layer(document.file, node, path, entry);
     }
-    document.paint[path] = std::move(layer);
+    for (const auto& [file, layer] : files) document.paint[file] = layer;
     return fmt::format("{}: {}", node_title(document.file, node), what);
 }
 

@@ -36,9 +36,10 @@ bool is_shared(const stage::StageFile& file, uint32_t node, const std::filesyste
 std::string unshare_paint(Document& document, uint32_t node, size_t at, const std::filesystem::path& new_path,
                           std::shared_ptr<const voctree::EditLayer> layer);
 
-// An operation: sets the layer at this path. Where the performer does not use it yet, it becomes the performer's
-// uppermost layer, with the name `name`. `what` is the returned line about the edit.
+// An operation: sets files of the layer at this path (voctree::files_of_layer). Where the performer does not use the
+// layer yet, it becomes the performer's uppermost one, with the name `name`. `what` is the returned line about the
+// edit.
 std::string set_paint(Document& document, uint32_t node, const std::filesystem::path& path, const std::string& name,
-                      std::shared_ptr<const voctree::EditLayer> layer, const std::string& what);
+                      const PaintLayers& files, const std::string& what);
 
 }  // namespace neuvv::edit

@@ -134,4 +134,14 @@ EditLayer read_segment_paint(const std::filesystem::path& layer, const ClipSegme
     return read_paint(file, field);
 }
 
+void write_segment_paint(const std::filesystem::path& file, const EditLayer& layer) {
+    std::error_code error;
+    std::filesystem::create_directories(file.parent_path(), error);
+    if (error)
+        throw RuntimeFailure(fmt::format("{}: cannot be made: {}", file.parent_path().string(), error.message()));
+    if (!layer.edits.empty()) return write_paint(file, layer);
+    std::filesystem::remove(file, error);
+    if (error) throw RuntimeFailure(fmt::format("{}: cannot be removed: {}", file.string(), error.message()));
+}
+
 }  // namespace neuvv::voctree

@@ -23,6 +23,9 @@ std::filesystem::path paint_file(const std::filesystem::path& layer, const ClipS
 // A segment's part of such a layer, without edits where there is no file for the segment. Throws InputError as
 // read_paint does.
 EditLayer read_segment_paint(const std::filesystem::path& layer, const ClipSegment& segment, const PaintedField& field);
+// Writes a file of such a layer atomically, and makes its folder where it is missing; without edits there is no file.
+// Throws RuntimeFailure as write_paint does.
+void write_segment_paint(const std::filesystem::path& file, const EditLayer& layer);
 // Throws InputError where there is no folder at this path.
 void expect_paint_folder(const std::filesystem::path& layer);
 

@@ -82,5 +82,35 @@ TEST_F(Layers, ThatAreSharedBecomeOnesOwn) {
     EXPECT_EQ(document.paint.at(at("own.nvpaint"))->edits.size(), 1u);
 }
 
+// A layer on a clip in segments is a folder, with a file for each segment that has edits.
+TEST_F(Layers, OfSegmentsAreSavedFileByFile) {
+    const std::filesystem::path look = edit::free_paint_path(document, anna), first = look / "000000.nvpaint",
+                                second = look / "000012.nvpaint";
+    const auto empty = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{field, {}});
+    edit::set_paint(document, anna, look, "look", {{first, empty}}, "new layer");
+    EXPECT_NE(edit::free_paint_path(document, anna), look);
+    edit::save_document(document, document.file.path);
+    EXPECT_TRUE(std::filesystem::is_directory(look)) << "the stage can be loaded again";
+    EXPECT_FALSE(std::filesystem::exists(first)) << "nothing is painted";
+
+    edit::set_paint(document, anna, look, "look", {{first, layer(1)}, {second, layer(0.5f)}}, "painted");
+    EXPECT_EQ(edit::paint_layers_of(document.file, anna)->back().path, look);
+    document.paint[at("unused.nvpaint")] = layer(1);
+    document.paint[at("gone.nvpaint/000000.nvpaint")] = layer(1);
+    edit::save_document(document, document.file.path);
+    EXPECT_EQ(voctree::read_paint(first, field).edits, layer(1)->edits);
+    EXPECT_EQ(voctree::read_paint(second, field).edits, layer(0.5f)->edits);
+    EXPECT_FALSE(std::filesystem::exists(at("unused.nvpaint")));
+    EXPECT_FALSE(std::filesystem::exists(at("gone.nvpaint")));
+
+    edit::set_paint(document, anna, look, "look", {{second, empty}}, "restored");
+    edit::save_document(document, document.file.path);
+    EXPECT_FALSE(std::filesystem::exists(second));
+    EXPECT_TRUE(std::filesystem::exists(first));
+    EXPECT_EQ(voctree::files_of_layer(document.paint, look).size(), 2u);
+    EXPECT_EQ(voctree::files_of_layer(document.paint, at("unused.nvpaint")).size(), 1u);
+    EXPECT_TRUE(voctree::files_of_layer(document.paint, at("unused")).empty());
+}
+
 }  // namespace
 }  // namespace neuvv

@@ -140,7 +140,7 @@ TEST(Editor, LayersThatWerePaintedAreUndone) {
     editor.open(document, false);
     const auto paint = [&](const char* file, const std::shared_ptr<const voctree::EditLayer>& painted) {
         return [path = at(file), anna, painted](edit::Document& edited) {
-            return edit::set_paint(edited, anna, path, "new", painted, "painted");
+            return edit::set_paint(edited, anna, path, "new", {{path, painted}}, "painted");
         };
     };
     const auto before = std::make_shared<const voctree::EditLayer>(voctree::read_paint(at("disk.nvpaint"), field));

@@ -243,8 +243,8 @@ void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke)
             stroke->changed_leaves |= layer != nullptr;
             if (layer)
                 state.editor.drag([&](edit::Document& document) {
-                    return edit::set_paint(document, stroke->node, stroke->target->layer_path, "headset", layer,
-                                           stroke->description);
+                    return edit::set_paint(document, stroke->node, stroke->target->layer_path, "headset",
+                                           {{stroke->target->layer_path, layer}}, stroke->description);
                 });
             process_strokes(state);
         };

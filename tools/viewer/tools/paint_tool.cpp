@@ -389,7 +389,7 @@ std::string PaintTool::write_layer(edit::Document& document, uint32_t node, cons
     };
     if (path == unshared_.first && at(path) == layers.end() && at(unshared_.second) != layers.end())
         edit::unshare_paint(document, node, static_cast<size_t>(at(unshared_.second) - layers.begin()), path, layer);
-    return edit::set_paint(document, node, path, "paint", layer, what);
+    return edit::set_paint(document, node, path, "paint", {{path, layer}}, what);
 }
 
 // This needs no device, so a job does it.
@@ -421,7 +421,8 @@ void PaintTool::add_layer(Context& context) {
     const auto empty = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
     const std::string name = fmt::format("paint {}", performer->layers.size() + 1);
     if (context.editor.edit([&](edit::Document& document) {
-            return edit::set_paint(document, performer->node, path, name, empty, fmt::format("new layer \"{}\"", name));
+            return edit::set_paint(document, performer->node, path, name, {{path, empty}},
+                                   fmt::format("new layer \"{}\"", name));
         }))
         settings.layer = path;
 }
