@@ -10,6 +10,7 @@
 #include "base/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
+#include "editor/paint_carrier.h"
 #include "tools/commands.h"
 #include "tools/paint.h"
 #include "tools/report.h"
@@ -199,7 +200,7 @@ void restore(const PaintOptions& options) {
     for (const uint32_t number : painted_segments(scene, options)) {
         editor::PaintOperation operation;
         operation.kind = editor::PaintOperation::Kind::kRestore;
-        operation.frames = frames_in(frames, scene.index.segments[number]);
+        operation.frames = editor::frames_in(frames, scene.index.segments[number]);
         if (operation.frames.first > operation.frames.last) continue;
         PaintedSegment segment(scene, options, number);
         if (const Layer restored = filled(segment, segment.layer, options, operation)) segment.layer = restored;

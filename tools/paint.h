@@ -167,7 +167,5 @@ bool paint_segments(const PaintedScene& scene, const PaintOptions& options, cons
                     Spread spread, const Painting& painting, LayerTotals& totals);
 // The numbers of the segments of which the layer has a file; of a clip that is one file, its number.
 std::vector<uint32_t> painted_segments(const PaintedScene& scene, const PaintOptions& options);
-// The part of frames of a clip that is in a segment's file, as frames of it; none (first > last) where there is none.
-edit::EditFrames frames_in(const edit::EditFrames& frames, const voctree::ClipSegment& segment);
 
 }  // namespace neuvv::tools
