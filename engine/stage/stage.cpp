@@ -41,7 +41,8 @@ uint32_t clip_of(Stage& stage, const std::filesystem::path& path, const StagePer
     try {
         const voctree::ClipHead head = voctree::read_clip_head(path);
         if (!(head.fps > 0) || head.frames == 0) throw InputError(path.string(), "HEAD", "has no frames or no rate");
-        stage.clips.push_back({path, head.frames, static_cast<double>(head.fps), head.box_min, head.box_size});
+        stage.clips.push_back({path, head.frames, static_cast<double>(head.fps), head.box_min, head.box_size,
+                               std::make_shared<const voctree::ClipIndex>(voctree::read_clip_index(path))});
     } catch (const InputError& problem) {
         throw InputError(stage.file.path.string(), fmt::format("{}/uri of \"{}\"", place, performer.name),
                          problem.what(), "train it, put it there, or remove the performer");

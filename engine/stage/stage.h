@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "stage/stage_file.h"
 #include "stage/stage_settings.h"
 #include "stage/time_map.h"
+#include "voctree/clip_index.h"
 
 namespace neuvv::stage {
 
@@ -22,6 +24,7 @@ struct StageClip {
     uint32_t frames = 1;
     double fps = 25;
     glm::dvec3 box_min{0}, box_size{1};  // performer's space, metres
+    std::shared_ptr<const voctree::ClipIndex> index{};
 };
 
 // A node of the default scene that has NEUVV_performer.

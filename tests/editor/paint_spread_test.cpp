@@ -1,0 +1,187 @@
+// Painting the other segments of a clip by jobs: what is painted, as how many steps, and what may happen in between.
+#include "editor/paint_spread.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "edit/paint_layers.h"
+#include "support/random_tree.h"
+#include "support/segmented_copy.h"
+#include "support/stage_on_disk.h"
+#include "support/temporary_folder.h"
+#include "voctree/clip.h"
+
+namespace neuvv::test {
+namespace {
+
+using editor::Layer;
+
+// A clip of three segments of two frames on a stage; the one in the middle is seen.
+struct PaintSpreadTest : testing::Test {
+    TemporaryFolder folder;
+    std::filesystem::path clip = folder.path / "long.nvv", look;
+    editor::Editor editor;
+    std::vector<std::string> problems;
+    JobQueue jobs{[this](const std::string& problem) { problems.push_back(problem); }, [] {}};
+    editor::PaintPlace place;
+    uint32_t anna = 0;
+    editor::PaintOperation operation{.colour = {1, 0, 0}, .frames = {0, 5, edit::Follow::kNot}};
+    edit::Region box = edit::box_region(glm::vec3(-9), glm::vec3(0.2f, 9, 9));
+
+    void SetUp() override {
+        voctree::VOctree tree = random_tree({.leaves = 300, .bases = 6, .frames = 6});
+        write_segmented_copy(tree, {2, 2, 2}, clip);
+        const std::filesystem::path show = folder.path / "show.gltf";
+        write_stage(show, clip, "anna");
+        edit::Document document;
+        document.file = stage::read_stage_file(show);
+        anna = edit::find_node(document.file, "anna");
+        look = edit::free_paint_path(document, anna);
+        editor.open(document, false);
+        place = editor::PaintPlace(std::make_shared<const voctree::ClipIndex>(voctree::read_clip_index(clip)), 2);
+        ASSERT_EQ(place.number, 1u);
+    }
+    ~PaintSpreadTest() override { jobs.stop(); }
+
+    std::shared_ptr<const editor::PaintClip> segment(uint32_t number) const {
+        return std::make_shared<const editor::PaintClip>(voctree::read_segment(place.index->segments[number]));
+    }
+    std::filesystem::path file(uint32_t number) const {
+        return voctree::paint_file(look, place.index->segments[number]);
+    }
+    static Layer empty(const editor::PaintClip& of) {
+        return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{of.field, {}});
+    }
+    bool set(uint32_t number, const Layer& layer) {
+        return editor.edit([&](edit::Document& document) {
+            return edit::set_paint(document, anna, look, "look", {{file(number), layer}}, "painted");
+        });
+    }
+    // Paints the segment that is seen, and begins to paint the others.
+    void paint() {
+        const auto seen = segment(1);
+        const editor::PaintedRegion painted = editor::paint_region(place, seen, empty(*seen), operation, box);
+        ASSERT_TRUE(painted.layer && painted.spread);
+        ASSERT_TRUE(set(1, painted.layer));
+        editor::start_spread(editor, jobs, place, anna, look, *painted.spread);
+    }
+    void settle() {
+        const auto from = std::chrono::steady_clock::now();
+        while (!jobs.idle() || jobs.has_posted()) {
+            jobs.run_posted();
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            ASSERT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(60));
+        }
+        EXPECT_TRUE(problems.empty());
+    }
+    // Begins a drag, and waits until all segments are painted but for the edit, which the drag holds up.
+    void hold() {
+        ASSERT_TRUE(
+            editor.drag([&](edit::Document& document) { return edit::rename_node(document.file, anna, "berta"); }));
+        const auto from = std::chrono::steady_clock::now();
+        while (std::chrono::steady_clock::now() - from < std::chrono::milliseconds(500)) jobs.run_posted();
+        ASSERT_TRUE(jobs.idle());
+    }
+    std::vector<voctree::LeafEdit> edits_of(uint32_t number) const {
+        const auto found = editor.document().paint.find(file(number));
+        return found != editor.document().paint.end() ? found->second->edits : std::vector<voctree::LeafEdit>();
+    }
+    bool was_notified(const std::string& part) {
+        for (const editor::Notice& notice : editor.take_notices())
+            if (notice.text.find(part) != std::string::npos) return true;
+        return false;
+    }
+};
+
+TEST_F(PaintSpreadTest, EachSegmentHasLeavesOfItsOwnInARegion) {
+    operation.frames = {0, 4, edit::Follow::kNot};
+    paint();
+    settle();
+    for (uint32_t number = 0; number < 3; number++) {
+        const auto of = segment(number);
+        editor::PaintOperation there = operation;
+        there.frames = {0, number == 2 ? 0.0f : 1.0f, edit::Follow::kNot};
+        const Layer want = editor::apply_operation(of->canvas, *empty(*of),
+                                                   editor::leaves_for(of->canvas, *empty(*of), box, there), there);
+        ASSERT_TRUE(want) << number;
+        EXPECT_EQ(edits_of(number), want->edits) << number;
+    }
+    editor.undo();
+    EXPECT_TRUE(edits_of(0).empty() && edits_of(2).empty()) << "the others are one step";
+    EXPECT_FALSE(edits_of(1).empty());
+    editor.undo();
+    EXPECT_FALSE(editor.modified());
+    editor.redo();
+    editor.redo();
+    EXPECT_FALSE(edits_of(0).empty() || edits_of(1).empty() || edits_of(2).empty());
+}
+
+TEST_F(PaintSpreadTest, EditsThatFollowLeavesAreCarried) {
+    operation.frames = {2, 2, edit::Follow::kAll};
+    paint();
+    settle();
+    const auto seen = segment(1);
+    editor::PaintOperation there = operation;
+    there.frames = {0, 0, edit::Follow::kNot};
+    const Layer selected = editor::apply_operation(seen->canvas, *empty(*seen),
+                                                   editor::leaves_for(seen->canvas, *empty(*seen), box, there), there);
+    editor::PaintCarrier carrier(*place.index, operation.frames, 1, seen, selected->edits);
+    voctree::EditLayer want_seen = *empty(*seen);
+    voctree::add_edits(want_seen, carrier.seen_edits());
+    EXPECT_EQ(edits_of(1), want_seen.edits);
+    size_t carried = 0;
+    while (const auto number = carrier.next()) {
+        const editor::PaintCarrier::Edits edits = carrier.edits_in(segment(*number));
+        voctree::EditLayer want = *empty(*segment(*number));
+        voctree::add_edits(want, edits);
+        EXPECT_EQ(edits_of(*number), want.edits) << *number;
+        carried += want.edits.size();
+    }
+    EXPECT_GT(carried, 10u);
+}
+
+TEST_F(PaintSpreadTest, WhatWasPaintedMeanwhileStays) {
+    paint();
+    hold();
+    const auto last = segment(2);
+    const Layer other = std::make_shared<const voctree::EditLayer>(
+        voctree::EditLayer{last->field, {{.leaf = 3, .first = 0, .last = 1, .colour = {0, 1, 0}, .alpha = 1}}});
+    editor.cancel_drag();
+    ASSERT_TRUE(set(2, other));
+    settle();
+    EXPECT_EQ(edits_of(2), other->edits);
+    EXPECT_TRUE(was_notified("painted meanwhile"));
+    EXPECT_FALSE(edits_of(0).empty());
+}
+
+TEST_F(PaintSpreadTest, NothingIsPaintedOnALayerThatIsGone) {
+    paint();
+    editor.undo();
+    settle();
+    EXPECT_TRUE(edits_of(0).empty());
+    EXPECT_FALSE(editor.modified());
+}
+
+TEST_F(PaintSpreadTest, AStrokeThatIsGoingOnIsNotCutOff) {
+    paint();
+    hold();
+    EXPECT_TRUE(editor.dragging());
+    EXPECT_TRUE(edits_of(0).empty());
+    editor.end_drag();
+    settle();
+    EXPECT_FALSE(edits_of(0).empty());
+}
+
+TEST_F(PaintSpreadTest, ASegmentThatCannotBeReadIsToldAndTheRestIsKept) {
+    std::filesystem::remove(place.index->segments[2].file);
+    paint();
+    settle();
+    EXPECT_TRUE(was_notified("000004.nvv"));
+    EXPECT_FALSE(edits_of(0).empty()) << "it comes before";
+    EXPECT_TRUE(edits_of(2).empty());
+}
+
+}  // namespace
+}  // namespace neuvv::test
