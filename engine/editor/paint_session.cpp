@@ -96,15 +96,18 @@ std::shared_ptr<const voctree::EditLayer> PaintSession::layer() const {
     return after;
 }
 
-ReadPerformer read_performer(const std::filesystem::path& clip_path, std::shared_ptr<const PaintClip> clip,
+ReadPerformer read_performer(const PaintPlace& place, std::shared_ptr<const PaintClip> clip,
                              std::span<const std::filesystem::path> layers) {
-    if (voctree::is_segmented(clip_path))
-        throw InputError(clip_path.string(), "", "is a clip in segments, which only the command line paints",
-                         "use `neuvv paint`");
+    const voctree::ClipSegment& segment = place.segment();
+    if (segment.stream)
+        throw InputError(segment.stream->path().string(), "", "is a stream, which cannot be painted",
+                         "paint the clip that it was published from");
     ReadPerformer read;
-    read.clip = clip ? std::move(clip) : std::make_shared<const PaintClip>(voctree::read_clip(clip_path));
+    read.clip = clip ? std::move(clip) : std::make_shared<const PaintClip>(voctree::read_segment(segment));
     for (const std::filesystem::path& layer : layers)
-        read.layers[layer] = std::make_shared<const voctree::EditLayer>(voctree::read_paint(layer, read.clip->field));
+        read.files[place.layer_file(layer)] = std::make_shared<const voctree::EditLayer>(
+            place.is_segmented() ? voctree::read_segment_paint(layer, segment, read.clip->field)
+                                 : voctree::read_paint(layer, read.clip->field));
     return read;
 }
 

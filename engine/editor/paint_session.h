@@ -7,9 +7,9 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 
 #include "editor/paint_operation.h"
+#include "editor/paint_place.h"
 #include "editor/paint_surface.h"
 
 namespace neuvv::editor {
@@ -61,14 +61,14 @@ class PaintSession {
     std::vector<voctree::LeafEdit> projected_;
 };
 
-// A performer's clip and layers of paint, as read from the disk.
+// A performer's clip, or a segment of it, and files of its layers, as read from the disk.
 struct ReadPerformer {
     std::shared_ptr<const PaintClip> clip;
-    std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> layers;
+    voctree::PaintLayers files;
 };
-// Reads the clip, unless it is given, and the layers at these paths. A large clip takes seconds. Throws InputError,
-// also for a clip in segments.
-ReadPerformer read_performer(const std::filesystem::path& clip_path, std::shared_ptr<const PaintClip> clip,
+// Reads the segment, unless it is given, and its files of these layers (PaintPlace::layer_file). A large clip takes
+// seconds. Throws InputError, also for a stream.
+ReadPerformer read_performer(const PaintPlace& place, std::shared_ptr<const PaintClip> clip,
                              std::span<const std::filesystem::path> layers);
 
 // The image made smaller: each pixel is the mean of factor × factor pixels, of fewer at the right and lower edges.

@@ -7,11 +7,11 @@ namespace neuvv::editor {
 namespace {
 
 // Runs one step of the task. Returns whether the task has ended, by its result or by an error.
-bool run(Parts parts, OnDevice& on, PaintSurface& surface, const std::filesystem::path& path, const PaintClip& clip,
+bool run(Parts parts, OnDevice& on, PaintSurface& surface, const std::filesystem::path& file, const PaintClip& clip,
          const PaintTask& task, const JobQueue::Then& failed) {
     JobQueue::Then then;
     try {
-        then = task(surface, field_of(on, path, clip));
+        then = task(surface, field_of(on, file, clip));
         if (!then) return false;
     } catch (const std::exception& error) {
         surface.clear();
@@ -26,23 +26,19 @@ bool run(Parts parts, OnDevice& on, PaintSurface& surface, const std::filesystem
 
 }  // namespace
 
-std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesystem::path& path, const PaintClip& clip) {
-    for (uint32_t i = 0; i < on.stage.clips.size(); i++) {
-        if (on.stage.clips[i].path != path) continue;
-        if (on.renderer.painted_field(i) == clip.field) return on.renderer.shared_field(i);
-        throw InputError(path.string(), "", "was written anew since it was read", "paint again");
-    }
-    throw InputError(path.string(), "", "is not on the stage any more", "select another performer");
+std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesystem::path& file, const PaintClip& clip) {
+    if (auto field = on.renderer.find_field(file, clip.field)) return field;
+    throw InputError(file.string(), "", "is not what was read from it, or is not shown any more", "paint again");
 }
 
 // Each further step is posted by way of the editor's thread, so that other requests to the render thread come in
 // between.
-void post_paint_task(Parts parts, const std::shared_ptr<PaintSurface>& surface, const std::filesystem::path& path,
+void post_paint_task(Parts parts, const std::shared_ptr<PaintSurface>& surface, const std::filesystem::path& file,
                      const std::shared_ptr<const PaintClip>& clip, const PaintTask& task,
                      const JobQueue::Then& failed) {
     parts.render_thread.post([=](OnDevice& on) {
-        if (run(parts, on, *surface, path, *clip, task, failed)) return;
-        parts.jobs.post([=] { post_paint_task(parts, surface, path, clip, task, failed); });
+        if (run(parts, on, *surface, file, *clip, task, failed)) return;
+        parts.jobs.post([=] { post_paint_task(parts, surface, file, clip, task, failed); });
     });
 }
 

@@ -115,6 +115,15 @@ std::vector<std::string> StageRenderer::take_problems() {
     return {all.begin() + static_cast<ptrdiff_t>(told), all.end()};
 }
 
+std::shared_ptr<const Field> StageRenderer::find_field(const std::filesystem::path& file,
+                                                       const voctree::PaintedField& painted) const {
+    for (const ClipOnDevice& clip : clips_.clips())
+        for (const ClipOnDevice::Segment& segment : clip.segments)
+            if (segment.loaded && segment.loaded->path == file && segment.loaded->painted == painted)
+                return {segment.loaded, &segment.loaded->field};
+    return nullptr;
+}
+
 StageRenderer::NextPaints StageRenderer::make_paints(const stage::Stage& stage, const StageAssets& assets) const {
     NextPaints next;
     for (size_t i = 0; i < stage.performers.size(); i++) {

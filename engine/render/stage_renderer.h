@@ -76,7 +76,10 @@ class StageRenderer {
     const Field& field(uint32_t clip) const { return first(clip)->field; }
     // The same field, valid for as long as the pointer exists.
     std::shared_ptr<const Field> shared_field(uint32_t clip) const { return {first(clip), &first(clip)->field}; }
-    const voctree::PaintedField& painted_field(uint32_t clip) const { return first(clip)->painted; }
+    // The field of the file of a clip or of a segment, where it is on the device and is the one that `painted` was made
+    // for; else null. Valid for as long as the pointer exists.
+    std::shared_ptr<const Field> find_field(const std::filesystem::path& file,
+                                            const voctree::PaintedField& painted) const;
     // A line for each segment, and for paint of a segment, that cannot be read, of those that were found since the last
     // call, or since change(): StageClips::problems.
     std::vector<std::string> take_problems();

@@ -6,6 +6,7 @@
 #include "edit/paint_layers.h"
 #include "edit/select.h"
 #include "headset/hands_at_a_stage.h"
+#include "support/segmented_copy.h"
 
 namespace neuvv::test {
 namespace {
@@ -212,6 +213,41 @@ TEST_F(BrushHandTest, AnotherPerformerIsPaintedAllTheSame) {
     dab(head_of_ben);
     settle();
     EXPECT_EQ(painted(), within({head_of_ben}, state.brush.radius_m));
+}
+
+TEST_F(BrushHandTest, AClipInSegmentsIsPaintedInTheOthersToo) {
+    const std::filesystem::path parts = folder.path / "parts.nvv";
+    write_segmented_copy(figure_tree(), {1, 1}, parts);
+    edit::PerformerEdit edit;
+    edit.clip = parts;
+    state.editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, node("ben"), edit); });
+    state.brush.whole_clip = true;
+    frames(2);
+    dab(head_of_ben);
+    settle();
+    const auto layers = edit::paint_layers_of(state.editor.file(), node("ben"));
+    ASSERT_EQ(layers->size(), 1u);
+    const auto files = voctree::files_of_layer(state.editor.document().paint, layers->front().path);
+    ASSERT_EQ(files.size(), 2u);
+    const glm::dmat4 performer_from_world = glm::inverse(state.evaluated.performers[1].world_from_performer);
+    const glm::vec3 middle(performer_from_world * glm::dvec4(head_of_ben, 1));
+    uint32_t number = 0;
+    for (const auto& [file, layer] : files) {
+        const voctree::VOctree tree = voctree::read_nvv(parts / voctree::segment_file_name(number));
+        const edit::Canvas canvas(tree);
+        EXPECT_EQ(layer->field, voctree::painted_field(tree));
+        std::set<uint32_t> painted, near;
+        for (const voctree::LeafEdit& one : layer->edits) painted.insert(one.leaf);
+        for (const uint32_t leaf :
+             edit::leaves_in(canvas, edit::sphere_region(middle, static_cast<float>(state.brush.radius_m / 1.6)), 0, 0))
+            near.insert(leaf);
+        ASSERT_GT(painted.size(), 10u) << number;
+        // What was not there at the time of the stroke is not painted.
+        EXPECT_TRUE(std::includes(near.begin(), near.end(), painted.begin(), painted.end())) << number;
+        if (number == 0) EXPECT_EQ(painted, near);
+        number++;
+    }
+    EXPECT_EQ(undo_all(), 3u) << "another clip, a stroke, and the same in the other segment";
 }
 
 TEST_F(BrushHandTest, ErasingTakesDensityAndKeepsToThisFrameWhereItIsAsked) {

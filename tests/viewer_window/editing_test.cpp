@@ -1,4 +1,5 @@
 // Tests of editing: what a user does to the stage is displayed and saved.
+#include "support/segmented_copy.h"
 #include "viewer_window/viewer_window.h"
 #include "voctree/nvpaint.h"
 
@@ -103,6 +104,40 @@ TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
     EXPECT_TRUE(same(bare, hands->image()));
     hands->key("ctrl+shift+z");
     EXPECT_TRUE(same(painted, hands->image()));
+}
+
+TEST_F(Editing, AStrokeOnAClipInSegmentsGoesOnInTheOthers) {
+    const std::string parts = file("parts.nvv");
+    write_segmented_copy(waver_tree(), {3, kWaverFrames - 3}, parts);
+    write_stage(stage, parts, "anna");
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    const media::Image bare = hands->image();
+    hands->click("stage/anna");
+    hands->click("tab/paint");
+    hands->click("paint/colour");
+    const Spot chest = hands->in_image(0.5, 0.5);
+    hands->point(chest);
+    for (int i = 0; i < 8; i++) hands->key("bracketright");
+    hands->drag({chest.x - 4, chest.y - 30}, {chest.x + 4, chest.y + 12});
+    hands->until_notice("painted in 1 more segment");
+    hands->until_rest();
+    hands->point(hands->in_image(0.02, 0.98));
+    const media::Image painted = hands->image();
+    EXPECT_TRUE(other(bare, painted));
+    save(*hands);
+    EXPECT_TRUE(same(painted, rendered(painted)));
+    const json document = saved();
+    const json layers = document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"]["paint"];
+    ASSERT_EQ(layers.size(), 1u) << document;
+    const std::filesystem::path layer = folder.path / layers[0]["uri"].get<std::string>();
+    for (const uint32_t first : {0u, 3u}) {
+        const voctree::ClipSegment segment{std::filesystem::path(parts) / voctree::segment_file_name(first), first};
+        const auto edits = voctree::read_paint(voctree::paint_file(layer, segment),
+                                               voctree::painted_field(voctree::read_nvv(segment.file)))
+                               .edits;
+        EXPECT_GT(edits.size(), 10u) << first;
+    }
 }
 
 TEST_F(Editing, AImageIsProjectedOntoWhoIsUnderIt) {

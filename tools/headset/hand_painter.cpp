@@ -24,6 +24,13 @@ editor::PaintOperation operation_of(const HandBrush& brush, float frame, uint32_
     return operation;
 }
 
+// The frame of its clip that a performer shows.
+float frame_of(const HeadsetState& state, uint32_t index) {
+    for (const stage::EvaluatedPerformer& at : state.evaluated.performers)
+        if (at.performer == index) return at.frame;
+    return 0;
+}
+
 }  // namespace
 
 // The tip of the brush as it moved between two points, with the performer's transform at that time. The tip has its
@@ -44,13 +51,15 @@ struct TipSweep {
     }
 };
 
-// A performer's clip on the host, and the layer of it that strokes paint.
+// A performer's clip on the host, or the segment that is seen, and the layer of it that strokes paint.
 struct HandPainter::PaintTarget {
     uint32_t node = 0;
-    std::filesystem::path clip_path, layer_path;
+    editor::PaintPlace place;
+    std::filesystem::path layer_path;
     bool is_new = false;  // whether the layer is
     std::shared_ptr<const editor::PaintClip> clip;
-    std::shared_ptr<const voctree::EditLayer> layer;  // as read; null where it is new, or in the document
+    editor::Layer layer;  // the segment's part as read; null where the layer is new, or in the document
+    std::filesystem::path file() const { return place.layer_file(layer_path); }
 };
 
 struct HandPainter::Stroke {
@@ -64,7 +73,10 @@ struct HandPainter::Stroke {
     bool job_running = false, released = false;
     // Set once the performer has been read. After that only the jobs use the session, one at a time.
     std::shared_ptr<const PaintTarget> target;
+    editor::Layer before;              // of the target, when the stroke began
+    editor::PaintOperation operation;  // its frames are of the clip
     std::optional<editor::PaintSession> session;
+    std::optional<editor::SpreadPaint> spread;  // on a clip in segments: what other segments get after the stroke
     bool region_applied = false, changed_leaves = false, failed = false;
 
     bool has_pending() const { return !pending.empty() || (region && !region_applied); }
@@ -82,22 +94,30 @@ std::optional<uint32_t> HandPainter::performer_to_paint(const HeadsetState& stat
     return std::nullopt;
 }
 
-// Strokes paint the performer's uppermost layer where no other performer uses it, else a new layer. Returns null while
-// clip and layer are being read, or where they cannot be; a job reads them, and calls process_strokes() when it ends.
-std::shared_ptr<const HandPainter::PaintTarget> HandPainter::load_target(HeadsetState& state, uint32_t index) {
+// The target at a frame of the performer's clip. Strokes paint the performer's uppermost layer where no other performer
+// uses it, else a new layer. Returns null while clip and layer are being read, or where they cannot be; a job reads
+// them, and calls process_strokes() when it ends.
+std::shared_ptr<const HandPainter::PaintTarget> HandPainter::load_target(HeadsetState& state, uint32_t index,
+                                                                         float frame) {
     const stage::StagePerformer& performer = state.stage->performers[index];
     const auto layers = edit::paint_layers_of(state.editor.file(), performer.node);
     if (!layers) return nullptr;
     const bool paints_top_layer =
         !layers->empty() && !edit::is_shared(state.editor.file(), performer.node, layers->back().path);
-    const std::filesystem::path clip_path = state.stage->clips[performer.clip].path;
+    const editor::PaintPlace place(state.stage->clips[performer.clip].index, frame);
+    const bool same_clip = target_ && target_->place.segment().file == place.segment().file;
     const bool same =
-        target_ && target_->node == performer.node && target_->clip_path == clip_path &&
-        (paints_top_layer
-             ? target_->layer_path == layers->back().path
-             : target_->is_new && !edit::used_layers(state.editor.file()).contains(target_->layer_path) &&
-                   !state.editor.document().paint.contains(target_->layer_path));  // an undone stroke stays there
-    if (same) return target_;
+        same_clip && target_->node == performer.node &&
+        (paints_top_layer ? target_->layer_path == layers->back().path
+                          : target_->is_new && !edit::used_layers(state.editor.file()).contains(target_->layer_path) &&
+                                // an undone stroke stays there
+                                voctree::files_of_layer(state.editor.document().paint, target_->layer_path).empty());
+    if (same && target_->place.frame == place.frame) return target_;
+    if (same) {
+        auto target = std::make_shared<PaintTarget>(*target_);
+        target->place = place;
+        return target_ = target;
+    }
     if (failed_target_.id == state.editor.id() && failed_target_.node == performer.node) {
         status_ = failed_target_.problem;
         return nullptr;
@@ -106,20 +126,20 @@ std::shared_ptr<const HandPainter::PaintTarget> HandPainter::load_target(Headset
     if (std::exchange(reading_, true)) return nullptr;
     auto target = std::make_shared<PaintTarget>();
     target->node = performer.node;
-    target->clip_path = clip_path;
+    target->place = place;
     target->layer_path =
         paints_top_layer ? layers->back().path : edit::free_paint_path(state.editor.document(), performer.node);
     target->is_new = !paints_top_layer;
-    if (target_ && target_->clip_path == clip_path) target->clip = target_->clip;
+    if (same_clip) target->clip = target_->clip;
     std::vector<std::filesystem::path> layers_to_read;
-    if (paints_top_layer && !state.editor.document().paint.contains(target->layer_path))
+    if (paints_top_layer && !state.editor.document().paint.contains(target->file()))
         layers_to_read.push_back(target->layer_path);
     jobs_.start(status_,
                 [this, &state, target, layers = std::move(layers_to_read), id = state.editor.id()]() -> JobQueue::Then {
                     try {
-                        const auto read = editor::read_performer(target->clip_path, target->clip, layers);
+                        const auto read = editor::read_performer(target->place, target->clip, layers);
                         target->clip = read.clip;
-                        if (!layers.empty()) target->layer = read.layers.at(target->layer_path);
+                        if (!layers.empty()) target->layer = read.files.at(target->file());
                     } catch (const std::exception& error) {
                         return [this, &state, id, node = target->node, problem = std::string(error.what())] {
                             reading_ = false;
@@ -147,8 +167,13 @@ void HandPainter::update(HeadsetState& state, Hands& hands) {
     if (!paints(state.tool)) return;
     const auto performer = performer_to_paint(state);
     if (!performer) return;
-    if (strokes_.empty()) {
-        if (const auto target = load_target(state, *performer)) update_status(state, *target);
+    const bool is_segmented = state.stage->clips[state.stage->performers[*performer].clip].index->segments.size() > 1;
+    if (strokes_.empty() && is_segmented && state.clock.playing) {
+        status_ =
+            fmt::format("Paints {} at the time at which a stroke begins", state.stage->performers[*performer].name);
+    } else if (strokes_.empty()) {
+        if (const auto target = load_target(state, *performer, frame_of(state, *performer)))
+            update_status(state, *target);
     }
     if (state.tool == HandTool::kRegion) return drag_region(state, *performer, hand);
     if (hand.aim && hand.consume_press() && hand.hit.target != PointerHit::Target::kPanel) {
@@ -173,8 +198,7 @@ std::shared_ptr<HandPainter::Stroke> HandPainter::begin_stroke(const HeadsetStat
     stroke->brush = state.brush;
     stroke->description = fmt::format("{} {} in the air", performer.name,
                                       state.brush.mode == HandBrush::Mode::kErase ? "erased" : "painted");
-    for (const stage::EvaluatedPerformer& at : state.evaluated.performers)
-        if (at.performer == index) stroke->frame = at.frame;
+    stroke->frame = frame_of(state, index);
     return stroke;
 }
 
@@ -198,22 +222,46 @@ void HandPainter::process_strokes(HeadsetState& state) {
     if (!stroke->target) {
         if (state.is_behind()) return;
         for (uint32_t i = 0; i < state.stage->performers.size() && !stroke->target; i++)
-            if (state.stage->performers[i].node == stroke->node) stroke->target = load_target(state, i);
+            if (state.stage->performers[i].node == stroke->node) stroke->target = load_target(state, i, stroke->frame);
         if (!stroke->target && !reading_) strokes_.pop_front();  // a notice has said why
         if (!stroke->target) return;
-        const PaintTarget& target = *stroke->target;
-        if (target.layer) state.editor.open_layer(target.layer_path, target.layer);
-        const auto known = state.editor.document().paint.find(target.layer_path);
-        const auto before = known != state.editor.document().paint.end()
-                                ? known->second
-                                : std::make_shared<voctree::EditLayer>(voctree::EditLayer{target.clip->field, {}});
-        stroke->session.emplace(editor::PaintSubject{target.clip}, before,
-                                operation_of(stroke->brush, stroke->frame, target.clip->tree.frames));
+        begin_session(state, *stroke);
     }
     if (stroke->has_pending())
         start_job(state, stroke);
     else if (stroke->released)
         finish_stroke(state);
+}
+
+// On a clip in segments, the session selects leaves of the segment that is seen, to be carried on.
+void HandPainter::begin_session(HeadsetState& state, Stroke& stroke) {
+    const PaintTarget& target = *stroke.target;
+    const auto none = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{target.clip->field, {}});
+    if (target.layer) state.editor.open_layer(target.file(), target.layer);
+    const auto known = state.editor.document().paint.find(target.file());
+    stroke.before = known != state.editor.document().paint.end() ? known->second : none;
+    stroke.operation = operation_of(stroke.brush, stroke.frame, target.place.index->frames());
+    editor::PaintOperation seen = stroke.operation;
+    if (target.place.is_segmented()) seen.frames = {target.place.frame, target.place.frame};
+    stroke.session.emplace(editor::PaintSubject{target.clip}, target.place.is_segmented() ? none : stroke.before, seen);
+}
+
+// What the stroke's performer has after `touched`, too, was painted; null where nothing new was. For jobs.
+editor::Layer HandPainter::painted(Stroke& stroke, const edit::Region& touched) {
+    const PaintTarget& target = *stroke.target;
+    if (stroke.region) {
+        editor::PaintedRegion region =
+            editor::paint_region(target.place, target.clip, stroke.before, stroke.operation, touched);
+        stroke.spread = std::move(region.spread);
+        return region.layer;
+    }
+    if (!stroke.session->add_region(touched)) return nullptr;
+    const editor::Layer selected = stroke.session->layer();
+    if (!target.place.is_segmented()) return selected;
+    const editor::CarriedPaint carried =
+        editor::carry_on(target.place, target.clip, stroke.before, selected, stroke.operation.frames);
+    if (carried.carrier) stroke.spread = editor::spread_edits(carried.carrier);
+    return carried.layer;
 }
 
 void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke) {
@@ -230,7 +278,7 @@ void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke)
     jobs_.start("", [this, &state, stroke, touched = std::move(touched)]() -> JobQueue::Then {
         std::shared_ptr<const voctree::EditLayer> layer;
         try {
-            if (stroke->session->add_region(touched)) layer = stroke->session->layer();
+            layer = painted(*stroke, touched);
         } catch (const std::exception& error) {
             return [this, &state, stroke, problem = std::string(error.what())] {
                 state.editor.notify(problem, true);
@@ -244,7 +292,7 @@ void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke)
             if (layer)
                 state.editor.drag([&](edit::Document& document) {
                     return edit::set_paint(document, stroke->node, stroke->target->layer_path, "headset",
-                                           {{stroke->target->layer_path, layer}}, stroke->description);
+                                           {{stroke->target->file(), layer}}, stroke->description);
                 });
             process_strokes(state);
         };
@@ -256,6 +304,9 @@ void HandPainter::finish_stroke(HeadsetState& state) {
     const Stroke& stroke = *strokes_.front();
     if (stroke.region_applied && !stroke.changed_leaves && !stroke.failed)
         state.editor.notify("there is nothing in the box", true);
+    if (stroke.spread && stroke.changed_leaves && !stroke.failed)
+        editor::start_spread(state.editor, jobs_, stroke.target->place, stroke.node, stroke.target->layer_path,
+                             *stroke.spread);
     strokes_.pop_front();
 }
 

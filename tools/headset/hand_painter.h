@@ -14,6 +14,7 @@
 
 #include "base/job_queue.h"
 #include "editor/paint_session.h"
+#include "editor/paint_spread.h"
 #include "tools/headset/hand.h"
 #include "tools/headset/headset_state.h"
 
@@ -56,10 +57,12 @@ class HandPainter {
     struct PaintTarget;
     struct Stroke;
     std::optional<uint32_t> performer_to_paint(const HeadsetState& state);
-    std::shared_ptr<const PaintTarget> load_target(HeadsetState& state, uint32_t performer);
+    std::shared_ptr<const PaintTarget> load_target(HeadsetState& state, uint32_t performer, float frame);
     void update_status(const HeadsetState& state, const PaintTarget& target);
     std::shared_ptr<Stroke> begin_stroke(const HeadsetState& state, uint32_t performer) const;
     void extend_stroke(HeadsetState& state, const Hand& hand);
+    void begin_session(HeadsetState& state, Stroke& stroke);
+    static editor::Layer painted(Stroke& stroke, const edit::Region& touched);
     void start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke);
     void finish_stroke(HeadsetState& state);
     void drag_region(const HeadsetState& state, uint32_t performer, Hand& hand);

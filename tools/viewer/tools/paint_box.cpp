@@ -48,7 +48,7 @@ void draw_edges(const Context& context, const Box& box, const glm::dmat4& world_
 
 void PaintTool::fit_box(const Context& context) {
     const auto performer = this->performer(context);
-    if (!performer || !clip_ || clip_path_ != performer->clip) return;
+    if (!performer || !clip_ || clip_file_ != performer->place.segment().file) return;
     std::tie(settings.box_low, settings.box_high) = voctree::occupied_box(clip_->tree);
 }
 

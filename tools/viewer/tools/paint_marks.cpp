@@ -145,9 +145,8 @@ void PaintTool::draw_stamp(Context& context) const {
 }
 
 void PaintTool::project_stamp(Context& context, const PaintedPerformer& performer) {
-    std::filesystem::path path;
-    const auto before = open_target(context, performer, path);
-    if (!before) return;
+    const auto target = open_target(context, performer);
+    if (!target) return;
     begin_task(context);
     context.view.clock.pause();
     Area area = stamp_area(context);
@@ -158,11 +157,21 @@ void PaintTool::project_stamp(Context& context, const PaintedPerformer& performe
     editor::PaintOperation operation;
     operation.opacity = static_cast<float>(settings.opacity);
     operation.frames = frames_of(performer);
+    const edit::EditFrames of_clip = operation.frames;
     const bool every_frame = settings.every_frame && settings.frames != PaintSettings::Frames::kThis;
+    const editor::PaintPlace& place = performer.place;
+    const bool carried = place.is_segmented() && !every_frame;
+    editor::Layer before = target->before;
+    if (carried) {
+        operation.frames = {place.frame, place.frame};
+        before = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
+    } else if (place.is_segmented()) {
+        operation.frames = editor::frames_in(of_clip, place.segment());
+    }
     auto session = std::make_shared<std::optional<editor::PaintSession>>();
     editor::post_paint_task(
-        context.parts(), surface_, performer.clip, clip_,
-        [=, this, &context, image = stamp_, subject = subject_of(context, performer, false)](
+        context.parts(), surface_, place.segment().file, clip_,
+        [=, this, &context, target = *target, image = stamp_, subject = subject_of(context, performer, false)](
             editor::PaintSurface& surface,
             const std::shared_ptr<const render::Field>& field) mutable -> JobQueue::Then {
             if (!*session) {
@@ -174,8 +183,15 @@ void PaintTool::project_stamp(Context& context, const PaintedPerformer& performe
                 session->emplace(subject, before, operation, std::move(projection));
             }
             if ((*session)->add_projection(surface)) return {};
-            const auto layer = (*session)->layer();
-            return [=, this, &context] { write_result(context, performer, path, before, layer, "image projected"); };
+            editor::Layer layer = (*session)->layer();
+            std::optional<editor::SpreadPaint> spread;
+            if (carried) {
+                const editor::CarriedPaint all =
+                    editor::carry_on(performer.place, subject.clip, target.before, layer, of_clip);
+                layer = all.layer;
+                if (all.carrier) spread = editor::spread_edits(all.carrier);
+            }
+            return [=, this, &context] { write_result(context, performer, target, layer, "image projected", spread); };
         },
         [this] {
             clip_.reset();

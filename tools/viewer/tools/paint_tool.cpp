@@ -30,7 +30,8 @@ const ToolMode PaintTool::kMode{"tool/paint", ICON_BRUSH, "Paint (4)", GLFW_KEY_
 // A stroke: from the press of the button until it is released and all its touches are painted.
 struct PaintTool::Stroke {
     uint32_t node = 0;
-    std::filesystem::path path, clip_path;
+    Target target;
+    editor::PaintPlace place;
     std::string what;
     uint64_t document = 0;  // Editor::id() after the stroke's last change
     glm::dmat4 world_from_performer{1};
@@ -41,10 +42,13 @@ struct PaintTool::Stroke {
     bool under_way = false, released = false;
     // Used by the render thread alone once the stroke has begun.
     editor::PaintSubject subject;
-    std::shared_ptr<const voctree::EditLayer> before;
+    editor::Layer before;  // of the session; without edits where they are carried
     editor::PaintOperation operation;
     editor::PaintArea area;
     std::optional<editor::PaintSession> session;
+    // On a clip in segments, of edits that are carried: the frames of the clip, and what carries them after the stroke.
+    std::optional<edit::EditFrames> carried;
+    std::shared_ptr<editor::PaintCarrier> carrier;
 };
 
 std::optional<PaintedPerformer> PaintTool::performer(const Context& context) {
@@ -59,9 +63,14 @@ std::optional<PaintedPerformer> PaintTool::performer(const Context& context) {
     if (!layers) return {};
     const stage::StageClip& clip = context.frame.stage->clips[all[index].clip];
     const stage::EvaluatedPerformer& evaluated = context.frame.evaluated.performers[index];
-    return PaintedPerformer{all[index].node,   all[index].name,   clip.path,
-                            clip.frames,       evaluated.frame,   evaluated.world_from_performer,
-                            evaluated.visible, std::move(*layers)};
+    return PaintedPerformer{all[index].node,
+                            all[index].name,
+                            clip.frames,
+                            evaluated.frame,
+                            editor::PaintPlace(clip.index, evaluated.frame),
+                            evaluated.world_from_performer,
+                            evaluated.visible,
+                            std::move(*layers)};
 }
 
 size_t PaintTool::painted_layer(const PaintedPerformer& performer) const {
@@ -95,15 +104,15 @@ editor::PaintOperation PaintTool::operation_of(const PaintedPerformer& performer
     return operation;
 }
 
-std::shared_ptr<const voctree::EditLayer> PaintTool::layer_at(const Context& context,
-                                                              const std::filesystem::path& path) const {
+editor::Layer PaintTool::layer_at(const Context& context, const std::filesystem::path& file) const {
     const auto& edited = context.editor.document().paint;
-    if (const auto found = edited.find(path); found != edited.end()) return found->second;
-    const auto found = read_.find(path);
+    if (const auto found = edited.find(file); found != edited.end()) return found->second;
+    const auto found = read_.find(file);
     return found != read_.end() ? found->second : nullptr;
 }
 
-// Painting needs the clip, the visible layers and the painted layer.
+// Painting needs the clip, or the segment that is seen, the visible layers and the painted layer. While a clip in
+// segments plays, none is read.
 bool PaintTool::prepare(Context& context) {
     const auto performer = this->performer(context);
     if (!performer) return false;
@@ -112,18 +121,20 @@ bool PaintTool::prepare(Context& context) {
     for (size_t i = 0; i < performer->layers.size(); i++) {
         const edit::ListedLayer& layer = performer->layers[i];
         const bool needed = i == painted || (layer.entry.visible && layer.entry.opacity > 0);
-        if (needed && !layer_at(context, layer.path)) missing.push_back(layer.path);
+        if (needed && !layer_at(context, performer->place.layer_file(layer.path))) missing.push_back(layer.path);
     }
-    const bool has_clip = clip_ && clip_path_ == performer->clip;
+    const std::filesystem::path& file = performer->place.segment().file;
+    const bool has_clip = clip_ && clip_file_ == file;
     if (has_clip && missing.empty()) return true;
+    if (performer->place.is_segmented() && context.view.clock.playing) return false;
     if (reading_ || failed_ == context.editor.id()) return false;
     reading_ = true;
     context.jobs.start(fmt::format("Reading {}, to be painted", performer->name),
-                       [this, &context, path = performer->clip, missing, clip = has_clip ? clip_ : nullptr,
+                       [this, &context, file, place = performer->place, missing, clip = has_clip ? clip_ : nullptr,
                         id = context.editor.id()]() -> JobQueue::Then {
                            editor::ReadPerformer read;
                            try {
-                               read = editor::read_performer(path, clip, missing);
+                               read = editor::read_performer(place, clip, missing);
                            } catch (const std::exception& error) {
                                return [this, &context, id, problem = std::string(error.what())] {
                                    reading_ = false;
@@ -131,11 +142,11 @@ bool PaintTool::prepare(Context& context) {
                                    context.editor.notify(problem, true);
                                };
                            }
-                           return [this, path, read] {
+                           return [this, file, read] {
                                reading_ = false;
-                               clip_path_ = path;
+                               clip_file_ = file;
                                clip_ = read.clip;
-                               for (const auto& [name, layer] : read.layers) read_[name] = layer;
+                               for (const auto& [name, layer] : read.files) read_[name] = layer;
                            };
                        });
     return false;
@@ -145,40 +156,44 @@ editor::PaintSubject PaintTool::subject_of(const Context& context, const Painted
                                            bool without_painted) const {
     editor::PaintSubject subject;
     subject.clip = clip_;
-    subject.frame = performer.frame;
+    subject.frame = performer.place.frame;
     const size_t painted = painted_layer(performer);
     for (size_t i = 0; i < performer.layers.size(); i++) {
         const stage::PaintLayer& entry = performer.layers[i].entry;
         if (!entry.visible || entry.opacity <= 0 || (without_painted && i == painted)) continue;
-        if (auto layer = layer_at(context, performer.layers[i].path))
+        if (auto layer = layer_at(context, performer.place.layer_file(performer.layers[i].path)))
             subject.paint.push_back({std::move(layer), entry.blend, static_cast<float>(entry.opacity)});
     }
     return subject;
 }
 
-std::shared_ptr<const voctree::EditLayer> PaintTool::open_target(Context& context, const PaintedPerformer& performer,
-                                                                 std::filesystem::path& path) {
-    if (performer.layers.empty()) {
-        path = edit::free_paint_path(context.editor.document(), performer.node);
-        return std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
-    }
-    const edit::ListedLayer& target = performer.layers[painted_layer(performer)];
-    if (!target.entry.visible || target.entry.opacity <= 0) {
-        context.editor.notify(fmt::format("\"{}\" is not seen: show the layer to paint on it", edit::title_of(target)),
+PaintTool::Target PaintTool::new_target(const Context& context, const PaintedPerformer& performer) const {
+    const auto path = edit::free_paint_path(context.editor.document(), performer.node);
+    return {path, performer.place.layer_file(path),
+            std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}})};
+}
+
+std::optional<PaintTool::Target> PaintTool::open_target(Context& context, const PaintedPerformer& performer) {
+    if (performer.layers.empty()) return new_target(context, performer);
+    const edit::ListedLayer& layer = performer.layers[painted_layer(performer)];
+    if (!layer.entry.visible || layer.entry.opacity <= 0) {
+        context.editor.notify(fmt::format("\"{}\" is not seen: show the layer to paint on it", edit::title_of(layer)),
                               true);
-        return nullptr;
+        return {};
     }
-    path = target.path;
-    auto layer = layer_at(context, path);
-    if (protected_layers_.contains(path) ||
-        edit::is_shared(context.editor.file(), performer.node, path)) {  // a copy for this performer alone
-        path = edit::free_paint_path(context.editor.document(), performer.node);
-        unshared_ = {path, target.path};
-        return layer;
+    Target target{layer.path, performer.place.layer_file(layer.path), nullptr};
+    target.before = layer_at(context, target.file);
+    if (protected_layers_.contains(layer.path) || edit::is_shared(context.editor.file(), performer.node, layer.path)) {
+        // A copy for this performer alone. Of a clip in segments, whose files are not all read, a new layer over it.
+        Target own = new_target(context, performer);
+        if (performer.place.is_segmented()) return own;
+        own.before = target.before;
+        unshared_ = {own.path, target.path};
+        return own;
     }
-    context.editor.open_layer(path, layer);
-    read_.erase(path);  // from now on the editor has it
-    return layer;
+    context.editor.open_layer(target.file, target.before);
+    read_.erase(target.file);  // from now on the editor has it
+    return target;
 }
 
 void PaintTool::handle_key(Context& context, const ui::KeyPress& press) {
@@ -236,13 +251,24 @@ void PaintTool::click_or_hover(Context& context, const PaintedPerformer& perform
 
 void PaintTool::begin_stroke(Context& context, const PaintedPerformer& performer) {
     auto active = std::make_shared<Stroke>();
-    active->before = open_target(context, performer, active->path);
-    if (!active->before) return;
+    const auto target = open_target(context, performer);
+    if (!target) return;
+    active->target = *target;
+    active->before = target->before;
     context.view.clock.pause();
     active->operation = operation_of(performer, ImGui::GetIO().KeyCtrl);
+    if (performer.place.is_segmented()) {
+        edit::EditFrames& frames = active->operation.frames;
+        if (editor::is_carried(active->operation.kind)) {
+            active->carried = std::exchange(frames, {performer.place.frame, performer.place.frame});
+            active->before = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
+        } else {
+            frames = editor::frames_in(frames, performer.place.segment());
+        }
+    }
     active->what = kDone[static_cast<size_t>(active->operation.kind)];
     active->node = performer.node;
-    active->clip_path = performer.clip;
+    active->place = performer.place;
     active->document = context.editor.id();
     active->world_from_performer = performer.world_from_performer;
     active->subject = subject_of(context, performer, active->operation.kind == editor::PaintOperation::Kind::kRestore);
@@ -275,13 +301,16 @@ void PaintTool::continue_stroke(Context& context) {
     if (stroke.under_way) return;
     if (stroke.waiting.empty()) {
         if (!stroke.released) return;
+        if (stroke.carrier)
+            editor::start_spread(context.editor, context.jobs, stroke.place, stroke.node, stroke.target.path,
+                                 editor::spread_edits(stroke.carrier));
         stroke_.reset();
         return;
     }
     stroke.under_way = true;
     stroke.sent_since_s = std::exchange(stroke.waiting_since_s, std::nullopt);
     editor::post_paint_task(
-        context.parts(), surface_, stroke.clip_path, stroke.subject.clip,
+        context.parts(), surface_, stroke.place.segment().file, stroke.subject.clip,
         [this, &context, active = stroke_, waiting = std::exchange(stroke.waiting, {})](
             editor::PaintSurface& surface, const std::shared_ptr<const render::Field>& field) -> JobQueue::Then {
             if (!active->session) {
@@ -289,7 +318,13 @@ void PaintTool::continue_stroke(Context& context) {
                 active->session.emplace(active->subject, active->before, active->operation, active->area);
             }
             for (const auto& [camera, pixels] : waiting) active->session->add_touches(surface, camera, pixels);
-            const auto layer = active->session->layer();
+            editor::Layer layer = active->session->layer();
+            if (active->carried) {
+                const editor::CarriedPaint carried = editor::carry_on(active->place, active->subject.clip,
+                                                                      active->target.before, layer, *active->carried);
+                layer = carried.layer;
+                active->carrier = carried.carrier;
+            }
             return [this, &context, active, layer] { apply_result(context, active, layer); };
         },
         [this, &context, active = stroke_] {
@@ -309,9 +344,9 @@ void PaintTool::apply_result(Context& context, const std::shared_ptr<Stroke>& ac
     if (!layer) return;
     if (active->sent_since_s) context.requests.earlier_event_s = active->sent_since_s;
     context.editor.drag([&](edit::Document& document) {
-        return write_layer(document, active->node, active->path, layer, active->what);
+        return write_layer(document, active->node, active->target, layer, active->what);
     });
-    settings.layer = active->path;
+    settings.layer = active->target.path;
     active->document = context.editor.id();
 }
 
@@ -327,7 +362,7 @@ void PaintTool::update_hover(Context& context, const PaintedPerformer& performer
     hover_.camera = context.frame.camera;
     const bool restores = settings.tool == PaintSettings::Tool::kRestore;
     editor::post_paint_task(
-        context.parts(), surface_, performer.clip, clip_,
+        context.parts(), surface_, performer.place.segment().file, clip_,
         [this, &context, subject = subject_of(context, performer, restores), pixel, camera = context.frame.camera,
          world_from_performer = performer.world_from_performer](
             editor::PaintSurface& surface,
@@ -356,60 +391,64 @@ void PaintTool::begin_task(const Context& context) {
     task_document_ = {context.editor.open_count(), context.editor.node_count()};
 }
 
-void PaintTool::write_result(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
-                             const std::shared_ptr<const voctree::EditLayer>& before,
-                             const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) {
+void PaintTool::write_result(Context& context, const PaintedPerformer& performer, const Target& target,
+                             const editor::Layer& layer, const std::string& what,
+                             std::optional<editor::SpreadPaint> spread) {
     task_runs_ = false;
     if (task_document_ != std::pair(context.editor.open_count(), context.editor.node_count())) {
         context.editor.notify("the stage is another now: nothing was painted", true);
         return;
     }
-    if (!layer) {
+    if (!layer && !spread) {
         context.editor.notify("nothing is there: nothing was painted", true);
         return;
     }
-    const auto now = layer_at(context, path);
-    if (now && now != before) {
+    const auto now = layer_at(context, target.file);
+    if (now && now != target.before) {
         context.editor.notify("the layer was painted meanwhile: it stays as it is", true);
         return;
     }
-    const bool done = context.editor.edit(
-        [&](edit::Document& document) { return write_layer(document, performer.node, path, layer, what); });
-    if (done) settings.layer = path;
+    const bool done = context.editor.edit([&](edit::Document& document) {
+        return write_layer(document, performer.node, target, layer ? layer : target.before, what);
+    });
+    if (!done) return;
+    settings.layer = target.path;
+    if (spread)
+        editor::start_spread(context.editor, context.jobs, performer.place, performer.node, target.path, *spread);
 }
 
 // A copy of a shared layer replaces that layer first.
-std::string PaintTool::write_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
-                                   const std::shared_ptr<const voctree::EditLayer>& layer,
-                                   const std::string& what) const {
+std::string PaintTool::write_layer(edit::Document& document, uint32_t node, const Target& target,
+                                   const editor::Layer& layer, const std::string& what) const {
     const auto layers = edit::paint_layers_of(document.file, node).value_or(std::vector<edit::ListedLayer>{});
     const auto at = [&](const std::filesystem::path& of) {
         return std::find_if(layers.begin(), layers.end(),
                             [&](const edit::ListedLayer& listed) { return listed.path == of; });
     };
-    if (path == unshared_.first && at(path) == layers.end() && at(unshared_.second) != layers.end())
-        edit::unshare_paint(document, node, static_cast<size_t>(at(unshared_.second) - layers.begin()), path, layer);
-    return edit::set_paint(document, node, path, "paint", {{path, layer}}, what);
+    if (target.path == unshared_.first && at(target.path) == layers.end() && at(unshared_.second) != layers.end())
+        edit::unshare_paint(document, node, static_cast<size_t>(at(unshared_.second) - layers.begin()), target.path,
+                            layer);
+    return edit::set_paint(document, node, target.path, "paint", {{target.file, layer}}, what);
 }
 
-// This needs no device, so a job does it.
+// This needs no device, so a job does it. Edits that follow leaves are carried from those of the segment that is seen;
+// else each segment has leaves of its own in the box.
 void PaintTool::paint_in_box(Context& context) {
     const auto performer = this->performer(context);
-    std::filesystem::path path;
     if (!performer || busy() || !prepare(context)) return;
-    const auto before = open_target(context, *performer, path);
-    if (!before) return;
+    const auto target = open_target(context, *performer);
+    if (!target) return;
     begin_task(context);
     const editor::PaintOperation operation = operation_of(*performer, false);
     const edit::Region box = edit::box_region(glm::vec3(settings.box_low), glm::vec3(settings.box_high));
     context.jobs.start("Painting in the box",
-                       [=, this, &context, clip = clip_, performer = *performer]() -> JobQueue::Then {
-                           editor::PaintSession session({clip}, before, operation);
-                           session.add_region(box);
-                           const auto layer = session.layer();
+                       [=, this, &context, clip = clip_, performer = *performer, target = *target]() -> JobQueue::Then {
+                           const editor::PaintedRegion painted =
+                               editor::paint_region(performer.place, clip, target.before, operation, box);
                            return [=, this, &context] {
-                               write_result(context, performer, path, before, layer,
-                                            fmt::format("{} in a box", kDone[static_cast<size_t>(operation.kind)]));
+                               write_result(context, performer, target, painted.layer,
+                                            fmt::format("{} in a box", kDone[static_cast<size_t>(operation.kind)]),
+                                            painted.spread);
                            };
                        });
 }
@@ -417,14 +456,13 @@ void PaintTool::paint_in_box(Context& context) {
 void PaintTool::add_layer(Context& context) {
     const auto performer = this->performer(context);
     if (!performer || busy() || !prepare(context)) return;
-    const auto path = edit::free_paint_path(context.editor.document(), performer->node);
-    const auto empty = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
+    const Target target = new_target(context, *performer);
     const std::string name = fmt::format("paint {}", performer->layers.size() + 1);
     if (context.editor.edit([&](edit::Document& document) {
-            return edit::set_paint(document, performer->node, path, name, {{path, empty}},
+            return edit::set_paint(document, performer->node, target.path, name, {{target.file, target.before}},
                                    fmt::format("new layer \"{}\"", name));
         }))
-        settings.layer = path;
+        settings.layer = target.path;
 }
 
 }  // namespace neuvv::viewer

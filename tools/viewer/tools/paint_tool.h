@@ -12,6 +12,7 @@
 
 #include "edit/paint_layers.h"
 #include "editor/paint_session.h"
+#include "editor/paint_spread.h"
 #include "tools/viewer/tools/tool.h"
 
 namespace neuvv::viewer {
@@ -39,9 +40,9 @@ constexpr double kMinStamp = 0.02, kMaxStamp = 2;  // of stamp_share
 struct PaintedPerformer {
     uint32_t node = 0;
     std::string name;
-    std::filesystem::path clip;  // absolute
-    uint32_t frames = 1;         // of the clip
-    float frame = 0;             // clip time
+    uint32_t frames = 1;       // of the clip
+    float frame = 0;           // clip time
+    editor::PaintPlace place;  // the segment that is seen
     glm::dmat4 world_from_performer{1};
     bool visible = true;
     std::vector<edit::ListedLayer> layers;
@@ -102,11 +103,15 @@ class PaintTool : public Tool {
     editor::PaintOperation operation_of(const PaintedPerformer& performer, bool inverted) const;
     editor::PaintSubject subject_of(const Context& context, const PaintedPerformer& performer,
                                     bool without_painted) const;
-    std::shared_ptr<const voctree::EditLayer> layer_at(const Context& context, const std::filesystem::path& path) const;
-    // Opens the layer to be painted in the editor and returns it, with its path. Returns null, and notifies the user,
-    // where it cannot be painted.
-    std::shared_ptr<const voctree::EditLayer> open_target(Context& context, const PaintedPerformer& performer,
-                                                          std::filesystem::path& path);
+    editor::Layer layer_at(const Context& context, const std::filesystem::path& file) const;
+    // The layer that is painted, and its file of the segment that is seen.
+    struct Target {
+        std::filesystem::path path, file;
+        editor::Layer before;
+    };
+    // Opens the layer to be painted in the editor. Returns nullopt, and notifies the user, where it cannot be painted.
+    std::optional<Target> open_target(Context& context, const PaintedPerformer& performer);
+    Target new_target(const Context& context, const PaintedPerformer& performer) const;
     void set_radius_by_keys(const Context& context);
     void click_or_hover(Context& context, const PaintedPerformer& performer, PointerUse& use);
     void begin_stroke(Context& context, const PaintedPerformer& performer);
@@ -116,14 +121,13 @@ class PaintTool : public Tool {
     void update_hover(Context& context, const PaintedPerformer& performer);
     void take_colour(Context& context);
     void project_stamp(Context& context, const PaintedPerformer& performer);
-    std::string write_layer(edit::Document& document, uint32_t node, const std::filesystem::path& path,
-                            const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what) const;
+    std::string write_layer(edit::Document& document, uint32_t node, const Target& target, const editor::Layer& layer,
+                            const std::string& what) const;
     void begin_task(const Context& context);
-    // Ends the task that began with the layer `before`: writes its result `layer` into the document, unless the
-    // document or the layer has changed meanwhile.
-    void write_result(Context& context, const PaintedPerformer& performer, const std::filesystem::path& path,
-                      const std::shared_ptr<const voctree::EditLayer>& before,
-                      const std::shared_ptr<const voctree::EditLayer>& layer, const std::string& what);
+    // Ends the task that began with the target as it was before: writes its result `layer` into the document, unless
+    // the document or the layer has changed meanwhile. Then other segments are painted, where `spread` says so.
+    void write_result(Context& context, const PaintedPerformer& performer, const Target& target,
+                      const editor::Layer& layer, const std::string& what, std::optional<editor::SpreadPaint> spread);
     // Draws the box and drags its handles. `pointer_used`: another tool uses the pointer. Returns whether this one
     // does.
     bool drag_box(Context& context, const PaintedPerformer& performer, bool pointer_used);
@@ -133,12 +137,12 @@ class PaintTool : public Tool {
     void draw_stamp(Context& context) const;
 
     std::shared_ptr<editor::PaintSurface> surface_;  // used on the render thread only
-    // What was read: one clip, and layers of its performers.
-    std::filesystem::path clip_path_;
+    // What was read: one clip, or a segment, and files of layers of its performers.
+    std::filesystem::path clip_file_;
     bool reading_ = false;
     uint64_t failed_ = 0;  // the id of the document for which reading failed
     std::shared_ptr<const editor::PaintClip> clip_;
-    std::map<std::filesystem::path, std::shared_ptr<const voctree::EditLayer>> read_;
+    voctree::PaintLayers read_;
     bool ready_ = false;
     Hover hover_;
     std::shared_ptr<Stroke> stroke_;
