@@ -113,6 +113,12 @@ uint32_t SegmentPlan::frames() const {
     return frames;
 }
 
+uint32_t SegmentPlan::learnt_frames() const {
+    uint32_t frames = 0;
+    for (const voctree::ClipSegment& segment : segments) frames += segment.frames_of_file();
+    return frames;
+}
+
 SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig) {
     const std::vector<double> times = training::times_of(rig);
     const auto frames = static_cast<uint32_t>(times.size());
@@ -133,8 +139,7 @@ SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig)
     return plan;
 }
 
-TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames) {
-    const double share = static_cast<double>(segment.frames) / frames;
+TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, double share) {
     TrainOptions options = clip;
     options.output = segment.file;
     training::TrainSettings& settings = options.settings;

@@ -80,6 +80,7 @@ struct SegmentPlan {
     voctree::ClipIndex clip;
     std::vector<voctree::ClipSegment> segments;  // that are trained: all, or those with frames of the part
     uint32_t frames() const;                     // of `segments` together
+    uint32_t learnt_frames() const;              // the same, those of overlaps twice
 };
 
 // The segments that --segment cuts; those that the clip has where a run is resumed, or a part is trained again. Throws
@@ -98,8 +99,13 @@ void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan);
 // log of an earlier run; then it writes the index, and rig.json where options have a correction. Throws RuntimeFailure.
 void begin_segments(const TrainOptions& options, const SegmentPlan& plan);
 
-// The options of a segment, whose share of all budgets is that of its frames among `frames`.
-TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, uint32_t frames);
+// The share of all budgets that a segment gets: that of the frames that it learns, with its overlap, among all that the
+// segments learn, so that each frame is learnt as well as others.
+inline double budget_share(const voctree::ClipSegment& segment, uint32_t learnt_frames) {
+    return static_cast<double>(segment.frames_of_file()) / learnt_frames;
+}
+// The options of a segment that gets this share.
+TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& segment, double share);
 
 // Where --refine asks for a search, finds what all segments correct, from the images of the segment nearest to the
 // clip's middle that shows the performer. False where Ctrl-C stopped it. Throws InputError where no segment will do,

@@ -69,6 +69,7 @@ class SegmentedRun {
           times_(training::times_of(rig)),
           segments_(plan.segments),
           frames_(plan.frames()),
+          learnt_frames_(plan.learnt_frames()),
           ranks_(ranks),
           finished_(plan.segments.size()) {
         if (options.correction) training::move_late_shots(*options.correction, rig_);
@@ -96,7 +97,7 @@ class SegmentedRun {
     training::Rig rig_;
     std::vector<double> times_;
     const std::vector<voctree::ClipSegment>& segments_;
-    uint32_t frames_;  // of all of these
+    uint32_t frames_, learnt_frames_;  // of all of these
     const Ranks& ranks_;
     std::vector<bool> finished_;  // what is known; is_finished() looks again
     std::set<size_t> failed_;
@@ -126,7 +127,7 @@ double SegmentedRun::fraction_of_all(size_t own, double own_fraction) {
         others_fraction_ = 0;
         for (size_t i = 0; i < segments_.size(); i++) {
             if (i == own) continue;
-            const double share = static_cast<double>(segments_[i].frames) / frames_;
+            const double share = budget_share(segments_[i], learnt_frames_);
             if (is_finished(i))
                 others_fraction_ += share;
             else if (const auto claim = training::claim_of(segments_[i].file))
@@ -134,7 +135,7 @@ double SegmentedRun::fraction_of_all(size_t own, double own_fraction) {
         }
         looked_at_ = seconds_now();
     }
-    const double own_share = own < segments_.size() ? static_cast<double>(segments_[own].frames) / frames_ : 0;
+    const double own_share = own < segments_.size() ? budget_share(segments_[own], learnt_frames_) : 0;
     return others_fraction_ + own_share * own_fraction;
 }
 
@@ -147,7 +148,7 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
                      return fmt::format("{}, all {:.0f} % | ", name_of(segment),
                                         100 * fraction_of_all(segment, fraction));
                  }};
-    TrainOptions options = options_of(options_, frames, frames_);
+    TrainOptions options = options_of(options_, frames, budget_share(frames, learnt_frames_));
     options.frames = {times_, frames.first, frames.frames_of_file()};
     if (!ranks_.is_first()) options.live = {};
     try {

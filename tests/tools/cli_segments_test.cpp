@@ -94,8 +94,10 @@ TEST_F(CliSegments, TrainingGivesThemAnOverlap) {
         run_neuvv({"capture", model, "-o", file("cap"), "--cameras", "5", "--frames", "8", "--size", "32x32"}).code, 0);
     const std::string show = file("show.nvv");
     const ProgramResult run =
-        run_neuvv({"train", file("cap"), "-o", show, "--segment", "4", "--steps", "4", "--resolution", "32"});
+        run_neuvv({"train", file("cap"), "-o", show, "--segment", "4", "--steps", "9", "--resolution", "32"});
     ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("after 5 steps"), std::string::npos) << "five of the nine frames to learn: " << run.out;
+    EXPECT_NE(run.out.find("after 4 steps"), std::string::npos) << run.out;
     const voctree::ClipIndex index = voctree::read_clip_index(show);
     ASSERT_EQ(index.segments.size(), 2u);
     EXPECT_EQ(index.frames(), 8u);
