@@ -14,6 +14,16 @@ Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segm
     return segment.stream ? upload_field(device, tree, WeightPrecision::kHalf) : upload_far_levels(device, tree);
 }
 
+namespace {
+
+// Frames of a stream are decoded one after the other, but then made into trees and uploaded at the same time, which
+// takes twice as long.
+uint32_t stream_threads() {
+    return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 3u);
+}
+
+}  // namespace
+
 ClipFiles::~ClipFiles() {
     {
         const std::lock_guard lock(mutex_);
@@ -106,7 +116,7 @@ void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
         if (wanted_.empty() && wanted.empty()) return;
         wanted_.assign(wanted.begin(), wanted.end());
         if (threads_.empty())
-            for (const bool streams : {false, true}) threads_.emplace_back([this, streams] { run(streams); });
+            for (uint32_t i = 0; i <= stream_threads(); i++) threads_.emplace_back([this, i] { run(i > 0); });
     }
     changed_.notify_all();
 }
