@@ -74,17 +74,15 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
     vkGetBufferMemoryRequirements(owner.handle(), buffer, &requirements);
 
     const MemoryFlags flags = flags_of(kind);
-    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    allocate.allocationSize = requirements.size;
-    allocate.memoryTypeIndex = owner.memory_type(requirements.memoryTypeBits, flags.preferred, flags.required);
-    check(vkAllocateMemory(owner.handle(), &allocate, nullptr, &memory), "vkAllocateMemory", name);
+    const uint32_t type = owner.memory_type(requirements.memoryTypeBits, flags.preferred, flags.required);
+    check(owner.memory_pool().take(owner.handle(), requirements.size, type, kind != MemoryKind::kDevice, memory),
+          "vkAllocateMemory", name);
+    mapped = memory.mapped;
     owner.count_buffer_bytes(bytes, 0);
-    check(vkBindBufferMemory(owner.handle(), buffer, memory, 0), "vkBindBufferMemory", name);
+    check(vkBindBufferMemory(owner.handle(), buffer, memory.memory, 0), "vkBindBufferMemory", name);
     owner.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer), name);
-    owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory), name);
+    owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory.memory), name);
 
-    if (kind != MemoryKind::kDevice)
-        check(vkMapMemory(owner.handle(), memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", name);
     if (texel_format != VK_FORMAT_UNDEFINED) {
         VkBufferViewCreateInfo view_info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
         view_info.buffer = buffer;
@@ -99,8 +97,8 @@ Buffer::~Buffer() {
     if (!device) return;
     vkDestroyBufferView(device->handle(), view, nullptr);
     vkDestroyBuffer(device->handle(), buffer, nullptr);
-    vkFreeMemory(device->handle(), memory, nullptr);
-    if (memory) device->count_buffer_bytes(0, bytes);
+    device->memory_pool().give(device->handle(), memory);
+    if (memory.memory) device->count_buffer_bytes(0, bytes);
 }
 
 Buffer::Buffer(Buffer&& other) noexcept {

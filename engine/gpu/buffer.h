@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gpu/device.h"
+#include "gpu/memory_pool.h"
 
 namespace neuvv::gpu {
 
@@ -35,7 +36,7 @@ struct Buffer {
     const Device* device = nullptr;
     std::string name;
     VkBuffer buffer = VK_NULL_HANDLE;
-    VkDeviceMemory memory = VK_NULL_HANDLE;
+    DeviceMemory memory;
     VkBufferView view = VK_NULL_HANDLE;
     uint64_t bytes = 0;
     void* mapped = nullptr;  // null for kDevice

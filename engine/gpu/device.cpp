@@ -207,6 +207,7 @@ Device::~Device() {
         programs_.reset();
         if (pipeline_cache_) save_pipeline_cache();
         vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
+        memory_pool_.clear(device_);
         vkDestroyDevice(device_, nullptr);
     }
     if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);

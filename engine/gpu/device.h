@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "gpu/memory_pool.h"
 #include "gpu/shader_table.h"
 
 namespace neuvv::gpu {
@@ -100,6 +101,8 @@ class Device {
     uint64_t buffer_bytes() const { return buffer_bytes_; }
     void count_buffer_bytes(uint64_t more, uint64_t less) const { buffer_bytes_ += more - less; }
 
+    MemoryPool& memory_pool() const { return memory_pool_; }
+
     // The first memory type of `type_bits` with the flags `preferred`, else the first one with the flags `required`.
     // Throws RuntimeFailure where there is neither.
     uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred, VkMemoryPropertyFlags required) const;
@@ -136,6 +139,7 @@ class Device {
     uint32_t queue_family_ = 0;
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
     mutable ShaderTable shaders_;
+    mutable MemoryPool memory_pool_;
     std::unique_ptr<ComputePrograms> programs_;
     VkPhysicalDeviceLimits limits_{};
     uint64_t max_allocation_bytes_ = 0;

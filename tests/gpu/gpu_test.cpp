@@ -142,6 +142,26 @@ TEST_F(BufferTest, EmptyOnesHoldATexelAndMovesLeaveNothing) {
     EXPECT_EQ(buffer.buffer, VkBuffer{VK_NULL_HANDLE});  // NOLINT(bugprone-use-after-move): that is tested
 }
 
+TEST_F(BufferTest, MemoryOfThoseThatAreGoneIsTakenAgain) {
+    const auto memory_of = [](uint64_t bytes, gpu::MemoryKind kind = gpu::MemoryKind::kDevice) {
+        return gpu::Buffer(device(), "short-lived", bytes, kind).memory;  // the buffer is gone with the statement
+    };
+    const gpu::DeviceMemory first = memory_of(3 << 20);
+    EXPECT_GE(first.bytes, uint64_t{3} << 20);
+    EXPECT_LE(8 * first.bytes, 9 * (uint64_t{3} << 20)) << "an eighth more at most";
+    EXPECT_EQ(memory_of((3 << 20) - 5000).memory, first.memory) << "of about the same size";
+    const gpu::Buffer holds(device(), "holds it", 3 << 20, gpu::MemoryKind::kDevice);
+    EXPECT_EQ(holds.memory.memory, first.memory);
+    EXPECT_NE(memory_of(3 << 20).memory, first.memory) << "it is in use";
+    EXPECT_NE(memory_of(1 << 20).memory, holds.memory.memory);
+    const gpu::DeviceMemory mapped = memory_of(2 << 20, gpu::MemoryKind::kReadback);
+    gpu::Buffer readback(device(), "readback", 2 << 20, gpu::MemoryKind::kReadback);
+    EXPECT_EQ(readback.memory.memory, mapped.memory);
+    ASSERT_NE(readback.mapped, nullptr);
+    readback.as<uint8_t>()[(2 << 20) - 1] = 7;
+    EXPECT_EQ(gpu::Buffer(device(), "not mapped", 2 << 20, gpu::MemoryKind::kDevice).mapped, nullptr);
+}
+
 TEST(Reflect, ShadersAndHeadersAgreeOnPushConstants) {
     EXPECT_EQ(gpu::reflect(rows_comp, "rows").push_bytes, sizeof(RowsPush));
     EXPECT_EQ(gpu::reflect(slice_density_comp, "slice density").push_bytes, sizeof(SlicePush));

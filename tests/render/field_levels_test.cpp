@@ -221,6 +221,7 @@ VkResult VKAPI_CALL no_memory(VkDevice, const VkMemoryAllocateInfo*, const VkAll
 TEST_F(FieldLevelsTest, WithoutMemoryForLevelsTheFinestLeavesAreDrawn) {
     const stage::Camera far = camera_at(field, 5 * kLeafM);
     const media::Image finest = image(far, false);
+    device().memory_pool().clear(device().handle());
     const PFN_vkAllocateMemory allocate = std::exchange(vkAllocateMemory, &no_memory);
     const media::Image without_memory = image(far, true);
     vkAllocateMemory = allocate;
