@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 
 #include "base/parallel.h"
 #include "stream/bytes.h"
@@ -281,8 +282,7 @@ class FrameReader {
         decode_planes(pairs_of(tree_, areas, 1), kOpacityPlane, 1);
         const std::vector<double> weights = weights_of(areas, coded_.planes[kOpacityPlane]);
         const Pairs pairs = pairs_of(tree_, weights, 1.0 / kUnit);
-        decode_planes(pairs, kFirstColourPlane, kPlanesOfMean - kFirstColourPlane);
-        if (planes_ > kPlanesOfMean) decode_planes(pairs, kPlanesOfMean, planes_ - kPlanesOfMean);
+        decode_colours(pairs);
         return merged(std::move(repeated), std::move(coded_));
     }
 
@@ -319,6 +319,17 @@ class FrameReader {
         for (uint32_t plane = first; plane < end; plane++) streams[plane] = bytes_.take(lengths[plane - first]);
         for (const uint64_t length : lengths)
             if (leaf_count_ == 0 && length > 0) throw std::runtime_error("has planes without leaves");
+    }
+
+    // The planes of colours do not need each other. On more than two cores, three planes are decoded at a time by each.
+    void decode_colours(const Pairs& pairs) {
+        const uint32_t sh = planes_ - kPlanesOfMean;
+        const uint32_t at_once = std::thread::hardware_concurrency() > 2 ? 3 : std::max(sh, 1u);
+        parallel_for(1 + (sh + at_once - 1) / at_once, 1, [&](size_t begin, size_t) {
+            if (begin == 0) return decode_planes(pairs, kFirstColourPlane, kPlanesOfMean - kFirstColourPlane);
+            const auto first = static_cast<uint32_t>(begin - 1) * at_once;
+            decode_planes(pairs, kPlanesOfMean + first, std::min(at_once, sh - first));
+        });
     }
 
     // Decodes `count` planes from `first` on, which are all in the same parts.
