@@ -26,6 +26,8 @@ class ByteSource {
     const FileStamp& stamp() const { return stamp_; }  // when it was opened; of a server, its size alone
     // Throws InputError where they cannot be read, ServerProblem where that may pass. They must lie within the size.
     virtual std::vector<uint8_t> read(uint64_t offset, uint64_t count) = 0;
+    // Says what will be read next, so that it may be fetched meanwhile, in place of what was said before.
+    virtual void read_ahead(uint64_t /*offset*/, uint64_t /*count*/) {}
     // At any time: what waits for a server ends with ServerProblem, now and later.
     virtual void cancel() {}
 

@@ -110,7 +110,8 @@ HttpSource::HttpSource(std::string address) : address_(std::move(address)) {
     curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Answer::take);
     curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Answer::take_header);
     try {
-        fetch(0, 1);
+        keep_locked(0, fetch({0, 1}));
+        thread_ = std::thread([this] { run(); });
     } catch (...) {
         curl_easy_cleanup(curl_);
         throw;
@@ -118,6 +119,13 @@ HttpSource::HttpSource(std::string address) : address_(std::move(address)) {
 }
 
 HttpSource::~HttpSource() {
+    cancel();
+    {
+        const std::lock_guard lock(mutex_);
+        stop_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
     curl_easy_cleanup(curl_);
 }
 
@@ -161,50 +169,106 @@ void HttpSource::require_range(const Answer& answer, uint64_t offset, uint64_t c
         answer.bytes.size() != last - offset + 1)
         fail("the server sends another range than it was asked for", "put it on another server");
     if (stamp_.bytes != 0 && stamp_.bytes != range.size) fail("was changed meanwhile", "open it again");
-    stamp_.bytes = range.size;
+    if (stamp_.bytes == 0) stamp_.bytes = range.size;
 }
 
-void HttpSource::fetch(uint64_t first_block, uint64_t blocks) {
-    const uint64_t offset = first_block * kBlock;
-    uint64_t count = blocks * kBlock;
+std::vector<uint8_t> HttpSource::fetch(const Blocks& blocks) {
+    const uint64_t offset = blocks.first * kBlock;
+    uint64_t count = blocks.count() * kBlock;
     if (stamp_.bytes != 0) count = std::min(count, stamp_.bytes - offset);
-    const Answer answer = request(offset, count);
+    Answer answer = request(offset, count);
     require_range(answer, offset, count);
-    for (uint64_t begin = 0; begin < answer.bytes.size(); begin += kBlock) {
-        const uint64_t block = first_block + begin / kBlock,
-                       end = std::min<uint64_t>(begin + kBlock, answer.bytes.size());
-        blocks_[block].assign(answer.bytes.begin() + static_cast<ptrdiff_t>(begin),
-                              answer.bytes.begin() + static_cast<ptrdiff_t>(end));
-        std::erase(order_, block);
-        order_.push_back(block);
+    return std::move(answer.bytes);
+}
+
+// The first of these blocks that are not here, as many as follow each other; none where all are.
+HttpSource::Blocks HttpSource::missing_locked(const Blocks& in) const {
+    Blocks missing{in.first, in.first};
+    while (missing.first < in.end && blocks_.contains(missing.first)) missing.first++;
+    missing.end = missing.first;
+    while (missing.end < in.end && missing.count() < kMostOfARequest && !blocks_.contains(missing.end)) missing.end++;
+    return missing;
+}
+
+void HttpSource::use_locked(uint64_t block) {
+    std::erase(order_, block);
+    order_.push_back(block);
+}
+
+void HttpSource::keep_locked(uint64_t first, const std::vector<uint8_t>& bytes) {
+    for (uint64_t begin = 0; begin < bytes.size(); begin += kBlock) {
+        const uint64_t end = std::min<uint64_t>(begin + kBlock, bytes.size());
+        blocks_[first + begin / kBlock].assign(bytes.begin() + static_cast<ptrdiff_t>(begin),
+                                               bytes.begin() + static_cast<ptrdiff_t>(end));
+        use_locked(first + begin / kBlock);
+    }
+    while (order_.size() > kMostBlocks) {
+        blocks_.erase(order_.front());
+        order_.erase(order_.begin());
     }
 }
 
-// Missing blocks that follow each other are one request.
+// What fails while nobody waits for it is asked for again when somebody does, or says again what is read next.
+void HttpSource::run() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        Blocks next;
+        bool is_needed = false;
+        changed_.wait(lock, [&] {
+            next = failure_ ? Blocks{} : missing_locked(needed_);
+            is_needed = next.count() > 0;
+            if (!is_needed) next = missing_locked(ahead_);
+            return stop_ || next.count() > 0;
+        });
+        if (stop_) return;
+        lock.unlock();
+        std::vector<uint8_t> bytes;
+        std::exception_ptr failure;
+        try {
+            bytes = fetch(next);
+        } catch (...) {
+            failure = std::current_exception();
+        }
+        lock.lock();
+        if (failure) {
+            (is_needed ? needed_ : ahead_) = {};
+            if (is_needed) failure_ = failure;
+        } else {
+            keep_locked(next.first, bytes);
+        }
+        changed_.notify_all();
+    }
+}
+
+void HttpSource::read_ahead(uint64_t offset, uint64_t count) {
+    count = std::min(count, size() - std::min(offset, size()));
+    const std::lock_guard lock(mutex_);
+    ahead_ = {offset / kBlock, count == 0 ? offset / kBlock : (offset + count - 1) / kBlock + 1};
+    ahead_.end = std::min(ahead_.end, ahead_.first + kMostAhead);
+    changed_.notify_all();
+}
+
+// Block by block, as not all of a large range is kept.
 std::vector<uint8_t> HttpSource::read(uint64_t offset, uint64_t count) {
     std::vector<uint8_t> bytes;
     if (count == 0) return bytes;
     bytes.reserve(count);
-    const uint64_t last = (offset + count - 1) / kBlock;
-    for (uint64_t block = offset / kBlock; block <= last; block++) {
-        if (!blocks_.contains(block)) {
-            uint64_t missing = 1;
-            while (block + missing <= last && missing < kMostBlocks / 2 && !blocks_.contains(block + missing))
-                missing++;
-            fetch(block, missing);
-        }
+    std::unique_lock lock(mutex_);
+    const uint64_t end_block = (offset + count - 1) / kBlock + 1;
+    for (uint64_t block = offset / kBlock; block < end_block; block++) {
+        needed_ = {block, std::min(end_block, block + kMostOfARequest)};
+        failure_ = nullptr;
+        changed_.notify_all();
+        changed_.wait(lock, [&] { return failure_ || blocks_.contains(block); });
+        if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
         const std::vector<uint8_t>& whole = blocks_.at(block);
         const uint64_t begin = std::max(offset, block * kBlock) - block * kBlock;
         const uint64_t end = std::min(offset + count, block * kBlock + whole.size()) - block * kBlock;
         bytes.insert(bytes.end(), whole.begin() + static_cast<ptrdiff_t>(begin),
                      whole.begin() + static_cast<ptrdiff_t>(end));
-        std::erase(order_, block);
-        order_.push_back(block);
-        while (order_.size() > kMostBlocks) {
-            blocks_.erase(order_.front());
-            order_.erase(order_.begin());
-        }
+        use_locked(block);
     }
+    needed_ = {};
     return bytes;
 }
 

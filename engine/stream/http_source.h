@@ -2,15 +2,20 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
+#include <exception>
 #include <map>
+#include <mutex>
 #include <string>
+#include <thread>
 
 #include "stream/byte_source.h"
 
 namespace neuvv::stream {
 
-// What was read is kept in memory in blocks, up to a limit. TLS certificates are verified; redirects are followed, but
-// not from https to http. Where a server is busy or the connection breaks, the request is repeated some times.
+// A thread fetches blocks: those that somebody waits for, else those that are read next. They are kept in memory, up to
+// a limit. TLS certificates are verified; redirects are followed, but not from https to http. Where a server is busy or
+// the connection breaks, the request is repeated some times.
 class HttpSource : public ByteSource {
   public:
     // Reads the first block, so as to learn the size. Throws InputError as read() does.
@@ -21,21 +26,38 @@ class HttpSource : public ByteSource {
 
     // Throws InputError where the server does not answer, not with this range, or with that of another file.
     std::vector<uint8_t> read(uint64_t offset, uint64_t count) override;
+    void read_ahead(uint64_t offset, uint64_t count) override;
     void cancel() override { cancelled_ = true; }
 
     static constexpr uint64_t kBlock = uint64_t{256} << 10;
-    static constexpr size_t kMostBlocks = 256;  // 64 MiB
+    static constexpr uint64_t kMostBlocks = 256;    // 64 MiB
+    static constexpr uint64_t kMostOfARequest = 4;  // blocks; who waits for others must wait for these first
+    static constexpr uint64_t kMostAhead = kMostBlocks / 2;
 
   private:
     struct Answer;
-    void fetch(uint64_t first_block, uint64_t blocks);
+    struct Blocks {
+        uint64_t first = 0, end = 0;
+        uint64_t count() const { return end - first; }
+    };
+    std::vector<uint8_t> fetch(const Blocks& blocks);
     Answer request(uint64_t offset, uint64_t count);
     void require_range(const Answer& answer, uint64_t offset, uint64_t count);
+    void run();
+    Blocks missing_locked(const Blocks& in) const;
+    void keep_locked(uint64_t first, const std::vector<uint8_t>& bytes);
+    void use_locked(uint64_t block);
     std::string address_;
-    void* curl_ = nullptr;  // CURL
+    void* curl_ = nullptr;  // CURL: the constructor's, then the thread's
     std::atomic<bool> cancelled_ = false;
+    std::mutex mutex_;  // guards all that follows
+    std::condition_variable changed_;
     std::map<uint64_t, std::vector<uint8_t>> blocks_;
     std::vector<uint64_t> order_;  // of the blocks, the one that was used last at the end
+    Blocks needed_, ahead_;        // what read() waits for, and what will be read next
+    std::exception_ptr failure_;   // of what is needed
+    bool stop_ = false;
+    std::thread thread_;
 };
 
 }  // namespace neuvv::stream

@@ -218,6 +218,15 @@ Reader::Reader(const std::filesystem::path& path) : path_(path) {
     if (offset != source_->size()) fail("", fmt::format("has {} bytes, not {}", source_->size(), offset));
 }
 
+// The frames behind this one are fetched while it is decoded.
+void Reader::read_ahead(uint32_t frame) {
+    const auto frames = static_cast<uint32_t>(index_.frames.size());
+    const auto ahead = static_cast<uint32_t>(std::ceil(kAhead_s * index_.fps));
+    const uint64_t begin = index_.offset_of(frame) + index_.frames[frame].ends.back();
+    const uint32_t last = ahead < frames - frame ? frame + ahead : frames - 1;
+    source_->read_ahead(begin, index_.offset_of(last) + index_.frames[last].ends.back() - begin);
+}
+
 std::shared_ptr<const Slice> Reader::decode_next(uint32_t frame, Part last, const Slice* before) {
     const uint32_t number = index_.group_of(frame);
     const Group& group = index_.groups[number];
@@ -233,6 +242,7 @@ std::shared_ptr<const Slice> Reader::decode_next(uint32_t frame, Part last, cons
         place = fmt::format("frame {}", frame);
         const FrameEntry& entry = index_.frames[frame];
         const std::vector<uint8_t> bytes = bytes_at(index_.offset_of(frame), entry.ends[last], place);
+        read_ahead(frame);
         for (uint32_t part = 0, begin = 0; part <= last; begin = entry.ends[part++])
             if (check_of(std::span(bytes).subspan(begin, entry.ends[part] - begin)) != entry.checks[part])
                 throw std::runtime_error("is damaged");

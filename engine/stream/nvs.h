@@ -63,6 +63,8 @@ class Reader {
     // The frame, decoded from its first parts. Frames that were read last are kept, kKept of them; a frame behind one
     // of these in the same group is decoded from there on, others from the beginning of their group.
     static constexpr size_t kKept = 16;
+    // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile, 32 MiB at most.
+    static constexpr float kAhead_s = 3;
     std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
 
   private:
@@ -72,6 +74,7 @@ class Reader {
         Part last;
         std::shared_ptr<const Slice> slice;
     };
+    void read_ahead(uint32_t frame);
     std::shared_ptr<const Slice> decode_next(uint32_t frame, Part last, const Slice* before);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """A server that misbehaves, for tests: /MODE/NAME answers with ranges of FOLDER/NAME, in a way of MODE.
 
-    http_server.py FOLDER       prints its port, and serves until it is killed
+    http_server.py FOLDER       prints its port, then the mode and the end of each range that it has sent, until it is
+                                killed
 """
 
 import http.server
@@ -40,6 +41,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def send_data(self, mode, count, data):
         wanted = self.headers["Range"].removeprefix("bytes=").split("-")
         first, last = int(wanted[0]), min(int(wanted[1]), len(data) - 1)
+        while mode == "gate" and last >= 2 << 18 and not (FOLDER / "open").exists():
+            time.sleep(0.01)
         if mode == "other-range":
             first += 1
         part = data if mode == "whole" else data[first : last + 1]
@@ -57,6 +60,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.wfile.write(part[begin : begin + 4096])
             if mode == "slow":
                 time.sleep(0.02)
+        print(f"{mode} to {last}", flush=True)
 
 
 server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)

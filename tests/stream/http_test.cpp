@@ -2,52 +2,16 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <thread>
 
-#include "stream/http_source.h"
-#include "stream/nvs.h"
-#include "stream/random_slice.h"
-#include "support/child_process.h"
+#include "stream/served_stream.h"
 #include "support/input_error.h"
-#include "support/temporary_folder.h"
 
 namespace neuvv::test::http_test {
 namespace {
 
-struct HttpTest : testing::Test {
-    TemporaryFolder folder;
-    std::vector<stream::Slice> decoded;    // by the encoder
-    std::unique_ptr<ChildProcess> server;  // tests/stream/http_server.py
-    int port = 0;
-
-    void SetUp() override {
-        write(3);
-        const std::filesystem::path log = folder.path / "server.log";
-        server = std::make_unique<ChildProcess>(
-            std::vector<std::string>{"/usr/bin/env", "python3", NEUVV_SOURCE_DIR "/tests/stream/http_server.py",
-                                     folder.path.string()},
-            log);
-        ASSERT_TRUE(server->until([&] { return bool(std::ifstream(log) >> port) && port != 0; }))
-            << "is python3 there?";
-    }
-    // Groups of one frame.
-    void write(uint32_t frames) {
-        stream::Steps steps;
-        steps.fill(6);
-        stream::Writer writer(folder.path / "show.nvs", 25, frames, frames);
-        for (uint32_t i = 0; i < frames; i++) {
-            std::vector<stream::FrameSymbols> one;
-            one.push_back(stream::encode(random_slice(i + 1, 8, 20'000, 1), steps, {}, decoded.emplace_back()));
-            stream::Group group;
-            group.format = {8, 1, 100'000};
-            writer.add(group, one);
-        }
-        EXPECT_GT(writer.finish(), 2 * stream::HttpSource::kBlock) << "else it is no test of blocks";
-    }
-    std::string address(const std::string& mode) const {
-        return fmt::format("http://127.0.0.1:{}/{}/show.nvs", port, mode);
-    }
+struct HttpTest : testing::Test, ServedStream {
+    void SetUp() override { start(3); }
     void expect_plays(const std::string& mode) {
         stream::Reader reader(address(mode));
         ASSERT_EQ(reader.index().frames.size(), decoded.size());
@@ -66,6 +30,16 @@ struct HttpTest : testing::Test {
 TEST_F(HttpTest, PlaysFromAServer) {
     expect_plays("ok");
     expect_plays("redirect");
+}
+
+TEST_F(HttpTest, TheNextFramesAreFetchedMeanwhile) {
+    stream::Reader reader(address("ahead"));
+    reader.frame(0);
+    const std::string last = fmt::format("ahead to {}", std::filesystem::file_size(file) - 1);
+    ASSERT_TRUE(server->until([&] { return read_text(log).find(last) != std::string::npos; })) << read_text(log);
+    server.reset();
+    for (const uint32_t frame : {1u, 2u}) EXPECT_EQ(reader.frame(frame)->planes, decoded[frame].planes);
+    EXPECT_THROW(stream::Reader again(address("ahead")), stream::ServerProblem);
 }
 
 TEST_F(HttpTest, WhatMayPassIsToldFromWhatDoesNot) {
