@@ -321,15 +321,17 @@ class FrameReader {
             if (leaf_count_ == 0 && length > 0) throw std::runtime_error("has planes without leaves");
     }
 
-    // The planes of colours do not need each other. On more than two cores, three planes are decoded at a time by each.
+    // The planes of colours do not need each other. More than two cores decode three planes at a time each; of two, the
+    // other one has trees to make.
     void decode_colours(const Pairs& pairs) {
-        const uint32_t sh = planes_ - kPlanesOfMean;
-        const uint32_t at_once = std::thread::hardware_concurrency() > 2 ? 3 : std::max(sh, 1u);
-        parallel_for(1 + (sh + at_once - 1) / at_once, 1, [&](size_t begin, size_t) {
-            if (begin == 0) return decode_planes(pairs, kFirstColourPlane, kPlanesOfMean - kFirstColourPlane);
-            const auto first = static_cast<uint32_t>(begin - 1) * at_once;
-            decode_planes(pairs, kPlanesOfMean + first, std::min(at_once, sh - first));
-        });
+        const uint32_t colours = planes_ - kFirstColourPlane;
+        if (std::thread::hardware_concurrency() > 2)
+            return parallel_for(colours, 3, [&](size_t begin, size_t end) {
+                decode_planes(pairs, kFirstColourPlane + static_cast<uint32_t>(begin),
+                              static_cast<uint32_t>(end - begin));
+            });
+        decode_planes(pairs, kFirstColourPlane, kPlanesOfMean - kFirstColourPlane);
+        if (planes_ > kPlanesOfMean) decode_planes(pairs, kPlanesOfMean, planes_ - kPlanesOfMean);
     }
 
     // Decodes `count` planes from `first` on, which are all in the same parts.
