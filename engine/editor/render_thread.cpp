@@ -12,6 +12,7 @@ namespace neuvv::editor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr auto kLookAgain = std::chrono::milliseconds(10);     // for what a view lacks
 constexpr auto kRefineDelay = std::chrono::milliseconds(100);  // without a new view; then the view is refined
 constexpr auto kPresentTimeout = std::chrono::milliseconds(30);
 constexpr VkExtent2D kInitialCapacity{1280, 720};
@@ -45,7 +46,7 @@ struct RenderThread::Job {
     std::optional<Replacement> replacement;
     Task task;
     std::optional<ViewRequest> view;
-    bool refine = false;
+    bool refine = false, look = false;
     Idle idle;
 };
 
@@ -143,8 +144,8 @@ bool RenderThread::wait_for_job(Job& job) {
         return stop_ || next_stage_ || next_replacement_ ||
                (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
     };
-    if (refinement_ && stage_)
-        changed_.wait_until(lock, refinement_->start, ready);
+    if ((refinement_ || look_at_) && stage_)
+        changed_.wait_until(lock, refinement_ ? refinement_->start : *look_at_, ready);
     else
         changed_.wait(lock, ready);
     if (stop_) return false;
@@ -160,6 +161,8 @@ bool RenderThread::wait_for_job(Job& job) {
         job.view = std::exchange(next_view_, std::nullopt);
     } else if (refinement_ && Clock::now() >= refinement_->start) {
         job.refine = true;
+    } else if (look_at_ && Clock::now() >= *look_at_) {
+        job.look = true;
     } else if (!idle_.empty()) {
         job.idle = idle_.front();
     }
@@ -197,6 +200,8 @@ void RenderThread::do_job(Job& job) {
         draw(*view_);
     } else if (job.refine) {
         refine();
+    } else if (job.look) {
+        look_for_missing();
     } else if (job.idle) {
         OnDevice on_device{device_, *stage_, *renderer_};
         if (job.idle(on_device)) return;
@@ -359,17 +364,42 @@ render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const s
     return settings;
 }
 
+// Performers stay as they are shown until what they lack has been read; so does the view.
+void RenderThread::look_for_missing() {
+    look_at_ = Clock::now() + kLookAgain;
+    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view_->time_s);
+    renderer_->show(evaluated, !view_->overrides_background, render::MissingSegments::kHold);
+    report_unreadable_segments();
+    std::vector<std::pair<uint32_t, float>> shows;
+    for (const render::Instance& instance : renderer_->settings_at(evaluated).instances)
+        shows.emplace_back(instance.field, instance.frame);
+    if (shows != shown_ || renderer_->shows_all(evaluated)) draw(*view_);
+}
+
+void RenderThread::note_waiting(bool waits, const render::FrameSettings& settings) {
+    std::vector<std::pair<uint32_t, float>> shows;
+    for (const render::Instance& instance : settings.instances) shows.emplace_back(instance.field, instance.frame);
+    const bool is_new = std::exchange(shown_, shows) != shows;
+    const std::lock_guard lock(mutex_);
+    if (!waits)
+        state_.waits_since.reset();
+    else if (is_new || !state_.waits_since)
+        state_.waits_since = Clock::now();
+}
+
 void RenderThread::draw(const ViewRequest& view) {
     refinement_.reset();
+    look_at_.reset();
     const VkExtent2D size{view.camera.width, view.camera.height};
     if (size.width == 0 || size.height == 0) return;
     fit(size);
     const Clock::time_point begin = Clock::now();
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.overrides_background,
-                    view.moving ? render::MissingSegments::kHold : render::MissingSegments::kWait);
+    renderer_->show(evaluated, !view.overrides_background, render::MissingSegments::kHold);
     report_unreadable_segments();
     render::FrameSettings settings = settings_of(view, evaluated);
+    const bool lacks = !view.moving && !renderer_->shows_all(evaluated);
+    note_waiting(lacks || renderer_->holds(evaluated), settings);
     settings.scale = std::min(scale_.scale(), view.max_scale);
     for (const double next : view.next_s)
         for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
@@ -388,7 +418,9 @@ void RenderThread::draw(const ViewRequest& view) {
                              milliseconds,
                              renderer_->frames().pass_times(),
                              renderer_->frames().live_entries()};
-    if (!view.moving) {
+    if (lacks) {
+        look_at_ = Clock::now() + kLookAgain;
+    } else if (!view.moving) {
         displayed.finished = settings.scale == 1 && view.samples == 1;
         if (!displayed.finished) {
             // First one ray for each pixel, then all rays. A block has no more rays than the renderer has room for,

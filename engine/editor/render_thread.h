@@ -70,6 +70,9 @@ struct RenderThreadState {
     DisplayedImage displayed;
     std::string loading;  // the file whose clips are being read, or "shaders"; empty: nothing
     size_t files_read = 0, files = 0;
+    // Since when the image shows something else than performers have at its time, because that is still being read, and
+    // has not changed meanwhile; nothing: it shows what it should.
+    std::optional<std::chrono::steady_clock::time_point> waits_since;
     std::string problem;      // why the newest stage, image or task failed; empty: no problem
     uint64_t unsound_id = 0;  // the id that show() got with the last document that is not sound
 };
@@ -136,6 +139,8 @@ class RenderThread {
     void fit(VkExtent2D size);
     void draw_newest();
     void draw(const ViewRequest& view);
+    void note_waiting(bool waits, const render::FrameSettings& settings);
+    void look_for_missing();
     void draw_block(const ViewRequest& view, uint32_t block, uint32_t side, uint32_t samples);
     void refine();
     render::FrameSettings settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const;
@@ -170,7 +175,10 @@ class RenderThread {
     BlockGrid grid_;
     std::optional<ViewRequest> view_;  // the view that is drawn now
     std::optional<Refinement> refinement_;
-    std::thread thread_;  // the last member, because the thread uses all of the above
+    // When to look whether what a view that does not change lacks has been read; nothing: it lacks nothing.
+    std::optional<std::chrono::steady_clock::time_point> look_at_;
+    std::vector<std::pair<uint32_t, float>> shown_;  // by instance that was drawn last: its field and frame
+    std::thread thread_;                             // the last member, because the thread uses all of the above
 };
 
 }  // namespace neuvv::editor

@@ -139,6 +139,10 @@ bool StageClips::holds(const stage::EvaluatedStage& evaluated) const {
                        });
 }
 
+bool StageClips::shows_all(const stage::EvaluatedStage& evaluated) const {
+    return std::ranges::none_of(needed_at(evaluated), [this](const Id& id) { return is_missing(id); });
+}
+
 void StageClips::tell(const std::string& problem) {
     if (!problem.empty() && !contains(problems_, problem)) problems_.push_back(problem);
 }

@@ -60,6 +60,8 @@ class StageClips {
 
     // Whether a performer that is visible at this time is held, because nothing of its segments is read yet.
     bool holds(const stage::EvaluatedStage& evaluated) const;
+    // Whether all that visible performers show at this time is there as a whole, but for what cannot be read.
+    bool shows_all(const stage::EvaluatedStage& evaluated) const;
 
     const std::vector<ClipOnDevice>& clips() const { return clips_; }
     // Calls each(segment) for the segments of segmented clips that are on the device.

@@ -57,6 +57,7 @@ class StageRenderer {
 
     // StageClips::holds, of the time of the last show().
     bool holds(const stage::EvaluatedStage& evaluated) const { return clips_.holds(evaluated); }
+    bool shows_all(const stage::EvaluatedStage& evaluated) const { return clips_.shows_all(evaluated); }
     // A visible performer as settings_at has it, but whole, in the segment of its time alone; nothing where it is not
     // drawn.
     std::optional<Instance> instance_of(const stage::EvaluatedPerformer& performer) const;

@@ -6,7 +6,9 @@
 #include <thread>
 
 #include "edit/operations.h"
+#include "stream/served_stream.h"
 #include "support/gpu_test.h"
+#include "support/look_at.h"
 #include "support/temporary_folder.h"
 
 namespace neuvv::test {
@@ -49,6 +51,43 @@ TEST_F(RenderThreads, TellWhatADeviceHasNoRoomForAndGoOn) {
 TEST_F(RenderThreads, EndWithALostDevice) {
     thread.post([](editor::OnDevice&) { throw gpu::VulkanError(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2", "frame"); });
     EXPECT_THROW(wait_for([](const auto&) { return false; }), gpu::VulkanError);
+}
+
+// A server that does not answer holds up neither tasks nor other views.
+TEST_F(RenderThreads, ShowWhatTheyHaveUntilAServerSendsTheRest) {
+    ServedStream served;
+    served.start(3);
+    edit::Document document;
+    document.file = edit::new_stage(folder.path / "show.gltf");
+    edit::PerformerEdit performer;
+    performer.clip = served.address("gate");
+    edit::add_performer(document.file, "anna", performer, {});
+    thread.show(std::make_shared<const edit::Document>(std::move(document)), 2);
+    editor::ViewRequest view;
+    view.camera = look_at({0, 0.5, 3}, {0, 0.5, 0}, 48, 36, 1);
+    const auto show = [&](uint64_t id, double time_s) {
+        view.id = id;
+        view.time_s = time_s;
+        thread.request(view);
+    };
+    show(1, 0);
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.displayed.finished && state.displayed.view == 1; }))
+        << thread.state().problem;
+    EXPECT_FALSE(thread.state().waits_since);
+    show(2, 0.08);
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.waits_since.has_value(); })) << thread.state().problem;
+    bool ran = false;
+    thread.post([&](editor::OnDevice&) { ran = true; });
+    view.camera = look_at({0, 0.6, 3}, {0, 0.5, 0}, 48, 36, 1);
+    show(3, 0.08);
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.displayed.view == 3; }));
+    EXPECT_TRUE(ran);
+    EXPECT_FALSE(thread.state().displayed.finished);
+    EXPECT_TRUE(thread.state().waits_since);
+    std::ofstream(served.folder.path / "open").put('1');
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.displayed.finished && state.displayed.view == 3; }));
+    EXPECT_FALSE(thread.state().waits_since);
+    EXPECT_EQ(thread.state().problem, "");
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+
 #include "tools/ui/icons.h"
 #include "tools/ui/theme.h"
 #include "tools/viewer/panels/panels.h"
@@ -9,6 +11,8 @@
 namespace neuvv::viewer {
 
 namespace {
+
+constexpr std::chrono::milliseconds kWait{500};  // of an image, until it is said
 
 void line(unsigned colour, const char* icon, const std::string& text) {
     ImGui::PushStyleColor(ImGuiCol_Text, colour);
@@ -23,8 +27,11 @@ void line(unsigned colour, const char* icon, const std::string& text) {
 void notices_panel(Context& context, std::span<const editor::Notice> notices) {
     const editor::RenderThreadState& rendered = context.frame.rendered;
     const auto jobs = context.jobs.under_way();
+    const bool waits = rendered.waits_since && std::chrono::steady_clock::now() - *rendered.waits_since > kWait;
+    if (rendered.waits_since) context.redraw(1);  // nothing may happen until then
     const bool nothing_open = !context.editor.is_open() && jobs.empty();
-    if (notices.empty() && jobs.empty() && rendered.loading.empty() && rendered.problem.empty() && !nothing_open)
+    if (notices.empty() && jobs.empty() && rendered.loading.empty() && rendered.problem.empty() && !waits &&
+        !nothing_open)
         return;
     const Area& area = context.frame.image_area;
     ImGui::SetNextWindowPos({area.left + context.ui(12), area.top + area.height - context.ui(12)}, ImGuiCond_Always,
@@ -40,6 +47,7 @@ void notices_panel(Context& context, std::span<const editor::Notice> notices) {
     if (!rendered.loading.empty())
         line(ui::kAccent, ICON_LOOP,
              fmt::format("Reading {}: clip {} of {}…", rendered.loading, rendered.files_read + 1, rendered.files));
+    if (waits) line(ui::kAccent, ICON_LOOP, "Waiting for what is shown at this time…");
     if (!rendered.problem.empty()) line(ui::kError, ICON_WARNING, rendered.problem);
     for (const editor::Notice& notice : notices)
         line(notice.error ? ui::kError : ui::kGood, notice.error ? ICON_WARNING : ICON_CHECK, notice.text);
