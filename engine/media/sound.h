@@ -40,4 +40,8 @@ void expect_sound_encoder();
 // such video, RuntimeFailure where it cannot be written or there is no encoder.
 void add_sound(const std::filesystem::path& video, const NextSamples& next);
 
+// Writes an .m4a (AAC, 192 kbit/s), atomically. Throws RuntimeFailure where it cannot be written or there is no
+// encoder.
+void write_sound(const std::filesystem::path& path, const Sound& sound);
+
 }  // namespace neuvv::media

@@ -155,6 +155,23 @@ TEST_F(SoundTest, AVideoGetsATrack) {
     }
 }
 
+TEST_F(SoundTest, ASoundIsWrittenByItself) {
+    test::write_wav(wav, test::stereo_tone(media::kSoundRate), 2, media::kSoundRate);
+    const media::Sound before = media::read_sound(wav);
+    media::write_sound(folder.path / "a.m4a", before);
+    const media::Sound after = media::read_sound(folder.path / "a.m4a");
+    EXPECT_NEAR(after.length_s(), before.length_s(), 0.025);
+    for (size_t side = 0; side < 2; side++) {
+        double noise = 0, power = 0;
+        for (size_t i = 4800; i < 43200; i++) {
+            noise += std::pow(after.samples[i][side] - before.samples[i][side], 2);
+            power += std::pow(before.samples[i][side], 2);
+        }
+        EXPECT_GT(10 * std::log10(power / noise), 25) << "side " << side;
+    }
+    EXPECT_THROW(media::write_sound(folder.path / "missing" / "a.m4a", before), RuntimeFailure);
+}
+
 TEST_F(SoundTest, WhatHasNoSoundIsRefused) {
     std::ofstream(folder.path / "text.wav") << "no sound at all";
     expect_input_error([&] { media::read_sound(folder.path / "text.wav"); }, {"text.wav", ".flac"});
