@@ -14,6 +14,7 @@
 #include "tools/headset/panel.h"
 #include "tools/headset/panel_surface.h"
 #include "tools/headset/settings.h"
+#include "tools/headset/sound.h"
 #include "tools/headset/training.h"
 #include "tools/headset/wearer.h"
 #include "tools/options.h"
@@ -44,6 +45,7 @@ struct Program {
     const HeadsetOptions& options;
     HeadsetState state;
     JobQueue jobs;
+    editor::SoundPlayer sound;
     Interaction interaction = Interaction(jobs);
     Training training = Training(jobs);
     HeadsetSettings settings = HeadsetSettings(config_folder().empty() ? "" : config_folder() / "headset.json");
@@ -271,6 +273,7 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
     for (const int hand : {xr::kLeft, xr::kRight})
         if (const double pulse = program.interaction.hands[hand].vibration; pulse > 0)
             session.actions.vibrate(hand, pulse, 0.03);
+    if (program.head) play_sound(state, program.sound, *program.head);
     program.saver->autosave.tick(program.now_s());
     program.notify();
 }
