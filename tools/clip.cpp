@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "media/sound.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
@@ -84,6 +85,33 @@ void write_clip(const std::vector<Piece>& pieces, float fps, const std::string& 
                pieces.size() == 1 ? "" : "s");
 }
 
+// A part of a clip: what of its sound belongs to it, from a second on.
+struct HeardPiece {
+    std::filesystem::path clip;
+    double from_s = 0, length_s = 0;
+};
+
+// Writes the sounds of pieces that follow each other, silence for those without, where any has one.
+void write_heard(const std::vector<HeardPiece>& pieces, const std::string& output) {
+    media::Sound all;
+    bool any = false;
+    double end_s = 0;
+    for (const HeardPiece& piece : pieces) {
+        if (const auto file = voctree::sound_beside(piece.clip)) {
+            const media::Sound sound = media::read_sound(*file);
+            const auto first = std::min(static_cast<size_t>(piece.from_s * media::kSoundRate), sound.samples.size());
+            const auto last =
+                std::min(first + static_cast<size_t>(piece.length_s * media::kSoundRate), sound.samples.size());
+            all.samples.insert(all.samples.end(), sound.samples.begin() + static_cast<ptrdiff_t>(first),
+                               sound.samples.begin() + static_cast<ptrdiff_t>(last));
+            any = true;
+        }
+        end_s += piece.length_s;
+        all.samples.resize(static_cast<size_t>(end_s * media::kSoundRate));
+    }
+    if (any) media::write_sound(voctree::sound_file(output), all);
+}
+
 void cut(const CutOptions& options) {
     voctree::expect_no_stream(options.clip);
     const voctree::ClipIndex index = voctree::read_clip_index(options.clip);
@@ -95,10 +123,12 @@ void cut(const CutOptions& options) {
                          fmt::format("are no part of {}, which has {} frames", options.clip, index.frames()),
                          "--from is the first frame of the part, --to the first after it");
     write_clip(pieces_of(index, begin, end), index.fps, options.output);
+    write_heard({{voctree::clip_path(options.clip), begin / fps, (end - begin) / fps}}, options.output);
 }
 
 void join(const JoinOptions& options) {
     std::vector<Piece> pieces;
+    std::vector<HeardPiece> heard;
     uint64_t frames = 0;
     std::optional<float> fps;
     if (options.clips.size() < 2) throw InputError("clips", options.clips[0], "is one clip alone", "name two or more");
@@ -111,12 +141,14 @@ void join(const JoinOptions& options) {
                              fmt::format("has {:g} frames a second, {} has {:g}", index.fps, options.clips[0], *fps),
                              "join clips of one frame rate; on a stage, `speed` changes it");
         frames += index.frames();
+        heard.push_back({voctree::clip_path(clip), 0, index.frames() / double{index.fps}});
         for (const Piece& piece : pieces_of(index, 0, index.frames())) pieces.push_back(piece);
     }
     if (frames > voctree::kMaxClipFrames)
         throw InputError("--output", options.output, fmt::format("would have {} frames", frames),
                          fmt::format("a clip has at most {}", voctree::kMaxClipFrames));
     write_clip(pieces, *fps, options.output);
+    write_heard(heard, options.output);
 }
 
 constexpr const char* kClipExamples =
@@ -145,7 +177,7 @@ void add_clip(Command app, CommonOptions&) {
     cut_verb.footer(
         {"Images of the part are those of the clip. Where the part has frames of several segments, it is in "
          "segments, too;\nwhole segments are copied as they are, but the last one without what it overlaps the next "
-         "by.\n\n",
+         "by.\nA sound beside the clip (.m4a) is cut, too; layers of paint stay with the clip.\n\n",
          kClipExamples});
     cut_verb.callback([cut_options] { cut(*cut_options); });
 
@@ -155,7 +187,10 @@ void add_clip(Command app, CommonOptions&) {
         .required();
     join_verb.add_option("-o,--output", join_options->output, "The .nvv to write, which must not be there yet")
         .required();
-    join_verb.footer({"Files are copied as they are, so nothing is lost.\n\n", kClipExamples});
+    join_verb.footer(
+        {"Files are copied as they are, so nothing is lost; so are sounds beside the clips (.m4a), but not layers of "
+         "paint.\n\n",
+         kClipExamples});
     join_verb.callback([join_options] { join(*join_options); });
 }
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/output_path.h"
+#include "base/platform.h"
 #include "stream/nvs.h"
 #include "tools/commands.h"
 #include "tools/compared_views.h"
@@ -185,11 +186,22 @@ Published Publisher::publish() {
     return published_;
 }
 
+// The clip's sound goes along, as it is.
+void copy_sound(const std::filesystem::path& clip, const std::filesystem::path& output) {
+    const auto sound = voctree::sound_beside(voctree::clip_path(clip));
+    const std::filesystem::path to = voctree::sound_file(output);
+    std::error_code error;
+    if (!sound || std::filesystem::equivalent(*sound, to, error)) return;
+    const std::vector<uint8_t> bytes = read_file(*sound);
+    write_file_atomically(to, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
+}
+
 void run(const PublishOptions& options, const CommonOptions& common) {
     if (std::filesystem::path(options.output).extension() != ".nvs")
         throw InputError("--output", options.output, "does not end with .nvs", "name it so");
     prepare_output_file("--output", options.output);
     const Published published = Publisher(options, common).publish();
+    copy_sound(options.scene, options.output);
     const stream::Index index = stream::Reader(options.output).index();
     const auto frames = static_cast<double>(index.frames.size());
     const double bytes_per_frame = static_cast<double>(published.bytes) / frames;

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/output_path.h"
 #include "base/platform.h"
+#include "media/sound.h"
 #include "tools/commands.h"
 #include "tools/mpi.h"
 #include "tools/options.h"
@@ -15,6 +16,7 @@
 #include "tools/train_run.h"
 #include "training/claim.h"
 #include "training/schedule.h"
+#include "voctree/clip.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -147,6 +149,13 @@ void advise_segments(const TrainOptions& options, const training::Rig& rig) {
                    frames, options.settings.shape.bases);
 }
 
+// At once, so that a file without sound is known before the training.
+void write_audio(const TrainOptions& options) {
+    if (options.audio.empty()) return;
+    media::expect_sound_encoder();
+    media::write_sound(voctree::sound_file(options.output), media::read_sound(options.audio));
+}
+
 void run_train(TrainOptions options, const CommonOptions& common) {
     const Ranks ranks = ranks_of_environment();
     share_memory(options, ranks);
@@ -155,6 +164,7 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     prepare_live_outputs(options.live);
     catch_stop_signals();
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
+    if (ranks.is_first()) write_audio(options);
     if (is_in_segments(options)) return run_in_segments(options, rig, ranks, common);
     if (ranks.is_first()) advise_segments(options, rig);
     std::optional<training::RunClaim> claim;
@@ -229,6 +239,9 @@ void add_run_options(Command verb, TrainOptions& options, const Option& plan) {
                   "--steps its whole budget. In segments: train those that are not finished and that no other process "
                   "trains")
         .excludes(plan);
+    verb.add_option("--audio", options.audio,
+                    "The clip's sound, from its first frame on: any file that has one, as a camera's video. It is "
+                    "written beside OUTPUT as .m4a, where `publish` and stages find it");
     verb.add_option("--preview", options.live.preview,
                     "Keep this PNG showing a held-out image: truth, render, error; rewritten every few seconds");
     verb.add_option("--metrics", options.live.metrics,

@@ -42,6 +42,7 @@ struct TrainOptions {
     training::TrainSettings settings;
     double max_megabytes = 0, image_gigabytes = 0;
     bool uniform = false;
+    std::string audio;  // the file with the clip's sound; mostly empty
     LiveOptions live;
     std::string refine, leave_out;
     std::optional<training::RigCorrection> correction;  // of a segment's rig, in place of a search of its own

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "edit/document.h"
+#include "voctree/clip.h"
 
 namespace neuvv::edit {
 
@@ -241,11 +242,14 @@ std::string add_performer(stage::StageFile& file, const std::string& name, const
                           const Placement& placement) {
     if (!edit.clip) throw InputError(file.path.string(), "performer", "has no clip", "give it a .nvv");
     const std::string preferred = name.empty() ? edit.clip->stem().string() : name;
+    PerformerEdit with_sound = edit;
+    if (!edit.sound) with_sound.sound = voctree::sound_beside(*edit.clip);
     return all_or_nothing(file, [&] {
         const uint32_t node = append_node(file, {{"name", FreeNames(file).take(preferred)}});
         declare_extension(file, stage::kPerformerExtension);
         std::vector<std::string> changes;
-        edit_performer(file, make_extension(file, node_of(file, node), stage::kPerformerExtension), edit, changes);
+        edit_performer(file, make_extension(file, node_of(file, node), stage::kPerformerExtension), with_sound,
+                       changes);
         return "added " + place_node(file, node, placement) + ", " + with_commas(changes);
     });
 }

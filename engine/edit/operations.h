@@ -45,7 +45,8 @@ struct PerformerEdit {
     std::optional<std::filesystem::path> sound;     // a file with a sound; empty: none
     std::optional<double> gain_db;                  // of a sound that is there or given here
 };
-// Adds a performer on a node of its own at the end of the scene. An empty name stands for the clip's file name.
+// Adds a performer on a node of its own at the end of the scene. An empty name stands for the clip's file name. Where
+// no sound is given and the clip has one beside it (voctree::sound_beside), that is the performer's.
 std::string add_performer(stage::StageFile& file, const std::string& name, const PerformerEdit& edit,
                           const Placement& placement);
 std::string set_performer(stage::StageFile& file, uint32_t node, const PerformerEdit& edit);

@@ -8,6 +8,7 @@
 #include "media/video.h"
 #include "support/wav_file.h"
 #include "tests/tools/cli_gpu.h"
+#include "voctree/clip.h"
 
 namespace neuvv {
 namespace {
@@ -65,6 +66,35 @@ TEST_F(CliSound, PartsOfAVideoAreJoinedWithSound) {
     EXPECT_FALSE(std::filesystem::exists(video + ".parts"));
     render({"--part", "2/2", "--resume"});  // finds that all is there
     EXPECT_NEAR(loudest(), std::pow(10, -6.0 / 20), 0.05);
+}
+
+// A clip's sound lies beside it, and goes where the clip goes.
+TEST_F(CliSound, AClipTakesItsSoundAlong) {
+    expect_done({"capture", NEUVV_SOURCE_DIR "/tools/performer/performer.glb", "-o", file("data"), "--cameras", "5",
+                 "--frames", "3", "--size", "32x32"});
+    const std::string clip = file("sung.nvv");
+    expect_refused({"train", file("data"), "-o", clip, "--steps", "1", "--audio", scene}, 2, {"cannot be opened as a"});
+    EXPECT_FALSE(std::filesystem::exists(clip));
+    expect_done({"train", file("data"), "-o", clip, "--steps", "2", "--resolution", "32", "--audio", wav});
+    EXPECT_NEAR(media::read_sound(file("sung.m4a")).length_s(), 2, 0.05);
+    expect_done({"publish", clip, "-o", file("out.nvs")});
+    for (const std::string& sung : {clip, file("out.nvs")}) {
+        const std::string stage = file("sung.gltf");
+        expect_done({"stage", "new", stage});
+        expect_done({"stage", "add", stage, sung, "--name", "berta"});
+        const ProgramResult info = run_neuvv({"stage", "info", stage});
+        EXPECT_NE(info.out.find("sound " + std::filesystem::path(sung).stem().string() + ".m4a"), std::string::npos)
+            << info.out;
+        expect_done({"stage", "add", stage, sung, "--name", "silent", "--sound", ""});
+        std::filesystem::remove(stage);
+    }
+    const double fps = voctree::read_clip_head(clip).fps;
+    const uint32_t frames = voctree::read_clip_head(clip).frames;
+    expect_done({"clip", "cut", clip, "-o", file("cut.nvv"), "--from", "1", "--to", "2"});
+    const media::Sound whole = media::read_sound(file("sung.m4a")), cut = media::read_sound(file("cut.m4a"));
+    EXPECT_NEAR(cut.length_s(), 1 / fps, 0.03);
+    expect_done({"clip", "join", clip, file("cut.nvv"), "-o", file("joined.nvv")});
+    EXPECT_NEAR(media::read_sound(file("joined.m4a")).length_s(), (frames + 1) / fps, 0.03);
 }
 
 TEST_F(CliSound, WrongSoundsAreRefused) {
