@@ -25,7 +25,7 @@ struct ServedStream {
     int port = 0;
 
     // Groups of one frame, each of about a block.
-    void start(uint32_t frames) {
+    void write(uint32_t frames) {
         stream::Steps steps;
         steps.fill(6);
         stream::Writer writer(file, 25, frames, frames);
@@ -37,6 +37,10 @@ struct ServedStream {
             writer.add(group, one);
         }
         EXPECT_GT(writer.finish(), 2 * stream::HttpSource::kBlock) << "else it is no test of blocks";
+    }
+    // Writes the stream, and serves it.
+    void start(uint32_t frames) {
+        write(frames);
         server = std::make_unique<ChildProcess>(
             std::vector<std::string>{"/usr/bin/env", "python3", NEUVV_SOURCE_DIR "/tests/stream/http_server.py",
                                      folder.path.string()},
