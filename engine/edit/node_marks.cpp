@@ -69,6 +69,11 @@ std::string lock_node(stage::StageFile& file, uint32_t node, bool locked) {
     });
 }
 
+bool has_sound(const stage::StageFile& file, uint32_t node) {
+    const ordered_json* performer = find_extension(node_of(file, node), stage::kPerformerExtension);
+    return performer && find_member(*performer, "sound");
+}
+
 bool is_locked(const stage::StageFile& file, uint32_t node) {
     const ordered_json* ours = our_extras(node_of(file, node));
     return ours && ours->contains("locked") && (*ours)["locked"] == true;

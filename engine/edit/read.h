@@ -67,6 +67,7 @@ bool is_animated(const stage::StageFile& file, uint32_t node);
 // Whether the node itself is visible, regardless of the nodes above it; and whether it is locked.
 bool is_visible(const stage::StageFile& file, uint32_t node);
 bool is_locked(const stage::StageFile& file, uint32_t node);
+bool has_sound(const stage::StageFile& file, uint32_t node);  // a performer that has one
 
 // The camera on a node; nullopt where it has none.
 std::optional<stage::GltfCamera> camera_on(const stage::StageFile& file, uint32_t node);

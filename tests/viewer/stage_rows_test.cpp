@@ -4,6 +4,7 @@
 
 #include "edit/operations.h"
 #include "tests/stage/stage_files.h"
+#include "tools/viewer/view_state.h"
 
 namespace neuvv {
 namespace {
@@ -73,6 +74,26 @@ TEST_F(StageRows, HiddenAndLockedAreTheNodesOwnOrFromAbove) {
     EXPECT_TRUE(row("Anna").locked);
     EXPECT_FALSE(row("Pivot").locked);
     EXPECT_TRUE(row("Floor").ancestors_visible);
+}
+
+TEST_F(StageRows, SayWhoHasASoundAndTheViewWhoIsHeard) {
+    EXPECT_FALSE(row("Anna").has_sound);
+    edit::PerformerEdit edit;
+    edit.sound = "song.wav";
+    edit::set_performer(file, node("Anna"), edit);
+    EXPECT_TRUE(row("Anna").has_sound);
+    EXPECT_FALSE(row("Floor").has_sound);
+    viewer::ViewState view;
+    EXPECT_TRUE(view.hears("Anna"));
+    view.toggle_sound("Anna", false);
+    EXPECT_TRUE(!view.hears("Anna") && view.hears("Berta"));
+    view.toggle_sound("Anna", true);
+    EXPECT_TRUE(view.hears("Anna") && !view.hears("Berta")) << "alone, although it was muted";
+    view.toggle_sound("Anna", true);
+    view.toggle_sound("Anna", false);
+    EXPECT_TRUE(view.hears("Anna") && view.hears("Berta"));
+    view.sound = false;
+    EXPECT_FALSE(view.hears("Anna"));
 }
 
 TEST_F(StageRows, ClosedOnesHideWhatHangsOnThem) {

@@ -49,3 +49,5 @@
 #define ICON_LINK "\uf0c1"
 #define ICON_MORE "\uf142"
 #define ICON_ROAD "\uf018"
+#define ICON_SOUND "\uf028"
+#define ICON_SOUND_OFF "\uf026"

@@ -47,6 +47,8 @@ void report_facts(const Context& context, const ReportedState& state) {
                             {"all", !state.window.has_more()}});
     report.fact("busy", context.jobs.under_way());
     report.fact("problem", frame.rendered.problem);
+    report.fact("muted", context.view.muted);
+    report.fact("solo", context.view.solo);
     report.fact("waits", frame.rendered.waits_since.has_value());
     report.fact("validation", state.validation_messages);
     report.fact("selected", json_of(editor.selected()));

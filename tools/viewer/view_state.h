@@ -2,6 +2,8 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <set>
+#include <string>
 
 #include "editor/clock.h"
 #include "render/resolve.h"
@@ -43,7 +45,22 @@ struct ViewState {
     bool grid = false;               // a grid of lines is drawn on the floor
     bool along_path = false;         // the eye follows the camera path of the stage
     bool show_path = true;           // the camera path is drawn over the image
-    bool sound = true;               // performers are heard while the clock runs
+    // Performers are heard while the clock runs, but for those of `muted`; or this one alone, unless `solo` is empty.
+    // By the names of their nodes.
+    bool sound = true;
+    std::set<std::string> muted;
+    std::string solo;
+
+    bool hears(const std::string& performer) const {
+        return sound && (solo.empty() ? !muted.contains(performer) : performer == solo);
+    }
+    // As a click on the performer's sign does it: with Shift the performer is heard alone, or no more.
+    void toggle_sound(const std::string& performer, bool alone) {
+        if (alone)
+            solo = solo == performer ? "" : performer;
+        else if (!muted.erase(performer))
+            muted.insert(performer);
+    }
 };
 
 }  // namespace neuvv::viewer

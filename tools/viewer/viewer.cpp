@@ -315,6 +315,8 @@ void Viewer::play_sound() {
     const double speed = view_.clock.playing && view_.sound ? view_.clock.speed : 0;
     stage::EvaluatedStage now = input_.evaluated;
     now.time_s = view_.clock.time_s();  // the displayed time stands still from frame to frame
+    for (stage::EvaluatedPerformer& performer : now.performers)
+        performer.visible &= input_.stage && view_.hears(input_.stage->performers[performer.performer].name);
     sound_player_.follow(input_.stage, now, speed, glm::mat4(world_from_eye(view_.eye)));
     if (std::string problem = sound_player_.take_problem(); !problem.empty()) editor_.notify(problem, true);
 }

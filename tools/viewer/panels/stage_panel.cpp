@@ -130,7 +130,8 @@ void name_field(Context& context, StageTree& tree, const StageRow& row, float wi
 struct RowArea {
     ImVec2 at;
     float right = 0, side = 0, icon_x = 0, name_x = 0, text_y = 0;
-    float name_width() const { return std::max(1.0f, right - 2 * side - name_x); }
+    float icons = 2;  // behind the name
+    float name_width() const { return std::max(1.0f, right - icons * side - name_x); }
 };
 
 RowArea area_of_row(const StageRow& row) {
@@ -142,6 +143,7 @@ RowArea area_of_row(const StageRow& row) {
     area.icon_x = area.at.x + (static_cast<float>(std::min(row.depth, kDeepest)) + 1) * std::round(0.7f * area.side);
     area.name_x = area.icon_x + std::round(area.side);
     area.text_y = area.at.y + ImGui::GetStyle().FramePadding.y;
+    if (row.has_sound) area.icons++;
     return area;
 }
 
@@ -188,6 +190,13 @@ void draw_name(Context& context, StageTree& tree, const StageRow& row, const Row
 
 void draw_row_icons(Context& context, const StageRow& row, const RowArea& area, bool under) {
     const std::string report = "stage/" + row.title;
+    if (row.has_sound) {
+        const bool heard = context.view.hears(row.title);
+        ImGui::SetCursorScreenPos({area.right - 3 * area.side, area.at.y});
+        if (row_icon(context, "sound", report + "/sound", heard ? ICON_SOUND : ICON_SOUND_OFF, !heard, true,
+                     heard ? "Mute. Shift: hear it alone" : "Not heard here. Shift: hear it alone"))
+            context.view.toggle_sound(row.title, ImGui::GetIO().KeyShift);
+    }
     ImGui::SetCursorScreenPos({area.right - 2 * area.side, area.at.y});
     if (row_icon(
             context, "lock", report + "/lock", row.locked ? ICON_LOCK : ICON_UNLOCK, row.locked, under,

@@ -39,6 +39,7 @@ std::vector<StageRow> stage_rows(const stage::StageFile& file) {
         row.visible = edit::is_visible(file, at.node);
         row.ancestors_visible = at.ancestors_visible;
         row.locked = edit::is_locked(file, at.node);
+        row.has_sound = edit::has_sound(file, at.node);
         push(edit::children_of(file, at.node), at.depth + 1, at.ancestors_visible && row.visible);
     }
     count_below(rows);

@@ -22,6 +22,7 @@ struct StageRow {
     bool visible = true;            // not hidden itself
     bool ancestors_visible = true;  // no ancestor is hidden
     bool locked = false;            // locked itself
+    bool has_sound = false;         // a performer's
 };
 
 // The nodes of the default scene, each before its descendants. The document must be sound.
