@@ -21,6 +21,8 @@ struct PaintPlace {
         number = at.segment;
         frame = at.frame;
     }
+    // The same frame as one of the clip. Between two segments without an overlap, it is the nearer one.
+    float clip_frame() const { return static_cast<float>(segment().first) + frame; }
     bool is_segmented() const { return index->segments.size() > 1; }
     const voctree::ClipSegment& segment() const { return index->segments[number]; }
     // The file of a layer that holds this segment's part of it: of a clip that is one file, the layer itself.

@@ -64,7 +64,9 @@ void PaintSession::add_touches(PaintSurface& surface, const stage::Camera& camer
 }
 
 std::pair<uint32_t, uint32_t> PaintSession::projected_frames() const {
-    return {static_cast<uint32_t>(std::ceil(operation_.frames.first)), static_cast<uint32_t>(operation_.frames.last)};
+    const edit::EditFrames& frames = operation_.frames;
+    if (frames.first > frames.last) return {1, 0};
+    return {static_cast<uint32_t>(std::ceil(frames.first)), static_cast<uint32_t>(frames.last)};
 }
 
 bool PaintSession::add_projection(PaintSurface& surface) {

@@ -25,6 +25,7 @@ struct PaintSpreadTest : testing::Test {
     editor::Editor editor;
     std::vector<std::string> problems;
     JobQueue jobs{[this](const std::string& problem) { problems.push_back(problem); }, [] {}};
+    editor::PaintSpreads spreads{editor, jobs};
     editor::PaintPlace place;
     uint32_t anna = 0;
     editor::PaintOperation operation{.colour = {1, 0, 0}, .frames = {0, 5, edit::Follow::kNot}};
@@ -65,24 +66,27 @@ struct PaintSpreadTest : testing::Test {
         const editor::PaintedRegion painted = editor::paint_region(place, seen, empty(*seen), operation, box);
         ASSERT_TRUE(painted.layer && painted.spread);
         ASSERT_TRUE(set(1, painted.layer));
-        editor::start_spread(editor, jobs, place, anna, look, *painted.spread);
+        spreads.start(place, anna, look, empty(*seen), painted.layer, *painted.spread);
     }
     void settle() {
         const auto from = std::chrono::steady_clock::now();
-        while (!jobs.idle() || jobs.has_posted()) {
+        while (!spreads.is_idle()) {
             jobs.run_posted();
+            spreads.update(true);
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
             ASSERT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(60));
         }
         EXPECT_TRUE(problems.empty());
     }
-    // Begins a drag, and waits until all segments are painted but for the edit, which the drag holds up.
+    // Waits until all segments are painted but for the edit, which somebody who paints holds up.
     void hold() {
-        ASSERT_TRUE(
-            editor.drag([&](edit::Document& document) { return edit::rename_node(document.file, anna, "berta"); }));
         const auto from = std::chrono::steady_clock::now();
-        while (std::chrono::steady_clock::now() - from < std::chrono::milliseconds(500)) jobs.run_posted();
-        ASSERT_TRUE(jobs.idle());
+        do {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            ASSERT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(60));
+            jobs.run_posted();
+            spreads.update(false);
+        } while (!jobs.idle() || jobs.has_posted());
     }
     std::vector<voctree::LeafEdit> edits_of(uint32_t number) const {
         const auto found = editor.document().paint.find(file(number));
@@ -148,25 +152,106 @@ TEST_F(PaintSpreadTest, WhatWasPaintedMeanwhileStays) {
     const auto last = segment(2);
     const Layer other = std::make_shared<const voctree::EditLayer>(
         voctree::EditLayer{last->field, {{.leaf = 3, .first = 0, .last = 1, .colour = {0, 1, 0}, .alpha = 1}}});
-    editor.cancel_drag();
     ASSERT_TRUE(set(2, other));
     settle();
-    EXPECT_EQ(edits_of(2), other->edits);
+    EXPECT_EQ(edits_of(2), other->edits) << "a region is no list of edits";
     EXPECT_TRUE(was_notified("painted meanwhile"));
     EXPECT_FALSE(edits_of(0).empty());
 }
 
-TEST_F(PaintSpreadTest, NothingIsPaintedOnALayerThatIsGone) {
+TEST_F(PaintSpreadTest, EditsThatAreCarriedAreAddedToWhatWasPaintedMeanwhile) {
+    operation.frames = {2, 2, edit::Follow::kAll};
+    paint();
+    hold();
+    const auto last = segment(2);
+    const Layer other = std::make_shared<const voctree::EditLayer>(
+        voctree::EditLayer{last->field, {{.leaf = 3, .first = 0, .last = 1, .colour = {0, 1, 0}, .alpha = 1}}});
+    ASSERT_TRUE(set(2, other));
+    settle();
+    size_t green = 0, red = 0;
+    for (const voctree::LeafEdit& edit : edits_of(2)) (edit.colour.g == 1 ? green : red)++;
+    EXPECT_GT(red, 5u);
+    EXPECT_TRUE(green == 1 || edits_of(2)[0].leaf == 3) << "unless the stroke covers it";
+    EXPECT_FALSE(was_notified("painted meanwhile"));
+}
+
+TEST_F(PaintSpreadTest, EachStrokeFindsWhatTheOneBeforeItPainted) {
+    paint();
+    operation.colour = {0, 0, 1};
+    operation.opacity = 0.5f;
+    const auto seen = segment(1);
+    const Layer once = editor.document().paint.at(file(1));
+    const editor::PaintedRegion twice = editor::paint_region(place, seen, once, operation, box);
+    ASSERT_TRUE(set(1, twice.layer));
+    spreads.start(place, anna, look, once, twice.layer, *twice.spread);
+    settle();
+    for (uint32_t number = 0; number < 3; number++)
+        for (const voctree::LeafEdit& edit : edits_of(number))
+            EXPECT_EQ(edit.colour, glm::vec3(0.5f, 0, 0.5f)) << "blue over red in segment " << number;
+    EXPECT_FALSE(was_notified("painted meanwhile"));
+}
+
+TEST_F(PaintSpreadTest, NothingIsPaintedOnALayerThatIsGoneNorAfterUndo) {
     paint();
     editor.undo();
     settle();
     EXPECT_TRUE(edits_of(0).empty());
     EXPECT_FALSE(editor.modified());
+    EXPECT_TRUE(was_notified("the layer has gone"));
+    // On a layer that stays.
+    const auto seen = segment(1);
+    const Layer none = empty(*seen);
+    ASSERT_TRUE(set(1, none));
+    const editor::PaintedRegion painted = editor::paint_region(place, seen, none, operation, box);
+    ASSERT_TRUE(set(1, painted.layer));
+    spreads.start(place, anna, look, none, painted.layer, *painted.spread);
+    editor.undo();
+    settle();
+    EXPECT_TRUE(edits_of(0).empty() && edits_of(1).empty());
+    EXPECT_TRUE(was_notified("was undone"));
 }
 
-TEST_F(PaintSpreadTest, AStrokeThatIsGoingOnIsNotCutOff) {
+TEST_F(PaintSpreadTest, WhereNothingIsSeenTheOthersArePaintedAllTheSame) {
+    operation.frames = {4, 5, edit::Follow::kNot};
+    const auto seen = segment(1);
+    const editor::PaintedRegion painted = editor::paint_region(place, seen, empty(*seen), operation, box);
+    EXPECT_FALSE(painted.layer);
+    spreads.start(place, anna, look, empty(*seen), nullptr, *painted.spread);
+    settle();
+    EXPECT_TRUE(edits_of(0).empty() && edits_of(1).empty());
+    EXPECT_FALSE(edits_of(2).empty());
+    EXPECT_EQ(edit::paint_layers_of(editor.file(), anna)->size(), 1u);
+    editor.undo();
+    EXPECT_FALSE(editor.modified());
+    const edit::Region nowhere = edit::box_region(glm::vec3(50), glm::vec3(51));
+    operation.frames = {0, 5, edit::Follow::kNot};
+    const editor::PaintedRegion nothing = editor::paint_region(place, seen, empty(*seen), operation, nowhere);
+    spreads.start(place, anna, look, empty(*seen), nothing.layer, *nothing.spread);
+    settle();
+    EXPECT_TRUE(was_notified("nothing is there"));
+    EXPECT_FALSE(editor.modified());
+}
+
+// Without an overlap, the nearer of two frames is seen, and painted.
+TEST_F(PaintSpreadTest, BetweenTwoSegmentsTheNearerFrameIsMeant) {
+    place = editor::PaintPlace(place.index, 1.4f);
+    EXPECT_EQ(place.number, 0u);
+    EXPECT_EQ(place.clip_frame(), 1);
+    EXPECT_EQ(editor::PaintPlace(place.index, 1.6f).clip_frame(), 2);
+    EXPECT_EQ(editor::PaintPlace(place.index, 0.5f).clip_frame(), 0.5f);
+    const float frame = place.clip_frame();
+    const auto seen = segment(0);
+    const editor::SeenPaint paint =
+        editor::seen_paint(place, *seen, empty(*seen), {frame, frame, edit::Follow::kRun}, false);
+    EXPECT_TRUE(paint.has_frames());
+}
+
+TEST_F(PaintSpreadTest, WhoPaintsIsNotCutOff) {
     paint();
     hold();
+    EXPECT_TRUE(edits_of(0).empty());
+    ASSERT_TRUE(editor.drag([&](edit::Document& document) { return edit::rename_node(document.file, anna, "berta"); }));
+    spreads.update(true);
     EXPECT_TRUE(editor.dragging());
     EXPECT_TRUE(edits_of(0).empty());
     editor.end_drag();

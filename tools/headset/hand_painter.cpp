@@ -73,7 +73,7 @@ struct HandPainter::Stroke {
     bool job_running = false, released = false;
     // Set once the performer has been read. After that only the jobs use the session, one at a time.
     std::shared_ptr<const PaintTarget> target;
-    editor::Layer before;              // of the target, when the stroke began
+    editor::Layer before, painted;     // the target's file when the stroke began, and now; null: as it was
     editor::PaintOperation operation;  // its frames are of the clip
     std::optional<editor::PaintSession> session;
     std::optional<editor::SpreadPaint> spread;  // on a clip in segments: what other segments get after the stroke
@@ -118,7 +118,8 @@ std::shared_ptr<const HandPainter::PaintTarget> HandPainter::load_target(Headset
         target->place = place;
         return target_ = target;
     }
-    if (failed_target_.id == state.editor.id() && failed_target_.node == performer.node) {
+    if (failed_target_.id == state.editor.id() && failed_target_.node == performer.node &&
+        failed_target_.file == place.segment().file) {
         status_ = failed_target_.problem;
         return nullptr;
     }
@@ -141,9 +142,10 @@ std::shared_ptr<const HandPainter::PaintTarget> HandPainter::load_target(Headset
                         target->clip = read.clip;
                         if (!layers.empty()) target->layer = read.files.at(target->file());
                     } catch (const std::exception& error) {
-                        return [this, &state, id, node = target->node, problem = std::string(error.what())] {
+                        return [this, &state, id, node = target->node, file = target->place.segment().file,
+                                problem = std::string(error.what())] {
                             reading_ = false;
-                            failed_target_ = {id, node, problem};
+                            failed_target_ = {id, node, file, problem};
                             state.editor.notify(problem, true);
                             process_strokes(state);
                         };
@@ -162,6 +164,7 @@ void HandPainter::update(HeadsetState& state, Hands& hands) {
     status_.clear();
     if (state.tool != HandTool::kPaint || !hand.select.is_down()) end_stroke(state);
     process_strokes(state);
+    if (spreads_) spreads_->update(strokes_.empty());
     if (region_ && region_->node_count != state.editor.node_count()) region_.reset();
     if (!region_ || state.tool != HandTool::kRegion) corner_.reset();
     if (!paints(state.tool)) return;
@@ -240,10 +243,12 @@ void HandPainter::begin_session(HeadsetState& state, Stroke& stroke) {
     if (target.layer) state.editor.open_layer(target.file(), target.layer);
     const auto known = state.editor.document().paint.find(target.file());
     stroke.before = known != state.editor.document().paint.end() ? known->second : none;
-    stroke.operation = operation_of(stroke.brush, stroke.frame, target.place.index->frames());
-    editor::PaintOperation seen = stroke.operation;
-    if (target.place.is_segmented()) seen.frames = {target.place.frame, target.place.frame};
-    stroke.session.emplace(editor::PaintSubject{target.clip}, target.place.is_segmented() ? none : stroke.before, seen);
+    stroke.operation = operation_of(stroke.brush, target.place.clip_frame(), target.place.index->frames());
+    const editor::SeenPaint seen =
+        editor::seen_paint(target.place, *target.clip, stroke.before, stroke.operation.frames, true);
+    editor::PaintOperation operation = stroke.operation;
+    operation.frames = seen.frames;
+    stroke.session.emplace(editor::PaintSubject{target.clip}, seen.before, operation);
 }
 
 // What the stroke's performer has after `touched`, too, was painted; null where nothing new was. For jobs.
@@ -289,6 +294,7 @@ void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke)
         return [this, &state, stroke, layer] {
             stroke->job_running = false;
             stroke->changed_leaves |= layer != nullptr;
+            if (layer) stroke->painted = layer;
             if (layer)
                 state.editor.drag([&](edit::Document& document) {
                     return edit::set_paint(document, stroke->node, stroke->target->layer_path, "headset",
@@ -302,11 +308,13 @@ void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke)
 void HandPainter::finish_stroke(HeadsetState& state) {
     state.editor.end_drag();
     const Stroke& stroke = *strokes_.front();
-    if (stroke.region_applied && !stroke.changed_leaves && !stroke.failed)
+    if (stroke.spread && !stroke.failed) {
+        const PaintTarget& target = *stroke.target;
+        if (!spreads_) spreads_.emplace(state.editor, jobs_);
+        spreads_->start(target.place, stroke.node, target.layer_path, stroke.before, stroke.painted, *stroke.spread);
+    } else if (stroke.region_applied && !stroke.changed_leaves && !stroke.failed) {
         state.editor.notify("there is nothing in the box", true);
-    if (stroke.spread && stroke.changed_leaves && !stroke.failed)
-        editor::start_spread(state.editor, jobs_, stroke.target->place, stroke.node, stroke.target->layer_path,
-                             *stroke.spread);
+    }
     strokes_.pop_front();
 }
 

@@ -75,8 +75,10 @@ class HandPainter {
     struct FailedTarget {
         uint64_t id = 0;  // of the document
         uint32_t node = 0;
+        std::filesystem::path file;  // of the clip
         std::string problem;
     } failed_target_;  // the last one that could not be read; it is not tried again until the document changes
+    std::optional<editor::PaintSpreads> spreads_;  // from the first one on
     bool reading_ = false;
     std::string status_;
     std::optional<PaintRegion> region_;

@@ -160,13 +160,12 @@ void PaintTool::project_stamp(Context& context, const PaintedPerformer& performe
     const edit::EditFrames of_clip = operation.frames;
     const bool every_frame = settings.every_frame && settings.frames != PaintSettings::Frames::kThis;
     const editor::PaintPlace& place = performer.place;
-    const bool carried = place.is_segmented() && !every_frame;
-    editor::Layer before = target->before;
-    if (carried) {
-        operation.frames = {place.frame, place.frame};
-        before = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
-    } else if (place.is_segmented()) {
-        operation.frames = editor::frames_in(of_clip, place.segment());
+    const editor::SeenPaint seen = editor::seen_paint(place, *clip_, target->before, of_clip, !every_frame);
+    operation.frames = seen.frames;
+    if (!seen.has_frames()) {
+        task_runs_ = false;
+        context.editor.notify("the frames are in other segments: go to one of them", true);
+        return;
     }
     auto session = std::make_shared<std::optional<editor::PaintSession>>();
     editor::post_paint_task(
@@ -180,12 +179,12 @@ void PaintTool::project_stamp(Context& context, const PaintedPerformer& performe
                 projection.image = editor::downscaled(*image, factor);
                 projection.image_camera = part_of(camera, area, projection.image.width, projection.image.height);
                 projection.every_frame = every_frame;
-                session->emplace(subject, before, operation, std::move(projection));
+                session->emplace(subject, seen.before, operation, std::move(projection));
             }
             if ((*session)->add_projection(surface)) return {};
             editor::Layer layer = (*session)->layer();
             std::optional<editor::SpreadPaint> spread;
-            if (carried) {
+            if (seen.is_carried) {
                 const editor::CarriedPaint all =
                     editor::carry_on(performer.place, subject.clip, target.before, layer, of_clip);
                 layer = all.layer;

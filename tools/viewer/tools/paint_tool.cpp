@@ -46,6 +46,7 @@ struct PaintTool::Stroke {
     editor::PaintOperation operation;
     editor::PaintArea area;
     std::optional<editor::PaintSession> session;
+    editor::Layer painted;  // the target's file as the stroke has painted it; null: not at all
     // On a clip in segments, of edits that are carried: the frames of the clip, and what carries them after the stroke.
     std::optional<edit::EditFrames> carried;
     std::shared_ptr<editor::PaintCarrier> carrier;
@@ -81,7 +82,8 @@ size_t PaintTool::painted_layer(const PaintedPerformer& performer) const {
 
 edit::EditFrames PaintTool::frames_of(const PaintedPerformer& performer) const {
     const auto last = static_cast<float>(performer.frames - 1);
-    edit::EditFrames frames{performer.frame, performer.frame, settings.follow};
+    const float seen = performer.place.clip_frame();
+    edit::EditFrames frames{seen, seen, settings.follow};
     if (settings.frames == PaintSettings::Frames::kRange) {
         const auto [first, end] = std::minmax(settings.first, settings.last);
         frames.first = std::clamp(static_cast<float>(first), 0.0f, last);
@@ -127,7 +129,7 @@ bool PaintTool::prepare(Context& context) {
     const bool has_clip = clip_ && clip_file_ == file;
     if (has_clip && missing.empty()) return true;
     if (performer->place.is_segmented() && context.view.clock.playing) return false;
-    if (reading_ || failed_ == context.editor.id()) return false;
+    if (reading_ || failed_ == std::pair(context.editor.id(), file)) return false;
     reading_ = true;
     context.jobs.start(fmt::format("Reading {}, to be painted", performer->name),
                        [this, &context, file, place = performer->place, missing, clip = has_clip ? clip_ : nullptr,
@@ -136,9 +138,9 @@ bool PaintTool::prepare(Context& context) {
                            try {
                                read = editor::read_performer(place, clip, missing);
                            } catch (const std::exception& error) {
-                               return [this, &context, id, problem = std::string(error.what())] {
+                               return [this, &context, id, file, problem = std::string(error.what())] {
                                    reading_ = false;
-                                   failed_ = id;
+                                   failed_ = {id, file};
                                    context.editor.notify(problem, true);
                                };
                            }
@@ -210,6 +212,7 @@ void PaintTool::set_radius_by_keys(const Context& context) {
 }
 
 void PaintTool::handle_pointer(Context& context, PointerUse& use) {
+    if (spreads_) spreads_->update(!busy());
     set_radius_by_keys(context);
     const auto performer = this->performer(context);
     ready_ = is_current(context) && performer && performer->visible && prepare(context);
@@ -257,15 +260,15 @@ void PaintTool::begin_stroke(Context& context, const PaintedPerformer& performer
     active->before = target->before;
     context.view.clock.pause();
     active->operation = operation_of(performer, ImGui::GetIO().KeyCtrl);
-    if (performer.place.is_segmented()) {
-        edit::EditFrames& frames = active->operation.frames;
-        if (editor::is_carried(active->operation.kind)) {
-            active->carried = std::exchange(frames, {performer.place.frame, performer.place.frame});
-            active->before = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{clip_->field, {}});
-        } else {
-            frames = editor::frames_in(frames, performer.place.segment());
-        }
+    const editor::SeenPaint seen = editor::seen_paint(performer.place, *clip_, target->before, active->operation.frames,
+                                                      editor::is_carried(active->operation.kind));
+    if (!seen.has_frames()) {
+        context.editor.notify("the frames are in other segments: go to one of them", true);
+        return;
     }
+    if (seen.is_carried) active->carried = active->operation.frames;
+    active->operation.frames = seen.frames;
+    active->before = seen.before;
     active->what = kDone[static_cast<size_t>(active->operation.kind)];
     active->node = performer.node;
     active->place = performer.place;
@@ -302,8 +305,8 @@ void PaintTool::continue_stroke(Context& context) {
     if (stroke.waiting.empty()) {
         if (!stroke.released) return;
         if (stroke.carrier)
-            editor::start_spread(context.editor, context.jobs, stroke.place, stroke.node, stroke.target.path,
-                                 editor::spread_edits(stroke.carrier));
+            spreads(context).start(stroke.place, stroke.node, stroke.target.path, stroke.target.before, stroke.painted,
+                                   editor::spread_edits(stroke.carrier));
         stroke_.reset();
         return;
     }
@@ -347,6 +350,7 @@ void PaintTool::apply_result(Context& context, const std::shared_ptr<Stroke>& ac
         return write_layer(document, active->node, active->target, layer, active->what);
     });
     settings.layer = active->target.path;
+    active->painted = layer;
     active->document = context.editor.id();
 }
 
@@ -408,13 +412,17 @@ void PaintTool::write_result(Context& context, const PaintedPerformer& performer
         context.editor.notify("the layer was painted meanwhile: it stays as it is", true);
         return;
     }
-    const bool done = context.editor.edit([&](edit::Document& document) {
-        return write_layer(document, performer.node, target, layer ? layer : target.before, what);
-    });
-    if (!done) return;
+    if (layer && !context.editor.edit([&](edit::Document& document) {
+            return write_layer(document, performer.node, target, layer, what);
+        }))
+        return;
     settings.layer = target.path;
-    if (spread)
-        editor::start_spread(context.editor, context.jobs, performer.place, performer.node, target.path, *spread);
+    if (spread) spreads(context).start(performer.place, performer.node, target.path, target.before, layer, *spread);
+}
+
+editor::PaintSpreads& PaintTool::spreads(Context& context) {
+    if (!spreads_) spreads_.emplace(context.editor, context.jobs);
+    return *spreads_;
 }
 
 // A copy of a shared layer replaces that layer first.

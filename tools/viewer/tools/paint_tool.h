@@ -124,6 +124,7 @@ class PaintTool : public Tool {
     std::string write_layer(edit::Document& document, uint32_t node, const Target& target, const editor::Layer& layer,
                             const std::string& what) const;
     void begin_task(const Context& context);
+    editor::PaintSpreads& spreads(Context& context);
     // Ends the task that began with the target as it was before: writes its result `layer` into the document, unless
     // the document or the layer has changed meanwhile. Then other segments are painted, where `spread` says so.
     void write_result(Context& context, const PaintedPerformer& performer, const Target& target,
@@ -140,7 +141,7 @@ class PaintTool : public Tool {
     // What was read: one clip, or a segment, and files of layers of its performers.
     std::filesystem::path clip_file_;
     bool reading_ = false;
-    uint64_t failed_ = 0;  // the id of the document for which reading failed
+    std::pair<uint64_t, std::filesystem::path> failed_;  // the document's id, and the clip's file that was not read
     std::shared_ptr<const editor::PaintClip> clip_;
     voctree::PaintLayers read_;
     bool ready_ = false;
@@ -149,7 +150,8 @@ class PaintTool : public Tool {
     std::set<std::filesystem::path> protected_layers_;
     // The copy that the performer gets for itself, and the shared layer that this copy replaces.
     std::pair<std::filesystem::path, std::filesystem::path> unshared_;
-    bool task_runs_ = false;  // painting in a box, or projecting
+    std::optional<editor::PaintSpreads> spreads_;  // from the first one on
+    bool task_runs_ = false;                       // painting in a box, or projecting
     // When the task began: Editor::open_count() and node_count(). Where they change, node numbers mean other nodes.
     std::pair<uint64_t, size_t> task_document_;
     std::string stamp_path_;
