@@ -145,7 +145,8 @@ HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
         answer.problem = problem[0] ? problem : curl_easy_strerror(answer.code);
         const bool passing = answer.code == CURLE_OK ? is_passing(answer.status) : is_passing(answer.code);
         if (!passing || tries == kTries || cancelled_) return answer;
-        std::this_thread::sleep_for(std::chrono::milliseconds(150 << tries));
+        std::unique_lock lock(mutex_);
+        changed_.wait_for(lock, std::chrono::milliseconds(150 << tries), [this] { return cancelled_ || stop_; });
     }
 }
 
@@ -231,13 +232,20 @@ void HttpSource::run() {
         }
         lock.lock();
         if (failure) {
-            (is_needed ? needed_ : ahead_) = {};
-            if (is_needed) failure_ = failure;
+            if (!is_needed) ahead_ = {};
+            // Who waits for what was fetched ahead need not wait as long again.
+            if (is_needed || missing_locked(needed_).first == next.first) failure_ = failure;
         } else {
             keep_locked(next.first, bytes);
         }
         changed_.notify_all();
     }
+}
+
+void HttpSource::cancel() {
+    cancelled_ = true;
+    const std::lock_guard lock(mutex_);  // so that nobody misses it who is about to wait
+    changed_.notify_all();
 }
 
 void HttpSource::read_ahead(uint64_t offset, uint64_t count) {
@@ -257,10 +265,14 @@ std::vector<uint8_t> HttpSource::read(uint64_t offset, uint64_t count) {
     const uint64_t end_block = (offset + count - 1) / kBlock + 1;
     for (uint64_t block = offset / kBlock; block < end_block; block++) {
         needed_ = {block, std::min(end_block, block + kMostOfARequest)};
+        if (block < ahead_.first || block >= ahead_.end) ahead_ = {};  // it was said for another place
         failure_ = nullptr;
         changed_.notify_all();
         changed_.wait(lock, [&] { return failure_ || blocks_.contains(block); });
-        if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+        if (failure_) {
+            needed_ = {};
+            std::rethrow_exception(std::exchange(failure_, nullptr));
+        }
         const std::vector<uint8_t>& whole = blocks_.at(block);
         const uint64_t begin = std::max(offset, block * kBlock) - block * kBlock;
         const uint64_t end = std::min(offset + count, block * kBlock + whole.size()) - block * kBlock;

@@ -27,7 +27,7 @@ class HttpSource : public ByteSource {
     // Throws InputError where the server does not answer, not with this range, or with that of another file.
     std::vector<uint8_t> read(uint64_t offset, uint64_t count) override;
     void read_ahead(uint64_t offset, uint64_t count) override;
-    void cancel() override { cancelled_ = true; }
+    void cancel() override;
 
     static constexpr uint64_t kBlock = uint64_t{256} << 10;
     static constexpr uint64_t kMostBlocks = 256;    // 64 MiB
