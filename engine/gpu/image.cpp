@@ -34,7 +34,12 @@ void create_image(DeviceImage& to) {
     VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocate.allocationSize = requirements.size;
     allocate.memoryTypeIndex = device.memory_type(requirements.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0);
-    check(vkAllocateMemory(device.handle(), &allocate, nullptr, &to.memory), "vkAllocateMemory", to.name);
+    VkResult result = vkAllocateMemory(device.handle(), &allocate, nullptr, &to.memory);
+    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) {
+        device.memory_pool().clear(device.handle());
+        result = vkAllocateMemory(device.handle(), &allocate, nullptr, &to.memory);
+    }
+    check(result, "vkAllocateMemory", to.name);
     check(vkBindImageMemory(device.handle(), to.image, to.memory, 0), "vkBindImageMemory", to.name);
 }
 

@@ -7,10 +7,12 @@ namespace neuvv::gpu {
 
 namespace {
 
-constexpr VkDeviceSize kMostKept = VkDeviceSize{64} << 20;     // of all memory together
+constexpr VkDeviceSize kMostKept = VkDeviceSize{64} << 20;  // of all memory together
+constexpr size_t kMostPieces = 256;  // a driver may have no more than 4096 at a time, with those in use
 constexpr VkDeviceSize kLargestKept = VkDeviceSize{32} << 20;  // of one piece
 
-// Sizes are rounded up by an eighth at most, so that memory fits buffers of about the same size.
+// Sizes are rounded up by an eighth at most, small ones to 256 bytes, so that memory fits buffers of about the same
+// size.
 VkDeviceSize rounded(VkDeviceSize bytes) {
     if (bytes > kLargestKept) return bytes;
     const VkDeviceSize step = std::max<VkDeviceSize>(std::bit_floor(bytes) / 8, 256);
@@ -57,7 +59,7 @@ void MemoryPool::give(VkDevice device, const DeviceMemory& memory) {
     const std::lock_guard lock(mutex_);
     kept_.push_back(memory);
     kept_bytes_ += memory.bytes;
-    while (kept_bytes_ > kMostKept) {
+    while (kept_bytes_ > kMostKept || kept_.size() > kMostPieces) {
         vkFreeMemory(device, kept_.front().memory, nullptr);
         kept_bytes_ -= kept_.front().bytes;
         kept_.pop_front();
