@@ -368,11 +368,13 @@ xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
         handle_events(events, session);
         if (status == xr::SessionStatus::kEnded || status == xr::SessionStatus::kLost) {
             program.interaction.grab.release(program.state);
+            stop_sound(program.state, program.sound);
             return status;
         }
         if ((program.leaving || stop_requested()) && !std::exchange(exit_requested, true))
             session.xr_session.request_exit();
         if (status == xr::SessionStatus::kIdle) {
+            stop_sound(program.state, program.sound);
             program.jobs.run_posted();
             program.saver->autosave.tick(program.now_s());
             program.notify();

@@ -10,4 +10,8 @@ void play_sound(HeadsetState& state, editor::SoundPlayer& player, const xr::Pose
     if (const std::string problem = player.take_problem(); !problem.empty()) state.editor.notify(problem, true);
 }
 
+void stop_sound(const HeadsetState& state, editor::SoundPlayer& player) {
+    player.follow(state.stage, state.evaluated, 0, glm::mat4(1));
+}
+
 }  // namespace neuvv::headset
