@@ -11,7 +11,9 @@ bool run(Parts parts, OnDevice& on, PaintSurface& surface, const std::filesystem
          const PaintTask& task, const JobQueue::Then& failed) {
     JobQueue::Then then;
     try {
-        then = task(surface, field_of(on, file, clip));
+        const std::shared_ptr<const render::Field> field = field_of(on, file, clip);
+        if (!field) return false;
+        then = task(surface, field);
         if (!then) return false;
     } catch (const std::exception& error) {
         surface.clear();
@@ -28,7 +30,8 @@ bool run(Parts parts, OnDevice& on, PaintSurface& surface, const std::filesystem
 
 std::shared_ptr<const render::Field> field_of(OnDevice& on, const std::filesystem::path& file, const PaintClip& clip) {
     if (auto field = on.renderer.find_field(file, clip.field)) return field;
-    throw InputError(file.string(), "", "is not what was read from it, or is not shown any more", "paint again");
+    if (on.renderer.awaits(file)) return nullptr;
+    throw InputError(file.string(), "", "was written anew since it was read, or is not played any more", "paint again");
 }
 
 // Each further step is posted by way of the editor's thread, so that other requests to the render thread come in

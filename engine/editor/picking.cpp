@@ -80,7 +80,7 @@ PickedPoint pick_at(OnDevice& on_device, const stage::EvaluatedStage& evaluated,
                     glm::dvec2 pixel) {
     const Ray ray = ray_through(camera, pixel);
     Nearest nearest;
-    on_device.renderer.show(evaluated);
+    on_device.renderer.show(evaluated, true, render::MissingSegments::kHold);
     pick_performers(on_device, evaluated, camera, pixel, nearest);
     if (!nearest.node) pick_set(on_device.stage, evaluated, ray, nearest);
     if (!nearest.node) return {};

@@ -366,19 +366,18 @@ render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const s
 
 // Performers stay as they are shown until what they lack has been read; so does the view.
 void RenderThread::look_for_missing() {
-    look_at_ = Clock::now() + kLookAgain;
+    look_at_.reset();
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view_->time_s);
     renderer_->show(evaluated, !view_->overrides_background, render::MissingSegments::kHold);
     report_unreadable_segments();
-    std::vector<std::pair<uint32_t, float>> shows;
-    for (const render::Instance& instance : renderer_->settings_at(evaluated).instances)
-        shows.emplace_back(instance.field, instance.frame);
-    if (shows != shown_ || renderer_->shows_all(evaluated)) draw(*view_);
+    if (renderer_->shown(evaluated) != shown_ || renderer_->shows_all(evaluated))
+        draw(*view_);
+    else
+        look_at_ = Clock::now() + kLookAgain;
 }
 
-void RenderThread::note_waiting(bool waits, const render::FrameSettings& settings) {
-    std::vector<std::pair<uint32_t, float>> shows;
-    for (const render::Instance& instance : settings.instances) shows.emplace_back(instance.field, instance.frame);
+void RenderThread::note_waiting(bool waits, const stage::EvaluatedStage& evaluated) {
+    auto shows = renderer_->shown(evaluated);
     const bool is_new = std::exchange(shown_, shows) != shows;
     const std::lock_guard lock(mutex_);
     if (!waits)
@@ -399,7 +398,7 @@ void RenderThread::draw(const ViewRequest& view) {
     report_unreadable_segments();
     render::FrameSettings settings = settings_of(view, evaluated);
     const bool lacks = !view.moving && !renderer_->shows_all(evaluated);
-    note_waiting(lacks || renderer_->holds(evaluated), settings);
+    note_waiting(lacks || renderer_->holds(evaluated), evaluated);
     settings.scale = std::min(scale_.scale(), view.max_scale);
     for (const double next : view.next_s)
         for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
@@ -466,7 +465,7 @@ void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t 
     const stage::Camera& camera = part.camera;
     if (camera.width == 0 || camera.height == 0) return;
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.overrides_background);
+    renderer_->show(evaluated, !view.overrides_background);  // all is there, unless an export took its place
     render::FrameSettings settings = settings_of(view, evaluated);
     settings.width = camera.width;
     settings.height = camera.height;

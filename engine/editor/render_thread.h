@@ -139,7 +139,7 @@ class RenderThread {
     void fit(VkExtent2D size);
     void draw_newest();
     void draw(const ViewRequest& view);
-    void note_waiting(bool waits, const render::FrameSettings& settings);
+    void note_waiting(bool waits, const stage::EvaluatedStage& evaluated);
     void look_for_missing();
     void draw_block(const ViewRequest& view, uint32_t block, uint32_t side, uint32_t samples);
     void refine();
@@ -177,8 +177,8 @@ class RenderThread {
     std::optional<Refinement> refinement_;
     // When to look whether what a view that does not change lacks has been read; nothing: it lacks nothing.
     std::optional<std::chrono::steady_clock::time_point> look_at_;
-    std::vector<std::pair<uint32_t, float>> shown_;  // by instance that was drawn last: its field and frame
-    std::thread thread_;                             // the last member, because the thread uses all of the above
+    std::vector<std::pair<const render::Field*, float>> shown_;  // what was drawn last, to be compared alone
+    std::thread thread_;  // the last member, because the thread uses all of the above
 };
 
 }  // namespace neuvv::editor

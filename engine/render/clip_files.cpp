@@ -160,7 +160,8 @@ void ClipFiles::read_one_ahead(const Wanted& wanted) {
         pause();
     } catch (const InputError& problem) {
         add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}});
-    } catch (const std::exception&) {  // no memory: there may be some later, and who waits for it is told
+    } catch (const std::exception& problem) {  // no memory: there may be some later
+        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true});
         pause();
     }
 }

@@ -73,7 +73,7 @@ class ClipFiles {
         std::string problem;
         bool is_coarse = false;  // this is its coarse tree; the whole one follows
         Paints paints{};         // for the lists of layers that were wanted; none of a coarse tree
-        bool may_come = false;   // it could not be read because a server does not answer
+        bool may_come = false;   // it could not be read because a server does not answer, or for want of memory
     };
     // The results since the last call. Until then, they keep what was read on the device.
     std::vector<Result> take_results();

@@ -115,6 +115,23 @@ std::vector<std::string> StageRenderer::take_problems() {
     return {all.begin() + static_cast<ptrdiff_t>(told), all.end()};
 }
 
+std::vector<std::pair<const Field*, float>> StageRenderer::shown(const stage::EvaluatedStage& evaluated) const {
+    std::vector<std::pair<const Field*, float>> shown;
+    for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
+        if (!performer.visible) continue;
+        for (const StageClips::Place& place : clips_.places_of(performer)) shown.emplace_back(place.field, place.frame);
+    }
+    return shown;
+}
+
+bool StageRenderer::awaits(const std::filesystem::path& file) const {
+    for (const ClipOnDevice& clip : clips_.clips())
+        for (size_t i = 0; i < clip.segments.size(); i++)
+            if (clip.index.segments[i].file == file && clip.segments[i].readable && !clip.segments[i].loaded)
+                return true;
+    return false;
+}
+
 std::shared_ptr<const Field> StageRenderer::find_field(const std::filesystem::path& file,
                                                        const voctree::PaintedField& painted) const {
     for (const ClipOnDevice& clip : clips_.clips())

@@ -57,6 +57,8 @@ class StageRenderer {
 
     // StageClips::holds, of the time of the last show().
     bool holds(const stage::EvaluatedStage& evaluated) const { return clips_.holds(evaluated); }
+    // What visible performers show at this time: fields, also of coarse trees, and frames of them.
+    std::vector<std::pair<const Field*, float>> shown(const stage::EvaluatedStage& evaluated) const;
     bool shows_all(const stage::EvaluatedStage& evaluated) const { return clips_.shows_all(evaluated); }
     // A visible performer as settings_at has it, but whole, in the segment of its time alone; nothing where it is not
     // drawn.
@@ -81,6 +83,8 @@ class StageRenderer {
     // for; else null. Valid for as long as the pointer exists.
     std::shared_ptr<const Field> find_field(const std::filesystem::path& file,
                                             const voctree::PaintedField& painted) const;
+    // Whether the file is that of a segment that is not on the device, but can be read.
+    bool awaits(const std::filesystem::path& file) const;
     // A line for each segment, and for paint of a segment, that cannot be read, of those that were found since the last
     // call, or since change(): StageClips::problems.
     std::vector<std::string> take_problems();

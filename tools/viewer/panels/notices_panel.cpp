@@ -28,7 +28,7 @@ void notices_panel(Context& context, std::span<const editor::Notice> notices) {
     const editor::RenderThreadState& rendered = context.frame.rendered;
     const auto jobs = context.jobs.under_way();
     const bool waits = rendered.waits_since && std::chrono::steady_clock::now() - *rendered.waits_since > kWait;
-    if (rendered.waits_since) context.redraw(1);  // nothing may happen until then
+    if (rendered.waits_since && !waits) context.redraw(1);  // nothing may happen until then
     const bool nothing_open = !context.editor.is_open() && jobs.empty();
     if (notices.empty() && jobs.empty() && rendered.loading.empty() && rendered.problem.empty() && !waits &&
         !nothing_open)
