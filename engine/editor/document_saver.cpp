@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <set>
+
+#include "edit/paint_layers.h"
 
 namespace neuvv::editor {
 
@@ -13,11 +16,14 @@ namespace {
 std::string also_changed(const edit::Document& document, const std::filesystem::path& path) {
     if (!document.file.saved->on_disk || stage::absolute_path(path) == stage::absolute_path(document.file.path))
         return {};
-    std::string text;
+    std::set<std::string> names;  // of layers: of a clip in segments, that of the folder
+    const std::set<std::filesystem::path> used = edit::used_layers(document.file);
     for (const auto& [file, layer] : document.saved_paint)
         if (const auto now = document.paint.find(file); now != document.paint.end() && now->second != layer)
-            text +=
-                fmt::format("; {} uses the same {}", document.file.path.filename().string(), file.filename().string());
+            names.insert((used.contains(file.parent_path()) ? file.parent_path() : file).filename().string());
+    std::string text;
+    for (const std::string& name : names)
+        text += fmt::format("; {} uses the same {}", document.file.path.filename().string(), name);
     return text;
 }
 
