@@ -150,10 +150,10 @@ TEST_F(BufferTest, MemoryOfThoseThatAreGoneIsTakenAgain) {
     EXPECT_GE(first.bytes, uint64_t{3} << 20);
     EXPECT_LE(8 * first.bytes, 9 * (uint64_t{3} << 20)) << "an eighth more at most";
     EXPECT_EQ(memory_of((3 << 20) - 5000).memory, first.memory) << "of about the same size";
+    EXPECT_NE(memory_of(1 << 20).memory, first.memory) << "of another size";
     const gpu::Buffer holds(device(), "holds it", 3 << 20, gpu::MemoryKind::kDevice);
     EXPECT_EQ(holds.memory.memory, first.memory);
     EXPECT_NE(memory_of(3 << 20).memory, first.memory) << "it is in use";
-    EXPECT_NE(memory_of(1 << 20).memory, holds.memory.memory);
     const gpu::DeviceMemory mapped = memory_of(2 << 20, gpu::MemoryKind::kReadback);
     gpu::Buffer readback(device(), "readback", 2 << 20, gpu::MemoryKind::kReadback);
     EXPECT_EQ(readback.memory.memory, mapped.memory);
