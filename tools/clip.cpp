@@ -91,8 +91,13 @@ struct HeardPiece {
     double from_s = 0, length_s = 0;
 };
 
-// Writes the sounds of pieces that follow each other, silence for those without, where any has one.
-void write_heard(const std::vector<HeardPiece>& pieces, const std::string& output) {
+std::filesystem::path sound_of_output(const std::string& output) {
+    return voctree::sound_file(voctree::clip_path(output));
+}
+
+// The sounds of pieces that follow each other, silence for those without; nothing where none has one. Throws InputError
+// where a sound lies where that of the output would.
+std::optional<media::Sound> heard_in(const std::vector<HeardPiece>& pieces, const std::string& output) {
     media::Sound all;
     bool any = false;
     double end_s = 0;
@@ -109,7 +114,11 @@ void write_heard(const std::vector<HeardPiece>& pieces, const std::string& outpu
         end_s += piece.length_s;
         all.samples.resize(static_cast<size_t>(end_s * media::kSoundRate));
     }
-    if (any) media::write_sound(voctree::sound_file(output), all);
+    if (!any) return std::nullopt;
+    if (std::filesystem::exists(sound_of_output(output)))
+        throw InputError(sound_of_output(output).string(), "", "is there already", "choose another name, or remove it");
+    media::expect_sound_encoder();
+    return all;
 }
 
 void cut(const CutOptions& options) {
@@ -122,13 +131,14 @@ void cut(const CutOptions& options) {
         throw InputError("--from, --to", fmt::format("frames {} to {}", begin, end),
                          fmt::format("are no part of {}, which has {} frames", options.clip, index.frames()),
                          "--from is the first frame of the part, --to the first after it");
+    const auto heard = heard_in({{voctree::clip_path(options.clip), begin / fps, (end - begin) / fps}}, options.output);
     write_clip(pieces_of(index, begin, end), index.fps, options.output);
-    write_heard({{voctree::clip_path(options.clip), begin / fps, (end - begin) / fps}}, options.output);
+    if (heard) media::write_sound(sound_of_output(options.output), *heard);
 }
 
 void join(const JoinOptions& options) {
     std::vector<Piece> pieces;
-    std::vector<HeardPiece> heard;
+    std::vector<HeardPiece> heard_pieces;
     uint64_t frames = 0;
     std::optional<float> fps;
     if (options.clips.size() < 2) throw InputError("clips", options.clips[0], "is one clip alone", "name two or more");
@@ -141,14 +151,15 @@ void join(const JoinOptions& options) {
                              fmt::format("has {:g} frames a second, {} has {:g}", index.fps, options.clips[0], *fps),
                              "join clips of one frame rate; on a stage, `speed` changes it");
         frames += index.frames();
-        heard.push_back({voctree::clip_path(clip), 0, index.frames() / double{index.fps}});
+        heard_pieces.push_back({voctree::clip_path(clip), 0, index.frames() / double{index.fps}});
         for (const Piece& piece : pieces_of(index, 0, index.frames())) pieces.push_back(piece);
     }
     if (frames > voctree::kMaxClipFrames)
         throw InputError("--output", options.output, fmt::format("would have {} frames", frames),
                          fmt::format("a clip has at most {}", voctree::kMaxClipFrames));
+    const auto heard = heard_in(heard_pieces, options.output);
     write_clip(pieces, *fps, options.output);
-    write_heard(heard, options.output);
+    if (heard) media::write_sound(sound_of_output(options.output), *heard);
 }
 
 constexpr const char* kClipExamples =
@@ -188,8 +199,8 @@ void add_clip(Command app, CommonOptions&) {
     join_verb.add_option("-o,--output", join_options->output, "The .nvv to write, which must not be there yet")
         .required();
     join_verb.footer(
-        {"Files are copied as they are, so nothing is lost; so are sounds beside the clips (.m4a), but not layers of "
-         "paint.\n\n",
+        {"Files are copied as they are, so nothing is lost. Sounds beside the clips (.m4a) are joined, and encoded "
+         "again;\nlayers of paint stay with their clips.\n\n",
          kClipExamples});
     join_verb.callback([join_options] { join(*join_options); });
 }

@@ -1,6 +1,7 @@
 // neuvv train: trains a volumetric video from a data set.
 #include <fmt/format.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -117,7 +118,9 @@ void run_plan(TrainOptions& options, const training::Rig& rig, const SegmentPlan
                options.output.string(), plan.frames(), plan.segments.size());
 }
 
-void run_in_segments(TrainOptions& options, const training::Rig& rig, const Ranks& ranks, const CommonOptions& common) {
+// `begun` is called once nobody else trains the clip.
+void run_in_segments(TrainOptions& options, const training::Rig& rig, const Ranks& ranks, const CommonOptions& common,
+                     const std::function<void()>& begun) {
     const SegmentPlan plan = plan_segments(options, rig);
     std::optional<training::RunClaim> clip;  // of the process that begins it, so that nobody else does
     if (ranks.is_first() && !options.settings.resume) {
@@ -126,6 +129,7 @@ void run_in_segments(TrainOptions& options, const training::Rig& rig, const Rank
         expect_nobody_trains(options, plan);
         std::filesystem::remove(job_file(options.output));
     }
+    begun();
     if (options.plan) {
         if (ranks.is_first()) run_plan(options, rig, plan, common);
         return;
@@ -149,11 +153,13 @@ void advise_segments(const TrainOptions& options, const training::Rig& rig) {
                    frames, options.settings.shape.bases);
 }
 
-// At once, so that a file without sound is known before the training.
-void write_audio(const TrainOptions& options) {
-    if (options.audio.empty()) return;
+// Nothing where there is none. Read at once, so that a file without sound is known before the training.
+std::optional<media::Sound> read_audio(const TrainOptions& options) {
+    std::error_code error;
+    if (options.audio.empty() || std::filesystem::equivalent(options.audio, voctree::sound_file(options.output), error))
+        return std::nullopt;
     media::expect_sound_encoder();
-    media::write_sound(voctree::sound_file(options.output), media::read_sound(options.audio));
+    return media::read_sound(options.audio);
 }
 
 void run_train(TrainOptions options, const CommonOptions& common) {
@@ -164,11 +170,15 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     prepare_live_outputs(options.live);
     catch_stop_signals();
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
-    if (ranks.is_first()) write_audio(options);
-    if (is_in_segments(options)) return run_in_segments(options, rig, ranks, common);
+    const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
+    const auto write_audio = [&] {
+        if (audio) media::write_sound(voctree::sound_file(options.output), *audio);
+    };
+    if (is_in_segments(options)) return run_in_segments(options, rig, ranks, common, write_audio);
     if (ranks.is_first()) advise_segments(options, rig);
     std::optional<training::RunClaim> claim;
     if (ranks.is_first()) claim = claim_file(options.output);
+    write_audio();
     const gpu::Device device(device_of_rank(ranks, common.device));
     if (ranks.is_first())
         fmt::print(stderr, "training on {}{}\n", device.summary().name,

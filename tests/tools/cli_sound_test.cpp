@@ -85,14 +85,22 @@ TEST_F(CliSound, AClipTakesItsSoundAlong) {
         const ProgramResult info = run_neuvv({"stage", "info", stage});
         EXPECT_NE(info.out.find("sound " + std::filesystem::path(sung).stem().string() + ".m4a"), std::string::npos)
             << info.out;
-        expect_done({"stage", "add", stage, sung, "--name", "silent", "--sound", ""});
+        expect_done({"stage", "new", file("silent.gltf")});
+        expect_done({"stage", "add", file("silent.gltf"), sung, "--name", "silent", "--sound", ""});
+        const ProgramResult silent = run_neuvv({"stage", "info", file("silent.gltf")});
+        EXPECT_EQ(silent.out.find("sound"), std::string::npos) << silent.out;
         std::filesystem::remove(stage);
+        std::filesystem::remove(file("silent.gltf"));
     }
     const double fps = voctree::read_clip_head(clip).fps;
     const uint32_t frames = voctree::read_clip_head(clip).frames;
     expect_done({"clip", "cut", clip, "-o", file("cut.nvv"), "--from", "1", "--to", "2"});
     const media::Sound whole = media::read_sound(file("sung.m4a")), cut = media::read_sound(file("cut.m4a"));
     EXPECT_NEAR(cut.length_s(), 1 / fps, 0.03);
+    expect_refused({"clip", "cut", clip, "-o", file("out.nvv"), "--to", "1"}, 2, {"out.m4a", "is there already"});
+    EXPECT_FALSE(std::filesystem::exists(file("out.nvv")));
+    expect_done({"train", file("data"), "-o", clip, "--steps", "1", "--resolution", "32", "--audio", file("sung.m4a")});
+    EXPECT_EQ(media::read_sound(file("sung.m4a")).samples, whole.samples) << "it is that file already";
     expect_done({"clip", "join", clip, file("cut.nvv"), "-o", file("joined.nvv")});
     EXPECT_NEAR(media::read_sound(file("joined.m4a")).length_s(), (frames + 1) / fps, 0.03);
 }
