@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "edit/paint_layers.h"
+#include "edit/read.h"
 #include "voctree/clip.h"
 
 namespace neuvv::editor {
@@ -20,6 +21,7 @@ class PaintSpreads::Spread : public std::enable_shared_from_this<Spread> {
           before_(std::move(before)),
           after_(std::move(after)),
           paint_(std::move(paint)),
+          clip_(edit::clip_of(editor.file(), node)),
           document_{editor.open_count(), editor.node_count()} {}
 
     bool is_done() const { return done_; }
@@ -98,6 +100,7 @@ class PaintSpreads::Spread : public std::enable_shared_from_this<Spread> {
         const bool is_listed = layers && std::any_of(layers->begin(), layers->end(),
                                                      [this](const auto& one) { return one.path == layer_; });
         if (!layers || (after_ && !is_listed)) return "the layer has gone";
+        if (edit::clip_of(editor.file(), node_) != clip_) return "another clip plays now";
         const auto seen = editor.document().paint.find(place_.layer_file(layer_));
         if (after_ && seen != editor.document().paint.end() && seen->second == before_) return "the stroke was undone";
         return "";
@@ -120,6 +123,7 @@ class PaintSpreads::Spread : public std::enable_shared_from_this<Spread> {
     const std::filesystem::path layer_;
     const Layer before_, after_;  // of the segment that is seen
     const SpreadPaint paint_;
+    const std::filesystem::path clip_;            // of the performer
     const std::pair<uint64_t, size_t> document_;  // where they change, node numbers mean other nodes
     std::map<std::filesystem::path, OfSegment> painted_;
     bool running_ = false, done_ = false;

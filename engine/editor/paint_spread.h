@@ -69,9 +69,9 @@ PaintedRegion paint_region(const PaintPlace& place, const std::shared_ptr<const 
 
 // The spreads of a program, one after the other, so that each finds what the one before it has painted. A spread ends
 // with a notice, and nothing in other segments is painted, where the painted layer has gone or the stroke was undone,
-// where nodes have been added or removed, or where another document is open. Where a segment cannot be read, what was
-// painted by then is kept. A segment whose layer was painted in between gets the edits over that; of a region, which is
-// no list of edits, it stays as it is.
+// where nodes have been added or removed, where the performer plays another clip, or where another document is open.
+// Where a segment cannot be read, what was painted by then is kept. A segment whose layer was painted in between gets
+// the edits over that; of a region, which is no list of edits, it stays as it is.
 class PaintSpreads {
   public:
     // Both must outlive it; jobs must be stopped before it is destroyed.

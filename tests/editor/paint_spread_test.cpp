@@ -211,6 +211,17 @@ TEST_F(PaintSpreadTest, NothingIsPaintedOnALayerThatIsGoneNorAfterUndo) {
     EXPECT_TRUE(was_notified("was undone"));
 }
 
+TEST_F(PaintSpreadTest, NothingIsPaintedWhereAnotherClipPlays) {
+    paint();
+    hold();
+    edit::PerformerEdit other;
+    other.clip = folder.path / "other.nvv";
+    ASSERT_TRUE(editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, anna, other); }));
+    settle();
+    EXPECT_TRUE(edits_of(0).empty());
+    EXPECT_TRUE(was_notified("another clip plays now"));
+}
+
 TEST_F(PaintSpreadTest, WhereNothingIsSeenTheOthersArePaintedAllTheSame) {
     operation.frames = {4, 5, edit::Follow::kNot};
     const auto seen = segment(1);
