@@ -164,7 +164,7 @@ CarriedPaint carry_on(const PaintPlace& place, const std::shared_ptr<const Paint
     return {after, carrier};
 }
 
-SpreadPaint spread_edits(std::shared_ptr<PaintCarrier> carrier) {
+SpreadPaint spread_edits(const std::shared_ptr<PaintCarrier>& carrier) {
     return {[carrier] { return carrier->next(); },
             [carrier](const std::shared_ptr<const PaintClip>& clip, const Layer& before) -> SpreadPaint::Painted {
                 const PaintCarrier::Edits edits = carrier->edits_in(clip);

@@ -26,7 +26,7 @@ struct SpreadPaint {
     std::function<Painted(const std::shared_ptr<const PaintClip>& clip, const Layer& before)> paint;
 };
 // Edits that go on in other segments.
-SpreadPaint spread_edits(std::shared_ptr<PaintCarrier> carrier);
+SpreadPaint spread_edits(const std::shared_ptr<PaintCarrier>& carrier);
 // All leaves of a region, in each segment but the one that is seen. The operation's frames are of the clip.
 SpreadPaint spread_region(const PaintPlace& seen, const PaintOperation& operation, const edit::Region& region);
 

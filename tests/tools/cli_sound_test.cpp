@@ -70,8 +70,8 @@ TEST_F(CliSound, PartsOfAVideoAreJoinedWithSound) {
 
 // A clip's sound lies beside it, and goes where the clip goes.
 TEST_F(CliSound, AClipTakesItsSoundAlong) {
-    expect_done({"capture", NEUVV_SOURCE_DIR "/tools/performer/performer.glb", "-o", file("data"), "--cameras", "5",
-                 "--frames", "3", "--size", "32x32"});
+    const std::string model = NEUVV_SOURCE_DIR "/tools/performer/performer.glb";
+    expect_done({"capture", model, "-o", file("data"), "--cameras", "5", "--frames", "3", "--size", "32x32"});
     const std::string clip = file("sung.nvv");
     expect_refused({"train", file("data"), "-o", clip, "--steps", "1", "--audio", scene}, 2, {"cannot be opened as a"});
     EXPECT_FALSE(std::filesystem::exists(clip));
