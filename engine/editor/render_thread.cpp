@@ -377,13 +377,10 @@ void RenderThread::look_for_missing() {
 }
 
 void RenderThread::note_waiting(bool waits, const stage::EvaluatedStage& evaluated) {
-    auto shows = renderer_->shown(evaluated);
-    const bool is_new = std::exchange(shown_, shows) != shows;
+    const auto before = std::exchange(shown_, renderer_->shown(evaluated));
     const std::lock_guard lock(mutex_);
-    if (!waits)
-        state_.waits_since.reset();
-    else if (is_new || !state_.waits_since)
-        state_.waits_since = Clock::now();
+    if (!waits) state_.waits_since.reset();
+    if (waits && (shown_ != before || !state_.waits_since)) state_.waits_since = Clock::now();
 }
 
 void RenderThread::draw(const ViewRequest& view) {
