@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "edit/operations.h"
+#include "edit/paint_layers.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
 #include "tests/edit/foreign_stage.h"
@@ -62,6 +63,23 @@ TEST_F(Recovery, ADocumentComesBackAsItWas) {
     edit::discard(entry);
     EXPECT_TRUE(edit::list_recovery(entries).empty());
     EXPECT_TRUE(std::filesystem::is_empty(entries));
+}
+
+// Of a layer on a clip in segments, the files that were painted.
+TEST_F(Recovery, PaintOfSegmentsComesBackFileByFile) {
+    const std::filesystem::path look = at("look.nvpaint"), first = look / "000000.nvpaint",
+                                second = look / "000012.nvpaint";
+    edit::set_paint(document, 4, look, "look", {{first, layer(0.5f)}}, "painted");
+    const auto none = std::make_shared<const voctree::EditLayer>(voctree::EditLayer{field, {}});
+    document.paint[second] = document.saved_paint[second] = none;  // opened, not painted
+    { edit::RecoveryWriter(entries).store(document); }
+    edit::Document back = edit::restore(only_entry());
+    ASSERT_EQ(back.paint.size(), 1u);
+    EXPECT_EQ(back.paint.at(first)->edits, layer(0.5f)->edits);
+    EXPECT_EQ(edit::paint_layers_of(back.file, 4)->back().path, look);
+    edit::save_document(back, back.file.path);
+    EXPECT_EQ(voctree::read_paint(first, field).edits, layer(0.5f)->edits);
+    EXPECT_FALSE(std::filesystem::exists(second));
 }
 
 TEST_F(Recovery, OnlyWhatChangedIsWritten) {
