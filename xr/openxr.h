@@ -18,6 +18,13 @@ namespace neuvv::xr {
 // A call that failed in the runtime. The message is one line.
 struct XrFailure : RuntimeFailure {
     XrFailure(XrResult failed, const char* call, const std::string& object);
+    // Whether a new session on the same runtime may work: this one was lost, or the headset was unplugged; and whether
+    // a new instance may, where the runtime has gone.
+    bool session_lost() const { return result == XR_ERROR_SESSION_LOST || result == XR_ERROR_FORM_FACTOR_UNAVAILABLE; }
+    bool instance_lost() const {
+        return result == XR_ERROR_INSTANCE_LOST || result == XR_ERROR_RUNTIME_FAILURE ||
+               result == XR_ERROR_RUNTIME_UNAVAILABLE;
+    }
     XrResult result;
 };
 

@@ -397,9 +397,7 @@ void RenderThread::draw(const ViewRequest& view) {
     const bool lacks = !view.moving && !renderer_->shows_all(evaluated);
     note_waiting(lacks || renderer_->holds(evaluated), evaluated);
     settings.scale = std::min(scale_.scale(), view.max_scale);
-    for (const double next : view.next_s)
-        for (const render::Instance& instance : renderer_->settings_at(stage::stage_at(*stage_, next)).instances)
-            settings.next_instances.push_back(instance);
+    settings.next_instances = renderer_->instances_at(view.next_s);
     copy_to_image(renderer_->frames().draw({&view.camera, 1}, settings), {0, 0}, size);
     const double milliseconds = milliseconds_since(begin);
     scale_.drawn(settings.scale, milliseconds);

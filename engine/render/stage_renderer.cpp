@@ -124,6 +124,14 @@ std::vector<std::pair<const Field*, float>> StageRenderer::shown(const stage::Ev
     return shown;
 }
 
+std::vector<Instance> StageRenderer::instances_at(std::span<const double> times_s) const {
+    std::vector<Instance> instances;
+    for (const double time_s : times_s)
+        for (const Instance& instance : settings_at(stage::stage_at(*stage_, time_s)).instances)
+            instances.push_back(instance);
+    return instances;
+}
+
 bool StageRenderer::awaits(const std::filesystem::path& file) const {
     for (const ClipOnDevice& clip : clips_.clips())
         for (size_t i = 0; i < clip.segments.size(); i++)

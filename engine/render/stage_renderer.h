@@ -55,6 +55,9 @@ class StageRenderer {
     // a step of 255, except at edges of the set.
     FrameSettings settings_at(const stage::EvaluatedStage& evaluated, const PerformerHighlight& highlight = {}) const;
 
+    // The instances of all these times, as settings_at has them, so that their slices are made ahead of time.
+    std::vector<Instance> instances_at(std::span<const double> times_s) const;
+
     // StageClips::holds, of the time of the last show().
     bool holds(const stage::EvaluatedStage& evaluated) const { return clips_.holds(evaluated); }
     // What visible performers show at this time: fields, also of coarse trees, and frames of them.

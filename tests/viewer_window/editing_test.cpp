@@ -14,6 +14,28 @@ struct Editing : ViewerWindow {
         hands.until("all to be saved", [](const json& now) { return now["modified"] == false; });
         hands.until_rest();
     }
+    // A stroke over the chest, by a wider brush. Afterwards the pointer is away from what is compared, with the circle
+    // of the brush. `until_painted` waits for the paint.
+    static media::Image painted_chest(Hands& hands, const std::function<void()>& until_painted) {
+        hands.click("stage/anna");
+        hands.click("tab/paint");
+        hands.click("paint/colour");
+        const Spot chest = hands.in_image(0.5, 0.5);
+        hands.point(chest);
+        for (int i = 0; i < 8; i++) hands.key("bracketright");
+        hands.drag({chest.x - 4, chest.y - 30}, {chest.x + 4, chest.y + 12});
+        until_painted();
+        hands.until_rest();
+        hands.point(hands.in_image(0.02, 0.98));
+        return hands.image();
+    }
+    // The path of the only layer of anna.
+    std::filesystem::path layer_of_anna() const {
+        const json document = saved();
+        const json layers = document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"]["paint"];
+        EXPECT_EQ(layers.size(), 1u) << document;
+        return folder.path / layers.at(0)["uri"].get<std::string>();
+    }
     json time_of_anna() const {
         const json document = saved();
         return document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"].value("time", json::array());
@@ -77,26 +99,13 @@ TEST_F(Editing, AStrokeIsSeenSavedAndUndone) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
     const media::Image bare = hands->image();
-    hands->click("stage/anna");
-    hands->click("tab/paint");
-    hands->click("paint/colour");
-    const Spot chest = hands->in_image(0.5, 0.5);
-    hands->point(chest);
-    for (int i = 0; i < 8; i++) hands->key("bracketright");  // a wider brush
-    hands->drag({chest.x - 4, chest.y - 30}, {chest.x + 4, chest.y + 12});
-    hands->until("paint", [](const json& now) { return now["modified"] == true; });
-    hands->until_rest();
-    hands->point(hands->in_image(0.02, 0.98));  // away from what is compared, with the circle of the brush
-    const media::Image painted = hands->image();
+    const media::Image painted =
+        painted_chest(*hands, [&] { hands->until("paint", [](const json& now) { return now["modified"] == true; }); });
     EXPECT_TRUE(other(bare, painted));
     save(*hands);
     EXPECT_TRUE(same(painted, rendered(painted)));
-
-    const json document = saved();
-    const json layers = document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"]["paint"];
-    ASSERT_EQ(layers.size(), 1u) << document;
-    const voctree::EditLayer layer = voctree::read_paint(folder.path / layers[0]["uri"].get<std::string>(),
-                                                         voctree::painted_field(voctree::read_nvv(clip)));
+    const voctree::EditLayer layer =
+        voctree::read_paint(layer_of_anna(), voctree::painted_field(voctree::read_nvv(clip)));
     EXPECT_GT(layer.edits.size(), 10u);
 
     hands->key("ctrl+z");
@@ -113,24 +122,11 @@ TEST_F(Editing, AStrokeOnAClipInSegmentsGoesOnInTheOthers) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();
     const media::Image bare = hands->image();
-    hands->click("stage/anna");
-    hands->click("tab/paint");
-    hands->click("paint/colour");
-    const Spot chest = hands->in_image(0.5, 0.5);
-    hands->point(chest);
-    for (int i = 0; i < 8; i++) hands->key("bracketright");
-    hands->drag({chest.x - 4, chest.y - 30}, {chest.x + 4, chest.y + 12});
-    hands->until_notice("painted in 1 more segment");
-    hands->until_rest();
-    hands->point(hands->in_image(0.02, 0.98));
-    const media::Image painted = hands->image();
+    const media::Image painted = painted_chest(*hands, [&] { hands->until_notice("painted in 1 more segment"); });
     EXPECT_TRUE(other(bare, painted));
     save(*hands);
     EXPECT_TRUE(same(painted, rendered(painted)));
-    const json document = saved();
-    const json layers = document["nodes"][node(document, "anna")]["extensions"]["NEUVV_performer"]["paint"];
-    ASSERT_EQ(layers.size(), 1u) << document;
-    const std::filesystem::path layer = folder.path / layers[0]["uri"].get<std::string>();
+    const std::filesystem::path layer = layer_of_anna();
     for (const uint32_t first : {0u, 3u}) {
         const voctree::ClipSegment segment{std::filesystem::path(parts) / voctree::segment_file_name(first), first};
         const auto edits = voctree::read_paint(voctree::paint_file(layer, segment),

@@ -164,7 +164,6 @@ void HandPainter::update(HeadsetState& state, Hands& hands) {
     status_.clear();
     if (state.tool != HandTool::kPaint || !hand.select.is_down()) end_stroke(state);
     process_strokes(state);
-    if (spreads_) spreads_->update(strokes_.empty());
     if (region_ && region_->node_count != state.editor.node_count()) region_.reset();
     if (!region_ || state.tool != HandTool::kRegion) corner_.reset();
     if (!paints(state.tool)) return;
@@ -220,6 +219,7 @@ void HandPainter::extend_stroke(HeadsetState& state, const Hand& hand) {
 }
 
 void HandPainter::process_strokes(HeadsetState& state) {
+    if (spreads_) spreads_->update(strokes_.empty());
     if (strokes_.empty() || strokes_.front()->job_running) return;
     const std::shared_ptr<Stroke> stroke = strokes_.front();
     if (!stroke->target) {

@@ -36,11 +36,14 @@ class HandPainter {
     void update(HeadsetState& state, Hands& hands);
     // Ends the stroke of the hand. A stroke is one step of the history, including what is still being applied of it.
     void end_stroke(HeadsetState& state);
-    // Continues with the oldest stroke, where that is possible: starts its next job or finishes it. update() calls it,
+    // Continues with the oldest stroke, where that is possible: starts its next job or finishes it; and with painting
+    // other segments. update() calls it,
     // and so do the jobs when they end.
     void process_strokes(HeadsetState& state);
     // Whether any stroke is unfinished. Until then, the numbers of nodes must not change.
     bool is_busy() const { return !strokes_.empty(); }
+    // The same, or whether other segments of a clip are still being painted.
+    bool is_at_work() const { return is_busy() || (spreads_ && !spreads_->is_idle()); }
 
     const std::optional<PaintRegion>& region() const { return region_; }
     void clear_region() { region_.reset(); }

@@ -102,7 +102,8 @@ void Program::finish() {
         jobs.run_posted();
         state.follow_document();
         interaction.painter.process_strokes(state);
-    } while ((!jobs.idle() || jobs.has_posted() || interaction.painter.is_busy()) && seconds_since(from) < kFinish_s);
+    } while ((!jobs.idle() || jobs.has_posted() || interaction.painter.is_at_work()) &&
+             seconds_since(from) < kFinish_s);
     notify();
 }
 
@@ -223,16 +224,11 @@ void handle_events(const xr::SessionEvents& events, SessionContext& session) {
         if (events.mask_changed[eye]) session.eyes.invalidate_mask(eye);
 }
 
-// The performers of the next kPrefetchedFrames frames of the stage, while it plays.
-std::vector<render::Instance> next_instances(const Program& program, const render::StageRenderer& renderer) {
-    std::vector<render::Instance> next;
-    if (!program.state.clock.playing) return next;
-    for (int32_t n = 1; n <= kPrefetchedFrames; n++)
-        for (const render::Instance& instance :
-             renderer.settings_at(stage::stage_at(*program.state.stage, program.state.clock.displayed_after_s(n)))
-                 .instances)
-            next.push_back(instance);
-    return next;
+// The times of the next kPrefetchedFrames frames of the stage, while it plays.
+std::vector<double> next_times(const editor::StageClock& clock) {
+    std::vector<double> times;
+    for (int32_t n = 1; clock.playing && n <= kPrefetchedFrames; n++) times.push_back(clock.displayed_after_s(n));
+    return times;
 }
 
 // The wearer's body, where somebody trains with it.
@@ -307,7 +303,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     for (const int hand : {xr::kLeft, xr::kRight})
         if (program.interaction.hands[hand].input.bare_hand)
             draw_joints(session.shapes, session.hand_tracking.joints(hand), world);
-    const std::vector<render::Instance> next = next_instances(program, *context.renderer);
+    const std::vector<render::Instance> next = context.renderer->instances_at(next_times(state.clock));
     // As late as possible, for the newest prediction: all that does not depend on the head has been done before.
     const auto eyes = session.xr_session.locate_eyes(time.display);
     if (!eyes) return false;
@@ -387,16 +383,6 @@ xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
     }
 }
 
-// Whether a new session on the same runtime may work: this one was lost, or the headset was unplugged.
-bool is_session_loss(const xr::XrFailure& failure) {
-    return failure.result == XR_ERROR_SESSION_LOST || failure.result == XR_ERROR_FORM_FACTOR_UNAVAILABLE;
-}
-
-bool is_instance_loss(const xr::XrFailure& failure) {
-    return failure.result == XR_ERROR_INSTANCE_LOST || failure.result == XR_ERROR_RUNTIME_FAILURE ||
-           failure.result == XR_ERROR_RUNTIME_UNAVAILABLE;
-}
-
 // A timeout for retries, which begins anew whenever frames have been drawn.
 class RetryLimit {
   public:
@@ -430,7 +416,7 @@ void run_sessions(Program& program, RuntimeContext& context) {
                 return print_validation_messages(context.device);
         } catch (const xr::XrFailure& failure) {
             program.interaction.grab.release(program.state);
-            if (!is_session_loss(failure) || !retries.has_run()) throw;
+            if (!failure.session_lost() || !retries.has_run()) throw;
             why = failure.what();
         }
         print_validation_messages(context.device);
@@ -450,7 +436,7 @@ void run_runtimes(Program& program) {
             return;
         } catch (const xr::XrFailure& failure) {
             program.interaction.grab.release(program.state);
-            if (!is_instance_loss(failure) || !retries.has_run()) throw;
+            if (!failure.instance_lost() || !retries.has_run()) throw;
             why = failure.what();
             print_line("the headset's runtime was lost; waiting for it");
         } catch (const RuntimeFailure& failure) {
