@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/output_path.h"
+#include "base/trace_file.h"
 #include "gpu/debug_buffer.h"
 #include "tools/commands.h"
 
@@ -62,6 +64,21 @@ int parse(CLI::App& app, int argc, char** argv) {
         return app.exit(error) == 0 ? 0 : kBadInput;
     }
     return 0;
+}
+
+// A verb that failed leaves a trace, too.
+int parse_and_trace(CLI::App& app, int argc, char** argv, const std::string& trace_file) {
+    const auto write = [&] {
+        if (is_tracing()) write_trace(trace_file);
+    };
+    try {
+        const int code = parse(app, argc, argv);
+        write();
+        return code;
+    } catch (...) {
+        write();
+        throw;
+    }
 }
 
 }  // namespace
@@ -200,13 +217,22 @@ size_t Command::count_all() const {
 }
 
 Program::Program(const std::string& name, const std::string& description, CommonOptions& common)
-    : app_(std::make_unique<CLI::App>(description, name)) {
+    : app_(std::make_unique<CLI::App>(description, name)), common_(common) {
     gpu::set_shader_message_sink([](const std::string& line) { fmt::print(stderr, "shader: {}\n", line); });
     app_->require_subcommand(1);
     app_->failure_message(usage_error);
     app_->set_version_flag("--version", NEUVV_VERSION);
     app_->add_option("--device", common.device, "Vulkan device: an index or part of a name (see `neuvv devices`)")
         ->envname("NEUVV_DEVICE");
+    // Options are parsed before verbs run.
+    app_->add_option("--trace", common.trace,
+                     "Write what threads and the device did when, for https://ui.perfetto.dev, to this .json");
+    app_->parse_complete_callback([&common] {
+        if (common.trace.empty()) return;
+        prepare_output_file("--trace", common.trace);
+        name_trace_thread("main thread");
+        begin_trace();
+    });
     app_->fallthrough();
 }
 
@@ -215,7 +241,7 @@ Program::~Program() = default;
 int Program::run(int argc, char** argv) {
     const std::string program = app_->get_name();
     try {
-        const int code = parse(*app_, argc, argv);
+        const int code = parse_and_trace(*app_, argc, argv, common_.trace);
         if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
         fmt::print(stderr, "{}: the results could not be written to the standard output\n", program);
         return kFailure;

@@ -93,6 +93,7 @@ class Program {
 
   private:
     std::unique_ptr<CLI::App> app_;
+    const CommonOptions& common_;
 };
 
 }  // namespace neuvv::tools

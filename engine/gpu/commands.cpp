@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/trace_file.h"
 #include "gpu/debug_buffer.h"
 
 namespace neuvv::gpu {
@@ -81,20 +82,47 @@ bool Commands::is_done() const {
 
 void Commands::wait() {
     if (!in_flight_) return;
-    check(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences", name_);
+    {
+        const TraceSpan span("wait for the device");
+        check(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences", name_);
+    }
     milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - submitted_).count();
     check(vkResetFences(device_.handle(), 1, &fence_), "vkResetFences", name_);
     in_flight_ = false;
+    if (is_tracing()) trace_passes();
     if (DebugBuffer* debug = device_.used_debug_buffer()) debug->report();
 }
 
-std::vector<PassTime> Commands::pass_times() const {
+// Those of the begin and the end of each timed scope.
+std::vector<uint64_t> Commands::timestamps() const {
     std::vector<uint64_t> ticks(2 * scopes_.size());
-    if (ticks.empty()) return {};
+    if (ticks.empty()) return ticks;
     check(vkGetQueryPoolResults(device_.handle(), timestamps_, 0, static_cast<uint32_t>(ticks.size()),
                                 ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
                                 VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
           "vkGetQueryPoolResults", name_);
+    return ticks;
+}
+
+// The whole submission and its passes, on a lane of the device's own.
+void Commands::trace_passes() const {
+    const std::vector<uint64_t> ticks = timestamps();
+    if (ticks.empty()) return;
+    const auto nanoseconds = [&](uint64_t tick) {
+        return DeviceClock::Ticks(static_cast<double>(tick) * static_cast<double>(device_.limits().timestampPeriod));
+    };
+    const auto [first, last] = std::ranges::minmax(ticks);
+    device_.clock().learn(nanoseconds(last), TraceClock::now());
+    const auto add = [&](const std::string& name, uint64_t begin, uint64_t end) {
+        add_trace_span(device_.summary().name, name, device_.clock().host_time(nanoseconds(begin)),
+                       device_.clock().host_time(nanoseconds(end)));
+    };
+    add(name_, first, last);
+    for (size_t i = 0; i < scopes_.size(); i++) add(scopes_[i], ticks[2 * i], ticks[2 * i + 1]);
+}
+
+std::vector<PassTime> Commands::pass_times() const {
+    const std::vector<uint64_t> ticks = timestamps();
     const double milliseconds_per_tick = static_cast<double>(device_.limits().timestampPeriod) * 1e-6;
     std::vector<PassTime> times;
     for (size_t i = 0; i < scopes_.size(); i++)
@@ -229,18 +257,42 @@ namespace {
 constexpr uint64_t kStagingBytes = uint64_t{64} << 20;
 }
 
-void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes) {
+void Uploads::add(const Buffer& to, const void* data, uint64_t bytes) {
     if (bytes > to.bytes) throw RuntimeFailure("upload: more bytes than buffer \"" + to.name + "\" holds");
     if (bytes == 0) return;
-    const Buffer staging(device, "staging", std::min(bytes, kStagingBytes), MemoryKind::kUpload);
-    for (uint64_t at = 0; at < bytes; at += kStagingBytes) {
-        const uint64_t piece = std::min(kStagingBytes, bytes - at);
-        std::memcpy(staging.mapped, static_cast<const char*>(data) + at, piece);
-        run_once(device, "upload", [&](Commands& commands) {
-            copy(commands, staging, to, piece, 0, at);
+    copies_.push_back({to.buffer, static_cast<const char*>(data), bytes});
+    bytes_ += bytes;
+}
+
+void Uploads::finish() {
+    if (bytes_ == 0) return;
+    const Buffer staging(device_, "staging", std::min(bytes_, kStagingBytes), MemoryKind::kUpload);
+    size_t next = 0;  // the copy that is not finished yet, and how many of its bytes are copied
+    uint64_t done = 0;
+    while (next < copies_.size())
+        run_once(device_, "upload", [&](Commands& commands) {
+            for (uint64_t used = 0; next < copies_.size() && used < staging.bytes;) {
+                const Copy& one = copies_[next];
+                const uint64_t piece = std::min(one.bytes - done, staging.bytes - used);
+                std::memcpy(staging.as<char>() + used, one.data + done, piece);
+                const VkBufferCopy region{used, done, piece};
+                vkCmdCopyBuffer(commands.handle(), staging.buffer, one.to, 1, &region);
+                used += piece;
+                done += piece;
+                if (done < one.bytes) continue;
+                done = 0;
+                next++;
+            }
             compute_barrier(commands);
         });
-    }
+    copies_.clear();
+    bytes_ = 0;
+}
+
+void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes) {
+    Uploads uploads(device);
+    uploads.add(to, data, bytes);
+    uploads.finish();
 }
 
 void download_pieces(const Device& device, const Buffer& from, uint64_t bytes, const DownloadedPiece& take) {

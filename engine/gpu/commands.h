@@ -54,6 +54,8 @@ class Commands {
 
   private:
     Commands(const Device& device, uint32_t max_scopes, std::string name);  // without Vulkan objects
+    std::vector<uint64_t> timestamps() const;
+    void trace_passes() const;
     const Device& device_;
     std::string name_;
     uint32_t max_scopes_;
@@ -132,6 +134,33 @@ void full_barrier(Commands& commands);
 
 // Records, submits and waits: for set-up and tests, not for frames.
 void run_once(const Device& device, const std::string& name, const std::function<void(Commands&)>& record);
+
+// Uploads of several buffers, submitted together: each submission waits until the device is done with what it draws.
+class Uploads {
+  public:
+    explicit Uploads(const Device& device) : device_(device) {}
+    // The data must exist until finish(). Throws RuntimeFailure where the buffer has fewer bytes.
+    void add(const Buffer& to, const void* data, uint64_t bytes);
+    // Creates a buffer on the device that will hold the values, read through texels of the format.
+    template <typename T>
+    Buffer add(const char* name, const std::vector<T>& values, VkFormat format) {
+        Buffer buffer(device_, name, values.size() * sizeof(T), MemoryKind::kDevice, format);
+        add(buffer, values.data(), values.size() * sizeof(T));
+        return buffer;
+    }
+    // Copies through a staging buffer, which is filled again where it is too small for all, and waits.
+    void finish();
+
+  private:
+    struct Copy {
+        VkBuffer to;
+        const char* data;
+        uint64_t bytes;
+    };
+    const Device& device_;
+    std::vector<Copy> copies_;
+    uint64_t bytes_ = 0;
+};
 
 // Copy between host and device, through a staging buffer, piece by piece, and wait: for set-up and tests. They throw
 // RuntimeFailure where the buffer has fewer than `bytes` bytes.

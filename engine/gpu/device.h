@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "gpu/device_clock.h"
 #include "gpu/memory_pool.h"
 #include "gpu/shader_table.h"
 
@@ -102,6 +103,7 @@ class Device {
     void count_buffer_bytes(uint64_t more, uint64_t less) const { buffer_bytes_ += more - less; }
 
     MemoryPool& memory_pool() const { return memory_pool_; }
+    DeviceClock& clock() const { return clock_; }
 
     // The first memory type of `type_bits` with the flags `preferred`, else the first one with the flags `required`.
     // Throws RuntimeFailure where there is neither.
@@ -140,6 +142,7 @@ class Device {
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
     mutable ShaderTable shaders_;
     mutable MemoryPool memory_pool_;
+    mutable DeviceClock clock_;
     std::unique_ptr<ComputePrograms> programs_;
     VkPhysicalDeviceLimits limits_{};
     uint64_t max_allocation_bytes_ = 0;

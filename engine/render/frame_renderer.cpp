@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/trace_file.h"
 
 namespace neuvv::render {
 
@@ -315,6 +316,7 @@ void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> camer
     write_rays(cameras, settings);
     write_instances(cameras, settings);
     do {
+        const TraceSpan span("record and draw");
         prepare(settings);
         if (segments_) segments_->begin_frame();
         commands_.begin();

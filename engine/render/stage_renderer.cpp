@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/trace_file.h"
 #include "voctree/half.h"
 
 namespace neuvv::render {
@@ -211,6 +212,7 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
 }
 
 void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment, MissingSegments missing) {
+    const TraceSpan span("show the stage");
     clips_.follow(*stage_, evaluated);
     update_fields();
     if (missing == MissingSegments::kWait) {

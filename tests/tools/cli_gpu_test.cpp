@@ -68,6 +68,34 @@ TEST_F(CliGpu, RenderWritesAVideo) {
     EXPECT_EQ(folder.entries(), 2u) << "no temporary is left";
 }
 
+// Chrome's trace event format: names of lanes, and spans in microseconds.
+TEST_F(CliGpu, ATraceHasTheSpansOfThreadsAndOfTheDevice) {
+    const ProgramResult result = run_neuvv(
+        {"render", scene, "-o", file("one_%d.png"), "--frames", "0", "--size", "16x16", "--trace", file("trace.json")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    const auto trace = nlohmann::json::parse(std::ifstream(file("trace.json")));
+    std::map<int, std::string> lanes;
+    std::map<std::string, std::vector<nlohmann::json>> spans;  // by lane and name
+    for (const auto& event : trace.at("traceEvents")) {
+        if (event.at("ph") == "M") lanes[event.at("tid")] = event.at("args").at("name");
+    }
+    for (const auto& event : trace.at("traceEvents"))
+        if (event.at("ph") == "X")
+            spans[lanes.at(event.at("tid")) + ": " + event.at("name").get<std::string>()].push_back(event);
+    const auto& waits = spans["main thread: wait for the device"];
+    ASSERT_FALSE(waits.empty());
+    for (const auto& wait : waits) EXPECT_GE(wait.at("dur").get<double>(), 0);
+    size_t on_device = 0;
+    for (const auto& [name, events] : spans) on_device += name.starts_with("main thread") ? 0 : events.size();
+    EXPECT_GT(on_device, 0u);
+    EXPECT_EQ(trace.at("otherData").at("spans left out"), 0);
+
+    const ProgramResult refused =
+        run_neuvv({"info", scene, "--trace", (folder.path / "scene.nvv" / "trace.json").string()});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.err.find("--trace"), std::string::npos);
+}
+
 TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
     const auto image = [&](const std::vector<std::string>& more) {
         std::vector<std::string> arguments = {"render",   scene, "-o",     file("one_%d.png"),
