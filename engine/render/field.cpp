@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "base/parallel.h"
+#include "base/trace_file.h"
 #include "gpu/commands.h"
 #include "render/walk_tree.h"
 #include "voctree/half.h"
@@ -96,6 +97,7 @@ void weights_from_planes(const std::vector<float>& planes, voctree::VOctree& tre
 }
 
 Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, WeightPrecision precision) {
+    const TraceSpan span("upload a field");
     Field field;
     field.box_min = tree.box_min;
     field.leaf_count = tree.leaf_count;
@@ -104,7 +106,10 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.frames = tree.frames;
     field.busy_planes = std::max(count_busy_planes(tree.sigma_basis, tree.frames, tree.bases),
                                  count_busy_planes(tree.gamma_basis, tree.frames, tree.bases));
-    const WalkTree walk = walk_tree(tree);
+    const WalkTree walk = [&] {
+        const TraceSpan span_of_tree("make the tree that shaders walk");
+        return walk_tree(tree);
+    }();
     field.box_size = tree.box_size * static_cast<float>(walk.scale);
     field.node_levels = walk.node_levels;
     field.top_levels = walk.top_levels;
@@ -116,23 +121,28 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.leaves_min = field.box_min + glm::vec3(walk.top_low) * top_cell;
     field.leaves_max = field.box_min + glm::vec3(walk.top_last + 1u) * top_cell;
     field.leaf_diagonal = glm::length(field.box_size) * mean_edge(walk.leaf_positions);
-    field.nodes = gpu::uploaded(device, "tree nodes", walk.nodes, VK_FORMAT_R32G32B32A32_UINT);
-    field.children = gpu::uploaded(device, "tree children", walk.children, VK_FORMAT_R32_UINT);
-    field.top = gpu::uploaded(device, "tree top", walk.top, VK_FORMAT_R32_UINT);
-    field.leaf_cells = gpu::uploaded(device, "leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
-    field.node_cells = gpu::uploaded(device, "node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
-    field.leaf_positions = gpu::uploaded(device, "leaf positions", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
-    field.node_positions = gpu::uploaded(device, "node positions", walk.node_positions, VK_FORMAT_R32G32_UINT);
-    field.inner_cells = gpu::uploaded(device, "inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
+    gpu::Uploads uploads(device);
+    field.nodes = uploads.add("tree nodes", walk.nodes, VK_FORMAT_R32G32B32A32_UINT);
+    field.children = uploads.add("tree children", walk.children, VK_FORMAT_R32_UINT);
+    field.top = uploads.add("tree top", walk.top, VK_FORMAT_R32_UINT);
+    field.leaf_cells = uploads.add("leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
+    field.node_cells = uploads.add("node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
+    field.leaf_positions = uploads.add("leaf positions", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
+    field.node_positions = uploads.add("node positions", walk.node_positions, VK_FORMAT_R32G32_UINT);
+    field.inner_cells = uploads.add("inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
     field.level_begin = walk.level_begin;
-    field.sigma_basis = gpu::uploaded(device, "basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
-    field.gamma_basis = gpu::uploaded(device, "basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
-    if (precision == WeightPrecision::kFloat)
-        field.weights = gpu::uploaded(device, "leaf weights", weights_to_planes(tree), VK_FORMAT_R32G32B32A32_SFLOAT);
-    else
-        field.weights =
-            gpu::uploaded(device, "leaf weights (fp16)", planes_of<uint16_t>(tree, voctree::half_from_float),
-                          VK_FORMAT_R16G16B16A16_SFLOAT);
+    field.sigma_basis = uploads.add("basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
+    field.gamma_basis = uploads.add("basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);
+    std::vector<float> floats;
+    std::vector<uint16_t> halves;
+    if (precision == WeightPrecision::kFloat) {
+        floats = weights_to_planes(tree);
+        field.weights = uploads.add("leaf weights", floats, VK_FORMAT_R32G32B32A32_SFLOAT);
+    } else {
+        halves = planes_of<uint16_t>(tree, voctree::half_from_float);
+        field.weights = uploads.add("leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT);
+    }
+    uploads.finish();
     return field;
 }
 

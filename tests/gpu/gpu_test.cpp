@@ -133,6 +133,26 @@ TEST_F(BufferTest, WhatGoesUpComesDown) {
     expect_failure([&] { gpu::download(device(), buffer, back.data(), buffer.bytes + 1); }, "\"round trip\"");
 }
 
+// Together they are longer than a staging buffer, whose end lies within one of them.
+TEST_F(BufferTest, SeveralGoUpTogether) {
+    std::vector<std::vector<uint32_t>> values;
+    for (const size_t count : {size_t{11} << 20, size_t{3}, size_t{0}, size_t{9} << 20, size_t{1}}) {
+        std::vector<uint32_t>& all = values.emplace_back(count);
+        for (size_t i = 0; i < count; i++) all[i] = static_cast<uint32_t>(i * 2654435761u + values.size());
+    }
+    gpu::Uploads uploads(device());
+    std::vector<gpu::Buffer> buffers;
+    for (const auto& all : values) buffers.push_back(uploads.add("one of several", all, VK_FORMAT_R32_UINT));
+    uploads.finish();
+    uploads.finish();  // nothing is left
+    for (size_t i = 0; i < values.size(); i++) {
+        std::vector<uint32_t> back(values[i].size());
+        gpu::download(device(), buffers[i], back.data(), back.size() * sizeof(uint32_t));
+        EXPECT_EQ(back, values[i]) << i;
+    }
+    expect_failure([&] { uploads.add(buffers[1], values[0].data(), buffers[1].bytes + 1); }, "\"one of several\"");
+}
+
 TEST_F(BufferTest, EmptyOnesHoldATexelAndMovesLeaveNothing) {
     gpu::Buffer buffer(device(), "empty", 0, gpu::MemoryKind::kUpload, VK_FORMAT_R32G32B32A32_SFLOAT);
     EXPECT_EQ(buffer.bytes, 16u);
