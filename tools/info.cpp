@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "editor/open_file.h"
-#include "stream/nvs.h"
+#include "stream/nvs_reader.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"

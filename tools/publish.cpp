@@ -13,7 +13,7 @@
 #include "base/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
-#include "stream/nvs.h"
+#include "stream/nvs_writer.h"
 #include "tools/commands.h"
 #include "tools/compared_views.h"
 #include "tools/report.h"

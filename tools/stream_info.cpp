@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json.h"
-#include "stream/nvs.h"
+#include "stream/nvs_reader.h"
 #include "tools/report.h"
 
 namespace neuvv::tools {
@@ -19,8 +19,7 @@ constexpr std::array<const char*, stream::kParts> kPartNames = {"shape", "coarse
 std::array<uint64_t, stream::kParts> bytes_of_parts(const stream::Index& index) {
     std::array<uint64_t, stream::kParts> bytes{};
     for (const stream::FrameEntry& frame : index.frames)
-        for (size_t part = 0; part < stream::kParts; part++)
-            bytes[part] += frame.ends[part] - (part > 0 ? frame.ends[part - 1] : 0);
+        for (size_t part = 0; part < stream::kParts; part++) bytes[part] += frame.bytes[part];
     return bytes;
 }
 
@@ -37,9 +36,10 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
             progress.update(i + 1);
         }
     }
-    uint32_t most_leaves = 0, largest = 0;
+    uint32_t most_leaves = 0;
+    uint64_t largest = 0;
     for (const stream::Group& group : index.groups) most_leaves = std::max(most_leaves, group.format.most_leaves);
-    for (const stream::FrameEntry& frame : index.frames) largest = std::max(largest, frame.ends.back());
+    for (const stream::FrameEntry& frame : index.frames) largest = std::max(largest, frame.all_bytes());
     const std::array<uint64_t, stream::kParts> bytes = bytes_of_parts(index);
     const uint64_t all = reader.stamp().bytes;
     const double seconds = frames / double{index.fps}, mbps = 8e-6 * static_cast<double>(all) / seconds;
@@ -64,7 +64,7 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
                frames, index.fps, seconds, index.groups.size());
     fmt::print("leaves  {} at most, in cells of {} a side\n", most_leaves, 1u << index.groups[0].format.depth);
     fmt::print("rate    {:.1f} Mbit/s, {:.1f} KB a frame, {:.1f} KB at most\n", mbps,
-               1e-3 * static_cast<double>(all) / frames, 1e-3 * largest);
+               1e-3 * static_cast<double>(all) / frames, 1e-3 * static_cast<double>(largest));
     for (size_t part = 0; part < stream::kParts; part++)
         fmt::print("{:<10} {:>8.1f} KB a frame\n", kPartNames[part], 1e-3 * static_cast<double>(bytes[part]) / frames);
     if (check) fmt::print("checked: whole and sound\n");

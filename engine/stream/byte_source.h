@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,11 @@
 #include "base/file_stamp.h"
 
 namespace neuvv::stream {
+
+struct ByteRange {
+    uint64_t offset = 0, count = 0;
+    uint64_t end() const { return offset + count; }
+};
 
 // A server that does not answer now, but may later.
 class ServerProblem : public InputError {
@@ -26,8 +32,11 @@ class ByteSource {
     const FileStamp& stamp() const { return stamp_; }  // when it was opened; of a server, its size alone
     // Throws InputError where they cannot be read, ServerProblem where that may pass. They must lie within the size.
     virtual std::vector<uint8_t> read(uint64_t offset, uint64_t count) = 0;
-    // Says what will be read next, so that it may be fetched meanwhile, in place of what was said before.
-    virtual void read_ahead(uint64_t /*offset*/, uint64_t /*count*/) {}
+    // Says what will be read next, the first first, so that it may be fetched meanwhile, in place of what was said
+    // before.
+    virtual void read_ahead(std::vector<ByteRange> /*ranges*/) {}
+    // How fast bytes come from a server; nothing where they are here, or none were fetched yet.
+    virtual std::optional<double> bytes_per_s() const { return std::nullopt; }
     // At any time: what waits for a server ends with ServerProblem, now and later.
     virtual void cancel() {}
 

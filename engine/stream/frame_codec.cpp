@@ -2,31 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <thread>
+#include <utility>
 
 #include "base/parallel.h"
 #include "stream/bytes.h"
+#include "stream/repeats.h"
 #include "stream/shape.h"
 
 namespace neuvv::stream {
 
-namespace {
-
-// A leaf's colours matter by its opacity, but this at least.
-constexpr int16_t kLeastOpacity = 20;
-constexpr uint32_t kBlockBits = 6;  // of a cell's code: blocks of 4³ finest cells are repeated
-
-// From which fraction of a step on a coefficient is rounded up. Small ones cost more than they show.
-constexpr double kRoundUp = 0.6, kRoundUpSh = 0.67;
-constexpr int kMaxNumber = 32000;
-
-// What weighs a leaf's colours.
 std::vector<double> weights_of(const std::vector<double>& areas, const std::vector<int16_t>& opacity) {
     std::vector<double> weights = areas;
     for (size_t i = 0; i < weights.size(); i++) weights[i] *= std::max(opacity[i], kLeastOpacity);
     return weights;
 }
+
+namespace {
+
+// From which fraction of a step on a coefficient is rounded up. Small ones cost more than they show.
+constexpr double kRoundUp = 0.6, kRoundUpSh = 0.67;
+constexpr int kMaxNumber = 32000;
+// Frames that would repeat less than this share of their leaves are key frames: they are decoded without any others.
+constexpr double kWorthRepeating = 0.05;
 
 // Encodes some planes, from `first` on, and sets those of `decoded` to what will be decoded.
 void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, const std::vector<double>& weights,
@@ -62,15 +59,6 @@ void encode_all_planes(const Slice& slice, const Octree& tree, FrameSymbols& fra
     const std::vector<double> weights = weights_of(areas, decoded.planes[kOpacityPlane]);
     encode_planes(slice, tree, pairs_of(tree, weights, 1.0 / kUnit), weights, kFirstColourPlane, planes - 1, frame,
                   decoded);
-}
-
-// The blocks of a slice: the index of the first leaf of each, and the end.
-std::vector<size_t> blocks_of(const Slice& slice) {
-    std::vector<size_t> first;
-    for (size_t i = 0; i < slice.leaves.size(); i++)
-        if (i == 0 || slice.leaves[i].cell >> kBlockBits != slice.leaves[i - 1].cell >> kBlockBits) first.push_back(i);
-    first.push_back(slice.leaves.size());
-    return first;
 }
 
 // Whether the leaves of a block, from `a` on, are those of the other slice from `b` on.
@@ -123,46 +111,12 @@ Slice without_leaves(const Slice& slice) {
     return empty;
 }
 
-// Codes which blocks of the frame before are repeated, and returns their leaves.
-template <typename Coder>
-Slice code_repeated(Coder& coder, const Slice& before, const std::vector<bool>* repeats) {
-    Slice repeated = without_leaves(before);
-    const std::vector<size_t> blocks = blocks_of(before);
-    uint32_t last = 0;
-    for (size_t i = 0; i + 1 < blocks.size(); i++) {
-        last = coder.take(kRepeatTables + last, repeats && (*repeats)[i] ? 1 : 0);
-        if (last) append_leaves(before, blocks[i], blocks[i + 1], repeated);
-    }
-    return repeated;
-}
-
-// The leaves of both, in order of their cells. Throws std::runtime_error where they overlap.
-Slice merged(Slice a, Slice b) {
-    if (a.leaves.empty()) return b;
-    Slice both = without_leaves(a);
-    // Runs of the one that come before the next leaf of the other.
-    const auto append_run = [&](const Slice& from, size_t& at, uint64_t until) {
-        const size_t begin = at;
-        while (at < from.leaves.size() && from.leaves[at].cell < until) at++;
-        append_leaves(from, begin, at, both);
-    };
-    // Of two leaves in the same cell, that of `a` comes last; what follows finds them.
-    for (size_t i = 0, j = 0; i < a.leaves.size() || j < b.leaves.size();) {
-        append_run(a, i, j < b.leaves.size() ? b.leaves[j].cell : UINT64_MAX);
-        append_run(b, j, i < a.leaves.size() ? a.leaves[i].cell + 1 : UINT64_MAX);
-    }
-    for (size_t i = 0; i + 1 < both.leaves.size(); i++) {
-        const uint64_t cells = uint64_t{1} << 3 * (both.depth - both.leaves[i].depth);
-        if (both.leaves[i + 1].cell - both.leaves[i].cell < cells)
-            throw std::runtime_error("repeats leaves where it has others");
-    }
-    return both;
-}
-
-// Divides a slice into blocks that the frame before has, too, and the rest.
-Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbols& frame, Slice& repeated) {
+// Divides a slice into blocks that the frame before has, too, of which `repeated` becomes the leaves' indices there,
+// and the rest, which it returns.
+Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbols& frame,
+                      std::vector<uint32_t>& repeated) {
     const Slice& before = frames.decoded;
-    const std::vector<size_t> blocks = blocks_of(before), own = blocks_of(slice);
+    const std::vector<size_t> blocks = blocks_of(before.leaves), own = blocks_of(slice.leaves);
     std::vector<bool> repeats(blocks.size() - 1);
     std::vector<bool> is_taken(slice.leaves.size());
     for (size_t i = 0, at = 0; i + 1 < blocks.size(); i++) {
@@ -177,7 +131,7 @@ Slice encode_repeated(const Slice& slice, const FrameBefore& frames, FrameSymbol
         repeats[i] = true;
         std::fill_n(is_taken.begin() + static_cast<ptrdiff_t>(own[at]), count, true);
     }
-    repeated = code_repeated(frame.shape, before, &repeats);
+    repeated = code_repeated(frame.shape, before.leaves, &repeats);
     Slice rest = without_leaves(slice);
     for (size_t i = 0; i < slice.leaves.size(); i++)
         if (!is_taken[i]) append_leaves(slice, i, i + 1, rest);
@@ -194,17 +148,22 @@ FrameSymbols encode(const Slice& slice, const Steps& steps, const std::optional<
     frame.roots.resize(planes);
     frame.coarse.resize(planes);
     frame.fine.resize(planes);
-    Slice repeated = without_leaves(slice);
+    std::vector<uint32_t> repeated;
     const Slice rest = before ? encode_repeated(slice, *before, frame, repeated) : slice;
+    if (before && static_cast<double>(repeated.size()) < kWorthRepeating * static_cast<double>(slice.leaves.size()))
+        return encode(slice, steps, std::nullopt, decoded);
     frame.leaf_count = static_cast<uint32_t>(rest.leaves.size());
     Slice coded = without_leaves(slice);
-    coded.leaves = rest.leaves;
     if (frame.leaf_count > 0) {
         const Octree tree = octree_of(rest.leaves, rest.depth);
         code_shape(frame.shape, tree, rest.depth, frame.leaf_count);
         encode_all_planes(rest, tree, frame, coded);
     }
-    decoded = merged(repeated, coded);
+    static const std::vector<Leaf> kNoLeaves;
+    MergedLeaves merged = merge_leaves(before ? before->decoded.leaves : kNoLeaves, repeated, rest.leaves, slice.depth);
+    coded.planes = merge_planes(merged, before ? &before->decoded.planes : nullptr, std::move(coded.planes));
+    coded.leaves = std::move(merged.leaves);
+    decoded = std::move(coded);
     return frame;
 }
 
@@ -214,171 +173,29 @@ void count(const FrameSymbols& frame, Counts& counts) {
         for (const SymbolWriter& stream : *streams) stream.count(counts);
 }
 
-namespace {
-
-// The planes of a part.
-std::pair<uint32_t, uint32_t> planes_of_part(Part part, uint32_t planes) {
-    if (part == kCoarse || part == kFine) return {0, kPlanesOfMean};
-    return {kPlanesOfMean, planes};
-}
-
-}  // namespace
-
-// A head, the lengths of the streams of a part before them.
+// A head and the shape; of the other parts the lengths of the streams, then these.
 FrameBytes bytes_of(const FrameSymbols& frame, const Tables& tables) {
-    FrameBytes result{};
-    std::vector<uint8_t>& bytes = result.bytes;
-    append_number(bytes, frame.is_key ? 1 : 0, 1);
-    append_number(bytes, frame.leaf_count, 4);
-    for (const uint16_t step : frame.steps) append_number(bytes, step, 2);
-    for (const int16_t root : frame.roots) append_number(bytes, static_cast<uint16_t>(root), 2);
+    FrameBytes result;
+    std::vector<uint8_t>& head = result.parts[kShape];
+    append_number(head, frame.is_key ? 1 : 0, 1);
+    append_number(head, frame.leaf_count, 4);
+    for (const uint16_t step : frame.steps) append_number(head, step, 2);
+    for (const int16_t root : frame.roots) append_number(head, static_cast<uint16_t>(root), 2);
     const std::vector<uint8_t> shape = frame.shape.bytes(tables);
-    append_number(bytes, shape.size(), 4);
-    bytes.insert(bytes.end(), shape.begin(), shape.end());
-    result.ends[kShape] = static_cast<uint32_t>(bytes.size());
+    append_number(head, shape.size(), 4);
+    head.insert(head.end(), shape.begin(), shape.end());
     for (const Part part : {kCoarse, kFine, kShCoarse, kShFine}) {
         const auto [first, end] = planes_of_part(part, static_cast<uint32_t>(frame.roots.size()));
         const auto& streams = part == kCoarse || part == kShCoarse ? frame.coarse : frame.fine;
         std::vector<uint8_t> all;
         for (uint32_t plane = first; plane < end; plane++) {
             const std::vector<uint8_t> one = streams[plane].bytes(tables);
-            append_number(bytes, one.size(), 4);
+            append_number(result.parts[part], one.size(), 4);
             all.insert(all.end(), one.begin(), one.end());
         }
-        bytes.insert(bytes.end(), all.begin(), all.end());
-        result.ends[part] = static_cast<uint32_t>(bytes.size());
+        result.parts[part].insert(result.parts[part].end(), all.begin(), all.end());
     }
     return result;
-}
-
-namespace {
-
-// A frame that is being decoded.
-class FrameReader {
-  public:
-    FrameReader(std::span<const uint8_t> bytes, Part last, const Tables& tables, const Format& format)
-        : bytes_(bytes),
-          last_(last),
-          tables_(tables),
-          format_(format),
-          planes_(planes_of(format.degree)),
-          roots_(planes_),
-          coarse_(planes_),
-          fine_(planes_) {
-        coded_.depth = format.depth;
-        coded_.degree = format.degree;
-        coded_.planes.resize(planes_);
-    }
-
-    Slice read(const Slice* before) {
-        read_head(before != nullptr);
-        Slice repeated = read_shape(before);
-        for (const Part part : {kCoarse, kFine, kShCoarse, kShFine})
-            if (part <= last_) find_streams(part);
-        bytes_.expect_end();
-        if (leaf_count_ == 0) return repeated;
-        coded_.leaves = leaves_of(tree_, format_.depth);
-        const std::vector<double> areas = areas_of(coded_.leaves, format_.depth);
-        decode_planes(pairs_of(tree_, areas, 1), kOpacityPlane, 1);
-        const std::vector<double> weights = weights_of(areas, coded_.planes[kOpacityPlane]);
-        const Pairs pairs = pairs_of(tree_, weights, 1.0 / kUnit);
-        decode_colours(pairs);
-        return merged(std::move(repeated), std::move(coded_));
-    }
-
-  private:
-    void read_head(bool has_before) {
-        const uint64_t key = bytes_.number(1);
-        if (key > 1) throw std::runtime_error("is no frame that this program knows");
-        is_key_ = key == 1;
-        if (!is_key_ && !has_before) throw std::runtime_error("needs the frame before it");
-        leaf_count_ = static_cast<uint32_t>(bytes_.number(4));
-        if (leaf_count_ > format_.most_leaves) throw std::runtime_error("has more leaves than the stream says");
-        for (uint16_t& step : steps_) step = static_cast<uint16_t>(bytes_.number(2));
-        for (int16_t& root : roots_) root = static_cast<int16_t>(bytes_.number(2));
-    }
-
-    // Reads which leaves there are, and returns those that are repeated.
-    Slice read_shape(const Slice* before) {
-        Slice repeated = without_leaves(coded_);
-        SymbolReader shape(bytes_.take(bytes_.number(4)), tables_);
-        if (!is_key_) repeated = code_repeated(shape, *before, nullptr);
-        if (repeated.leaves.size() + leaf_count_ > format_.most_leaves)
-            throw std::runtime_error("has more leaves than the stream says");
-        if (leaf_count_ > 0) tree_ = code_shape(shape, Octree(), format_.depth, leaf_count_);
-        if (!shape.ends_well() || tree_.leaf_count != leaf_count_)
-            throw std::runtime_error("has another shape than it says");
-        return repeated;
-    }
-
-    void find_streams(Part part) {
-        const auto [first, end] = planes_of_part(part, planes_);
-        std::vector<uint64_t> lengths;
-        for (uint32_t plane = first; plane < end; plane++) lengths.push_back(bytes_.number(4));
-        auto& streams = part == kCoarse || part == kShCoarse ? coarse_ : fine_;
-        for (uint32_t plane = first; plane < end; plane++) streams[plane] = bytes_.take(lengths[plane - first]);
-        for (const uint64_t length : lengths)
-            if (leaf_count_ == 0 && length > 0) throw std::runtime_error("has planes without leaves");
-    }
-
-    // The planes of colours do not need each other. More than two cores decode three planes at a time each; of two, the
-    // other one has trees to make.
-    void decode_colours(const Pairs& pairs) {
-        const uint32_t colours = planes_ - kFirstColourPlane;
-        if (std::thread::hardware_concurrency() > 2)
-            return parallel_for(colours, 3, [&](size_t begin, size_t end) {
-                decode_planes(pairs, kFirstColourPlane + static_cast<uint32_t>(begin),
-                              static_cast<uint32_t>(end - begin));
-            });
-        decode_planes(pairs, kFirstColourPlane, kPlanesOfMean - kFirstColourPlane);
-        if (planes_ > kPlanesOfMean) decode_planes(pairs, kPlanesOfMean, planes_ - kPlanesOfMean);
-    }
-
-    // Decodes `count` planes from `first` on, which are all in the same parts.
-    void decode_planes(const Pairs& pairs, uint32_t first, uint32_t count) {
-        std::vector<PlaneOfTree> own;
-        for (uint32_t plane = first; plane < first + count; plane++) {
-            coded_.planes[plane].resize(leaf_count_);
-            own.push_back({plane,
-                           static_cast<float>(roots_[plane]),
-                           static_cast<float>(steps_[kind_of(plane)]),
-                           {},
-                           coded_.planes[plane]});
-        }
-        const bool is_mean = first < kPlanesOfMean;
-        const auto readers_of = [&](const auto& streams, Part part) {
-            std::vector<SymbolReader> readers;
-            for (uint32_t plane = first; part <= last_ && plane < first + count; plane++)
-                readers.emplace_back(streams[plane], tables_);
-            return readers;
-        };
-        std::vector<SymbolReader> coarse = readers_of(coarse_, is_mean ? kCoarse : kShCoarse);
-        std::vector<SymbolReader> fine = readers_of(fine_, is_mean ? kFine : kShFine);
-        code_planes<SymbolReader>(coarse, fine, tree_, pairs, format_.depth, own);
-        for (const auto* readers : {&coarse, &fine})
-            for (const SymbolReader& reader : *readers)
-                if (!reader.ends_well()) throw std::runtime_error("has a damaged plane");
-    }
-
-    ByteReader bytes_;
-    Part last_;
-    const Tables& tables_;
-    const Format& format_;
-    uint32_t planes_;
-    bool is_key_ = true;
-    uint32_t leaf_count_ = 0;  // that are not repeated
-    Steps steps_{};
-    std::vector<int16_t> roots_;                           // by plane
-    std::vector<std::span<const uint8_t>> coarse_, fine_;  // by plane; empty where the part is not there
-    Octree tree_;
-    Slice coded_;  // the leaves of the tree
-};
-
-}  // namespace
-
-Slice decode(std::span<const uint8_t> bytes, Part last, const Tables& tables, const Format& format,
-             const Slice* before) {
-    return FrameReader(bytes, last, tables, format).read(before);
 }
 
 }  // namespace neuvv::stream

@@ -1,8 +1,10 @@
-// A frame of a stream as bytes. A key frame is decoded alone; another may also repeat parts of the frame before it.
+// A frame of a stream as bytes (frame_decoder.h is the way back). A key frame is decoded alone; another may also repeat
+// parts of the frame before it.
 #pragma once
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "stream/planes.h"
 #include "stream/slice.h"
@@ -15,6 +17,16 @@ using Steps = std::array<uint16_t, kKinds>;  // by Kind
 // The parts of a frame's bytes, in their order. Every prefix that ends with a part draws: where fine parts are missing,
 // leaves have the mean of larger cells; where those of spherical harmonics are, colours are the same from all sides.
 enum Part : uint32_t { kShape, kCoarse, kFine, kShCoarse, kShFine, kParts };
+
+// What weighs a leaf's colours: its area and how opaque it is, but this opacity at least.
+constexpr int16_t kLeastOpacity = 20;
+std::vector<double> weights_of(const std::vector<double>& areas, const std::vector<int16_t>& opacity);
+
+// The first of the planes whose streams a part has, and the end; `planes` are all.
+constexpr std::pair<uint32_t, uint32_t> planes_of_part(Part part, uint32_t planes) {
+    if (part == kCoarse || part == kFine) return {0, kPlanesOfMean};
+    return {kPlanesOfMean, planes};
+}
 
 // A frame as symbols: tables for all frames of a group come first.
 struct FrameSymbols {
@@ -33,25 +45,14 @@ struct FrameBefore {
 };
 
 // Encodes a slice, without a frame before it as a key frame. Blocks of 4³ finest cells that are the same in the frame
-// before, or differ by less than rounding does, are repeated. `decoded` becomes what decode() returns.
+// before, or differ by less than rounding does, are repeated; where these are few, it is a key frame, too. `decoded`
+// becomes what decode() returns.
 FrameSymbols encode(const Slice& slice, const Steps& steps, const std::optional<FrameBefore>& before, Slice& decoded);
 void count(const FrameSymbols& frame, Counts& counts);
 
 struct FrameBytes {
-    std::vector<uint8_t> bytes;
-    std::array<uint32_t, kParts> ends;  // of the parts
+    std::array<std::vector<uint8_t>, kParts> parts;
 };
 FrameBytes bytes_of(const FrameSymbols& frame, const Tables& tables);
-
-// What a frame is decoded by: the same for all frames of a group.
-struct Format {
-    uint32_t depth = 2, degree = 0;
-    uint32_t most_leaves = 0;  // of a frame
-};
-
-// Decodes the frame, or what its first parts show. `before` is the frame before, decoded from as many parts; null where
-// the frame is a key frame. Throws std::runtime_error with what is wrong where the bytes are no frame.
-Slice decode(std::span<const uint8_t> bytes, Part last, const Tables& tables, const Format& format,
-             const Slice* before);
 
 }  // namespace neuvv::stream

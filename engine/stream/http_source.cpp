@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/trace_file.h"
 
 namespace neuvv::stream {
 
@@ -110,7 +111,10 @@ HttpSource::HttpSource(std::string address) : address_(std::move(address)) {
     curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Answer::take);
     curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Answer::take_header);
     try {
+        const auto begin = std::chrono::steady_clock::now();
         keep_locked(0, fetch({0, 1}));
+        measure_locked(blocks_[0].size(),
+                       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
         thread_ = std::thread([this] { run(); });
     } catch (...) {
         curl_easy_cleanup(curl_);
@@ -218,14 +222,16 @@ void HttpSource::run() {
         changed_.wait(lock, [&] {
             next = failure_ ? Blocks{} : missing_locked(needed_);
             is_needed = next.count() > 0;
-            if (!is_needed) next = missing_locked(ahead_);
+            if (!is_needed) next = missing_ahead_locked();
             return stop_ || next.count() > 0;
         });
         if (stop_) return;
         lock.unlock();
         std::vector<uint8_t> bytes;
         std::exception_ptr failure;
+        const auto begin = std::chrono::steady_clock::now();
         try {
+            const TraceSpan span("fetch from the server, from block", static_cast<int64_t>(next.first));
             bytes = fetch(next);
         } catch (...) {
             failure = std::current_exception();
@@ -237,6 +243,8 @@ void HttpSource::run() {
             if (is_needed || missing_locked(needed_).first == next.first) failure_ = failure;
         } else {
             keep_locked(next.first, bytes);
+            measure_locked(bytes.size(),
+                           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
         }
         changed_.notify_all();
     }
@@ -248,12 +256,39 @@ void HttpSource::cancel() {
     changed_.notify_all();
 }
 
-void HttpSource::read_ahead(uint64_t offset, uint64_t count) {
-    count = std::min(count, size() - std::min(offset, size()));
+void HttpSource::read_ahead(std::vector<ByteRange> ranges) {
+    std::vector<Blocks> ahead;
+    uint64_t room = kMostAhead;
+    for (const ByteRange& range : ranges) {
+        if (range.count == 0 || range.end() > size()) continue;
+        Blocks blocks{range.offset / kBlock, (range.end() - 1) / kBlock + 1};
+        blocks.end = std::min(blocks.end, blocks.first + room);
+        room -= blocks.count();
+        if (blocks.count() > 0) ahead.push_back(blocks);
+    }
     const std::lock_guard lock(mutex_);
-    ahead_ = {offset / kBlock, count == 0 ? offset / kBlock : (offset + count - 1) / kBlock + 1};
-    ahead_.end = std::min(ahead_.end, ahead_.first + kMostAhead);
+    ahead_ = std::move(ahead);
     changed_.notify_all();
+}
+
+// Of what is read next: the first blocks that are not here.
+HttpSource::Blocks HttpSource::missing_ahead_locked() const {
+    for (const Blocks& blocks : ahead_)
+        if (const Blocks missing = missing_locked(blocks); missing.count() > 0) return missing;
+    return {};
+}
+
+// A request counts with the time that the server needs to answer: small ones are as slow as they are.
+void HttpSource::measure_locked(uint64_t bytes, double seconds) {
+    constexpr double kOlder = 0.7;
+    recent_bytes_ = kOlder * recent_bytes_ + static_cast<double>(bytes);
+    recent_s_ = kOlder * recent_s_ + seconds;
+}
+
+std::optional<double> HttpSource::bytes_per_s() const {
+    const std::lock_guard lock(mutex_);
+    if (recent_s_ <= 0) return std::nullopt;
+    return recent_bytes_ / recent_s_;
 }
 
 // Block by block, as not all of a large range is kept.
@@ -265,7 +300,8 @@ std::vector<uint8_t> HttpSource::read(uint64_t offset, uint64_t count) {
     const uint64_t end_block = (offset + count - 1) / kBlock + 1;
     for (uint64_t block = offset / kBlock; block < end_block; block++) {
         needed_ = {block, std::min(end_block, block + kMostOfARequest)};
-        if (block < ahead_.first || block >= ahead_.end) ahead_ = {};  // it was said for another place
+        const auto has_block = [&](const Blocks& blocks) { return block >= blocks.first && block < blocks.end; };
+        if (std::ranges::none_of(ahead_, has_block)) ahead_ = {};  // it was said for another place
         failure_ = nullptr;
         changed_.notify_all();
         changed_.wait(lock, [&] { return failure_ || blocks_.contains(block); });

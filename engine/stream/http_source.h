@@ -26,12 +26,13 @@ class HttpSource : public ByteSource {
 
     // Throws InputError where the server does not answer, not with this range, or with that of another file.
     std::vector<uint8_t> read(uint64_t offset, uint64_t count) override;
-    void read_ahead(uint64_t offset, uint64_t count) override;
+    void read_ahead(std::vector<ByteRange> ranges) override;
+    std::optional<double> bytes_per_s() const override;
     void cancel() override;
 
-    static constexpr uint64_t kBlock = uint64_t{256} << 10;
-    static constexpr uint64_t kMostBlocks = 256;    // 64 MiB
-    static constexpr uint64_t kMostOfARequest = 4;  // blocks; who waits for others must wait for these first
+    static constexpr uint64_t kBlock = uint64_t{64} << 10;
+    static constexpr uint64_t kMostBlocks = 1024;    // 64 MiB
+    static constexpr uint64_t kMostOfARequest = 16;  // blocks; who waits for others must wait for these first
     static constexpr uint64_t kMostAhead = kMostBlocks / 2;
 
   private:
@@ -45,17 +46,21 @@ class HttpSource : public ByteSource {
     void require_range(const Answer& answer, uint64_t offset, uint64_t count);
     void run();
     Blocks missing_locked(const Blocks& in) const;
+    Blocks missing_ahead_locked() const;
+    void measure_locked(uint64_t bytes, double seconds);
     void keep_locked(uint64_t first, const std::vector<uint8_t>& bytes);
     void use_locked(uint64_t block);
     std::string address_;
     void* curl_ = nullptr;  // CURL: the constructor's, then the thread's
     std::atomic<bool> cancelled_ = false;
-    std::mutex mutex_;  // guards all that follows
+    mutable std::mutex mutex_;  // guards all that follows
     std::condition_variable changed_;
     std::map<uint64_t, std::vector<uint8_t>> blocks_;
-    std::vector<uint64_t> order_;  // of the blocks, the one that was used last at the end
-    Blocks needed_, ahead_;        // what read() waits for, and what will be read next
-    std::exception_ptr failure_;   // of what is needed
+    std::vector<uint64_t> order_;             // of the blocks, the one that was used last at the end
+    Blocks needed_;                           // what read() waits for
+    std::vector<Blocks> ahead_;               // what will be read next
+    double recent_bytes_ = 0, recent_s_ = 0;  // of the last requests: older ones count less
+    std::exception_ptr failure_;              // of what is needed
     bool stop_ = false;
     std::thread thread_;
 };

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/trace_file.h"
 #include "voctree/plenoctree.h"
 #include "voctree/slice.h"
 
@@ -86,10 +87,13 @@ NvvHead head_of_frame(const ClipSegment& segment) {
 
 }  // namespace
 
-VOctree read_segment(const ClipSegment& segment) {
-    if (segment.stream)
-        return tree_of(*segment.stream->frame(segment.first), vector_of(group_of(segment).box_min),
-                       vector_of(group_of(segment).box_size), segment.stream->index().fps);
+VOctree read_segment(const ClipSegment& segment, stream::Part last) {
+    if (segment.stream) {
+        const auto slice = segment.stream->frame(segment.first, last);
+        const TraceSpan span("make the tree of frame", segment.first);
+        return tree_of(*slice, vector_of(group_of(segment).box_min), vector_of(group_of(segment).box_size),
+                       segment.stream->index().fps);
+    }
     VOctree tree = read_clip(segment.file);
     require_frames(segment, tree.frames);
     return tree;

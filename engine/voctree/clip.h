@@ -17,7 +17,7 @@ VOctree read_clip(const std::filesystem::path& path);
 
 // Reads a segment of a clip. Throws InputError as read_clip, and where the file has not as many frames as the index
 // says.
-VOctree read_segment(const ClipSegment& segment);
+VOctree read_segment(const ClipSegment& segment, stream::Part last = stream::kShFine);
 
 // The head of a segment of a segmented clip, without its leaves. Throws InputError where the file's headers are
 // damaged, and where it has not as many frames as the index says.

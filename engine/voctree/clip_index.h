@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/file_stamp.h"
-#include "stream/nvs.h"
+#include "stream/nvs_reader.h"
 
 namespace neuvv::voctree {
 

@@ -1,9 +1,12 @@
 // Streams on the disk, and slices as trees.
-#include "stream/nvs.h"
+#include "stream/nvs_reader.h"
+#include "stream/nvs_writer.h"
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
+#include <thread>
 
 #include "reference/slice.h"
 #include "stream/random_slice.h"
@@ -75,6 +78,70 @@ TEST_F(NvsTest, FramesComeBackInAnyOrder) {
     EXPECT_EQ(reader.frame(4)->planes, decoded[4].planes);
 }
 
+// Frames of which half stays: each needs the one before.
+Slice half_changed(const Slice& slice, uint32_t frame) {
+    Slice changed = slice;
+    for (size_t i = frame % 2 ? 0 : slice.leaves.size() / 2; i < slice.leaves.size() / (frame % 2 ? 2 : 1); i++)
+        for (auto& plane : changed.planes) plane[i] = static_cast<int16_t>((plane[i] + 97 * frame) % 900);
+    return changed;
+}
+
+TEST_F(NvsTest, ThreadsReadFramesThatNeedEachOther) {
+    constexpr uint32_t kFrames = 60;
+    stream::Steps steps;
+    steps.fill(8);
+    std::vector<stream::FrameSymbols> frames;
+    std::vector<Slice> shown;
+    Slice last;
+    for (uint32_t i = 0; i < kFrames; i++) {
+        const Slice slice = i == 0 ? random_slice(1, 6, 900, 1) : half_changed(last, i);
+        std::optional<stream::FrameBefore> before;
+        if (i > 0) before.emplace(stream::FrameBefore{last, shown.back()});
+        Slice one;
+        frames.push_back(stream::encode(slice, steps, before, one));
+        shown.push_back(std::move(one));
+        last = slice;
+    }
+    stream::Writer writer(path, 25, kFrames, 1);
+    stream::Group group;
+    group.format = {6, 1, 2000};
+    writer.add(group, frames);
+    writer.finish();
+    stream::Reader reader(path);
+    size_t keys = 0;
+    for (const stream::FrameEntry& frame : reader.index().frames) keys += frame.is_key ? 1 : 0;
+    ASSERT_EQ(keys, 1u);
+    EXPECT_EQ(reader.frame(kFrames - 1)->planes, shown.back().planes) << "far behind the key frame";
+    std::atomic<size_t> wrong = 0;
+    std::vector<std::thread> threads;
+    for (uint32_t t = 0; t < 4; t++)
+        threads.emplace_back([&, t] {
+            Random random(t);
+            for (int i = 0; i < 40; i++) {
+                const auto frame = static_cast<uint32_t>(random.below(kFrames));
+                wrong += reader.frame(frame)->planes == shown[frame].planes ? 0 : 1;
+            }
+        });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(wrong, 0u);
+}
+
+// What shows less stands together.
+TEST_F(NvsTest, APrefixOfAGroupHasThePartsOfItsFrames) {
+    const stream::Index index = stream::Reader(path).index();
+    for (uint32_t group = 0; group < 3; group++) {
+        const stream::Group& one = index.groups[group];
+        uint64_t next = one.offset + one.table_bytes;
+        for (uint32_t part = 0; part < stream::kParts; part++) {
+            for (uint32_t frame = one.first; frame < one.first + one.frames; frame++) {
+                EXPECT_EQ(index.place_of(frame, static_cast<stream::Part>(part)).offset, next);
+                next += index.frames[frame].bytes[part];
+            }
+            EXPECT_EQ(index.place_of_group(group, static_cast<stream::Part>(part)).end(), next);
+        }
+    }
+}
+
 TEST_F(NvsTest, DamageIsNamed) {
     const std::string sound = bytes();
     const auto expect_refused = [&](const std::string& damaged, std::initializer_list<std::string> parts) {
@@ -92,8 +159,10 @@ TEST_F(NvsTest, DamageIsNamed) {
     expect_refused(sound.substr(0, sound.size() - 1), {"show.nvs", "bytes"});
     expect_refused(sound + "x", {"show.nvs", "bytes"});
     std::string other = sound;
-    other[8] = 2;
-    expect_refused(other, {"version 2", "newer neuvv"});
+    other[8] = 3;
+    expect_refused(other, {"version 3", "newer neuvv"});
+    other[8] = 1;
+    expect_refused(other, {"version 1", "publish the clip again"});
     other = sound;
     other[100] ^= 1;
     expect_refused(other, {"the index", "damaged"});
@@ -107,10 +176,10 @@ TEST_F(NvsTest, DamageIsNamed) {
     other[index.groups[2].offset] ^= 1;
     expect_refused(other, {"the tables of frame 6", "damaged"});
     other = sound;
-    other[index.offset_of(3)] ^= 1;
+    other[index.place_of(3, stream::kShape).offset] ^= 1;
     overwrite(other);
     stream::Reader reader(path);
-    expect_input_error([&] { reader.frame(4); }, {"frame 3", "damaged"});
+    expect_input_error([&] { reader.frame(3); }, {"frame 3", "damaged"});
     EXPECT_EQ(reader.frame(2)->planes, decoded[2].planes) << "other groups are whole";
     EXPECT_EQ(reader.frame(6)->planes, decoded[6].planes);
 }

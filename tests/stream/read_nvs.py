@@ -76,7 +76,8 @@ class Bytes:
 
 
 class Group:
-    """What the head says of a group; `frames` is a list of (ends of the parts, their CRCs)."""
+    """What the head says of a group; `frames` is a list of (whether it is a key frame,
+    lengths of the parts, their CRCs)."""
 
     def __init__(self, head):
         self.frame_count, self.depth, self.degree, self.most_leaves = head.take("4I")
@@ -91,7 +92,7 @@ class Group:
         self.plane_count = 1 + 3 * (self.degree + 1) ** 2
 
     def byte_count(self):
-        return self.table_bytes + sum(ends[-1] for ends, crcs in self.frames)
+        return self.table_bytes + sum(sum(lengths) for _, lengths, _ in self.frames)
 
 
 def read_head(data):
@@ -99,7 +100,7 @@ def read_head(data):
     head = Bytes(data, "the head")
     check(head.take_bytes(8) == b"NVStream", "the file is no NVStream")
     (version,) = head.take("I")
-    check(version == 1, f"version {version} is not known")
+    check(version == 2, f"version {version} is not known")
     frame_count, group_count, frames_a_second = head.take("IIf")
     head.take("8x")
     check(1 <= frame_count <= 10**7, "the file has no frames or too many")
@@ -110,9 +111,9 @@ def read_head(data):
     check(sum(g.frame_count for g in groups) == frame_count, "the groups miss or add frames")
     for group in groups:
         for _ in range(group.frame_count):
-            ends, crcs = head.take(f"{PARTS}I"), head.take(f"{PARTS}I")
-            check(list(ends) == sorted(ends), "a frame's part ends before it begins")
-            group.frames.append((ends, crcs))
+            (is_key,) = head.take("I")
+            lengths, crcs = head.take(f"{PARTS}I"), head.take(f"{PARTS}I")
+            group.frames.append((is_key, lengths, crcs))
     crc = zlib.crc32(data[:head.position])
     check(head.take("I")[0] == crc, "the CRC of the head is wrong")
     check_places(groups, head.position, len(data))
@@ -451,16 +452,17 @@ def read_repeats(stream, tables, before):
     return repeated
 
 
-def parts_of(data, position, ends, crcs):
-    """The parts of a frame that begins at this position of the file."""
-    parts = []
-    begin = 0
-    for i, (end, crc) in enumerate(zip(ends, crcs)):
-        part = data[position + begin:position + end]
-        check(zlib.crc32(part) == crc, f"the CRC of part {i} is wrong")
-        parts.append(part)
-        begin = end
-    return parts
+def parts_of_frames(data, group):
+    """The parts of all frames of a group: parts 0 of its frames stand first, then parts 1, ..."""
+    position = group.offset + group.table_bytes
+    parts_of = [[] for _ in group.frames]
+    for i in range(PARTS):
+        for parts, (_, lengths, crcs) in zip(parts_of, group.frames):
+            part = data[position:position + lengths[i]]
+            check(zlib.crc32(part) == crcs[i], f"the CRC of part {i} of a frame is wrong")
+            parts.append(part)
+            position += lengths[i]
+    return parts_of
 
 
 def split_streams(part, planes, name):
@@ -542,19 +544,17 @@ def decode_planes(decoders, levels, depth, steps, roots):
 def decode_group(data, group):
     """All frames of a group, and its first frame by its first 1, 2, 3 and 4 parts."""
     tables = read_tables(data, group)
-    position = group.offset + group.table_bytes
     frames = []
     first_parts = []
-    for i, (ends, crcs) in enumerate(group.frames):
+    for i, parts in enumerate(parts_of_frames(data, group)):
         try:
-            parts = parts_of(data, position, ends, crcs)
+            check(parts[0][:1] == bytes([group.frames[i][0]]), "a key frame or not differs")
             if i == 0:
                 for count in range(1, PARTS):
                     first_parts.append(decode_frame(parts[:count], group, tables, None))
             frames.append(decode_frame(parts, group, tables, frames[-1] if frames else None))
         except ValueError as error:
             raise ValueError(f"frame {i} of the group: {error}") from error
-        position += ends[-1]
     return frames, first_parts
 
 

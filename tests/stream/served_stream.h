@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "stream/http_source.h"
-#include "stream/nvs.h"
+#include "stream/nvs_reader.h"
+#include "stream/nvs_writer.h"
 #include "stream/random_slice.h"
 #include "support/child_process.h"
 #include "support/temporary_folder.h"

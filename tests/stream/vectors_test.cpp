@@ -8,7 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json.h"
-#include "stream/nvs.h"
+#include "stream/nvs_reader.h"
+#include "stream/nvs_writer.h"
 #include "stream/random_slice.h"
 
 namespace neuvv::test::vectors_test {

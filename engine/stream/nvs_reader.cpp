@@ -1,0 +1,220 @@
+#include "stream/nvs_reader.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include "base/error.h"
+#include "base/trace_file.h"
+
+namespace neuvv::stream {
+
+namespace {
+
+std::vector<uint8_t> inflated(std::span<const uint8_t> bytes, size_t count) {
+    std::vector<uint8_t> result(count);
+    auto written = static_cast<uLongf>(count);
+    auto taken = static_cast<uLong>(bytes.size());
+    if (uncompress2(result.data(), &written, bytes.data(), &taken) != Z_OK || written != count || taken != bytes.size())
+        throw std::runtime_error("has damaged tables");
+    return result;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace
+
+bool is_stream(const std::filesystem::path& path) {
+    if (is_address(path)) return true;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return false;
+    char magic[sizeof kMagic] = {};
+    std::ifstream(path, std::ios::binary).read(magic, sizeof magic);
+    return std::memcmp(magic, kMagic, sizeof magic) == 0;
+}
+
+void Reader::fail(const std::string& place, const std::string& problem) const {
+    failed_ = true;
+    throw InputError(path_.string(), place, problem, kPublishAgain);
+}
+
+void Reader::cancel() {
+    failed_ = true;
+    source_->cancel();
+}
+
+std::vector<uint8_t> Reader::bytes_at(const ByteRange& range, const std::string& place) {
+    if (range.count > source_->size() || range.offset > source_->size() - range.count)
+        fail(place, "lies beyond the end of the file");
+    try {
+        return source_->read(range.offset, range.count);
+    } catch (const ServerProblem&) {
+        throw;
+    } catch (const InputError&) {
+        failed_ = true;
+        throw;
+    }
+}
+
+Reader::Reader(const std::filesystem::path& path) : path_(path) {
+    const auto expect_stream = [&](bool is) {
+        if (!is) throw InputError(path_.string(), "", "is no stream", "name a .nvs of `neuvv publish`");
+    };
+    expect_stream(is_stream(path_));
+    source_ = open_source(path_);
+    const std::vector<uint8_t> fixed = bytes_at({0, kFixedBytes}, "the head");
+    expect_stream(std::memcmp(fixed.data(), kMagic, sizeof kMagic) == 0);
+    try {
+        index_ = read_index(bytes_at({0, read_head_size(fixed)}, "the index"), source_->size());
+    } catch (const BadHead& bad) {
+        failed_ = true;
+        throw InputError(path_.string(), bad.place, bad.what(), bad.fix);
+    }
+}
+
+std::vector<uint8_t> Reader::part_locked(uint32_t frame, Part part) {
+    const std::string place = fmt::format("frame {}", frame);
+    std::vector<uint8_t> bytes = bytes_at(index_.place_of(frame, part), place);
+    if (check_of(bytes) != index_.frames[frame].checks[part]) fail(place, "is damaged");
+    return bytes;
+}
+
+std::shared_ptr<const Tables> Reader::tables_locked(uint32_t number) {
+    if (table_group_ == number) return tables_;
+    table_group_.reset();
+    const Group& group = index_.groups[number];
+    const std::string place = fmt::format("the tables of frame {}", group.first);
+    const std::vector<uint8_t> bytes = bytes_at({group.offset, group.table_bytes}, place);
+    if (check_of(bytes) != group.table_check) fail(place, "are damaged");
+    try {
+        tables_ = std::make_shared<const Tables>(read_tables(inflated(bytes, table_bytes())));
+    } catch (const std::runtime_error& problem) {
+        fail(place, problem.what());
+    }
+    table_group_ = number;
+    return tables_;
+}
+
+// What is missing of the frame's group, and the groups behind it, are fetched while the frame is decoded.
+void Reader::read_ahead_locked(uint32_t frame, Part last) {
+    std::vector<ByteRange> ranges;
+    double ahead_s = 0;
+    for (uint32_t group = index_.group_of(frame); group < index_.groups.size() && ahead_s < kAhead_s; group++) {
+        ranges.push_back(index_.place_of_group(group, last));
+        const Group& one = index_.groups[group];
+        ahead_s += (one.first + one.frames - std::max(frame, one.first)) / double{index_.fps};
+    }
+    source_->read_ahead(std::move(ranges));
+}
+
+// `before` is the frame before it; null: it is a key frame.
+std::shared_ptr<Reader::Begun> Reader::begin_next_locked(uint32_t frame, Part last, std::shared_ptr<Begun> before) {
+    auto begun = std::make_shared<Begun>();
+    begun->frame = frame;
+    begun->group = index_.group_of(frame);
+    begun->last = last;
+    begun->tables = tables_locked(begun->group);
+    const std::vector<uint8_t> bytes = part_locked(frame, kShape);
+    read_ahead_locked(frame, last);
+    const TraceSpan span("decode the shape of frame", frame);
+    try {
+        begun->shape = decode_shape(bytes, *begun->tables, index_.groups[begun->group].format,
+                                    before ? &before->shape.merged.leaves : nullptr);
+    } catch (const std::runtime_error& problem) {
+        fail(fmt::format("frame {}", frame), problem.what());
+    }
+    if (begun->shape.is_key != index_.frames[frame].is_key)
+        fail(fmt::format("frame {}", frame), "is a key frame or not, other than the index says");
+    if (begun->shape.merged.repeats_any) begun->before = std::move(before);
+    if (kept_.size() == kKept) kept_.erase(kept_.begin());
+    kept_.push_back(begun);
+    return begun;
+}
+
+// The first frame of which nothing is known, from the key frame up to the frame that is wanted; `known` becomes the one
+// before it. It is the one behind `frame` where that is known.
+uint32_t Reader::first_unknown_locked(uint32_t frame, Part last, std::shared_ptr<Begun>& known) const {
+    uint32_t next = index_.key_of(frame);
+    for (const std::shared_ptr<Begun>& one : kept_)
+        if (one->last == last && one->frame >= next && one->frame <= frame) {
+            known = one;
+            next = one->frame + 1;
+        }
+    return next;
+}
+
+std::shared_ptr<Reader::Begun> Reader::begin(uint32_t frame, Part last) {
+    const auto lock = [this] {
+        const TraceSpan span("wait for another frame of the stream");
+        return std::unique_lock(mutex_);
+    }();
+    std::shared_ptr<Begun> begun;
+    for (uint32_t next = first_unknown_locked(frame, last, begun); next <= frame; next++)
+        begun = begin_next_locked(next, last, std::move(begun));
+    return begun;
+}
+
+// Where the frame repeats planes of the one before, those are decoded first, by whoever comes first.
+std::shared_ptr<const Slice> Reader::slice_of(Begun& begun) {
+    const std::lock_guard of_frame(begun.mutex);
+    if (begun.slice) return begun.slice;
+    const std::shared_ptr<const Slice> before = begun.before ? slice_of(*begun.before) : nullptr;
+    std::array<std::vector<uint8_t>, kParts> bytes;
+    PartBytes parts;
+    uint64_t count = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        for (uint32_t part = kShape + 1; part <= begun.last; part++) {
+            bytes[part] = part_locked(begun.frame, static_cast<Part>(part));
+            parts[part] = bytes[part];
+            count += bytes[part].size();
+        }
+    }
+    const TraceSpan span("decode the planes of frame", begun.frame);
+    const auto start = std::chrono::steady_clock::now();
+    try {
+        begun.slice = std::make_shared<const Slice>(decode_planes(begun.shape, parts, begun.last, *begun.tables,
+                                                                  index_.groups[begun.group].format, before.get()));
+    } catch (const std::runtime_error& problem) {
+        fail(fmt::format("frame {}", begun.frame), problem.what());
+    }
+    ladder_.learn(count, seconds_since(start));
+    begun.before.reset();
+    return begun.slice;
+}
+
+// Frames that are passed over keep the shapes of those before them as long as their planes are not decoded. So these
+// are decoded now and then.
+std::shared_ptr<const Slice> Reader::frame(uint32_t frame, Part last) {
+    uint32_t next;
+    {
+        const std::lock_guard lock(mutex_);
+        std::shared_ptr<Begun> known;
+        next = first_unknown_locked(frame, last, known);
+    }
+    for (uint32_t passed = next + kKept - 1; passed < frame; passed += kKept) slice_of(*begin(passed, last));
+    return slice_of(*begin(frame, last));
+}
+
+Part Reader::part_in_time(uint32_t frame) {
+    const std::lock_guard lock(mutex_);
+    const uint32_t number = index_.group_of(frame);
+    const Group& group = index_.groups[number];
+    if (in_time_ && in_time_->first == number && frame != group.first) return in_time_->second;
+    GroupCost cost;
+    for (uint32_t part = 0; part < kParts; part++)
+        cost.bytes_until[part] = index_.place_of_group(number, static_cast<Part>(part)).count;
+    cost.seconds = group.frames / double{index_.fps};
+    in_time_.emplace(number, ladder_.choose(cost, source_->bytes_per_s()));
+    return in_time_->second;
+}
+
+}  // namespace neuvv::stream

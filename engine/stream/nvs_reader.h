@@ -1,0 +1,80 @@
+// Reads .nvs files and addresses of them.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "stream/byte_source.h"
+#include "stream/ladder.h"
+#include "stream/nvs_index.h"
+
+namespace neuvv::stream {
+
+// Whether a file begins as a .nvs does, false where it cannot be read; or whether the path is an address, which nothing
+// else is taken from.
+bool is_stream(const std::filesystem::path& path);
+
+// A stream that is open. All functions may be called from any thread; several threads decode several frames at the same
+// time. All throw InputError with file, place and fix for what is damaged, ServerProblem where a server does not
+// answer.
+class Reader {
+  public:
+    // `path` may be an address.
+    explicit Reader(const std::filesystem::path& path);
+
+    const Index& index() const { return index_; }
+    const std::filesystem::path& path() const { return path_; }
+    const FileStamp& stamp() const { return source_->stamp(); }  // when it was opened
+    // Whether it was found to be damaged or to have changed: then it should be opened again.
+    bool has_failed() const { return failed_; }
+    // Ends what waits for a server, in all threads and from now on (ServerProblem).
+    void cancel();
+
+    // The frame, decoded from its first parts. Frames that were read last are kept, kKept of them. Of the frames from
+    // the key frame on, or the last that is kept, the shapes are decoded; the planes only where the frame repeats some.
+    static constexpr size_t kKept = 16;
+    // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile.
+    static constexpr double kAhead_s = 3;
+    std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
+
+    // The last part of a frame that comes in time while the stream is played. It is chosen anew with the first frame of
+    // a group, and where another group was asked for before.
+    Part part_in_time(uint32_t frame);
+
+  private:
+    // A frame of which the shape is known.
+    struct Begun {
+        uint32_t frame = 0, group = 0;
+        Part last = kShFine;
+        std::shared_ptr<const Tables> tables;
+        FrameShape shape;
+        std::mutex mutex;                    // guards what follows
+        std::shared_ptr<Begun> before;       // the frame before, as long as its planes may be needed
+        std::shared_ptr<const Slice> slice;  // null: its planes are not decoded yet
+    };
+    std::vector<uint8_t> bytes_at(const ByteRange& range, const std::string& place);
+    std::vector<uint8_t> part_locked(uint32_t frame, Part part);
+    std::shared_ptr<const Tables> tables_locked(uint32_t group);
+    void read_ahead_locked(uint32_t frame, Part last);
+    std::shared_ptr<Begun> begin_next_locked(uint32_t frame, Part last, std::shared_ptr<Begun> before);
+    uint32_t first_unknown_locked(uint32_t frame, Part last, std::shared_ptr<Begun>& known) const;
+    std::shared_ptr<Begun> begin(uint32_t frame, Part last);
+    std::shared_ptr<const Slice> slice_of(Begun& begun);
+    [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
+    std::filesystem::path path_;
+    std::unique_ptr<ByteSource> source_;  // by one thread at a time
+    Index index_;
+    mutable std::atomic<bool> failed_ = false;
+    Ladder ladder_;
+    std::mutex mutex_;  // guards what follows, and reading; locked after a frame's, not before
+    std::optional<uint32_t> table_group_;
+    std::shared_ptr<const Tables> tables_;
+    std::vector<std::shared_ptr<Begun>> kept_;          // the one that was begun last at the end
+    std::optional<std::pair<uint32_t, Part>> in_time_;  // the group that part_in_time() was asked for last, its answer
+};
+
+}  // namespace neuvv::stream

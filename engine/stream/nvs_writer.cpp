@@ -1,0 +1,112 @@
+#include "stream/nvs_writer.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <cassert>
+#include <cstring>
+#include <new>
+#include <utility>
+
+#include "base/error.h"
+#include "base/platform.h"
+
+namespace neuvv::stream {
+
+namespace {
+
+std::vector<uint8_t> deflated(const std::vector<uint8_t>& bytes) {
+    uLongf count = compressBound(static_cast<uLong>(bytes.size()));
+    std::vector<uint8_t> result(count);
+    if (compress2(result.data(), &count, bytes.data(), static_cast<uLong>(bytes.size()), 9) != Z_OK)
+        throw std::bad_alloc();
+    result.resize(count);
+    return result;
+}
+
+}  // namespace
+
+GroupBytes bytes_of(const std::vector<FrameSymbols>& frames) {
+    Counts counts = no_counts();
+    for (const FrameSymbols& frame : frames) count(frame, counts);
+    const Tables tables = tables_of(counts);
+    GroupBytes bytes{deflated(bytes_of(tables)), {}};
+    for (const FrameSymbols& frame : frames) bytes.frames.push_back(bytes_of(frame, tables));
+    return bytes;
+}
+
+uint64_t GroupBytes::count() const {
+    uint64_t sum = tables.size();
+    for (const FrameBytes& frame : frames)
+        for (const std::vector<uint8_t>& part : frame.parts) sum += part.size();
+    return sum;
+}
+
+Writer::Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups)
+    : path_(link_target(path)), temporary_(path_.string() + fmt::format(".tmp{}", getpid())) {
+    file_ = std::fopen(temporary_.c_str(), "wb");
+    if (!file_) throw RuntimeFailure(fmt::format("{}: cannot be made: {}", temporary_.string(), std::strerror(errno)));
+    index_.fps = fps;
+    index_.frames.reserve(frames);
+    index_.groups.reserve(groups);
+    try {
+        write(std::vector<uint8_t>(head_bytes(groups, frames)));
+    } catch (...) {
+        remove_unfinished();
+        throw;
+    }
+}
+
+Writer::~Writer() {
+    remove_unfinished();
+}
+
+void Writer::remove_unfinished() {
+    if (file_) std::fclose(std::exchange(file_, nullptr));
+    std::error_code ignored;
+    std::filesystem::remove(temporary_, ignored);
+}
+
+void Writer::write(const std::vector<uint8_t>& bytes) {
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size())
+        throw RuntimeFailure(fmt::format("{}: cannot be written: {}", temporary_.string(), std::strerror(errno)));
+    next_ += bytes.size();
+}
+
+uint64_t Writer::add(Group group, const std::vector<FrameSymbols>& frames) {
+    const GroupBytes bytes = bytes_of(frames);
+    group.first = static_cast<uint32_t>(index_.frames.size());
+    group.frames = static_cast<uint32_t>(frames.size());
+    group.offset = next_;
+    group.table_bytes = static_cast<uint32_t>(bytes.tables.size());
+    group.table_check = check_of(bytes.tables);
+    write(bytes.tables);
+    for (size_t i = 0; i < frames.size(); i++) {
+        const FrameBytes& frame = bytes.frames[i];
+        FrameEntry& entry = index_.frames.emplace_back();
+        entry.is_key = frames[i].is_key;
+        for (uint32_t part = 0; part < kParts; part++) {
+            entry.bytes[part] = static_cast<uint32_t>(frame.parts[part].size());
+            entry.checks[part] = check_of(frame.parts[part]);
+        }
+    }
+    for (uint32_t part = 0; part < kParts; part++)
+        for (const FrameBytes& frame : bytes.frames) write(frame.parts[part]);
+    index_.groups.push_back(group);
+    return next_ - group.offset + head_bytes(1, frames.size());
+}
+
+uint64_t Writer::finish() {
+    const uint64_t bytes = next_;
+    assert(head_bytes(index_.groups.size(), index_.frames.size()) == index_.groups[0].offset &&
+           "as many groups and frames as the constructor was told");
+    std::rewind(file_);
+    write(bytes_of(index_));
+    const bool closed = std::fclose(std::exchange(file_, nullptr)) == 0;
+    if (!closed) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+    replace_file(path_, temporary_);
+    return bytes;
+}
+
+}  // namespace neuvv::stream
