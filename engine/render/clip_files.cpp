@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/trace_file.h"
 #include "voctree/clip.h"
 #include "voctree/nvv.h"
 
@@ -48,32 +49,40 @@ std::shared_ptr<const LoadedClip> ClipFiles::find(const voctree::ClipSegment& se
     return find_locked(segment.file, stamp);
 }
 
-// A file is read by one thread at a time; others wait, and then find it.
+// A file is read by one thread at a time; others wait, and then find it. Returns it where it is known; else the caller
+// reads it now, and then calls end_reading().
+std::shared_ptr<const LoadedClip> ClipFiles::begin_reading(const voctree::ClipSegment& segment,
+                                                           const FileStamp& stamp) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !being_read_.contains(segment.file); });
+    if (auto known = find_locked(segment.file, stamp)) return known;
+    being_read_.emplace(segment.file, segment.stream);
+    return nullptr;
+}
+
+// `whole` is what was read; null where it could not be, or is only a part.
+void ClipFiles::end_reading(const voctree::ClipSegment& segment, const std::shared_ptr<const LoadedClip>& whole) {
+    {
+        const std::lock_guard lock(mutex_);
+        being_read_.erase(segment.file);
+        std::erase_if(known_, [](const auto& one) { return one.expired(); });
+        if (whole) known_.push_back(whole);
+    }
+    changed_.notify_all();
+}
+
 std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& segment) {
     const FileStamp stamp = stamp_of(segment);
-    {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return !being_read_.contains(segment.file); });
-        if (auto known = find_locked(segment.file, stamp)) return known;
-        being_read_.emplace(segment.file, segment.stream);
-    }
-    const auto end_reading = [&](const std::shared_ptr<const LoadedClip>& clip) {
-        {
-            const std::lock_guard lock(mutex_);
-            being_read_.erase(segment.file);
-            std::erase_if(known_, [](const auto& one) { return one.expired(); });
-            if (clip) known_.push_back(clip);
-        }
-        changed_.notify_all();
-    };
+    if (auto known = begin_reading(segment, stamp)) return known;
     try {
+        const TraceSpan span("read a segment of frame", segment.first);
         const voctree::VOctree tree = voctree::read_segment(segment);
         auto clip = std::make_shared<const LoadedClip>(
             LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), voctree::painted_field(tree)});
-        end_reading(clip);
+        end_reading(segment, clip);
         return clip;
     } catch (...) {
-        end_reading(nullptr);
+        end_reading(segment, nullptr);
         throw;
     }
 }
@@ -126,6 +135,12 @@ std::vector<ClipFiles::Result> ClipFiles::take_results() {
     return std::exchange(results_, {});
 }
 
+// Whether there is one that nobody has taken yet.
+bool ClipFiles::has_result(const voctree::ClipSegment& segment) {
+    const std::lock_guard lock(mutex_);
+    return std::ranges::any_of(results_, [&](const Result& one) { return one.file == segment.file && one.clip; });
+}
+
 void ClipFiles::add_result(Result result) {
     const std::lock_guard lock(mutex_);
     results_.push_back(std::move(result));
@@ -149,9 +164,33 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
     }
 }
 
+// Returns false, and does nothing, where all of the frame comes in time, or is there.
+bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
+    const FileStamp stamp = stamp_of(segment);
+    const stream::Part last = segment.stream->part_in_time(segment.first);
+    if (last == stream::kShFine || begin_reading(segment, stamp)) return false;
+    if (has_result(segment)) {  // it was still wanted when another thread had just read it
+        end_reading(segment, nullptr);
+        return true;
+    }
+    try {
+        const TraceSpan span("read a part of frame", segment.first);
+        const voctree::VOctree tree = voctree::read_segment(segment, last);
+        auto clip = std::make_shared<const LoadedClip>(
+            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), {}});
+        add_result({segment.file, stamp, std::move(clip), "", true, {}});
+    } catch (...) {
+        end_reading(segment, nullptr);
+        throw;
+    }
+    end_reading(segment, nullptr);
+    return true;
+}
+
 void ClipFiles::read_one_ahead(const Wanted& wanted) {
     const FileStamp stamp = stamp_of(wanted.segment);
     try {
+        if (wanted.in_time && wanted.segment.stream && read_in_time(wanted.segment)) return;
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
         const std::shared_ptr<const LoadedClip> clip = read(wanted.segment);
         add_result({wanted.segment.file, stamp, clip, "", false, read_paints(wanted.segment, *clip, wanted.layers)});
@@ -182,6 +221,7 @@ std::deque<ClipFiles::Wanted>::iterator ClipFiles::next_locked(bool streams) {
 }
 
 void ClipFiles::run(bool streams) {
+    name_trace_thread(streams ? "reads streams" : "reads files");
     for (;;) {
         Wanted next;
         {

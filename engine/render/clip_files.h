@@ -60,6 +60,7 @@ class ClipFiles {
         voctree::ClipSegment segment;
         bool is_urgent = false;              // its coarse tree is read first, where the file has one
         std::vector<LayerFolders> layers{};  // of which the paint is read, too
+        bool in_time = false;                // of a frame of a stream: what comes in time is enough (stream::Ladder)
     };
     // Has these segments read on the threads, in this order. They replace those of earlier calls that are not being
     // read yet. Where the device has no memory for one, the thread leaves it out and pauses for a second.
@@ -71,7 +72,7 @@ class ClipFiles {
         FileStamp stamp;
         std::shared_ptr<const LoadedClip> clip;
         std::string problem;
-        bool is_coarse = false;  // this is its coarse tree; the whole one follows
+        bool is_coarse = false;  // this is its coarse tree; or of a frame of a stream, what came in time
         Paints paints{};         // for the lists of layers that were wanted; none of a coarse tree
         bool may_come = false;   // it could not be read because a server does not answer, or for want of memory
     };
@@ -82,8 +83,12 @@ class ClipFiles {
     std::shared_ptr<const SegmentPaint> read_paint(const voctree::ClipSegment& segment, const LoadedClip& clip,
                                                    const LayerFolders& of_clip);
     std::shared_ptr<const LoadedClip> find_locked(const std::filesystem::path& path, const FileStamp& stamp) const;
+    std::shared_ptr<const LoadedClip> begin_reading(const voctree::ClipSegment& segment, const FileStamp& stamp);
+    void end_reading(const voctree::ClipSegment& segment, const std::shared_ptr<const LoadedClip>& whole);
     void read_coarse(const voctree::ClipSegment& segment);
+    bool read_in_time(const voctree::ClipSegment& segment);
     void read_one_ahead(const Wanted& wanted);
+    bool has_result(const voctree::ClipSegment& segment);
     void add_result(Result result);
     void pause();
     // The next that is wanted and nobody reads.

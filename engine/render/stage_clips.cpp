@@ -184,6 +184,7 @@ void StageClips::take_results() {
                 if (is_same) take(id, result.clip, result.paints);
                 continue;
             }
+            if (segment.coarse) dropped_.push_back(std::move(segment.coarse));
             segment.coarse = result.clip;
             on_device_.insert(id);
         }
@@ -297,8 +298,8 @@ void StageClips::remember(const stage::EvaluatedStage& evaluated) {
 
 void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
     if (ids_.empty()) return;
-    if (const double step_s = evaluated.time_s - last_s_; step_s != 0 && std::abs(step_s) < kJump_s)
-        direction_ = step_s < 0 ? -1 : 1;
+    const double step_s = evaluated.time_s - last_s_;
+    if (step_s != 0 && std::abs(step_s) < kJump_s) direction_ = step_s < 0 ? -1 : 1;
     last_s_ = evaluated.time_s;
     take_results();
     show_late_frames(evaluated);
@@ -307,11 +308,17 @@ void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& 
     drop_all_but(kept);
     remember(evaluated);
     std::vector<ClipFiles::Wanted> wanted;
+    // While the clock runs, what is there of a frame of a stream is enough.
+    const auto is_wanted = [&](const Id& id) {
+        return is_missing(id) && !(step_s != 0 && at(id).coarse && voctree::is_stream(clips_[id.clip].index));
+    };
+    const auto add = [&](const Id& id, bool is_urgent) {
+        wanted.push_back({file_of(id), is_urgent, clips_[id.clip].layers, step_s != 0});
+    };
     for (const Id& id : needed)
-        if (is_missing(id)) wanted.push_back({file_of(id), !at(id).coarse, clips_[id.clip].layers});
+        if (is_wanted(id)) add(id, !at(id).coarse);
     for (const Id& id : ahead)
-        if (kept.contains(id) && is_missing(id) && !contains(needed, id))
-            wanted.push_back({file_of(id), false, clips_[id.clip].layers});
+        if (kept.contains(id) && is_wanted(id) && !contains(needed, id)) add(id, false);
     files_->read_ahead(std::move(wanted));
 }
 
