@@ -37,6 +37,8 @@ class ByteSource {
     virtual void read_ahead(std::vector<ByteRange> /*ranges*/) {}
     // How fast bytes come from a server; nothing where they are here, or none were fetched yet.
     virtual std::optional<double> bytes_per_s() const { return std::nullopt; }
+    // What was read is damaged: it is not to be read again from where copies of it are kept.
+    virtual void forget_copies() {}
     // At any time: what waits for a server ends with ServerProblem, now and later.
     virtual void cancel() {}
 

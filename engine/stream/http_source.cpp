@@ -90,7 +90,7 @@ struct HttpSource::Answer {
     }
 };
 
-HttpSource::HttpSource(std::string address) : address_(std::move(address)) {
+HttpSource::HttpSource(std::string address, CachePlace cache) : address_(std::move(address)) {
     begin_curl();
     curl_ = curl_easy_init();
     if (!curl_) throw std::bad_alloc();
@@ -115,6 +115,7 @@ HttpSource::HttpSource(std::string address) : address_(std::move(address)) {
         keep_locked(0, fetch({0, 1}));
         measure_locked(blocks_[0].size(),
                        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+        cache_.emplace(std::move(cache), address_, stamp_.bytes, blocks_[0]);
         thread_ = std::thread([this] { run(); });
     } catch (...) {
         curl_easy_cleanup(curl_);
@@ -186,6 +187,16 @@ std::vector<uint8_t> HttpSource::fetch(const Blocks& blocks) {
     return std::move(answer.bytes);
 }
 
+std::optional<std::vector<uint8_t>> HttpSource::read_copy(uint64_t block) const {
+    return cache_->read(block, std::min(kBlock, stamp_.bytes - block * kBlock));
+}
+
+void HttpSource::keep_copies(uint64_t first, const std::vector<uint8_t>& bytes) {
+    for (uint64_t begin = 0; begin < bytes.size(); begin += kBlock)
+        cache_->write(first + begin / kBlock,
+                      std::span(bytes).subspan(begin, std::min<uint64_t>(kBlock, bytes.size() - begin)));
+}
+
 // The first of these blocks that are not here, as many as follow each other; none where all are.
 HttpSource::Blocks HttpSource::missing_locked(const Blocks& in) const {
     Blocks missing{in.first, in.first};
@@ -228,11 +239,14 @@ void HttpSource::run() {
         if (stop_) return;
         lock.unlock();
         std::vector<uint8_t> bytes;
+        std::optional<std::vector<uint8_t>> copy;  // of the first block
         std::exception_ptr failure;
         const auto begin = std::chrono::steady_clock::now();
         try {
-            const TraceSpan span("fetch from the server, from block", static_cast<int64_t>(next.first));
-            bytes = fetch(next);
+            const TraceSpan span("fetch from block", static_cast<int64_t>(next.first));
+            copy = read_copy(next.first);
+            bytes = copy ? std::move(*copy) : fetch(next);
+            if (!copy) keep_copies(next.first, bytes);
         } catch (...) {
             failure = std::current_exception();
         }
@@ -243,11 +257,16 @@ void HttpSource::run() {
             if (is_needed || missing_locked(needed_).first == next.first) failure_ = failure;
         } else {
             keep_locked(next.first, bytes);
-            measure_locked(bytes.size(),
-                           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+            if (!copy)
+                measure_locked(bytes.size(),
+                               std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
         }
         changed_.notify_all();
     }
+}
+
+void HttpSource::forget_copies() {
+    cache_->forget();
 }
 
 void HttpSource::cancel() {

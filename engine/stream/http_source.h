@@ -9,17 +9,19 @@
 #include <string>
 #include <thread>
 
+#include "stream/block_cache.h"
 #include "stream/byte_source.h"
 
 namespace neuvv::stream {
 
 // A thread fetches blocks: those that somebody waits for, else those that are read next. They are kept in memory, up to
-// a limit. TLS certificates are verified; redirects are followed, but not from https to http. Where a server is busy or
-// the connection breaks, the request is repeated some times.
+// a limit, and on the disk (block_cache.h); only the first block always comes from the server. TLS certificates are
+// verified; redirects are followed, but not from https to http. Where a server is busy or the connection breaks, the
+// request is repeated some times.
 class HttpSource : public ByteSource {
   public:
     // Reads the first block, so as to learn the size. Throws InputError as read() does.
-    explicit HttpSource(std::string address);
+    explicit HttpSource(std::string address, CachePlace cache = usual_cache());
     ~HttpSource() override;
     HttpSource(const HttpSource&) = delete;
     HttpSource& operator=(const HttpSource&) = delete;
@@ -28,6 +30,7 @@ class HttpSource : public ByteSource {
     std::vector<uint8_t> read(uint64_t offset, uint64_t count) override;
     void read_ahead(std::vector<ByteRange> ranges) override;
     std::optional<double> bytes_per_s() const override;
+    void forget_copies() override;
     void cancel() override;
 
     static constexpr uint64_t kBlock = uint64_t{64} << 10;
@@ -42,6 +45,8 @@ class HttpSource : public ByteSource {
         uint64_t count() const { return end - first; }
     };
     std::vector<uint8_t> fetch(const Blocks& blocks);
+    std::optional<std::vector<uint8_t>> read_copy(uint64_t block) const;
+    void keep_copies(uint64_t first, const std::vector<uint8_t>& bytes);
     Answer request(uint64_t offset, uint64_t count);
     void require_range(const Answer& answer, uint64_t offset, uint64_t count);
     void run();
@@ -53,7 +58,8 @@ class HttpSource : public ByteSource {
     std::string address_;
     void* curl_ = nullptr;  // CURL: the constructor's, then the thread's
     std::atomic<bool> cancelled_ = false;
-    mutable std::mutex mutex_;  // guards all that follows
+    std::optional<BlockCache> cache_;  // since the first block is here
+    mutable std::mutex mutex_;         // guards all that follows
     std::condition_variable changed_;
     std::map<uint64_t, std::vector<uint8_t>> blocks_;
     std::vector<uint64_t> order_;             // of the blocks, the one that was used last at the end

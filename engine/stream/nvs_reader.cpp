@@ -43,6 +43,7 @@ bool is_stream(const std::filesystem::path& path) {
 
 void Reader::fail(const std::string& place, const std::string& problem) const {
     failed_ = true;
+    source_->forget_copies();
     throw InputError(path_.string(), place, problem, kPublishAgain);
 }
 

@@ -42,6 +42,18 @@ TEST_F(HttpTest, TheNextFramesAreFetchedMeanwhile) {
     EXPECT_THROW(stream::Reader again(address("ahead")), stream::ServerProblem);
 }
 
+TEST_F(HttpTest, WhatWasPlayedComesFromTheDisk) {
+    expect_plays("ok");
+    const std::string last = fmt::format("ok to {}\n", std::filesystem::file_size(file) - 1);
+    ASSERT_TRUE(server->until([&] { return read_text(log).find(last) != std::string::npos; })) << read_text(log);
+    const std::string asked = read_text(log);
+    stream::Reader again(address("ok"));  // asks for the first block, to see whether it is the same stream
+    const std::string first_block = fmt::format("ok to {}\n", stream::HttpSource::kBlock - 1);
+    ASSERT_TRUE(server->until([&] { return read_text(log) == asked + first_block; })) << read_text(log);
+    server.reset();
+    for (const uint32_t frame : {0u, 1u, 2u}) EXPECT_EQ(again.frame(frame)->planes, decoded[frame].planes);
+}
+
 TEST_F(HttpTest, WhatMayPassIsToldFromWhatDoesNot) {
     EXPECT_THROW(stream::Reader reader(address("busy-always")), stream::ServerProblem);
     EXPECT_THROW(stream::Reader reader("http://127.0.0.1:1/show.nvs"), stream::ServerProblem);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -25,6 +26,8 @@ struct ServedStream {
     std::unique_ptr<ChildProcess> server;
     int port = 0;
 
+    // What comes from the server is kept here.
+    ServedStream() { setenv("XDG_CACHE_HOME", (folder.path / "cache").c_str(), 1); }
     // Groups of one frame, each of about a block.
     void write(uint32_t frames) {
         stream::Steps steps;

@@ -1,0 +1,132 @@
+#include "stream/block_cache.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+
+#include "base/platform.h"
+#include "stream/bytes.h"
+
+namespace neuvv::stream {
+
+namespace {
+
+constexpr uint64_t kUsualLimit = uint64_t{1} << 30;
+constexpr uint64_t kCheckBytes = 4;                      // before the bytes of a block: their CRC-32
+constexpr uint64_t kMostUncounted = uint64_t{16} << 20;  // after so many bytes, those of all streams are counted
+constexpr double kTrimTo = 0.9;                          // of the limit, so that not every block needs room made
+
+uint32_t crc_of(std::span<const uint8_t> bytes) {
+    return static_cast<uint32_t>(crc32(0, bytes.data(), static_cast<uInt>(bytes.size())));
+}
+
+struct KeptFile {
+    std::filesystem::file_time_type used;
+    uint64_t bytes;
+    std::filesystem::path path;
+};
+
+// All blocks of all streams. What another program removes meanwhile is left out.
+std::vector<KeptFile> kept_files(const std::filesystem::path& folder) {
+    std::vector<KeptFile> files;
+    std::error_code error;
+    for (std::filesystem::recursive_directory_iterator at(folder, error), end; !error && at != end;
+         at.increment(error)) {
+        std::error_code gone;
+        if (!at->is_regular_file(gone)) continue;
+        const auto used = at->last_write_time(gone);
+        const uint64_t bytes = gone ? 0 : at->file_size(gone);
+        if (!gone) files.push_back({used, bytes, at->path()});
+    }
+    return files;
+}
+
+}  // namespace
+
+CachePlace usual_cache() {
+    uint64_t limit = kUsualLimit;
+    if (const char* mebibytes = std::getenv("NEUVV_STREAM_CACHE"))
+        limit = std::min<uint64_t>(std::strtoull(mebibytes, nullptr, 10), uint64_t{1} << 24) << 20;
+    const std::filesystem::path folder = limit > 0 ? cache_folder() : "";
+    return {folder.empty() ? folder : folder / "streams", limit};
+}
+
+BlockCache::BlockCache(CachePlace place, const std::string& address, uint64_t size, std::span<const uint8_t> beginning)
+    : place_(std::move(place)) {
+    if (place_.folder.empty() || place_.limit_bytes == 0) return;
+    const std::span letters(reinterpret_cast<const uint8_t*>(address.data()), address.size());
+    folder_ = place_.folder / fmt::format("{:08x}{:08x}-{}", crc_of(letters), crc_of(beginning), size);
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (error) folder_.clear();
+}
+
+std::filesystem::path BlockCache::file_of(uint64_t block) const {
+    return folder_ / std::to_string(block);
+}
+
+std::optional<std::vector<uint8_t>> BlockCache::read(uint64_t block, uint64_t bytes) const {
+    if (folder_.empty()) return std::nullopt;
+    std::vector<uint8_t> all(kCheckBytes + bytes);
+    std::ifstream file(file_of(block), std::ios::binary);
+    file.read(reinterpret_cast<char*>(all.data()), static_cast<std::streamsize>(all.size()));
+    if (!file || file.peek() != std::ifstream::traits_type::eof()) return std::nullopt;
+    ByteReader reader(all);
+    const uint64_t check = reader.number(kCheckBytes);
+    std::vector<uint8_t> result(all.begin() + kCheckBytes, all.end());
+    if (check != crc_of(result)) return std::nullopt;
+    std::error_code ignored;
+    std::filesystem::last_write_time(file_of(block), std::filesystem::file_time_type::clock::now(), ignored);
+    return result;
+}
+
+// It is not synced to the disk: whoever reads half a block after a power cut finds a wrong check.
+void BlockCache::write(uint64_t block, std::span<const uint8_t> bytes) {
+    if (folder_.empty() || bytes.size() > place_.limit_bytes) return;
+    const std::filesystem::path temporary = folder_ / fmt::format("{}.tmp{}", block, getpid());
+    std::vector<uint8_t> check;
+    append_number(check, crc_of(bytes), kCheckBytes);
+    std::error_code error;
+    {
+        std::ofstream file(temporary, std::ios::binary);
+        file.write(reinterpret_cast<const char*>(check.data()), kCheckBytes);
+        file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        file.close();
+        if (file) std::filesystem::rename(temporary, file_of(block), error);
+        if (!file || error) std::filesystem::remove(temporary, error);
+    }
+    const std::lock_guard lock(mutex_);
+    if (written_) *written_ += bytes.size();
+    if (written_ && *written_ < std::min(kMostUncounted, place_.limit_bytes / 16)) return;
+    trim();
+    written_ = 0;
+}
+
+void BlockCache::trim() const {
+    std::vector<KeptFile> files = kept_files(place_.folder);
+    uint64_t bytes = 0;
+    for (const KeptFile& file : files) bytes += file.bytes;
+    if (bytes <= place_.limit_bytes) return;
+    std::ranges::sort(files, {}, &KeptFile::used);
+    const auto goal = static_cast<uint64_t>(kTrimTo * static_cast<double>(place_.limit_bytes));
+    for (const KeptFile& file : files) {
+        if (bytes <= goal) return;
+        std::error_code ignored;
+        std::filesystem::remove(file.path, ignored);
+        bytes -= file.bytes;
+        if (file.path.parent_path() != folder_) std::filesystem::remove(file.path.parent_path(), ignored);  // if empty
+    }
+}
+
+void BlockCache::forget() {
+    std::error_code ignored;
+    if (folder_.empty()) return;
+    std::filesystem::remove_all(folder_, ignored);
+    std::filesystem::create_directories(folder_, ignored);
+}
+
+}  // namespace neuvv::stream
