@@ -16,8 +16,6 @@ namespace neuvv::voctree {
 namespace {
 
 constexpr size_t kLeavesOfPart = 4096;
-// Y_00, the same in all directions.
-constexpr float kMeanHarmonic = 0.28209479f;
 // Colours and opacities that are coded as 0 or 1 are a little more or less.
 constexpr float kMargin = 0.5f / stream::kUnit;
 constexpr float kLeastSlope = 0.02f;
@@ -57,13 +55,10 @@ uint32_t degree_of(uint32_t harmonic) {
     return harmonic == 0 ? 0 : harmonic < 4 ? 1 : harmonic < 9 ? 2 : 3;
 }
 
-// The colours of a leaf: k_lm of each channel.
-using Colours = std::array<std::array<float, kMaxShCount>, 3>;
-
-Colours colours_of(const VOctree& tree, const float* leaf, const float* row_b) {
+LeafColours colours_of(const VOctree& tree, const float* leaf, const float* row_b) {
     const float angle = dot(row_b, leaf + tree.bases, tree.bases);
     const Radial radial = radial_functions(std::numbers::pi * double{sigmoid(angle)});
-    Colours k{};
+    LeafColours k{};
     const float* weights = leaf + 2 * tree.bases;
     for (auto& channel : k)
         for (uint32_t n = 0; n <= tree.hh_degree; n++)
@@ -72,7 +67,7 @@ Colours colours_of(const VOctree& tree, const float* leaf, const float* row_b) {
     return k;
 }
 
-void write_colours(const Colours& k, size_t leaf, stream::Slice& slice) {
+void write_colours(const LeafColours& k, size_t leaf, stream::Slice& slice) {
     std::array<float, 3> srgb;
     for (size_t c = 0; c < 3; c++) srgb[c] = srgb_of(sigmoid(k[c][0] * kMeanHarmonic));
     for (uint32_t i = 0; i < sh_count(slice.degree); i++) {
@@ -106,8 +101,8 @@ const Channel& channel_of(float units) {
     return kChannels[static_cast<size_t>(std::clamp(2 * units, 0.0f, 2.0f * stream::kUnit))];
 }
 
-Colours read_colours(const stream::Slice& slice, size_t leaf) {
-    Colours k{};
+LeafColours read_colours(const stream::Slice& slice, size_t leaf) {
+    LeafColours k{};
     std::array<const Channel*, 3> channels{};
     for (uint32_t i = 0; i < sh_count(slice.degree); i++) {
         const auto value = [&](uint32_t plane) { return static_cast<float>(slice.planes[plane + 3 * i][leaf]); };
@@ -134,14 +129,18 @@ float optical_depth_of(int16_t opacity) {
 
 }  // namespace
 
-stream::Slice slice_of(const VOctree& tree, uint32_t frame) {
+stream::Slice slice_of(const VOctree& tree, uint32_t frame, std::span<const PaintStep> paint) {
+    for ([[maybe_unused]] const PaintStep& step : paint) assert(step.layer->field.leaf_count == tree.leaf_count);
+    const FrameEdits edits(paint, static_cast<float>(frame));
     const float* row_a = &tree.sigma_basis[size_t{frame} * tree.bases];
     const float* row_b = &tree.gamma_basis[size_t{frame} * tree.bases];
     const std::vector<LeafPosition> positions = leaf_positions(tree);
     std::vector<float> opacity(tree.leaf_count);
     parallel_for(opacity.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
-            const float sigma = dot(row_a, tree.leaf(static_cast<uint32_t>(i)), tree.bases);
+            const auto leaf = static_cast<uint32_t>(i);
+            const float unpainted = std::max(dot(row_a, tree.leaf(leaf), tree.bases), 0.0f);
+            const float sigma = edits.painted_density(leaf, unpainted);
             opacity[i] = sigma > 0 ? 1 - std::exp(-sigma * leaf_edge_m(tree, positions[i].depth)) : 0;
         }
     });
@@ -158,7 +157,9 @@ stream::Slice slice_of(const VOctree& tree, uint32_t frame) {
             const auto [cell, leaf] = live[i];
             slice.leaves[i] = {cell, positions[leaf].depth};
             slice.planes[stream::kOpacityPlane][i] = units(opacity[leaf]);
-            write_colours(colours_of(tree, tree.leaf(leaf), row_b), i, slice);
+            LeafColours colours = colours_of(tree, tree.leaf(leaf), row_b);
+            edits.paint_colours(leaf, tree.hh_degree, colours);
+            write_colours(colours, i, slice);
         }
     });
     return slice;
@@ -183,7 +184,7 @@ VOctree tree_of(const stream::Slice& slice, glm::vec3 box_min, glm::vec3 box_siz
         for (size_t i = begin; i < end; i++) {
             float* weights = tree.leaf(static_cast<uint32_t>(i));
             weights[0] = optical_depth_of(slice.planes[stream::kOpacityPlane][i]) / edges[slice.leaves[i].depth];
-            const Colours k = read_colours(slice, i);
+            const LeafColours k = read_colours(slice, i);
             for (uint32_t c = 0; c < 3; c++)
                 write_sh(weights + 2 + c * hh_count(slice.degree), slice.degree, k[c].data());
         }

@@ -1,0 +1,47 @@
+// Paint over a slice on the host (errata 14): what shaders/paint_density.comp and paint_colour.comp do on the device.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "shared/hh_counts.h"
+#include "shared/paint.h"
+#include "voctree/paint.h"
+
+namespace neuvv::voctree {
+
+constexpr float kMeanHarmonic = 0.28209479f;  // Y_00, the same in all directions
+
+// A visible layer, and how it is blended with those below it.
+struct PaintStep {
+    const EditLayer* layer = nullptr;
+    uint32_t blend = kPaintNormal;  // kPaintNormal to kPaintRecolour
+    float opacity = 1;
+};
+
+// The colours of a leaf: k_lm of each channel.
+using LeafColours = std::array<std::array<float, kMaxShCount>, 3>;
+
+// The edits of layers that apply at one frame, found by leaf.
+class FrameEdits {
+  public:
+    // `steps`: the lowest layer first; the layers must outlive it.
+    FrameEdits(std::span<const PaintStep> steps, float frame);
+
+    // The density of a leaf, 1/m, after those edits that change it.
+    float painted_density(uint32_t leaf, float sigma) const;
+    void paint_colours(uint32_t leaf, uint32_t degree, LeafColours& k) const;
+
+  private:
+    struct Applied {
+        uint32_t leaf;
+        uint32_t blend;
+        float opacity;
+        const LeafEdit* edit;
+    };
+    std::span<const Applied> of_leaf(uint32_t leaf) const;
+    std::vector<Applied> applied_;  // in order of leaf, those of a leaf from the lowest layer to the highest
+};
+
+}  // namespace neuvv::voctree
