@@ -11,6 +11,7 @@
 #include "edit/operations.h"
 #include "editor/open_file.h"
 #include "render/trace.h"
+#include "tools/stage_verbs.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 #include "voctree/clip.h"
@@ -30,21 +31,6 @@ bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b
     return whole(a) == whole(b);
 }
 
-// Index into stage.performers of the performer of the named node; without a name, of the only performer.
-uint32_t find_performer(const stage::Stage& stage, const std::string& node) {
-    const std::vector<stage::StagePerformer>& all = stage.performers;
-    if (node.empty() && all.size() == 1) return 0;
-    std::string names;
-    for (const stage::StagePerformer& performer : all)
-        names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", performer.node, performer.name);
-    const std::string fix = all.empty() ? "add one with `neuvv stage add`" : "choose from " + names;
-    if (node.empty()) throw InputError("--node", "", fmt::format("the stage has {} performers", all.size()), fix);
-    const uint32_t index = edit::find_node(stage.file, node);
-    for (uint32_t i = 0; i < all.size(); i++)
-        if (all[i].node == index) return i;
-    throw InputError("--node", node, "is no performer of the stage", fix);
-}
-
 // Whether an entry of a performer's list is the painted layer.
 bool is_painted(const stage::Stage& stage, const stage::PaintLayer& entry, const std::string& layer) {
     return is_same_file(stage::file_of_uri(stage.file, entry.uri, "paint"), layer);
@@ -53,7 +39,7 @@ bool is_painted(const stage::Stage& stage, const stage::PaintLayer& entry, const
 StagedPerformer find_on_stage(const PaintOptions& options, PaintedScene::Use use) {
     StagedPerformer staged;
     staged.stage = stage::load_stage(options.scene);
-    staged.index = find_performer(staged.stage, options.node);
+    staged.index = find_performer(staged.stage, "--node", options.node);
     const std::vector<stage::PaintLayer>& list = staged.performer().settings.paint;
     while (staged.layer < list.size() && !is_painted(staged.stage, list[staged.layer], options.layer)) staged.layer++;
     if (staged.layer == list.size() && use == PaintedScene::Use::kPaint) {

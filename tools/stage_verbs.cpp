@@ -64,6 +64,20 @@ void edit_stage(const StageTarget& target, const std::function<std::string(stage
     fmt::print("{}: {}\n", output, change);
 }
 
+uint32_t find_performer(const stage::Stage& stage, const std::string& option, const std::string& node) {
+    const std::vector<stage::StagePerformer>& all = stage.performers;
+    if (node.empty() && all.size() == 1) return 0;
+    std::string names;
+    for (const stage::StagePerformer& performer : all)
+        names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", performer.node, performer.name);
+    const std::string fix = all.empty() ? "add one with `neuvv stage add`" : "choose from " + names;
+    if (node.empty()) throw InputError(option, "", fmt::format("the stage has {} performers", all.size()), fix);
+    const uint32_t index = edit::find_node(stage.file, node);
+    for (uint32_t i = 0; i < all.size(); i++)
+        if (all[i].node == index) return i;
+    throw InputError(option, node, "is no performer of the stage", fix);
+}
+
 void append_change(std::string& changes, const std::string& change) {
     changes += (changes.empty() ? "" : "; ") + change;
 }

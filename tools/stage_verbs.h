@@ -9,6 +9,7 @@
 
 #include "edit/operations.h"
 #include "render/slice_cache.h"
+#include "stage/stage.h"
 #include "tools/commands.h"
 
 namespace neuvv::tools {
@@ -39,6 +40,10 @@ std::pair<Command, Options&> add_edit_verb(Command stage, const std::string& nam
     });
     return {verb, *options};
 }
+
+// Index into stage.performers of the performer whose node the user named, by name or index; without a name, of the only
+// performer. Throws InputError naming the option, and the performers from which to choose.
+uint32_t find_performer(const stage::Stage& stage, const std::string& option, const std::string& node);
 
 // Appends what an operation did to what others did before it.
 void append_change(std::string& changes, const std::string& change);
