@@ -20,7 +20,7 @@ void ComparedViews::round_frames() {
     for (ViewStep& view : views_) view.frame = std::floor(view.frame);
 }
 
-std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree,
+std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
                                                 const std::vector<ViewStep>& views) const {
     const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
@@ -29,6 +29,10 @@ std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree,
     settings.height = size_.height;
     settings.samples = kDefaultSamples;
     settings.resolve.background = {1, 1, 1, 1};
+    std::vector<render::PaintUse> uses;
+    for (const voctree::PaintStep& step : paint)
+        uses.push_back({step.layer, static_cast<stage::PaintBlend>(step.blend), step.opacity});
+    if (!uses.empty()) settings.instances[0].paint = renderer.paints().add(uses);
     std::vector<media::Image> images;
     for (const ViewStep& view : views) {
         settings.instances[0].frame = static_cast<float>(view.frame);
@@ -37,14 +41,15 @@ std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree,
     return images;
 }
 
-std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree) const {
-    return render(tree, views_);
+std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree,
+                                                std::span<const voctree::PaintStep> paint) const {
+    return render(tree, paint, views_);
 }
 
 media::Image ComparedViews::render_still(const voctree::VOctree& tree, size_t i) const {
     ViewStep view = views_[i];
     view.frame = 0;
-    return render(tree, {view})[0];
+    return render(tree, {}, {view})[0];
 }
 
 double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {

@@ -1,11 +1,13 @@
 // Views of a clip by which a smaller copy of it is compared with it: an orbit around its leaves while it plays.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "gpu/device.h"
 #include "media/image.h"
 #include "tools/view_path.h"
+#include "voctree/slice_paint.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::tools {
@@ -15,8 +17,9 @@ class ComparedViews {
     // `count` views in the middles of equal parts of the orbit around the tree. The device must outlive it.
     ComparedViews(const gpu::Device& device, const voctree::VOctree& tree, media::ImageSize size, uint32_t count);
 
-    // Images on white of a clip, each at the frame that its view has.
-    std::vector<media::Image> render(const voctree::VOctree& tree) const;
+    // Images on white of a clip under layers of paint, the lowest first, each at the frame that its view has.
+    std::vector<media::Image> render(const voctree::VOctree& tree,
+                                     std::span<const voctree::PaintStep> paint = {}) const;
     // One image of a tree of one frame, as view `i` sees it.
     media::Image render_still(const voctree::VOctree& tree, size_t i) const;
     double frame_of(size_t i) const { return views_[i].frame; }
@@ -25,7 +28,8 @@ class ComparedViews {
     size_t count() const { return views_.size(); }
 
   private:
-    std::vector<media::Image> render(const voctree::VOctree& tree, const std::vector<ViewStep>& views) const;
+    std::vector<media::Image> render(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
+                                     const std::vector<ViewStep>& views) const;
     const gpu::Device& device_;
     media::ImageSize size_;
     std::vector<ViewStep> views_;

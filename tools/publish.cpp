@@ -1,4 +1,5 @@
-// neuvv publish: writes a clip as a stream, small enough for a rate or good enough for a quality.
+// neuvv publish: writes a clip, or a performer of a stage with its paint, as a stream: small enough for a rate, or good
+// enough for a quality.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -16,6 +18,7 @@
 #include "stream/nvs_writer.h"
 #include "tools/commands.h"
 #include "tools/compared_views.h"
+#include "tools/published_scene.h"
 #include "tools/report.h"
 #include "voctree/clip.h"
 #include "voctree/slice.h"
@@ -25,7 +28,7 @@ namespace neuvv::tools {
 namespace {
 
 struct PublishOptions {
-    std::string scene, output, size = "480x270";
+    std::string scene, performer, output, size = "480x270";
     double quality = 47, group_s = 0.5;
     std::optional<double> rate_mbps;
     uint32_t views = 6;
@@ -79,10 +82,9 @@ struct Published {
 
 class Publisher {
   public:
-    Publisher(const PublishOptions& options, const CommonOptions& common)
-        : options_(options), index_(voctree::read_clip_index(options.scene)), progress_("publish", index_.frames()) {
-        voctree::expect_no_stream(options.scene);
-        group_frames_ = std::clamp(static_cast<uint32_t>(std::lround(options.group_s * double{index_.fps})), 1u,
+    Publisher(const PublishOptions& options, const PublishedScene& scene, const CommonOptions& common)
+        : options_(options), scene_(scene), progress_("publish", scene.index.frames()) {
+        group_frames_ = std::clamp(static_cast<uint32_t>(std::lround(options.group_s * double{scene.index.fps})), 1u,
                                    stream::kMaxGroupFrames);
         if (!options.rate_mbps) device_.emplace(common.device);
     }
@@ -90,13 +92,14 @@ class Publisher {
 
   private:
     void publish_segment(const voctree::ClipSegment& segment, stream::Writer& writer);
-    int strength_for_quality(const voctree::VOctree& tree, const std::filesystem::path& file);
+    int strength_for_quality(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
+                             const std::filesystem::path& file);
     int strength_for_rate(const std::vector<stream::Slice>& slices) const;
     void expect_to_go_on() const {
         if (stop_requested()) throw RuntimeFailure(fmt::format("{}: stopped before the end", options_.output));
     }
     const PublishOptions& options_;
-    voctree::ClipIndex index_;
+    const PublishedScene& scene_;
     Progress progress_;
     uint32_t group_frames_ = 1;
     std::optional<gpu::Device> device_;
@@ -104,14 +107,15 @@ class Publisher {
 };
 
 // Only frames that a view shows are encoded, each as a key frame.
-int Publisher::strength_for_quality(const voctree::VOctree& tree, const std::filesystem::path& file) {
+int Publisher::strength_for_quality(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
+                                    const std::filesystem::path& file) {
     if (tree.leaf_count == 0) return kUsualSteps;
     ComparedViews views(*device_, tree, parse_size(options_.size), options_.views);
     views.round_frames();
-    const std::vector<media::Image> truth = views.render(tree);
+    const std::vector<media::Image> truth = views.render(tree, paint);
     std::vector<stream::Slice> slices;
     for (size_t i = 0; i < views.count(); i++)
-        slices.push_back(voctree::slice_of(tree, static_cast<uint32_t>(views.frame_of(i))));
+        slices.push_back(voctree::slice_of(tree, static_cast<uint32_t>(views.frame_of(i)), paint));
     double last = 0, kept = 0;
     const auto strength = largest_strength([&](int one) {
         expect_to_go_on();
@@ -136,7 +140,7 @@ int Publisher::strength_for_quality(const voctree::VOctree& tree, const std::fil
 
 // The finest whose bytes fit into the rate, or else the coarsest.
 int Publisher::strength_for_rate(const std::vector<stream::Slice>& slices) const {
-    const double seconds = static_cast<double>(slices.size()) / double{index_.fps};
+    const double seconds = static_cast<double>(slices.size()) / double{scene_.index.fps};
     const auto too_large = largest_strength([&](int strength) {
         expect_to_go_on();
         const uint64_t bytes =
@@ -148,12 +152,13 @@ int Publisher::strength_for_rate(const std::vector<stream::Slice>& slices) const
 
 void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Writer& writer) {
     const voctree::VOctree tree = voctree::read_segment(segment);
-    int strength = options_.rate_mbps ? 0 : strength_for_quality(tree, segment.file);
+    const SegmentLayers paint = read_segment_layers(scene_, segment, tree);
+    int strength = options_.rate_mbps ? 0 : strength_for_quality(tree, paint.steps, segment.file);
     for (uint32_t first = 0; first < segment.frames; first += group_frames_) {
         std::vector<stream::Slice> slices;
         for (uint32_t i = first; i < std::min(first + group_frames_, segment.frames); i++) {
             expect_to_go_on();
-            slices.push_back(voctree::slice_of(tree, i));
+            slices.push_back(voctree::slice_of(tree, i, paint.steps));
         }
         if (options_.rate_mbps) strength = strength_for_rate(slices);
         stream::Group group;
@@ -168,8 +173,9 @@ void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Wri
             throw InputError(segment.file.string(), fmt::format("frame {}", first), "has too many leaves for a stream",
                              "train it with a smaller --resolution");
         const uint64_t bytes = writer.add(group, encode_group(slices, strength));
-        published_.most_mbps = std::max(published_.most_mbps, 8e-6 * static_cast<double>(bytes) * double{index_.fps} /
-                                                                  static_cast<double>(slices.size()));
+        published_.most_mbps =
+            std::max(published_.most_mbps,
+                     8e-6 * static_cast<double>(bytes) * double{scene_.index.fps} / static_cast<double>(slices.size()));
         progress_.update(segment.first + first + slices.size());
     }
 }
@@ -177,10 +183,10 @@ void Publisher::publish_segment(const voctree::ClipSegment& segment, stream::Wri
 Published Publisher::publish() {
     catch_stop_signals();
     uint32_t groups = 0;
-    for (const voctree::ClipSegment& segment : index_.segments)
+    for (const voctree::ClipSegment& segment : scene_.index.segments)
         groups += (segment.frames + group_frames_ - 1) / group_frames_;
-    stream::Writer writer(options_.output, index_.fps, index_.frames(), groups);
-    for (const voctree::ClipSegment& segment : index_.segments) publish_segment(segment, writer);
+    stream::Writer writer(options_.output, scene_.index.fps, scene_.index.frames(), groups);
+    for (const voctree::ClipSegment& segment : scene_.index.segments) publish_segment(segment, writer);
     published_.bytes = writer.finish();
     progress_.finish();
     return published_;
@@ -188,7 +194,7 @@ Published Publisher::publish() {
 
 // The clip's sound goes along, as it is.
 void copy_sound(const std::filesystem::path& clip, const std::filesystem::path& output) {
-    const auto sound = voctree::sound_beside(voctree::clip_path(clip));
+    const auto sound = voctree::sound_beside(clip);
     const std::filesystem::path to = voctree::sound_file(output);
     std::error_code error;
     if (!sound || std::filesystem::equivalent(*sound, to, error)) return;
@@ -200,8 +206,9 @@ void run(const PublishOptions& options, const CommonOptions& common) {
     if (std::filesystem::path(options.output).extension() != ".nvs")
         throw InputError("--output", options.output, "does not end with .nvs", "name it so");
     prepare_output_file("--output", options.output);
-    const Published published = Publisher(options, common).publish();
-    copy_sound(options.scene, options.output);
+    const PublishedScene scene = read_published_scene(options.scene, options.performer);
+    const Published published = Publisher(options, scene, common).publish();
+    copy_sound(scene.clip, options.output);
     const stream::Index index = stream::Reader(options.output).index();
     const auto frames = static_cast<double>(index.frames.size());
     const double bytes_per_frame = static_cast<double>(published.bytes) / frames;
@@ -210,13 +217,16 @@ void run(const PublishOptions& options, const CommonOptions& common) {
         nlohmann::ordered_json json = {
             {"input", options.scene},        {"output", options.output},           {"bytes", published.bytes},
             {"frames", index.frames.size()}, {"bytes_per_frame", bytes_per_frame}, {"mbps", mbps}};
+        if (!scene.layers.empty()) json["paint_layers"] = scene.layers.size();
         if (!options.rate_mbps) json["psnr_db"] = published.psnr;
         fmt::print("{}", json_text(json));
         return;
     }
     const std::string quality = options.rate_mbps ? "" : fmt::format("; the worst image has {:.1f} dB", published.psnr);
-    fmt::print("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}\n", options.output, size_text(published.bytes),
-               index.frames.size(), bytes_per_frame / 1000, mbps, quality);
+    const std::string paint =
+        scene.layers.empty() ? "" : fmt::format("; visible layers of paint: {}", scene.layers.size());
+    fmt::print("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", options.output, size_text(published.bytes),
+               index.frames.size(), bytes_per_frame / 1000, mbps, quality, paint);
     if (options.rate_mbps && published.most_mbps > *options.rate_mbps)
         fmt::print(stderr, "{}: up to {:.1f} Mbit/s, not {}, though rounded as coarsely as is possible\n",
                    options.output, published.most_mbps, *options.rate_mbps);
@@ -227,12 +237,16 @@ void run(const PublishOptions& options, const CommonOptions& common) {
 void add_publish(Command app, CommonOptions& common) {
     Command verb = app.add_verb("publish", "Write a clip as a stream: a quarter of the bytes or less, to be played");
     const auto options = std::make_shared<PublishOptions>();
-    verb.add_option("scene", options->scene, "The .nvv, in segments or not, or the .npz of a PlenOctree").required();
+    verb.add_option("scene", options->scene,
+                    "The .nvv, in segments or not, the .npz of a PlenOctree, or a stage, .gltf or .glb")
+        .required();
+    verb.add_option("--performer", options->performer,
+                    "Of a stage: which, by its name or index; may be left out where there is one");
     verb.add_option("-o,--output", options->output, "The .nvs to write").required();
     Option rate = verb.add_option("--rate", options->rate_mbps, "Mbit/s, which every group of frames keeps to")
                       .number_between(0.01, 1e5);
     verb.add_option("--quality", options->quality,
-                    "In place of it, PSNR in dB that images keep at least, against the clip's own")
+                    "In place of it, PSNR in dB that images keep at least, against the clip's own, painted")
         .number_between(10, 60)
         .excludes(rate)
         .show_default();
@@ -243,16 +257,24 @@ void add_publish(Command app, CommonOptions& common) {
         .in_range(1, 100)
         .show_default();
     verb.add_option("--size", options->size, "WIDTHxHEIGHT of them").show_default();
-    verb.add_flag("--json", options->json, "Print JSON: bytes, frames, bytes_per_frame, mbps, psnr_db");
+    verb.add_flag("--json", options->json, "Print JSON: bytes, frames, bytes_per_frame, mbps, psnr_db, paint_layers");
     verb.footer(
         {"A stream has every frame as it is shown. It is played as the clip is, but it cannot be trained on or "
          "painted,\nand between two frames it shows the nearer one. Segments that overlap do not fade into each other "
-         "there.\n--quality is measured on frames by themselves; that frames repeat what stays is not.\n",
+         "there.\n--quality is measured on frames by themselves; that frames repeat what stays is not.\n"
+         "Of a stage, a performer's clip is written with the visible layers of its paint in it. Nothing else of the "
+         "stage\ngoes along: neither transform, time map, lights nor opacity, nor the performer's own sound; the "
+         "clip's "
+         "sound does.\n",
          kDeviceHelp, kExamplesHead,
          "  neuvv publish build/performer.nvv -o build/performer.nvs\n"
          "  neuvv publish build/performer.nvv -o build/phone.nvs --rate 10\n"
          "  neuvv render build/performer.nvs -o build/turn.mp4\n"
-         "  neuvv info https://example.com/performer.nvs"});
+         "  neuvv info https://example.com/performer.nvs\n"
+         "  neuvv stage new build/show.gltf\n"
+         "  neuvv stage add build/show.gltf build/performer.nvv --name anna\n"
+         "  neuvv paint region build/show.gltf build/anna.nvpaint --node anna --box -1,0,-1,1,0.9,1 --hue 120\n"
+         "  neuvv publish build/show.gltf --performer anna -o build/anna.nvs"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

@@ -81,6 +81,97 @@ TEST_F(CliPublish, SegmentsBecomeOneStream) {
     EXPECT_GT(training::compare(on_stage(scene, "1.5"), on_stage(stream, "1.5")).psnr, 38);
 }
 
+// A painted performer against streams of it: one of the stage, and one of its clip alone.
+struct CliPublishPainted : CliPublish {
+    std::string show = file("painted.gltf"), layer = file("look.nvpaint");
+
+    void edit(const std::vector<std::string>& arguments) {
+        const ProgramResult run = run_neuvv(arguments);
+        EXPECT_EQ(run.code, 0) << run.err;
+    }
+    void add_painted(const std::string& clip, const char* name = "anna") {
+        edit({"stage", "add", show, clip, "--name", name});
+        edit({"paint", "region", show, layer, "--node", name, "--colour", "#ff2000", "--box", "-9,-9,-9,9,9,9",
+              "--alpha", "0.8", "--frames", "0:2"});
+        edit({"paint", "erase", show, layer, "--node", name, "--box", "-9,-9,-9,0.2,9,9", "--frames", "1:3"});
+    }
+    media::Image rendered(const std::string& stage, const char* time) {
+        edit({"render", stage, "-o", file("x.png"), "--size", "64x48", "--time", time});
+        return media::read_png(file("x.png"));
+    }
+    // At three frames with different paint.
+    void expect_painted_stream(const std::string& clip) {
+        const std::string bare = file("bare.gltf");
+        test::write_stage(bare, clip, "anna");
+        for (const char* time : {"0", "0.5", "1.5"}) {
+            const media::Image truth = rendered(show, time);
+            EXPECT_LT(training::compare(truth, rendered(bare, time)).psnr, 30) << "paint is seen at " << time;
+            EXPECT_GT(training::compare(truth, on_stage(stream, time)).psnr, 40) << time;
+        }
+    }
+};
+
+TEST_F(CliPublishPainted, AStreamOfAStageHasThePaint) {
+    edit({"stage", "new", show});
+    add_painted(scene);
+    edit({"stage", "paint", show, "anna", "--layer", "0", "--blend", "tint"});
+    edit({"paint", "region", show, file("over.nvpaint"), "--colour", "#2040ff", "--box", "-9,0.5,-9,9,9,9"});
+    edit({"stage", "paint", show, "anna", "--layer", "1", "--opacity", "0.7"});
+    const nlohmann::json both = publish(show, {"--quality", "50"});
+    EXPECT_GE(both.at("psnr_db"), 50) << "against the painted clip";
+    EXPECT_EQ(both.at("paint_layers"), 2);
+    EXPECT_EQ(both.at("frames"), 4);
+    expect_painted_stream(scene);
+
+    edit({"stage", "paint", show, "anna", "--layer", "1", "--visible", "off"});
+    EXPECT_LT(training::compare(rendered(show, "0"), on_stage(stream, "0")).psnr, 35) << "the stream keeps the layer";
+    EXPECT_EQ(publish(show, {"--rate", "1000"}).at("paint_layers"), 1);
+    expect_painted_stream(scene);
+}
+
+TEST_F(CliPublishPainted, SegmentsHaveThePaintOfTheirFiles) {
+    const std::string parts = file("parts.nvv");
+    write_segmented_copy(tree, {1, 3}, parts, 1);
+    write_text(file("parts.m4a"), "sound");
+    edit({"stage", "new", show});
+    add_painted(parts);
+    publish(show, {"--quality", "50"});
+    EXPECT_EQ(read_text(file("show.m4a")), "sound") << "that of the clip";
+    std::filesystem::remove(file("show.m4a"));
+    expect_painted_stream(parts);
+    write_text(layer + "/000000.nvpaint", "no paint");
+    expect_refused({"publish", show, "-o", file("y.nvs"), "--rate", "9"}, 2, {"000000.nvpaint"});
+    EXPECT_FALSE(std::filesystem::exists(file("y.nvs")));
+    std::filesystem::remove_all(layer);
+    expect_refused({"publish", show, "-o", file("y.nvs"), "--rate", "9"}, 2, {"look.nvpaint", "no such folder"});
+}
+
+TEST_F(CliPublishPainted, OneOfSeveralPerformersIsNamed) {
+    edit({"stage", "new", show});
+    expect_refused({"publish", show, "-o", stream}, 2, {"--performer", "has 0 performers", "neuvv stage add"});
+    add_painted(scene);
+    edit({"stage", "add", show, scene, "--name", "ben", "--at", "1,0,0"});
+    expect_refused({"publish", show, "-o", stream}, 2, {"--performer", "2 performers", "\"anna\"", "\"ben\""});
+    expect_refused({"publish", show, "--performer", "carl", "-o", stream}, 2, {"carl"});
+    expect_refused({"publish", scene, "--performer", "anna", "-o", stream}, 2,
+                   {"--performer", "anna", "is for stages"});
+    EXPECT_FALSE(publish(show, {"--performer", "ben", "--rate", "1000"}).contains("paint_layers"));
+    EXPECT_GT(training::compare(on_stage(scene, "0.5"), on_stage(stream, "0.5")).psnr, 40) << "neither paint nor place";
+    EXPECT_EQ(publish(show, {"--performer", "anna", "--rate", "1000"}).at("paint_layers"), 1);
+    EXPECT_LT(training::compare(on_stage(scene, "0.5"), on_stage(stream, "0.5")).psnr, 24);
+    write_text(layer, "no paint");
+    expect_refused({"publish", show, "--performer", "anna", "-o", file("y.nvs")}, 2, {"look.nvpaint"});
+}
+
+TEST_F(CliPublishPainted, WhatIsErasedInAllFramesIsAnEmptyStream) {
+    edit({"stage", "new", show});
+    edit({"stage", "add", show, scene, "--name", "anna"});
+    edit({"paint", "erase", show, layer, "--box", "-9,-9,-9,9,9,9"});
+    publish(show, {});
+    EXPECT_EQ(on_stage(stream, "0").rgba, rendered(show, "0").rgba);
+    EXPECT_NE(on_stage(stream, "0").rgba, on_stage(scene, "0").rgba);
+}
+
 TEST_F(CliPublish, AStagePlaysFromAServer) {
     publish(scene, {"--quality", "45"});
     const media::Image truth = on_stage(stream, "0.5");
