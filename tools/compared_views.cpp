@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "render/frame.h"
-#include "tools/command_line.h"
+#include "tools/commands.h"
 #include "training/metrics.h"
 
 namespace neuvv::tools {
