@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -10,19 +9,16 @@
 
 #include "base/platform.h"
 #include "stream/bytes.h"
+#include "stream/nvs_index.h"
 
 namespace neuvv::stream {
 
 namespace {
 
 constexpr uint64_t kUsualLimit = uint64_t{1} << 30;
-constexpr uint64_t kCheckBytes = 4;                      // before the bytes of a block: their CRC-32
+constexpr uint64_t kCrcBytes = 4;                        // before the bytes of a block: their CRC-32
 constexpr uint64_t kMostUncounted = uint64_t{16} << 20;  // after so many bytes, those of all streams are counted
 constexpr double kTrimTo = 0.9;                          // of the limit, so that not every block needs room made
-
-uint32_t crc_of(std::span<const uint8_t> bytes) {
-    return static_cast<uint32_t>(crc32(0, bytes.data(), static_cast<uInt>(bytes.size())));
-}
 
 struct KeptFile {
     std::filesystem::file_time_type used;
@@ -59,7 +55,7 @@ BlockCache::BlockCache(CachePlace place, const std::string& address, uint64_t si
     : place_(std::move(place)) {
     if (place_.folder.empty() || place_.limit_bytes == 0) return;
     const std::span letters(reinterpret_cast<const uint8_t*>(address.data()), address.size());
-    folder_ = place_.folder / fmt::format("{:08x}{:08x}-{}", crc_of(letters), crc_of(beginning), size);
+    folder_ = place_.folder / fmt::format("{:08x}{:08x}-{}", check_of(letters), check_of(beginning), size);
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
     if (error) folder_.clear();
@@ -71,14 +67,14 @@ std::filesystem::path BlockCache::file_of(uint64_t block) const {
 
 std::optional<std::vector<uint8_t>> BlockCache::read(uint64_t block, uint64_t bytes) const {
     if (folder_.empty()) return std::nullopt;
-    std::vector<uint8_t> all(kCheckBytes + bytes);
+    std::vector<uint8_t> all(kCrcBytes + bytes);
     std::ifstream file(file_of(block), std::ios::binary);
     file.read(reinterpret_cast<char*>(all.data()), static_cast<std::streamsize>(all.size()));
     if (!file || file.peek() != std::ifstream::traits_type::eof()) return std::nullopt;
     ByteReader reader(all);
-    const uint64_t check = reader.number(kCheckBytes);
-    std::vector<uint8_t> result(all.begin() + kCheckBytes, all.end());
-    if (check != crc_of(result)) return std::nullopt;
+    const uint64_t check = reader.number(kCrcBytes);
+    std::vector<uint8_t> result(all.begin() + kCrcBytes, all.end());
+    if (check != check_of(result)) return std::nullopt;
     std::error_code ignored;
     std::filesystem::last_write_time(file_of(block), std::filesystem::file_time_type::clock::now(), ignored);
     return result;
@@ -89,11 +85,11 @@ void BlockCache::write(uint64_t block, std::span<const uint8_t> bytes) {
     if (folder_.empty() || bytes.size() > place_.limit_bytes) return;
     const std::filesystem::path temporary = folder_ / fmt::format("{}.tmp{}", block, getpid());
     std::vector<uint8_t> check;
-    append_number(check, crc_of(bytes), kCheckBytes);
+    append_number(check, check_of(bytes), kCrcBytes);
     std::error_code error;
     {
         std::ofstream file(temporary, std::ios::binary);
-        file.write(reinterpret_cast<const char*>(check.data()), kCheckBytes);
+        file.write(reinterpret_cast<const char*>(check.data()), kCrcBytes);
         file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         file.close();
         if (file) std::filesystem::rename(temporary, file_of(block), error);
