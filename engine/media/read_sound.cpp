@@ -23,10 +23,11 @@ using OwnedConverter = Owned<SwrContext, free_converter>;
 constexpr const char* kFormats = "wav,flac,ogg,mp3,aac,mov,mp4,matroska,avi";
 constexpr int kLeastRate = 4000, kMostRate = 768'000, kMostChannels = 64;
 constexpr double kGap_s = 0.03;  // a frame that comes later than this begins after a silence
+constexpr size_t kSilenceAtATime = kSoundRate;
 
 class SoundReader {
   public:
-    explicit SoundReader(const std::filesystem::path& path) : path_(path) {
+    SoundReader(const std::filesystem::path& path, const TakeSamples& take) : path_(path), take_(take) {
         AVDictionary* options = nullptr;
         av_dict_set(&options, "protocol_whitelist", "file", 0);
         av_dict_set(&options, "format_whitelist", kFormats, 0);
@@ -51,17 +52,17 @@ class SoundReader {
         decoder_->pkt_timebase = stream_->time_base;
     }
 
-    Sound read() {
+    void read() {
         int code = 0;
-        while ((code = av_read_frame(input_.get(), packet_.get())) >= 0) {
+        while (!stopped_ && (code = av_read_frame(input_.get(), packet_.get())) >= 0) {
             if (packet_->stream_index == stream_->index) decode(packet_.get());
             av_packet_unref(packet_.get());
         }
+        if (stopped_) return;
         if (code != AVERROR_EOF) fail("cannot be read to its end");
         decode(nullptr);
         drain();
-        if (sound_.samples.empty()) fail("has a sound without samples");
-        return std::move(sound_);
+        if (samples_read_ == 0) fail("has a sound without samples");
     }
 
   private:
@@ -100,16 +101,26 @@ class SoundReader {
         const double begin_s = input_->start_time == AV_NOPTS_VALUE ? 0 : double(input_->start_time) / AV_TIME_BASE;
         const double at_s = static_cast<double>(frame_->best_effort_timestamp) * av_q2d(stream_->time_base) - begin_s;
         const double held_s = static_cast<double>(swr_get_delay(converter_.get(), kSoundRate)) / kSoundRate;
-        const double gap_s = at_s - held_s - sound_.length_s();
+        const double gap_s = at_s - held_s - static_cast<double>(samples_read_) / kSoundRate;
         if (!(gap_s > kGap_s)) return;
         drain();
         open_converter();  // which drained gives nothing more
-        resize(sound_.samples.size() + static_cast<size_t>(std::min(gap_s, 2 * kMaxSound_s) * kSoundRate));
+        give_silence(static_cast<size_t>(std::min(gap_s, 2 * kMaxSound_s) * kSoundRate));
     }
-    void resize(size_t samples) {
-        if (static_cast<double>(samples) > kMaxSound_s * kSoundRate)
+    void expect_room_for(size_t samples) const {
+        if (static_cast<double>(samples_read_ + samples) > kMaxSound_s * kSoundRate)
             fail(fmt::format("has a sound of more than {} hours", kMaxSound_s / 3600));
-        sound_.samples.resize(samples);
+    }
+    void give(std::span<const StereoSample16> samples) {
+        if (stopped_ || samples.empty()) return;
+        samples_read_ += samples.size();
+        stopped_ = !take_(samples);
+    }
+    void give_silence(size_t samples) {
+        expect_room_for(samples);
+        converted_.assign(std::min(samples, kSilenceAtATime), {});
+        for (size_t left = samples; left > 0 && !stopped_; left -= std::min(left, kSilenceAtATime))
+            give(std::span(converted_).first(std::min(left, kSilenceAtATime)));
     }
     // What the converter holds back.
     void drain() {
@@ -118,12 +129,12 @@ class SoundReader {
     void convert(const uint8_t** from, int count) {
         const int room = swr_get_out_samples(converter_.get(), count);
         if (room < 0) fail("has a sound that cannot be converted");
-        const size_t before = sound_.samples.size();
-        resize(before + static_cast<size_t>(room));
-        auto* to = reinterpret_cast<uint8_t*>(sound_.samples.data() + before);
+        expect_room_for(static_cast<size_t>(room));
+        converted_.resize(static_cast<size_t>(room));
+        auto* to = reinterpret_cast<uint8_t*>(converted_.data());
         const int made = swr_convert(converter_.get(), &to, room, from, count);
         if (made < 0) fail("has a sound that cannot be converted");
-        sound_.samples.resize(before + static_cast<size_t>(made));
+        give(std::span(converted_).first(static_cast<size_t>(made)));
     }
     void open_converter() {
         AVChannelLayout from{};
@@ -149,14 +160,26 @@ class SoundReader {
     OwnedConverter converter_;
     Form form_;
     const AVStream* stream_ = nullptr;  // owned by input_
-    Sound sound_;
+    const TakeSamples& take_;
+    std::vector<StereoSample16> converted_;  // by the last call, kept for its memory
+    size_t samples_read_ = 0;                // that `take_` has got
+    bool stopped_ = false;                   // `take_` wants no more
 };
 
 }  // namespace
 
-Sound read_sound(const std::filesystem::path& path) {
+void decode_sound(const std::filesystem::path& path, const TakeSamples& take) {
     av_log_set_level(AV_LOG_QUIET);  // only tools print
-    return SoundReader(path).read();
+    SoundReader(path, take).read();
+}
+
+Sound read_sound(const std::filesystem::path& path) {
+    Sound sound;
+    decode_sound(path, [&](std::span<const StereoSample16> samples) {
+        sound.samples.insert(sound.samples.end(), samples.begin(), samples.end());
+        return true;
+    });
+    return sound;
 }
 
 }  // namespace neuvv::media

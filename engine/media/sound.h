@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace neuvv::media {
@@ -15,9 +16,12 @@ constexpr uint32_t kSoundHop = 1024;    // samples that are made at a time
 // Left and right; 1 is as loud as a file can be.
 using StereoSample = std::array<float, 2>;
 
+// The same as files mostly have it: 32767 is as loud as a file can be.
+using StereoSample16 = std::array<int16_t, 2>;
+
 // A sound that was read. It takes 192 KB a second.
 struct Sound {
-    std::vector<std::array<int16_t, 2>> samples;
+    std::vector<StereoSample16> samples;
     double length_s() const { return static_cast<double>(samples.size()) / kSoundRate; }
 };
 
@@ -28,6 +32,12 @@ constexpr double kMaxSound_s = 4 * 3600;
 // first, and so has a gap; what is damaged is left out. Throws InputError where it has none, cannot be read or decoded,
 // or lasts longer than kMaxSound_s.
 Sound read_sound(const std::filesystem::path& path);
+
+// Takes the next samples of a sound that is being read. Returns whether more are wanted.
+using TakeSamples = std::function<bool(std::span<const StereoSample16>)>;
+
+// Reads a sound as read_sound does, but keeps none of it: `take` gets all samples in order, some at a time.
+void decode_sound(const std::filesystem::path& path, const TakeSamples& take);
 
 // Fills in the next kSoundHop samples.
 using NextSamples = std::function<void(std::array<StereoSample, kSoundHop>&)>;
