@@ -12,8 +12,6 @@ using media::kSoundHop;
 using media::kSoundRate;
 
 constexpr double kStep_s = 1e-3;            // over which the clip's speed is found
-constexpr double kLeastSpeed = 1e-3;        // of the recording's; below, it stands still
-constexpr double kMostSpeed = 100;          // above, it jumps
 constexpr int64_t kNearby = 8 * kSoundHop;  // farther away, a grain is another place of the sound
 constexpr int64_t kCoarse = 4;              // of so many samples, one is compared
 
@@ -35,8 +33,9 @@ Heard::Grain Heard::grain_at(double heard_s) const {
     const auto place_s = [&](double t) { return clip_position(timeline_, begin_s_ + speed_ * t) / timeline_.fps; };
     const double here = place_s(heard_s), next = place_s(heard_s + kStep_s);
     double speed = (next - here) / kStep_s;
-    if (std::abs(speed) > kMostSpeed) speed = (here - place_s(heard_s - kStep_s)) / kStep_s;  // it is about to jump
-    if (std::abs(speed) < kLeastSpeed || std::abs(speed) > kMostSpeed) return {};
+    if (std::abs(speed) > kMostHeardSpeed)
+        speed = (here - place_s(heard_s - kStep_s)) / kStep_s;  // it is about to jump
+    if (std::abs(speed) < kLeastHeardSpeed || std::abs(speed) > kMostHeardSpeed) return {};
     const int step = speed > 0 ? 1 : -1;
     return {std::llround(here * kSoundRate) - step * int64_t{kSoundHop}, step};
 }
