@@ -27,6 +27,11 @@ std::optional<PerformerTrack> track_of(const stage::StageFile& file, uint32_t no
     const auto clip = std::find_if(clips.begin(), clips.end(),
                                    [&](const stage::StageClip& other) { return other.path == track.clip; });
     if (clip == clips.end()) return std::nullopt;
+    if (settings.sound) {
+        track.sound =
+            stage::absolute_path(stage::file_of_uri(file, settings.sound->uri, json_pointer_of(node) + "/sound"));
+        track.gain_db = settings.sound->gain_db;
+    }
     track.map = settings.time;
     track.rate = {clip->frames, clip->fps};
     track.timeline =

@@ -15,6 +15,8 @@ struct PerformerTrack {
     uint32_t node = 0;  // index in the document
     std::string name;   // its name, or "node 3"
     std::filesystem::path clip;
+    std::filesystem::path sound;  // absolute; empty: none
+    double gain_db = 0;           // of the sound
     ClipRate rate;
     stage::TimeMap map;
     stage::Timeline timeline;

@@ -23,7 +23,8 @@ stage::StageFile some_stage() {
         {"name": "anna", "extensions": {"NEUVV_performer": {"uri": "a.nvv"}}},
         {"extensions": {"NEUVV_performer": {"uri": "a.nvv", "time": [{"operator": "offset", "by": "1s"}]}}},
         {"name": "away", "extensions": {"NEUVV_performer": {"uri": "a.nvv"}}},
-        {"name": "bert", "children": [6], "extensions": {"NEUVV_performer": {"uri": "./a.nvv"}}},
+        {"name": "bert", "children": [6], "extensions": {"NEUVV_performer": {"uri": "./a.nvv",
+            "sound": {"uri": "song.wav", "gain": -6}}}},
         {"name": "carl", "extensions": {"NEUVV_performer": {"uri": "b.nvv"}}}]})");
 }
 
@@ -47,6 +48,9 @@ TEST(TimelineTracks, AreThoseOfTheSceneWhoseClipIsKnown) {
     EXPECT_EQ(tracks[1].bar.start_s, 1);
     EXPECT_EQ(stage::frame_at(tracks[1].timeline, 1.4), 10);
     EXPECT_EQ(tracks[2].name, "bert");
+    EXPECT_EQ(tracks[2].sound, stage::absolute_path("/nowhere/song.wav"));
+    EXPECT_EQ(tracks[2].gain_db, -6);
+    EXPECT_TRUE(tracks[0].sound.empty());
     clips.push_back(clips[0]);
     clips[1].path = stage::absolute_path("/nowhere/b.nvv");
     EXPECT_EQ(edit::performer_tracks(some_stage(), clips).size(), 4u);
