@@ -318,7 +318,8 @@ void Viewer::play_sound() {
     for (stage::EvaluatedPerformer& performer : now.performers)
         performer.visible &= input_.stage && view_.hears(input_.stage->performers[performer.performer].name);
     sound_player_.follow(input_.stage, now, speed, glm::mat4(world_from_eye(view_.eye)));
-    if (std::string problem = sound_player_.take_problem(); !problem.empty()) editor_.notify(problem, true);
+    for (const std::string& problem : {sound_player_.take_problem(), waveforms_.take_problem()})
+        if (!problem.empty()) editor_.notify(problem, true);
 }
 
 void Viewer::handle_control_key(const ui::KeyPress& press) {
@@ -389,7 +390,7 @@ void Viewer::draw_panels() {
         stage_panel(context_, {side.left, side.top, side.width, tree}, tree_);
         properties_panel(context_, {side.left, side.top + tree, side.width, side.height - tree}, properties_,
                          {tree_, paint_, files_, exporter_, coaching_});
-        timeline_panel(context_, below, timeline_);
+        timeline_panel(context_, below, timeline_, waveforms_);
     }
     if (panels.speed) speed_panel(context_, device_, meter_);
     if (panels.help) help_panel(context_);

@@ -13,6 +13,7 @@
 
 #include "editor/shader_watch.h"
 #include "editor/sound_player.h"
+#include "editor/waveforms.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/exporter.h"
 #include "tools/viewer/files.h"
@@ -96,6 +97,7 @@ class Viewer {
     TimelineState timeline_;
     Coaching coaching_;
     editor::SoundPlayer sound_player_;
+    editor::Waveforms waveforms_{ui::Window::wake};
     std::vector<editor::Notice> notices_;
     FrameMeter meter_;
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tools/viewer/panels/panels.h"
 #include "tools/viewer/timeline/camera_path_view.h"
@@ -22,16 +23,25 @@ void read_path(TimelineState& state, const Context& context) {
     state.path_of = context.editor.id();
 }
 
-void read_tracks(TimelineState& state, const Context& context) {
+// Returns whether the tracks may have changed.
+bool read_tracks(TimelineState& state, const Context& context) {
     if (!context.frame.stage || !context.editor.is_open()) {
         state.tracks.clear();
-        state.tracks_of = 0;
-        return;
+        return std::exchange(state.tracks_of, 0) != 0;
     }
-    if (state.tracks_of == context.editor.id() && state.clips_of == context.frame.stage) return;
+    if (state.tracks_of == context.editor.id() && state.clips_of == context.frame.stage) return false;
     state.tracks = edit::performer_tracks(context.editor.file(), context.frame.stage->clips);
     state.tracks_of = context.editor.id();
     state.clips_of = context.frame.stage;
+    return true;
+}
+
+void follow_sounds(TimelineState& state, editor::Waveforms& waveforms) {
+    state.waveforms.clear();
+    editor::Waveforms::Files files;
+    for (const edit::PerformerTrack& track : state.tracks)
+        if (!track.sound.empty()) files.insert(track.sound);
+    waveforms.follow(std::move(files));
 }
 
 // The end of the stage, or that of a performer who plays longer.
@@ -95,13 +105,13 @@ void scroll_to_selected(TimelineState& state, const Context& context) {
     scroll_to_row(static_cast<float>(track - state.tracks.begin()) * row, row);
 }
 
-void rows(TimelineState& state, Context& context) {
+void rows(TimelineState& state, Context& context, const editor::Waveforms& waveforms) {
     const ImVec2 at = ImGui::GetWindowPos();
     if (state.scroll_y != 0)
         ImGui::SetScrollY(std::clamp(ImGui::GetScrollY() + state.scroll_y, 0.0f, ImGui::GetScrollMaxY()));
     state.scroll_y = 0;
     scroll_to_selected(state, context);
-    for (const edit::PerformerTrack& track : state.tracks) performer_row(context, state.view, state.bar_drag, track);
+    for (const edit::PerformerTrack& track : state.tracks) performer_row(context, state, waveforms, track);
     if (state.tracks.empty() && context.frame.stage) ImGui::TextDisabled("no performers yet");
     draw_range_and_time(context, state.view, at.y, at.y + ImGui::GetWindowHeight());
 }
@@ -137,9 +147,9 @@ bool small_button(Context& context, const TimelineView& view, const std::string&
     return pressed;
 }
 
-void timeline_panel(Context& context, const Area& area, TimelineState& state) {
+void timeline_panel(Context& context, const Area& area, TimelineState& state, editor::Waveforms& waveforms) {
     if (!begin_panel("timeline_panel", area)) return ImGui::End();
-    read_tracks(state, context);
+    if (read_tracks(state, context)) follow_sounds(state, waveforms);
     read_path(state, context);
     if (state.path && context.view.show_path && !context.view.along_path)
         draw_camera_path(context, *state.path, state.path_line);
@@ -149,7 +159,7 @@ void timeline_panel(Context& context, const Area& area, TimelineState& state) {
     ruler_row(context, state.view);
     camera_row(context, state.view, state.key_drag, state.path);
     ImGui::BeginChild("tracks", {0, 0}, false, ImGuiWindowFlags_NoScrollWithMouse);
-    rows(state, context);
+    rows(state, context, waveforms);
     ImGui::EndChild();
     navigate(state, context, top);
     ImGui::End();

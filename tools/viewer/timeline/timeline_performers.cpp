@@ -54,13 +54,15 @@ void draw_curve(const Context& context, const TimelineView& view, const stage::T
     draw(bar.right, view.right(), kCurveOutside);
 }
 
-void draw_bar(const Context& context, const TimelineView& view, const edit::PerformerTrack& track, const BarArea& bar,
-              bool highlighted) {
+void draw_bar(Context& context, TimelineState& state, const editor::Waveforms& waveforms,
+              const edit::PerformerTrack& track, const BarArea& bar, bool highlighted) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
+    const TimelineView& view = state.view;
     const float round = context.ui(3);
     const bool selected = context.editor.selected() == track.node;
     list.AddRectFilled({view.left(), bar.top}, {view.right(), bar.bottom}, kOutsideBar, round);
     list.AddRectFilled({bar.left, bar.top}, {bar.right, bar.bottom}, selected ? kBarSelected : kBar, round);
+    draw_waveform(context, state, waveforms, track, bar.top, bar.bottom);
     draw_curve(context, view, track.timeline, bar);
     if (highlighted || selected) list.AddRect({bar.left, bar.top}, {bar.right, bar.bottom}, ui::kAccent, round);
 }
@@ -209,7 +211,9 @@ void name_cell(Context& context, const TimelineView& view, const edit::Performer
 
 }  // namespace
 
-void performer_row(Context& context, const TimelineView& view, BarDrag& drag, const edit::PerformerTrack& track) {
+void performer_row(Context& context, TimelineState& state, const editor::Waveforms& waveforms,
+                   const edit::PerformerTrack& track) {
+    const TimelineView& view = state.view;
     ImGui::PushID(static_cast<int>(track.node));
     const ImVec2 at = ImGui::GetCursorScreenPos();
     name_cell(context, view, track);
@@ -221,13 +225,13 @@ void performer_row(Context& context, const TimelineView& view, BarDrag& drag, co
         ImGui::InvisibleButton(name, {std::max(width, 1.0f), height});
         const std::string row = "timeline/" + track.name;
         context.report.item(which == BarPart::kBody ? row : row + "/" + name);
-        highlighted |= drag_part(context, view, drag, track, which);
+        highlighted |= drag_part(context, view, state.bar_drag, track, which);
     };
     part("start", BarPart::kStart, bar.left, grip);
     part("end", BarPart::kEnd, bar.right - grip, grip);
     part("body", BarPart::kBody, bar.left + grip, bar.right - bar.left - 2 * grip);
     if (ImGui::IsRectVisible({view.left(), at.y}, {view.right(), at.y + view.row_height}))
-        draw_bar(context, view, track, bar, highlighted);
+        draw_bar(context, state, waveforms, track, bar, highlighted);
     time_menu(context, track);
     ImGui::SetCursorScreenPos({at.x, at.y + view.row_height + context.ui(kRowGap)});
     ImGui::PopID();

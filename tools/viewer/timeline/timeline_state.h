@@ -1,11 +1,13 @@
 // What the timeline keeps from frame to frame, the drag states of bars and keys included.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "edit/tracks.h"
+#include "media/sound_peaks.h"
 #include "stage/camera_path.h"
 #include "stage/stage.h"
 #include "tools/viewer/timeline/time_axis.h"
@@ -43,6 +45,13 @@ struct KeyDrag {
     stage::CameraPath before;        // when it was grabbed
 };
 
+// How loud a performer's sound is in each column of pixels, for the axis for which this was computed.
+struct WaveformColumns {
+    std::shared_ptr<const media::SoundPeaks> peaks;  // null: nothing has been computed yet
+    TimeAxis axis;
+    std::vector<float> amplitudes;  // 0 to 1, as the sound's file has them
+};
+
 struct TimelineState {
     TimelineView view;
     bool fits = true;     // the axis shows all the time, also when the stage becomes longer
@@ -50,11 +59,12 @@ struct TimelineState {
     float scroll_y = 0;   // pixels by which the next frame scrolls the rows
     BarDrag bar_drag;     // the last one, of any performer
     std::optional<KeyDrag> key_drag;
-    std::vector<edit::PerformerTrack> tracks;      // one per performer
-    uint64_t tracks_of = 0;                        // the id of the document of the tracks
-    std::optional<uint32_t> scrolled_selected;     // the selected node that was scrolled to last
-    std::shared_ptr<const stage::Stage> clips_of;  // the stage whose clips the tracks use
-    std::optional<stage::CameraPath> path;         // nullopt: the stage has none
+    std::vector<edit::PerformerTrack> tracks;       // one per performer
+    uint64_t tracks_of = 0;                         // the id of the document of the tracks
+    std::map<uint32_t, WaveformColumns> waveforms;  // of the tracks that were displayed, by their nodes
+    std::optional<uint32_t> scrolled_selected;      // the selected node that was scrolled to last
+    std::shared_ptr<const stage::Stage> clips_of;   // the stage whose clips the tracks use
+    std::optional<stage::CameraPath> path;          // nullopt: the stage has none
     std::vector<glm::dvec3> path_line;
     uint64_t path_of = 0;  // the id of the document of the path
 };

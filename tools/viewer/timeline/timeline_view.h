@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "editor/waveforms.h"
 #include "tools/viewer/context.h"
 #include "tools/viewer/timeline/timeline_state.h"
 
@@ -21,15 +22,20 @@ bool small_button(Context& context, const TimelineView& view, const std::string&
                   const char* tooltip, bool on = false, bool enabled = true);
 
 // The timeline: the transport buttons, the ruler, the camera path, and a row for each performer.
-void timeline_panel(Context& context, const Area& area, TimelineState& state);
+void timeline_panel(Context& context, const Area& area, TimelineState& state, editor::Waveforms& waveforms);
 
 void transport_row(Context& context);
 void ruler_row(Context& context, const TimelineView& view);
 // `drag` is set while a key is dragged. `path`: nullopt where the stage has none.
 void camera_row(Context& context, const TimelineView& view, std::optional<KeyDrag>& drag,
                 const std::optional<stage::CameraPath>& path);
-// `drag` is the last drag of any performer's bar.
-void performer_row(Context& context, const TimelineView& view, BarDrag& drag, const edit::PerformerTrack& track);
+// The row of one of the state's tracks.
+void performer_row(Context& context, TimelineState& state, const editor::Waveforms& waveforms,
+                   const edit::PerformerTrack& track);
+// Draws the waveform of the performer's sound from `top` to `bottom`, where it is heard; nothing while it has not been
+// read. It is fainter where the performer is muted.
+void draw_waveform(Context& context, TimelineState& state, const editor::Waveforms& waveforms,
+                   const edit::PerformerTrack& track, float top, float bottom);
 
 // Draws over rows from `top` to `bottom`: what is outside the range of the loop becomes darker, and a line marks the
 // clock's time.
