@@ -1,6 +1,8 @@
 // Tests of watching: opening, playing, looking around, and the window itself.
 #include <fstream>
 
+#include "media/sound.h"
+#include "support/wav_file.h"
 #include "viewer_window/viewer_window.h"
 
 namespace neuvv::test {
@@ -77,6 +79,63 @@ TEST_F(Watching, PlaysAndPauses) {
     const double stepped_s = hands->until_rest()["time_s"];
     EXPECT_NEAR(stepped_s * kFps, std::round(stepped_s * kFps), 1e-6) << "on an image";
     EXPECT_NE(stepped_s, paused_s);
+}
+
+// The sum of red, green and blue of the window's pixel.
+int brightness_at(const media::Image& window, double x, double y) {
+    const uint8_t* pixel = window.at(static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+    return pixel[0] + pixel[1] + pixel[2];
+}
+
+TEST_F(Watching, ASoundIsSeenOnTheTimelineWhereItIsHeard) {
+    const std::vector<int16_t> tone = stereo_tone(media::kSoundRate);
+    std::vector<int16_t> samples(tone.size());  // silence in the first second
+    samples.insert(samples.end(), tone.begin(), tone.end());
+    write_wav(file("late.wav"), samples, 2, media::kSoundRate);
+    done({"stage", "set", stage, "anna", "--sound", file("late.wav")});
+    const auto hands = open(stage, "960x540");
+    hands->until_rest();
+    hands->middle_of("timeline/anna/waveform");
+    const json items = hands->seen()["items"];
+    const std::vector<double> start = items["timeline/anna/start"], end = items["timeline/anna/end"];
+    const double begin_x = start[0], second = (end[0] + end[2] - begin_x) / 2;  // the clip lasts two
+    const std::vector<double> forwards = items["timeline/anna/waveform"];
+    EXPECT_NEAR(forwards[0], begin_x + second, 1.5);
+    EXPECT_NEAR(forwards[0] + forwards[2], begin_x + 2 * second, 1.5);
+
+    const double x = begin_x + 1.5 * second, y = forwards[1] + 0.67 * forwards[3];  // away from the line of the images
+    const auto shows_wave = [&](const media::Image& window) {
+        return brightness_at(window, x, y) - brightness_at(window, x - second, forwards[1] + 0.4 * forwards[3]);
+    };
+    const int heard = shows_wave(hands->window());
+    hands->click("stage/anna/sound");
+    hands->until("anna to be muted", [](const json& now) { return now["muted"].size() == 1; });
+    const int muted = shows_wave(hands->window());
+    EXPECT_GT(muted, 20);
+    EXPECT_GT(heard, muted + 40) << "it is fainter when it is muted";
+
+    hands->click("timeline/anna/menu");
+    hands->click("timeline/anna/reverse");
+    hands->key("Escape");
+    const json backwards = hands->until("the sound to be turned", [&](const json& now) {
+        const json area = now["items"].value("timeline/anna/waveform", json());
+        return area.is_array() && area[0] < forwards[0] - second / 2;
+    })["items"]["timeline/anna/waveform"];
+    EXPECT_NEAR(backwards[0].get<double>(), begin_x, 1.5);
+    EXPECT_NEAR(backwards[0].get<double>() + backwards[2].get<double>(), begin_x + (1 - 1 / kFps) * second, 1.5)
+        << "from the beginning of the last image on";
+}
+
+TEST_F(Watching, WhatIsNoSoundIsSaidAndSeenWhenItIsOne) {
+    write_wav(file("mended.wav"), stereo_tone(media::kSoundRate), 2, media::kSoundRate);
+    std::filesystem::copy_file(file("mended.wav"), file("song.wav"));
+    done({"stage", "set", stage, "anna", "--sound", file("song.wav")});
+    std::ofstream(file("song.wav")) << "no sound at all";
+    const auto hands = open(stage);
+    const json report = hands->until_notice("song.wav");
+    EXPECT_FALSE(report["items"].contains("timeline/anna/waveform"));
+    std::filesystem::rename(file("mended.wav"), file("song.wav"));
+    hands->middle_of("timeline/anna/waveform");
 }
 
 TEST_F(Watching, LooksAroundAndComesToRest) {
