@@ -55,7 +55,7 @@ void encode_all_planes(const Slice& slice, const Octree& tree, FrameSymbols& fra
     const std::vector<double> areas = areas_of(slice.leaves, slice.depth);
     const auto planes = static_cast<uint32_t>(slice.planes.size());
     decoded.planes.resize(planes);
-    encode_planes(slice, tree, pairs_of(tree, areas, 1), areas, kOpacityPlane, 1, frame, decoded);
+    encode_planes(slice, tree, pairs_of_areas(tree, areas), areas, kOpacityPlane, 1, frame, decoded);
     const std::vector<double> weights = weights_of(areas, decoded.planes[kOpacityPlane]);
     encode_planes(slice, tree, pairs_of(tree, weights, 1.0 / kUnit), weights, kFirstColourPlane, planes - 1, frame,
                   decoded);

@@ -189,6 +189,7 @@ std::shared_ptr<const Slice> Reader::slice_of(Begun& begun) {
     }
     ladder_.learn(count, seconds_since(start));
     begun.before.reset();
+    begun.shape.tree = {};  // the next frame needs the leaves alone
     return begun.slice;
 }
 

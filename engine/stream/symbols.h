@@ -60,7 +60,7 @@ class SymbolWriter {
 class SymbolReader {
   public:
     static constexpr bool kWrites = false;
-    SymbolReader(std::span<const uint8_t> bytes, const Tables& tables) : decoder_(bytes), tables_(tables) {}
+    SymbolReader(std::span<const uint8_t> bytes, const Tables& tables) : decoder_(bytes), tables_(tables.data()) {}
     uint32_t take(uint32_t table, uint32_t) { return decoder_.take(tables_[table]); }
     uint32_t take_either(uint32_t table, uint32_t) { return decoder_.take_either(tables_[table]); }
     uint32_t take_bits(uint32_t bits, uint32_t) { return decoder_.take_bits(bits); }
@@ -68,7 +68,7 @@ class SymbolReader {
 
   private:
     Decoder decoder_;
-    const Tables& tables_;
+    const Table* tables_;
 };
 
 }  // namespace neuvv::stream

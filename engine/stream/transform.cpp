@@ -45,14 +45,42 @@ std::array<double, Numbers> sum_up(const Octree& tree, const OfLeaf& of_leaf, co
 
 }  // namespace
 
+namespace {
+
+Pair pair_of(double a, double b, double unit) {
+    const double sum = a + b;
+    return {static_cast<float>(std::sqrt(sum / (a * b * unit))), static_cast<float>(b / sum)};
+}
+
+}  // namespace
+
 Pairs pairs_of(const Octree& tree, const std::vector<double>& weights, double unit) {
     Pairs pairs(tree.leaf_count - 1);
     using Sums = std::array<double, 1>;
     sum_up<1>(
         tree, [&](uint32_t leaf) { return Sums{weights[leaf]}; },
+        [&](size_t pair, const Sums& a, const Sums& b) { pairs[pair] = pair_of(a[0], b[0], unit); });
+    return pairs;
+}
+
+// Most cells are small: their pairs come from a table.
+Pairs pairs_of_areas(const Octree& tree, const std::vector<double>& areas) {
+    constexpr size_t kSmall = 32;
+    static const std::vector<Pair> kPairs = [] {
+        std::vector<Pair> all(kSmall * kSmall);
+        for (size_t a = 1; a < kSmall; a++)
+            for (size_t b = 1; b < kSmall; b++)
+                all[a * kSmall + b] = pair_of(static_cast<double>(a), static_cast<double>(b), 1);
+        return all;
+    }();
+    Pairs pairs(tree.leaf_count - 1);
+    using Sums = std::array<double, 1>;
+    sum_up<1>(
+        tree, [&](uint32_t leaf) { return Sums{areas[leaf]}; },
         [&](size_t pair, const Sums& a, const Sums& b) {
-            const double sum = a[0] + b[0];
-            pairs[pair] = {static_cast<float>(std::sqrt(sum / (a[0] * b[0] * unit))), static_cast<float>(b[0] / sum)};
+            const bool small = a[0] < kSmall && b[0] < kSmall;
+            pairs[pair] = small ? kPairs[static_cast<size_t>(a[0]) * kSmall + static_cast<size_t>(b[0])]
+                                : pair_of(a[0], b[0], 1);
         });
     return pairs;
 }

@@ -57,6 +57,8 @@ using Pairs = std::vector<Pair>;
 
 // The pairs of a tree by the weights of its leaves, which must be whole numbers, in units of `unit`.
 Pairs pairs_of(const Octree& tree, const std::vector<double>& weights, double unit);
+// The same where the weights are areas, in units of 1.
+Pairs pairs_of_areas(const Octree& tree, const std::vector<double>& areas);
 
 // The area of each leaf as a weight: 1 for the finest, 4 for the next.
 std::vector<double> areas_of(const std::vector<Leaf>& leaves, uint32_t depth);
