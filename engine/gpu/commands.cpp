@@ -121,6 +121,13 @@ void Commands::trace_passes() const {
     for (size_t i = 0; i < scopes_.size(); i++) add(scopes_[i], ticks[2 * i], ticks[2 * i + 1]);
 }
 
+double Commands::device_milliseconds() const {
+    const std::vector<uint64_t> ticks = timestamps();
+    if (ticks.empty()) return 0;
+    const auto [first, last] = std::ranges::minmax(ticks);
+    return static_cast<double>(last - first) * static_cast<double>(device_.limits().timestampPeriod) * 1e-6;
+}
+
 std::vector<PassTime> Commands::pass_times() const {
     const std::vector<uint64_t> ticks = timestamps();
     const double milliseconds_per_tick = static_cast<double>(device_.limits().timestampPeriod) * 1e-6;

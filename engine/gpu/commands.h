@@ -51,6 +51,8 @@ class Commands {
     // Time from submit() until wait() returned, by the host's clock. It is needed because the timestamps of software
     // devices leave out compute passes where a submission also draws.
     double milliseconds() const { return milliseconds_; }
+    // Time from the first timed PassScope's begin to the last one's end, by the device's clock.
+    double device_milliseconds() const;
 
   private:
     Commands(const Device& device, uint32_t max_scopes, std::string name);  // without Vulkan objects

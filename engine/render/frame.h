@@ -1,6 +1,7 @@
 // A whole frame: start reading here and in frame.cpp.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -88,8 +89,18 @@ class FrameRenderer {
     // reads them, unless it is a compute shader or a copy, must begin with a barrier. Throws RuntimeFailure for more or
     // larger images than the capacity, more than kMaxInstances instances, cameras of another size than the images,
     // fields that the renderer does not have, frames that are not finite, and transforms that cannot be inverted.
-    const gpu::Buffer& draw(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    // The same, with the images copied to the host.
+    // `then` is recorded behind the images, into the same submission; it is recorded again where the images are.
+    using Then = std::function<void(gpu::Commands& commands, const gpu::Buffer& images)>;
+    const gpu::Buffer& draw(std::span<const stage::Camera> cameras, const FrameSettings& settings,
+                            const Then& then = {});
+    // The same without waiting: the host can do other work meanwhile. All that changes what a frame reads waits for it
+    // first, in this object by itself; whoever changes something else that `then` or the instances refer to must call
+    // finish() before.
+    void submit(std::span<const stage::Camera> cameras, const FrameSettings& settings, const Then& then = {});
+    // Waits for what was submitted. Returns false where it lacks parts, as it needed more room on the device than there
+    // was; there is more room now.
+    bool finish();
+    // The same as draw(), with the images copied to the host.
     std::vector<media::Image> render_views(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     media::Image render(const stage::Camera& camera, const FrameSettings& settings);
 
@@ -121,10 +132,11 @@ class FrameRenderer {
     // The visible instances of the last image in draw order, in groups that were merged (draw_order.h).
     std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 
-    // GPU time of each pass of the last image.
+    // Of the last image, which must be finished: GPU time of each pass; time from its submission until somebody had
+    // waited for it (Commands::milliseconds); the device's time, which on software devices is the former.
     std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
-    // Time from the submission of the last image until it was finished (Commands::milliseconds).
     double milliseconds() const { return commands_.milliseconds(); }
+    double device_milliseconds() const;
 
   private:
     // Record the frame, pass by pass (frame.cpp), and the copy of its images to the host.
@@ -137,7 +149,10 @@ class FrameRenderer {
     void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
     enum class Destination { kDevice, kHost };
     void choose_far_levels(std::span<const stage::Camera> cameras, FrameSettings& settings) const;
-    void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
+                 const Then& then);
+    FrameSettings begin(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void submit_to(Destination to, const FrameSettings& settings, const Then& then);
     void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
     void make_grids(const FrameSettings& settings, uint32_t views);
     TargetViews views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
@@ -174,6 +189,7 @@ class FrameRenderer {
     ViewLayout layout_;                              // of the last image
     std::vector<RayGrid> grids_;                     // of its views, where it is upscaled
     std::vector<std::vector<DrawnInstance>> drawn_;  // of the last image: the visible ones, near to far
+    bool under_way_ = false;                         // an image that nobody has waited for
     gpu::Commands commands_;
 };
 

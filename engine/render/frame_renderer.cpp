@@ -69,6 +69,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
 FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacity)
     : FrameRenderer(other.device_, {other.levels_.all.begin(), other.levels_.all.begin() + other.levels_.given()},
                     capacity, other.set_) {
+    other.finish();
     slice_shares_ = other.slice_shares_;
     paints_ = std::move(other.paints_);
     shadows_ = std::move(other.shadows_);
@@ -80,6 +81,7 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
 
 // Where each field's share of the budget changes, slices are created again.
 void FrameRenderer::change_fields(std::vector<const Field*> fields, uint32_t shares) {
+    finish();
     if (shares == 0) shares = static_cast<uint32_t>(fields.size());
     const bool same_shares = std::exchange(slice_shares_, shares) == shares;
     if (same_shares && std::ranges::equal(fields, std::span(levels_.all).first(levels_.given()))) return;
@@ -285,6 +287,7 @@ bool FrameRenderer::enlarge() {
 }
 
 void FrameRenderer::forget_slices() {
+    finish();
     for (const auto& performer : performers_)
         if (performer && performer->slices()) performer->slices()->forget();
 }
@@ -308,33 +311,60 @@ void FrameRenderer::choose_far_levels(std::span<const stage::Camera> cameras, Fr
         }
 }
 
-void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given) {
+// Writes what the host writes for an image, and returns its settings with the levels at which instances are drawn.
+FrameSettings FrameRenderer::begin(std::span<const stage::Camera> cameras, const FrameSettings& given) {
     check_settings(cameras, given);
+    finish();
     make_performers(given.far_levels);
     FrameSettings settings = given;
     choose_far_levels(cameras, settings);
     write_rays(cameras, settings);
     write_instances(cameras, settings);
-    do {
-        const TraceSpan span("record and draw");
-        prepare(settings);
-        if (segments_) segments_->begin_frame();
-        commands_.begin();
-        record_frame(settings);
-        if (to == Destination::kHost) record_readback();
-        commands_.submit();
-        commands_.wait();
-    } while (enlarge());
+    return settings;
 }
 
-const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
-    draw_to(Destination::kDevice, cameras, settings);
+void FrameRenderer::submit_to(Destination to, const FrameSettings& settings, const Then& then) {
+    const TraceSpan span("record a frame");
+    prepare(settings);
+    if (segments_) segments_->begin_frame();
+    commands_.begin();
+    record_frame(settings);
+    if (to == Destination::kHost) record_readback();
+    if (then) then(commands_, image_);
+    commands_.submit();
+    under_way_ = true;
+}
+
+bool FrameRenderer::finish() {
+    commands_.wait();
+    return !std::exchange(under_way_, false) || !enlarge();
+}
+
+void FrameRenderer::submit(std::span<const stage::Camera> cameras, const FrameSettings& settings, const Then& then) {
+    submit_to(Destination::kDevice, begin(cameras, settings), then);
+}
+
+void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given,
+                            const Then& then) {
+    const FrameSettings settings = begin(cameras, given);
+    do submit_to(to, settings, then);
+    while (!finish());
+}
+
+const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, const FrameSettings& settings,
+                                       const Then& then) {
+    draw_to(Destination::kDevice, cameras, settings, then);
     return image_;
+}
+
+// The timestamps of software devices leave compute passes out where a submission also draws.
+double FrameRenderer::device_milliseconds() const {
+    return device_.summary().kind == "cpu" ? commands_.milliseconds() : commands_.device_milliseconds();
 }
 
 std::vector<media::Image> FrameRenderer::render_views(std::span<const stage::Camera> cameras,
                                                       const FrameSettings& settings) {
-    draw_to(Destination::kHost, cameras, settings);
+    draw_to(Destination::kHost, cameras, settings, {});
     std::vector<media::Image> images;
     const uint8_t* from = readback_.as<uint8_t>();
     for (size_t view = 0; view < cameras.size(); view++) {
@@ -350,10 +380,12 @@ media::Image FrameRenderer::render(const stage::Camera& camera, const FrameSetti
 }
 
 std::vector<glm::vec4> FrameRenderer::radiance(uint32_t view) const {
+    assert(!under_way_ && "finish() first");
     return rows_of_view<glm::vec4>(device_, target_.rays.radiance, layout_, view);
 }
 
 std::vector<float> FrameRenderer::depth(uint32_t view) const {
+    assert(!under_way_ && "finish() first");
     return rows_of_view<float>(device_, target_.rays.depth, layout_, view);
 }
 

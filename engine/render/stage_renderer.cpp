@@ -68,6 +68,7 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
 
 void StageRenderer::change(const stage::Stage& stage, const StageAssets& assets) {
     NextPaints paints = make_paints(stage, assets);
+    frames_->finish();
     set_->change(stage.scene, assets.environment);
     // Nothing may fail from here on.
     StageClips next(assets);
@@ -207,11 +208,13 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
     FrameCapacity capacity = capacity_;
     capacity.width = width;
     capacity.height = height;
+    frames_->finish();
     set_->resize(capacity.samples * width, capacity.samples * height);
     frames_ = std::make_unique<FrameRenderer>(std::move(*frames_), capacity);
 }
 
 void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment, MissingSegments missing) {
+    frames_->finish();
     const TraceSpan span("show the stage");
     clips_.follow(*stage_, evaluated);
     update_fields();

@@ -68,7 +68,10 @@ class StageRenderer {
     std::optional<Instance> instance_of(const stage::EvaluatedPerformer& performer) const;
 
     // Sets the hidden parts of each view's image (SetRaster::hide) until the next call.
-    void hide(std::span<const std::vector<glm::vec2>> corners) { set_->hide(corners); }
+    void hide(std::span<const std::vector<glm::vec2>> corners) {
+        frames_->finish();
+        set_->hide(corners);
+    }
 
     // The last image as linear light and depth, set included. It must have had one view, and the size and samples of
     // settings_at.
