@@ -51,11 +51,7 @@ struct RenderThread::Job {
 };
 
 RenderThread::RenderThread(const gpu::Device& device, std::function<void()> wake)
-    : device_(device),
-      wake_(std::move(wake)),
-      commands_(device, "render thread", 4),
-      scale_(kMovingTarget_ms),
-      grid_(kMovingTarget_ms) {
+    : device_(device), wake_(std::move(wake)), scale_(kMovingTarget_ms), grid_(kMovingTarget_ms) {
     thread_ = std::thread([this] {
         try {
             run();
@@ -398,7 +394,7 @@ void RenderThread::draw(const ViewRequest& view) {
     note_waiting(lacks || renderer_->holds(evaluated), evaluated);
     settings.scale = std::min(scale_.scale(), view.max_scale);
     settings.next_instances = renderer_->instances_at(view.next_s);
-    copy_to_image(renderer_->frames().draw({&view.camera, 1}, settings), {0, 0}, size);
+    draw_to_image(view.camera, settings, {0, 0});
     const double milliseconds = milliseconds_since(begin);
     scale_.drawn(settings.scale, milliseconds);
 
@@ -465,23 +461,22 @@ void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t 
     settings.width = camera.width;
     settings.height = camera.height;
     settings.samples = samples;
-    copy_to_image(renderer_->frames().draw({&camera, 1}, settings),
-                  {static_cast<int32_t>(part.left), static_cast<int32_t>(part.top)}, {camera.width, camera.height});
+    draw_to_image(camera, settings, {static_cast<int32_t>(part.left), static_cast<int32_t>(part.top)});
 }
 
-void RenderThread::copy_to_image(const gpu::Buffer& pixels, VkOffset2D at, VkExtent2D size) {
-    commands_.begin();
-    gpu::full_barrier(commands_);
-    gpu::move_layout(commands_, *image_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    VkBufferImageCopy region{};
-    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    region.imageOffset = {at.x, at.y, 0};
-    region.imageExtent = {size.width, size.height, 1};
-    vkCmdCopyBufferToImage(commands_.handle(), pixels.buffer, image_->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
-                           &region);
-    gpu::move_layout(commands_, *image_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    commands_.submit();
-    commands_.wait();
+// The image, and its copy to a place in image_, in one submission.
+void RenderThread::draw_to_image(const stage::Camera& camera, const render::FrameSettings& settings, VkOffset2D at) {
+    renderer_->frames().draw({&camera, 1}, settings, [&](gpu::Commands& commands, const gpu::Buffer& pixels) {
+        gpu::full_barrier(commands);
+        gpu::move_layout(commands, *image_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        VkBufferImageCopy region{};
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageOffset = {at.x, at.y, 0};
+        region.imageExtent = {camera.width, camera.height, 1};
+        vkCmdCopyBufferToImage(commands.handle(), pixels.buffer, image_->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                               &region);
+        gpu::move_layout(commands, *image_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    });
 }
 
 void RenderThread::publish(DisplayedImage displayed) {

@@ -144,7 +144,7 @@ class RenderThread {
     void draw_block(const ViewRequest& view, uint32_t block, uint32_t side, uint32_t samples);
     void refine();
     render::FrameSettings settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const;
-    void copy_to_image(const gpu::Buffer& pixels, VkOffset2D at, VkExtent2D size);
+    void draw_to_image(const stage::Camera& camera, const render::FrameSettings& settings, VkOffset2D at);
     void publish(DisplayedImage displayed);
 
     const gpu::Device& device_;
@@ -170,7 +170,6 @@ class RenderThread {
     VkExtent2D capacity_{};
     uint64_t stage_id_ = 0;
     std::shared_ptr<const gpu::DeviceImage> image_;  // to be displayed once something was drawn into it
-    gpu::Commands commands_;
     DynamicScale scale_;
     BlockGrid grid_;
     std::optional<ViewRequest> view_;  // the view that is drawn now
