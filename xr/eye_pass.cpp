@@ -80,8 +80,7 @@ EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
       solid_(device, "eye shape", shape_of(colour, depth, false)),
       translucent_(device, "eye translucent shape", shape_of(colour, depth, true)),
       on_top_(device, "eye on-top shape", shape_of(colour, depth, true, VK_COMPARE_OP_ALWAYS)),
-      vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload),
-      commands_(device, "eye", 4) {}
+      vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload) {}
 
 void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& images) {
     const std::array<VkBuffer, 2> to{images.buffer, renderer.set().depth.buffer};
@@ -106,29 +105,20 @@ void EyePass::upload(const EyeShapes& shapes) {
     for (const auto list : lists) to = std::copy(list.begin(), list.end(), to);
 }
 
-void EyePass::draw(const render::StageRenderer& renderer, const gpu::Buffer& images,
-                   const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
-                   const EyeTarget& target) {
-    commands_.wait();
+void EyePass::record(gpu::Commands& commands, const render::StageRenderer& renderer, const gpu::Buffer& images,
+                     const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
+                     const EyeTarget& target) {
     bind(renderer, images);
     upload(shapes);
-    commands_.begin();
-    record(cameras, renderer.frames().layout(), shapes, vignette, target);
-    commands_.submit();
-    commands_.wait();
-}
-
-void EyePass::record(const std::array<stage::Camera, kEyes>& cameras, const render::ViewLayout& layout,
-                     const EyeShapes& shapes, double vignette, const EyeTarget& target) {
-    const gpu::PassScope scope(commands_, "eyes");
-    gpu::draw_barrier(commands_);
+    const gpu::PassScope scope(commands, "eyes");
+    gpu::draw_barrier(commands);
     constexpr VkImageSubresourceRange kColour{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, kEyes},
         kDepth{VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, kEyes};
     constexpr VkImageLayout kColourLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                             kDepthLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
     // OpenXR hands images out in these layouts and expects them back in the same ones; their old content is not needed.
-    gpu::move_layout(commands_, target.colour, kColour, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout);
-    gpu::move_layout(commands_, target.depth, kDepth, VK_IMAGE_LAYOUT_UNDEFINED, kDepthLayout);
+    gpu::move_layout(commands, target.colour, kColour, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout);
+    gpu::move_layout(commands, target.depth, kDepth, VK_IMAGE_LAYOUT_UNDEFINED, kDepthLayout);
     const VkRenderingAttachmentInfo colour = attachment(target.colour_view, kColourLayout),
                                     depth = attachment(target.depth_view, kDepthLayout);
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
@@ -137,46 +127,47 @@ void EyePass::record(const std::array<stage::Camera, kEyes>& cameras, const rend
     info.colorAttachmentCount = 1;
     info.pColorAttachments = &colour;
     info.pDepthAttachment = &depth;
-    vkCmdBeginRendering(commands_.handle(), &info);
+    vkCmdBeginRendering(commands.handle(), &info);
     const VkViewport viewport{0, 0, static_cast<float>(target.size.width), static_cast<float>(target.size.height),
                               0, 1};
-    vkCmdSetViewport(commands_.handle(), 0, 1, &viewport);
-    vkCmdSetScissor(commands_.handle(), 0, 1, &info.renderArea);
-    vkCmdSetCullMode(commands_.handle(), VK_CULL_MODE_NONE);
-    vkCmdSetFrontFace(commands_.handle(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    draw_image(layout, vignette);
-    draw_shapes(cameras, shapes);
-    vkCmdEndRendering(commands_.handle());
+    vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
+    vkCmdSetScissor(commands.handle(), 0, 1, &info.renderArea);
+    vkCmdSetCullMode(commands.handle(), VK_CULL_MODE_NONE);
+    vkCmdSetFrontFace(commands.handle(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    draw_image(commands, renderer.frames().layout(), vignette);
+    draw_shapes(commands, cameras, shapes);
+    vkCmdEndRendering(commands.handle());
 }
 
-void EyePass::draw_image(const render::ViewLayout& layout, double vignette) {
+void EyePass::draw_image(gpu::Commands& commands, const render::ViewLayout& layout, double vignette) {
     const VkDescriptorSet set = bound_.handle();
-    vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, image_.pipeline());
-    vkCmdBindDescriptorSets(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, image_.layout(), 0, 1, &set, 0,
+    vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, image_.pipeline());
+    vkCmdBindDescriptorSets(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, image_.layout(), 0, 1, &set, 0,
                             nullptr);
-    vkCmdSetDepthWriteEnable(commands_.handle(), VK_TRUE);
-    push(commands_, image_,
+    vkCmdSetDepthWriteEnable(commands.handle(), VK_TRUE);
+    push(commands, image_,
          EyePush{layout.width, layout.height, layout.tiles_across(), layout.tiles_down(),
                  static_cast<float>(render::kSetNear_m), static_cast<float>(vignette)});
-    vkCmdDraw(commands_.handle(), 3, kEyes, 0, 0);
+    vkCmdDraw(commands.handle(), 3, kEyes, 0, 0);
 }
 
 // Holes and solid shapes are drawn where they are nearer than what is drawn already. Holes write their depth, too, so a
 // hand in front of a panel covers it.
-void EyePass::draw_shapes(const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes) {
+void EyePass::draw_shapes(gpu::Commands& commands, const std::array<stage::Camera, kEyes>& cameras,
+                          const EyeShapes& shapes) {
     ShapePush views{};
     for (uint32_t eye = 0; eye < kEyes; eye++)
         views.clip_from_world[eye] = glm::mat4(render::clip_from_world(cameras[eye], render::kSetNear_m));
     const VkDeviceSize start = 0;
-    vkCmdBindVertexBuffers(commands_.handle(), 0, 1, &vertices_.buffer, &start);
+    vkCmdBindVertexBuffers(commands.handle(), 0, 1, &vertices_.buffer, &start);
     uint32_t first = 0;
     const auto draw = [&](const gpu::GraphicsPass& pass, std::span<const ShapeVertex> list, VkBool32 writes_depth) {
         const auto count = static_cast<uint32_t>(list.size());
         if (count > 0) {
-            vkCmdBindPipeline(commands_.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline());
-            vkCmdSetDepthWriteEnable(commands_.handle(), writes_depth);
-            push(commands_, pass, views);
-            vkCmdDraw(commands_.handle(), count, kEyes, first, 0);
+            vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline());
+            vkCmdSetDepthWriteEnable(commands.handle(), writes_depth);
+            push(commands, pass, views);
+            vkCmdDraw(commands.handle(), count, kEyes, first, 0);
         }
         first += count;
     };

@@ -28,29 +28,24 @@ class EyePass {
     // Throws RuntimeFailure where the device does not have Device::output_layer.
     EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth);
 
-    // Draws the images that the renderer drew last, and the shapes over them, and waits for the device. `cameras` are
-    // those of the images (left, right) and have the target's size. `vignette` says how dark the edges are, 0..1.
-    // Leaves the target in the layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL and
-    // DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
-    void draw(const render::StageRenderer& renderer, const gpu::Buffer& images,
-              const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
-              const EyeTarget& target);
-
-    std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
+    // Records how the images of the renderer, and the shapes over them, are drawn: behind the images in their
+    // submission (FrameRenderer::Then). What it recorded before must be finished. `cameras` are those of the images
+    // (left, right) and have the target's size. `vignette` says how dark the edges are, 0..1. Leaves the target in the
+    // layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL and DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
+    void record(gpu::Commands& commands, const render::StageRenderer& renderer, const gpu::Buffer& images,
+                const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
+                const EyeTarget& target);
 
   private:
     void bind(const render::StageRenderer& renderer, const gpu::Buffer& images);
     void upload(const EyeShapes& shapes);
-    void record(const std::array<stage::Camera, kEyes>& cameras, const render::ViewLayout& layout,
-                const EyeShapes& shapes, double vignette, const EyeTarget& target);
-    void draw_image(const render::ViewLayout& layout, double vignette);
-    void draw_shapes(const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes);
+    void draw_image(gpu::Commands& commands, const render::ViewLayout& layout, double vignette);
+    void draw_shapes(gpu::Commands& commands, const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes);
     const gpu::Device& device_;
     gpu::GraphicsPass image_, solid_, translucent_, on_top_;
     gpu::TextureSet bound_;
     std::array<VkBuffer, 2> bound_to_{};  // images and the set's depth; to notice that the renderer has new buffers
     gpu::Buffer vertices_;
-    gpu::Commands commands_;
 };
 
 }  // namespace neuvv::xr

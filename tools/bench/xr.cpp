@@ -1,6 +1,7 @@
 // neuvv-bench xr: the time of a headset's frame on the device, and the share of the second eye in it.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -63,59 +64,119 @@ struct Result {
     // Of each frame; left_share is the time of the left eye alone divided by that of both.
     std::vector<double> both_ms, left_share, eye_pass_ms;
     std::vector<PassSum> passes;  // of both eyes
+    // Of frames that follow each other without a pause: what the host does for one, and the whole time of one, where
+    // the host waits for each image, and where it does not.
+    std::vector<double> host_ms;
+    double waiting_ms = 0, overlapped_ms = 0;
 };
 
-// The timestamps of software devices leave compute passes out in frames that draw; there the host's clock is used.
-double frame_milliseconds(const gpu::Device& device, const render::FrameRenderer& frames) {
-    if (device.summary().kind == "cpu") return frames.milliseconds();
-    return milliseconds(frames.pass_times());
+double milliseconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Draws frames of a stage as a headset shows them.
+class XrFrames {
+  public:
+    XrFrames(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options)
+        : stage_(stage),
+          options_(options),
+          size_(tools::parse_size(options.size)),
+          renderer_(device, stage, render::StageLoader(device).load(stage), capacity_of_eyes(size_)),
+          targets_(device, size_),
+          pass_(device, targets_.colour.shape.format, targets_.depth.shape.format) {}
+
+    // Shows the stage at the time of a frame, and takes the frame's settings and cameras.
+    void begin(uint32_t frame) {
+        const double time_s = frame / options_.hz;
+        const double frame_s = std::floor(time_s * stage_.fps) / stage_.fps;
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage_, frame_s);
+        renderer_.show(evaluated);
+        settings_ = renderer_.settings_at(evaluated);
+        settings_.width = size_.width;
+        settings_.height = size_.height;
+        settings_.mode = render::TraceMode::kPlay;
+        settings_.scale = options_.scale;
+        settings_.next_instances = renderer_.settings_at(stage::stage_at(stage_, frame_s + 1 / stage_.fps)).instances;
+        const xr::EyeViews eyes = eyes_at(stage_, time_s);
+        for (uint32_t eye = 0; eye < xr::kEyes; eye++)
+            cameras_[eye] = xr::eye_camera(eyes.eye[eye], {}, {size_.width, size_.height});
+    }
+    // Both eyes, brought to the headset's images.
+    void draw() { frames().draw(cameras_, settings_, record()); }
+    void submit() { frames().submit(cameras_, settings_, record()); }
+    // Of the same frame; `eyes` 1: the left one.
+    double milliseconds_of(uint32_t eyes) {
+        frames().draw({cameras_.data(), eyes}, settings_);
+        return frames().device_milliseconds();
+    }
+    render::FrameRenderer& frames() { return renderer_.frames(); }
+
+  private:
+    static render::FrameCapacity capacity_of_eyes(media::ImageSize size) {
+        render::FrameCapacity capacity{size.width, size.height};
+        capacity.views = xr::kEyes;
+        return capacity;
+    }
+    render::FrameRenderer::Then record() {
+        return [this](gpu::Commands& commands, const gpu::Buffer& images) {
+            pass_.record(commands, renderer_, images, cameras_, {}, 0, targets_.target);
+        };
+    }
+    const stage::Stage& stage_;
+    const XrOptions& options_;
+    media::ImageSize size_;
+    render::StageRenderer renderer_;
+    EyeTargets targets_;
+    xr::EyePass pass_;
+    render::FrameSettings settings_;
+    std::array<stage::Camera, xr::kEyes> cameras_;
+};
+
+double eyes_ms(const std::vector<gpu::PassTime>& passes) {
+    for (const gpu::PassTime& pass : passes)
+        if (pass.name == "eyes") return pass.milliseconds;
+    return 0;
+}
+
+// Frames without a pause: the host's and the device's work one after the other, then at the same time.
+void measure_overlap(XrFrames& frames, const XrOptions& options, Result& result) {
+    for (const bool waits : {true, false}) {
+        frames.frames().finish();
+        const auto begin = std::chrono::steady_clock::now();
+        for (uint32_t i = 0; i < options.frames && !stop_requested(); i++) {
+            frames.frames().finish();
+            const auto host_begin = std::chrono::steady_clock::now();
+            frames.begin(i);
+            frames.submit();
+            result.host_ms.push_back(milliseconds_since(host_begin));
+            if (waits) frames.frames().finish();
+        }
+        frames.frames().finish();
+        (waits ? result.waiting_ms : result.overlapped_ms) = milliseconds_since(begin) / options.frames;
+    }
 }
 
 Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
-    const media::ImageSize size = tools::parse_size(options.size);
-    render::FrameCapacity capacity{size.width, size.height};
-    capacity.views = xr::kEyes;
-    render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity);
-    const EyeTargets targets(device, size);
-    xr::EyePass pass(device, targets.colour.shape.format, targets.depth.shape.format);
+    XrFrames frames(device, stage, options);
     Result result;
     tools::Progress progress("frames", options.frames);
     constexpr uint32_t kWarmUp = 8;  // frames until pipelines and slices are built
     for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); i++) {
-        const double time_s = i / options.hz;
-        const double frame_s = std::floor(time_s * stage.fps) / stage.fps;
-        const stage::EvaluatedStage evaluated = stage::stage_at(stage, frame_s);
-        renderer.show(evaluated);
-        render::FrameSettings settings = renderer.settings_at(evaluated);
-        settings.width = size.width;
-        settings.height = size.height;
-        settings.mode = render::TraceMode::kPlay;
-        settings.scale = options.scale;
-        for (const render::Instance& next :
-             renderer.settings_at(stage::stage_at(stage, frame_s + 1 / stage.fps)).instances)
-            settings.next_instances.push_back(next);
-        const xr::EyeViews eyes = eyes_at(stage, time_s);
-        std::array<stage::Camera, xr::kEyes> cameras;
-        for (uint32_t eye = 0; eye < xr::kEyes; eye++)
-            cameras[eye] = xr::eye_camera(eyes.eye[eye], {}, {size.width, size.height});
-        const gpu::Buffer& images = renderer.frames().draw(cameras, settings);
-        const double both = frame_milliseconds(device, renderer.frames());
-        const std::vector<gpu::PassTime> passes = renderer.frames().pass_times();
-        pass.draw(renderer, images, cameras, {}, 0, targets.target);
-        const double eye_pass = milliseconds(pass.pass_times());
+        frames.begin(i);
+        frames.draw();
+        const double both = frames.frames().device_milliseconds();
+        const std::vector<gpu::PassTime> passes = frames.frames().pass_times();
         // Both again and the left eye alone, with slices that are there now, so that the difference is the second eye
         // alone.
-        renderer.frames().draw(cameras, settings);
-        const double again = frame_milliseconds(device, renderer.frames());
-        renderer.frames().draw({cameras.data(), 1}, settings);
-        const double left = frame_milliseconds(device, renderer.frames());
+        const double again = frames.milliseconds_of(xr::kEyes), left = frames.milliseconds_of(1);
         if (i < kWarmUp) continue;
-        result.both_ms.push_back(both + eye_pass);
-        result.eye_pass_ms.push_back(eye_pass);
+        result.both_ms.push_back(both);
+        result.eye_pass_ms.push_back(eyes_ms(passes));
         result.left_share.push_back(left / again);
         add_image(result.passes, passes);
         progress.update(i - kWarmUp + 1);
     }
+    measure_overlap(frames, options, result);
     return result;
 }
 
@@ -136,6 +197,10 @@ void print(const Result& result, const gpu::Device& device, const XrOptions& opt
         fmt::print("the second eye costs {:.2f} times the first\n", second);
     else
         fmt::print("what the second eye costs is less than these frames vary by: more --frames, or a larger --size\n");
+    fmt::print(
+        "frames without a pause: {:.2f} ms each where the host waits, {:.2f} ms where it does not; the host's work "
+        "is {:.2f} ms\n",
+        result.waiting_ms, result.overlapped_ms, median(result.host_ms));
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 
@@ -144,6 +209,9 @@ nlohmann::ordered_json json_of(const Result& result) {
             {"p99_ms", quantile(result.both_ms, 0.99)},
             {"eye_pass_ms", median(result.eye_pass_ms)},
             {"second_eye", second_eye(result)},
+            {"host_ms", median(result.host_ms)},
+            {"waiting_ms", result.waiting_ms},
+            {"overlapped_ms", result.overlapped_ms},
             {"passes_ms", passes_json(result.passes)}};
 }
 

@@ -1,6 +1,5 @@
 #include "tools/headset/eye_images.h"
 
-#include <chrono>
 #include <cmath>
 
 namespace neuvv::headset {
@@ -51,8 +50,7 @@ EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, cons
                                                     colour_shape(session.runtime().eye_size(), quality.keep_images))),
       depth_(quality.depth ? depth_images(device, session, colour_->size()) : nullptr),
       pass_(device, colour_->format(), depth_ ? depth_->format() : VK_FORMAT_D32_SFLOAT),
-      dynamic_scale_(8),
-      commands_(device, "mirror", 4) {
+      dynamic_scale_(8) {
     const VkExtent2D size = colour_->size();
     if (!depth_)
         fallback_depth_ =
@@ -64,6 +62,10 @@ EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, cons
                   gpu::ImageShape{
                       size.width, size.height, VK_FORMAT_R8G8B8A8_SRGB,
                       VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+}
+
+EyeImages::~EyeImages() {
+    vkDeviceWaitIdle(device_.handle());  // a lost device must not end the program here
 }
 
 render::FrameCapacity EyeImages::capacity() const {
@@ -120,48 +122,48 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
                      const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
                      const xr::Pose& world_from_tracking, std::span<const render::Instance> next,
                      const xr::EyeShapes& shapes, double vignette, double budget_ms) {
-    const auto begin = std::chrono::steady_clock::now();
     update_hidden_triangles(renderer, eyes);
     for (uint32_t eye = 0; eye < xr::kEyes; eye++)
         cameras_[eye] = xr::eye_camera(eyes.eye[eye], world_from_tracking, size());
     dynamic_scale_.set_target(budget_ms);
+    renderer.frames().finish();
+    if (has_drawn_) dynamic_scale_.drawn(drawn_scale_, renderer.frames().device_milliseconds());
     const render::FrameSettings settings = settings_of(renderer, evaluated, highlight, next);
-    const gpu::Buffer& images = renderer.frames().draw(cameras_, settings);
-    const auto drawn = std::chrono::steady_clock::now();
 
     const uint32_t index = colour_->acquire(), depth = depth_ ? depth_->acquire() : 0;
-    xr::EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : fallback_depth_.image,
-                         colour_->view(index), depth_ ? depth_->view(depth) : fallback_depth_.view, size()};
-    const auto acquired = std::chrono::steady_clock::now();  // waiting for the compositor does not count
-    pass_.draw(renderer, images, cameras_, shapes, vignette, target);
-    const auto ended = std::chrono::steady_clock::now();
-    if (left_) copy_left(target.colour);
+    const xr::EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : fallback_depth_.image,
+                               colour_->view(index), depth_ ? depth_->view(depth) : fallback_depth_.view, size()};
+    const auto record = [&](gpu::Commands& commands, const gpu::Buffer& images) {
+        pass_.record(commands, renderer, images, cameras_, shapes, vignette, target);
+        if (left_) record_left(commands, target.colour);
+    };
+    // A software device draws on the processor that would do other work meanwhile, and its times are the host's.
+    if (device_.summary().kind == "cpu")
+        renderer.frames().draw(cameras_, settings, record);
+    else
+        renderer.frames().submit(cameras_, settings, record);
     colour_->release();
     if (depth_) depth_->release();
     drawn_eyes_ = eyes;
     drawn_scale_ = settings.scale;
-    const std::chrono::duration<double, std::milli> took = (drawn - begin) + (ended - acquired);
-    dynamic_scale_.drawn(drawn_scale_, took.count());
+    has_drawn_ = true;
 }
 
-void EyeImages::copy_left(VkImage image) {
+void EyeImages::record_left(gpu::Commands& commands, VkImage image) {
     has_left_ = true;
     constexpr VkImageSubresourceRange kLayers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, xr::kEyes};
-    commands_.begin();
-    gpu::move_layout(commands_, image, kLayers, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+    gpu::move_layout(commands, image, kLayers, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                      VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    gpu::move_layout(commands_, *left_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    gpu::move_layout(commands, *left_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkImageBlit part{};  // a blit converts between formats, a copy does not
     part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     part.srcOffsets[1] =
         part.dstOffsets[1] = {static_cast<int32_t>(size().width), static_cast<int32_t>(size().height), 1};
-    vkCmdBlitImage(commands_.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, left_->image,
+    vkCmdBlitImage(commands.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, left_->image,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part, VK_FILTER_NEAREST);
-    gpu::move_layout(commands_, *left_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    gpu::move_layout(commands_, image, kLayers, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+    gpu::move_layout(commands, *left_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    gpu::move_layout(commands, image, kLayers, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    commands_.submit();
-    commands_.wait();
 }
 
 const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session, bool over_holes) {

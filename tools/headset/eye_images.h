@@ -25,6 +25,10 @@ class EyeImages {
     // The images have the size that the runtime recommends. Device and session must outlive this object.
     EyeImages(const gpu::Device& device, const xr::Session& session, const EyeQuality& quality);
 
+    ~EyeImages();
+    EyeImages(const EyeImages&) = delete;
+    EyeImages& operator=(const EyeImages&) = delete;
+
     VkExtent2D size() const { return colour_->size(); }
     // The capacity that a renderer of these images needs.
     render::FrameCapacity capacity() const;
@@ -33,9 +37,10 @@ class EyeImages {
     // To be called when a lens hides another part of the image than before.
     void invalidate_mask(uint32_t eye) { mask_outdated_[eye] = true; }
 
-    // Draws what the renderer shows (StageRenderer::show) for both eyes, and prefetches the slices in `next`. Waits for
-    // the device. `highlight` says which parts of a performer are red. `eyes` are in the tracking space. `vignette`
-    // says how dark the edges are, 0..1. `budget_ms` is the time that an image may take, for EyeQuality::scale 0.
+    // Draws what the renderer shows (StageRenderer::show) for both eyes, and prefetches the slices in `next`, all in
+    // one submission, for which nobody waits but on software devices. `highlight` says which parts of a performer are
+    // red. `eyes` are in the tracking space. `vignette` says how dark the edges are, 0..1. `budget_ms` is the time that
+    // an image may take, for EyeQuality::scale 0.
     void draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
               const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
               const xr::Pose& world_from_tracking, std::span<const render::Instance> next, const xr::EyeShapes& shapes,
@@ -55,7 +60,7 @@ class EyeImages {
     render::FrameSettings settings_of(const render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
                                       const render::PerformerHighlight& highlight,
                                       std::span<const render::Instance> next) const;
-    void copy_left(VkImage image);
+    void record_left(gpu::Commands& commands, VkImage image);
     const gpu::Device& device_;
     const xr::Session& session_;
     EyeQuality quality_;
@@ -71,7 +76,7 @@ class EyeImages {
     xr::EyeViews drawn_eyes_;
     std::optional<gpu::DeviceImage> left_;
     bool has_left_ = false;  // left_ has been drawn to
-    gpu::Commands commands_;
+    bool has_drawn_ = false;
     XrCompositionLayerProjection projection_{XR_TYPE_COMPOSITION_LAYER_PROJECTION};
     std::array<XrCompositionLayerProjectionView, xr::kEyes> views_{};
     std::array<XrCompositionLayerDepthInfoKHR, xr::kEyes> depths_{};

@@ -57,10 +57,10 @@ void PanelSurface::draw(const PanelPointer& pointer, double dt_s, const std::fun
     draw_widgets();
     ImGui::Render();
     const uint32_t index = images_.acquire();
+    commands_.wait();  // for the last image
     commands_.begin();
     record(images_.image(index));
     commands_.submit();
-    commands_.wait();
     images_.release();
     has_image_ = true;
 }
