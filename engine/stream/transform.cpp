@@ -79,8 +79,8 @@ Pairs pairs_of_areas(const Octree& tree, const std::vector<double>& areas) {
         tree, [&](uint32_t leaf) { return Sums{areas[leaf]}; },
         [&](size_t pair, const Sums& a, const Sums& b) {
             const bool small = a[0] < kSmall && b[0] < kSmall;
-            pairs[pair] = small ? kPairs[static_cast<size_t>(a[0]) * kSmall + static_cast<size_t>(b[0])]
-                                : pair_of(a[0], b[0], 1);
+            pairs[pair] =
+                small ? kPairs[static_cast<size_t>(a[0]) * kSmall + static_cast<size_t>(b[0])] : pair_of(a[0], b[0], 1);
         });
     return pairs;
 }
