@@ -13,7 +13,7 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr std::array<const char*, stream::kParts> kPartNames = {"shape", "coarse", "fine", "sh_coarse", "sh_fine"};
+constexpr std::array<const char*, stream::kParts> kPartNames = {"shape", "coarse", "sh_coarse", "fine", "sh_fine"};
 
 // Bytes of each part in all frames.
 std::array<uint64_t, stream::kParts> bytes_of_parts(const stream::Index& index) {

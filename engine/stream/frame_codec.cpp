@@ -184,7 +184,7 @@ FrameBytes bytes_of(const FrameSymbols& frame, const Tables& tables) {
     const std::vector<uint8_t> shape = frame.shape.bytes(tables);
     append_number(head, shape.size(), 4);
     head.insert(head.end(), shape.begin(), shape.end());
-    for (const Part part : {kCoarse, kFine, kShCoarse, kShFine}) {
+    for (const Part part : {kCoarse, kShCoarse, kFine, kShFine}) {
         const auto [first, end] = planes_of_part(part, static_cast<uint32_t>(frame.roots.size()));
         const auto& streams = part == kCoarse || part == kShCoarse ? frame.coarse : frame.fine;
         std::vector<uint8_t> all;

@@ -14,9 +14,10 @@ namespace neuvv::stream {
 // What coefficients are rounded to, in units of 1 / kUnit of a plane's values at an opaque leaf of the finest depth.
 using Steps = std::array<uint16_t, kKinds>;  // by Kind
 
-// The parts of a frame's bytes, in their order. Every prefix that ends with a part draws: where fine parts are missing,
-// leaves have the mean of larger cells; where those of spherical harmonics are, colours are the same from all sides.
-enum Part : uint32_t { kShape, kCoarse, kFine, kShCoarse, kShFine, kParts };
+// The parts of a frame's bytes, in their order: what shows most for its bytes comes first. Every prefix that ends with
+// a part draws: where fine parts are missing, leaves have the mean of larger cells; where those of spherical harmonics
+// are, colours are the same from all sides.
+enum Part : uint32_t { kShape, kCoarse, kShCoarse, kFine, kShFine, kParts };
 
 // What weighs a leaf's colours: its area and how opaque it is, but this opacity at least.
 constexpr int16_t kLeastOpacity = 20;

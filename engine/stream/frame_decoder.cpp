@@ -51,7 +51,7 @@ class PlanesReader {
           coarse_(planes_),
           fine_(planes_),
           decoded_(planes_) {
-        for (const Part part : {kCoarse, kFine, kShCoarse, kShFine})
+        for (const Part part : {kCoarse, kShCoarse, kFine, kShFine})
             if (part <= last_) find_streams(part, bytes[part]);
     }
 

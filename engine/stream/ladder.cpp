@@ -31,7 +31,7 @@ Part Ladder::choose(const GroupCost& group, std::optional<double> bytes_per_s) c
         return (!bytes_per_s || bytes <= *bytes_per_s * until_s) &&
                (!seconds_per_byte_ || bytes * *seconds_per_byte_ <= frames_at_once() * until_s);
     };
-    for (const Part last : {kShFine, kShCoarse, kFine})
+    for (const Part last : {kShFine, kFine, kShCoarse})
         if (comes_in_time(last)) return last;
     return kCoarse;
 }

@@ -76,7 +76,7 @@ TEST(FrameCodec, EveryPrefixOfPartsDraws) {
     const stream::Format format{8, 1, 2000};
     double colour = 1e9, harmonics = 1e9;
     for (const stream::Part last :
-         {stream::kShape, stream::kCoarse, stream::kFine, stream::kShCoarse, stream::kShFine}) {
+         {stream::kShape, stream::kCoarse, stream::kShCoarse, stream::kFine, stream::kShFine}) {
         const Slice decoded = stream::decode(bytes, last, frame.tables, format, nullptr);
         EXPECT_EQ(decoded.leaves, slice.leaves);
         const double of_colour = error_of(decoded, slice, 1), of_harmonics = error_of(decoded, slice, 7);

@@ -16,8 +16,8 @@ TEST(Ladder, TakesAllOfAFile) {
 TEST(Ladder, TakesWhatAServerSendsInTime) {
     const stream::Ladder ladder;
     EXPECT_EQ(ladder.choose(kGroup, 80'000 / 0.5 / 0.8), stream::kShFine);
-    EXPECT_EQ(ladder.choose(kGroup, 79'000 / 0.5 / 0.8), stream::kShCoarse);
-    EXPECT_EQ(ladder.choose(kGroup, 59'000 / 0.5 / 0.8), stream::kFine);
+    EXPECT_EQ(ladder.choose(kGroup, 79'000 / 0.5 / 0.8), stream::kFine);
+    EXPECT_EQ(ladder.choose(kGroup, 59'000 / 0.5 / 0.8), stream::kShCoarse);
     EXPECT_EQ(ladder.choose(kGroup, 39'000 / 0.5 / 0.8), stream::kCoarse);
     EXPECT_EQ(ladder.choose(kGroup, 1), stream::kCoarse) << "something is shown, late or not";
 }

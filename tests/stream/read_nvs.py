@@ -511,13 +511,13 @@ def read_planes(parts, group, tables, levels):
     if levels:
         decoders = [PlaneDecoder(levels, i, tables) for i in range(group.plane_count)]
     for number in range(1, len(parts)):
-        planes = range(4) if number <= 2 else range(4, group.plane_count)
+        planes = range(4) if number in (1, 3) else range(4, group.plane_count)
         streams = split_streams(parts[number], planes, f"part {number}")
         for plane, stream in zip(planes, streams):
             if not decoders:
                 stream.finish()
                 check(not stream.words.data, f"{stream.name} should be empty")
-            elif number in (1, 3):
+            elif number in (1, 2):
                 decoders[plane].read_coarse(stream)
             else:
                 decoders[plane].read_fine(stream)
