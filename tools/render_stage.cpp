@@ -10,9 +10,9 @@
 #include "media/image_sink.h"
 #include "render/light_status.h"
 #include "render/stage_renderer.h"
+#include "stage/stage_sound.h"
 #include "tools/render.h"
 #include "tools/report.h"
-#include "tools/stage_sound.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 
@@ -230,7 +230,7 @@ void render_image(render::StageRenderer& renderer, const RenderOptions& options,
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common) {
     const StagePlan plan = plan_stage(options);
     const media::RenderFacts facts = stage_facts(options, plan);
-    std::optional<StageSound> sound;
+    std::optional<stage::StageSound> sound;
     if (plan.output.kind == media::ImageOutput::Kind::kVideo) sound.emplace(plan.stage, plan.first_s);
     RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, plan.images, options.resume);
     if (sound && !sound->is_silent()) {

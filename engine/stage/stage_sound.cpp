@@ -1,20 +1,21 @@
-#include "tools/stage_sound.h"
+#include "stage/stage_sound.h"
 
 #include <cmath>
 #include <map>
 
 #include "stage/evaluated_stage.h"
 
-namespace neuvv::tools {
+namespace neuvv::stage {
 
-StageSound::StageSound(const stage::Stage& stage, double begin_s) {
+StageSound::StageSound(const Stage& stage, double begin_s, const IsHeard& is_heard) {
     std::map<std::filesystem::path, std::shared_ptr<const media::Sound>> sounds;
-    for (const stage::EvaluatedPerformer& evaluated : stage::stage_at(stage, begin_s).performers) {
-        const stage::StagePerformer& performer = stage.performers[evaluated.performer];
+    for (const EvaluatedPerformer& evaluated : stage_at(stage, begin_s).performers) {
+        const StagePerformer& performer = stage.performers[evaluated.performer];
         if (!performer.settings.sound || !evaluated.visible) continue;
+        if (is_heard && !is_heard(evaluated.performer)) continue;
         auto& sound = sounds[performer.sound];
         if (!sound) sound = std::make_shared<const media::Sound>(media::read_sound(performer.sound));
-        heard_.push_back({sound, stage::Heard(*sound, performer.timeline, begin_s),
+        heard_.push_back({sound, Heard(*sound, performer.timeline, begin_s),
                           static_cast<float>(std::pow(10, performer.settings.sound->gain_db / 20))});
     }
 }
@@ -24,4 +25,4 @@ void StageSound::next(std::array<media::StereoSample, media::kSoundHop>& samples
     for (OfPerformer& one : heard_) one.heard.add_hop(samples, one.gain);
 }
 
-}  // namespace neuvv::tools
+}  // namespace neuvv::stage
