@@ -27,6 +27,8 @@ Export::Export(ExportSettings settings)
     if (settings_.output.kind == media::ImageOutput::Kind::kImage && settings_.images > 1)
         throw InputError("export", settings_.output.path.string(), "is one image",
                          "choose an .mp4, or a number as in out_%04d.png");
+    if (settings_.output.kind == media::ImageOutput::Kind::kVideo && settings_.heard_stage)
+        sound_ = std::make_unique<ExportSound>(settings_.heard_stage, settings_.first_s, settings_.is_heard);
 }
 
 std::optional<Export::End> Export::end() const {
@@ -36,28 +38,40 @@ std::optional<Export::End> Export::end() const {
 
 bool Export::stop(std::string text, bool error) {
     sink_.reset();
+    sound_.reset();
     const std::lock_guard lock(mutex_);
     end_ = End{std::move(text), error};
     return false;
 }
 
+// Nothing remains of a video, as it is not complete; numbered images remain.
+bool Export::stop_cancelled() {
+    sound_.reset();  // before the video that it writes to is removed
+    std::error_code ignored;
+    if (is_drawn()) std::filesystem::remove(settings_.output.path, ignored);
+    return stop(fmt::format("export cancelled after {} images", finished_images()), false);
+}
+
 bool Export::step(editor::OnDevice& on_device) {
-    if (cancelled_) return stop(fmt::format("export cancelled after {} images", finished_images()), false);
+    if (cancelled_) return stop_cancelled();
     try {
-        if (!sink_)
-            sink_ = std::make_unique<media::ImageSink>(settings_.output, settings_.size, settings_.fps,
-                                                       media::RenderFacts{}, false);
-        draw_block(on_device);
-        if (block_ < side_ * side_) return true;
-        finish_image();
-        if (finished_ < settings_.images) return true;
-        sink_->finish(settings_.images);
+        if (sound_) sound_->expect_readable();
+        if (!is_drawn()) draw(on_device);
+        if (!is_drawn() || (sound_ && !sound_->add_to(settings_.output.path))) return true;
     } catch (const InputError& problem) {
         return stop(problem.what(), true);
     } catch (const RuntimeFailure& problem) {
         return stop(problem.what(), true);
     }
     return stop(fmt::format("exported {}", settings_.output.path.string()), false);
+}
+
+void Export::draw(editor::OnDevice& on_device) {
+    if (!sink_)
+        sink_ = std::make_unique<media::ImageSink>(settings_.output, settings_.size, settings_.fps,
+                                                   media::RenderFacts{}, false);
+    draw_block(on_device);
+    if (block_ == side_ * side_) finish_image();
 }
 
 void Export::draw_block(editor::OnDevice& on_device) {
@@ -84,6 +98,7 @@ void Export::draw_block(editor::OnDevice& on_device) {
 void Export::finish_image() {
     sink_->add(finished_, image_);
     block_ = 0;
+    if (finished_ + 1 == settings_.images) sink_->finish(settings_.images);
     finished_++;
 }
 

@@ -1,15 +1,17 @@
 // Exports images and videos of the stage: the render thread draws them between the images of the window, and writes
-// each one as soon as it is complete.
+// each one as soon as it is complete. A video gets the sound of the stage when all of its images are written.
 #pragma once
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "editor/render_thread.h"
 #include "media/image_sink.h"
+#include "tools/viewer/export_sound.h"
 
 namespace neuvv::viewer {
 
@@ -22,6 +24,9 @@ struct ExportSettings {
     // The camera at the time of `evaluated`. It must have `size`.
     std::function<stage::Camera(const stage::Stage& stage, const stage::EvaluatedStage& evaluated)> camera;
     bool with_background = true;  // else images have the alpha of what they show
+    // The stage that is heard in a video, and which of its performers are; null: the video has no sound.
+    std::shared_ptr<const stage::Stage> heard_stage;
+    stage::StageSound::IsHeard is_heard;
 };
 
 // One export. The window's thread constructs, watches and cancels it; the render thread calls step().
@@ -30,8 +35,8 @@ class Export {
     // Throws InputError where the settings contradict each other, or where the file cannot be written.
     explicit Export(ExportSettings settings);
 
-    // Draws one block of an image, which takes about as long as an image of a moving view. Returns false when the
-    // export has ended.
+    // Draws one block of an image, which takes about as long as an image of a moving view, or waits a little for the
+    // sound that is added. Returns false when the export has ended.
     bool step(editor::OnDevice& on_device);
 
     void cancel() { cancelled_ = true; }
@@ -45,8 +50,11 @@ class Export {
     std::optional<End> end() const;  // nullopt: it goes on
 
   private:
+    void draw(editor::OnDevice& on_device);
     void draw_block(editor::OnDevice& on_device);
     void finish_image();
+    bool is_drawn() const { return finished_ == settings_.images; }
+    bool stop_cancelled();
     bool stop(std::string text, bool error);
 
     ExportSettings settings_;
@@ -58,6 +66,7 @@ class Export {
     std::unique_ptr<media::ImageSink> sink_;
     uint32_t block_ = 0, side_ = 1;  // the next block; the blocks of an image are side_ × side_
     media::Image image_;
+    std::unique_ptr<ExportSound> sound_;  // null: there is none
 };
 
 }  // namespace neuvv::viewer

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/error.h"
 #include "edit/operations.h"
@@ -78,6 +79,15 @@ void size_fields(Context& context, FieldGroup& fields, ExportChoice& choice) {
     ImGui::NewLine();
 }
 
+// A video has the sounds that the window plays.
+void set_sound(const Context& context, ExportSettings& settings) {
+    settings.heard_stage = context.frame.stage;
+    std::vector<bool> heard;
+    for (const stage::StagePerformer& performer : context.frame.stage->performers)
+        heard.push_back(context.view.hears(performer.name));
+    settings.is_heard = [heard = std::move(heard)](uint32_t performer) { return heard[performer]; };
+}
+
 // The settings of an export, without its output.
 ExportSettings settings_of(const Context& context, const ExportChoice& choice) {
     ExportSettings settings;
@@ -92,6 +102,7 @@ ExportSettings settings_of(const Context& context, const ExportChoice& choice) {
         const double last_s = choice.range == 0 ? context.view.clock.duration_s() : context.view.clock.out_s();
         settings.images = static_cast<uint32_t>(std::max(1.0, std::round((last_s - settings.first_s) * settings.fps)));
     }
+    if (choice.kind == 0) set_sound(context, settings);
     const std::optional<stage::CameraPath>& path = context.frame.stage->settings.camera_path;
     if (path && (choice.camera == kAlongPath || (choice.camera.empty() && context.view.along_path))) {
         settings.camera = [path = *path, size = choice.size](const stage::Stage&,
@@ -162,8 +173,8 @@ void export_progress(Context& context, const Exporter& exporter) {
     const double seconds = context.frame.now_s - exporter.begin_s();
     const std::string left = done > 0 ? fmt::format("{:.0f} s left", seconds / done * (all - done)) : "…";
     ImGui::TextWrapped("%s", job.settings().output.path.string().c_str());
-    ImGui::ProgressBar(static_cast<float>(done) / static_cast<float>(all), {-FLT_MIN, 0},
-                       fmt::format("{} of {}, {}", done, all, left).c_str());
+    const std::string text = done < all ? fmt::format("{} of {}, {}", done, all, left) : "adds the sound";
+    ImGui::ProgressBar(static_cast<float>(done) / static_cast<float>(all), {-FLT_MIN, 0}, text.c_str());
     context.report.item("export/progress");
     if (ImGui::Button(ICON_STOP "  Cancel", {-FLT_MIN, 0})) job.cancel();
     context.report.item("export/cancel");

@@ -1,0 +1,49 @@
+// Tests of the export of videos, by its panel.
+#include "base/error.h"
+#include "media/sound.h"
+#include "media/video.h"
+#include "support/wav_file.h"
+#include "viewer_window/viewer_window.h"
+
+namespace neuvv::test {
+namespace {
+
+using nlohmann::json;
+
+struct Exporting : ViewerWindow {
+    static void set(Hands& hands, const std::string& field, const std::string& value) {
+        hands.double_click(hands.middle_of(field));
+        hands.key("ctrl+a");
+        hands.type(value);
+        hands.key("Return");
+    }
+    void export_to(Hands& hands, const std::string& name) const {
+        hands.wheel(hands.middle_of("export/Width"), -30);  // to the end of the panel
+        hands.click("export/start");
+        hands.middle_of("question/name");
+        hands.type(name);
+        hands.key("Return");
+        hands.until_notice("exported " + file(name.c_str()));
+    }
+};
+
+TEST_F(Exporting, AVideoHasTheSoundsThatTheWindowPlays) {
+    write_wav(file("tone.wav"), stereo_tone(2 * media::kSoundRate), 2, media::kSoundRate);
+    done({"stage", "set", stage, "anna", "--sound", file("tone.wav")});
+    const auto hands = open(stage, "720x780");
+    hands->until_rest();
+    hands->click("tab/render");
+    set(*hands, "export/Width", "64");
+    set(*hands, "export/Height", "48");
+    export_to(*hands, "sung.mp4");
+    EXPECT_EQ(media::summarise_video(file("sung.mp4")).frames, 8u);
+    EXPECT_NEAR(media::read_sound(file("sung.mp4")).length_s(), 2, 0.05);
+    hands->click("stage/anna/sound");
+    hands->until("anna to be muted", [](const json& now) { return now["muted"].size() == 1; });
+    export_to(*hands, "silent.mp4");
+    EXPECT_EQ(media::summarise_video(file("silent.mp4")).frames, 8u);
+    EXPECT_THROW(media::read_sound(file("silent.mp4")), InputError);
+}
+
+}  // namespace
+}  // namespace neuvv::test

@@ -1,0 +1,53 @@
+#include "tools/viewer/export_sound.h"
+
+#include <chrono>
+
+#include "base/error.h"
+#include "media/sound.h"
+
+namespace neuvv::viewer {
+
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{20};
+
+}  // namespace
+
+ExportSound::ExportSound(std::shared_ptr<const stage::Stage> stage, double begin_s, stage::StageSound::IsHeard is_heard)
+    : stage_(std::move(stage)) {
+    reading_ = std::async(std::launch::async, [this, begin_s, is_heard = std::move(is_heard)] {
+        return std::make_unique<stage::StageSound>(
+            *stage_, begin_s, [&](uint32_t performer) { return !cancelled_ && (!is_heard || is_heard(performer)); });
+    });
+}
+
+ExportSound::~ExportSound() {
+    cancelled_ = true;
+}
+
+void ExportSound::expect_readable() {
+    if (sound_ || reading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    sound_ = reading_.get();
+    if (!sound_->is_silent()) media::expect_sound_encoder();
+}
+
+bool ExportSound::add_to(const std::filesystem::path& video) {
+    if (!sound_) {
+        reading_.wait_for(kPatience);
+        expect_readable();
+        if (!sound_) return false;
+    }
+    if (sound_->is_silent()) return true;
+    if (!writing_.valid())
+        writing_ = std::async(std::launch::async, [this, video] {
+            media::add_sound(video, [&](auto& samples) {
+                if (cancelled_) throw RuntimeFailure("the export was cancelled");
+                sound_->next(samples);
+            });
+        });
+    if (writing_.wait_for(kPatience) != std::future_status::ready) return false;
+    writing_.get();
+    return true;
+}
+
+}  // namespace neuvv::viewer
