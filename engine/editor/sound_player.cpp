@@ -16,6 +16,7 @@
 #include "base/file_stamp.h"
 #include "base/seconds.h"
 #include "stage/heard.h"
+#include "stage/pan.h"
 
 namespace neuvv::editor {
 
@@ -27,7 +28,6 @@ using media::kSoundRate;
 constexpr uint32_t kHopsAhead = 5;                // that wait in the device: 107 ms
 constexpr std::chrono::milliseconds kPeriod{10};  // between looks at the device
 constexpr double kMostDrift_s = 0.06;             // between clock and sound, before the sound jumps
-constexpr float kUsualDistance_m = 2;             // at which a sound is as loud as its file
 
 }  // namespace
 
@@ -55,6 +55,7 @@ class SoundPlayer::Output {
         const ALCint attributes[] = {has_hrtf ? ALC_HRTF_SOFT : 0, ALC_TRUE, 0};
         context_ = alcCreateContext(device_, attributes);
         if (!context_ || !alcMakeContextCurrent(context_)) close();
+        if (context_) alDistanceModel(AL_NONE);  // voices have stage::distance_gain, as videos do
     }
     ~Output() {
         voices_.clear();
@@ -87,7 +88,8 @@ class SoundPlayer::Output {
                 if (!sound) continue;
                 found = voices_.emplace(one.number, std::make_unique<Voice>(sound, performer, wanted)).first;
             }
-            found->second->play(one.at);
+            const glm::vec3 ear(wanted.world_from_ear[3]);
+            found->second->play(one.at, static_cast<float>(stage::distance_gain(glm::distance(one.at, ear))));
         }
         return problem;
     }
@@ -105,7 +107,6 @@ class SoundPlayer::Output {
             heard_.begin_softly();
             alGenSources(1, &source_);
             alGenBuffers(static_cast<ALsizei>(buffers_.size()), buffers_.data());
-            alSourcef(source_, AL_REFERENCE_DISTANCE, kUsualDistance_m);
             for (const ALuint buffer : buffers_) fill(buffer);
         }
         ~Voice() {
@@ -116,8 +117,9 @@ class SoundPlayer::Output {
         Voice(const Voice&) = delete;
         Voice& operator=(const Voice&) = delete;
 
-        void play(const glm::vec3& at) {
+        void play(const glm::vec3& at, float distance_gain) {
             alSource3f(source_, AL_POSITION, at.x, at.y, at.z);
+            alSourcef(source_, AL_GAIN, distance_gain);
             ALint played = 0, state = 0;
             alGetSourcei(source_, AL_BUFFERS_PROCESSED, &played);
             for (; played > 0; played--) {

@@ -18,14 +18,19 @@ namespace {
 
 struct SoundPlayerTest : testing::Test {
     TemporaryFolder folder;
-    std::filesystem::path heard = folder.path / "heard.wav";
+    std::filesystem::path heard = of_openal().path / "heard.wav";
     std::shared_ptr<stage::Stage> stage = std::make_shared<stage::Stage>();
     stage::EvaluatedStage evaluated;
 
+    // OpenAL reads its settings once.
+    static const TemporaryFolder& of_openal() {
+        static const TemporaryFolder made;
+        return made;
+    }
     void SetUp() override {
-        std::ofstream(folder.path / "alsoft.conf")
+        std::ofstream(of_openal().path / "alsoft.conf")
             << "[general]\nfrequency = 48000\nchannels = stereo\n[wave]\nfile = " << heard.string() << "\n";
-        setenv("ALSOFT_CONF", (folder.path / "alsoft.conf").c_str(), 1);
+        setenv("ALSOFT_CONF", (of_openal().path / "alsoft.conf").c_str(), 1);
         setenv("ALSOFT_DRIVERS", "wave", 1);
         write_wav(folder.path / "tone.wav", stereo_tone(4 * media::kSoundRate), 2, media::kSoundRate);
         stage::StagePerformer& performer = stage->performers.emplace_back();
@@ -54,6 +59,30 @@ double loudness(const media::Sound& sound, size_t side, size_t from, size_t to) 
     double sum = 0;
     for (size_t i = from; i < to; i++) sum += std::pow(sound.samples[i][side] / 32768.0, 2);
     return std::sqrt(sum / static_cast<double>(to - from));
+}
+
+// The loudest 20 ms of both sides together.
+double loudest(const media::Sound& sound) {
+    constexpr size_t kPart = media::kSoundRate / 50;
+    double most = 0;
+    for (size_t i = 0; i + kPart < sound.samples.size(); i += kPart)
+        most = std::max(most, std::hypot(loudness(sound, 0, i, i + kPart), loudness(sound, 1, i, i + kPart)));
+    return most;
+}
+
+TEST_F(SoundPlayerTest, APerformerFourTimesAsFarAwayIsAQuarterAsLoud) {
+    const auto loudest_at = [&](double x_m) {
+        evaluated.performers.resize(1);
+        evaluated.performers[0].world_from_performer[3] = glm::dvec4(x_m, 0, 0, 1);
+        {
+            editor::SoundPlayer player;
+            follow(player, 0, 0.5, 1);
+        }
+        return loudest(media::read_sound(heard));
+    };
+    const double near = loudest_at(2);
+    EXPECT_GT(near, 0.05);
+    EXPECT_NEAR(loudest_at(8) / near, 0.25, 0.03);
 }
 
 TEST_F(SoundPlayerTest, APerformerIsHeardFromWhereItIsWhileTheClockRuns) {
