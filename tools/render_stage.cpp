@@ -81,12 +81,14 @@ std::vector<ViewStep> orbit_of(const StagePlan& plan) {
                       plan.size);
 }
 
-// The camera of image i.
-stage::Camera camera_of(const RenderOptions& options, const StagePlan& plan, const stage::EvaluatedStage& evaluated,
-                        uint32_t i) {
+// The camera at the time of `evaluated`; of the orbit, that of the nearest image.
+stage::Camera camera_of(const RenderOptions& options, const StagePlan& plan, const stage::EvaluatedStage& evaluated) {
     const media::ImageSize size = plan.size;
-    if (plan.path) return stage::camera_at(*plan.path, plan.time_s(i), size.width, size.height);
-    if (!plan.orbit.empty()) return plan.orbit[i % plan.orbit.size()].camera;
+    if (plan.path) return stage::camera_at(*plan.path, evaluated.time_s, size.width, size.height);
+    if (!plan.orbit.empty()) {
+        const auto image = static_cast<size_t>(std::llround((evaluated.time_s - plan.first_s) * plan.fps));
+        return plan.orbit[image % plan.orbit.size()].camera;
+    }
     return stage::camera_of(plan.stage, options.camera, evaluated, size.width, size.height);
 }
 
@@ -100,7 +102,7 @@ void set_depth_range(const RenderOptions& options, StagePlan& plan) {
         const auto i = static_cast<uint32_t>(uint64_t{plan.images} * k / samples);
         const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
         const auto [near, far] =
-            depth_range({{camera_of(options, plan, evaluated, i), 0}}, stage::performers_box(plan.stage, evaluated));
+            depth_range({{camera_of(options, plan, evaluated), 0}}, stage::performers_box(plan.stage, evaluated));
         nearest = std::min(nearest, near);
         farthest = std::max(farthest, far);
     }
@@ -171,7 +173,7 @@ StagePlan plan_stage(const RenderOptions& options) {
     const stage::EvaluatedStage first = stage::stage_at(plan.stage, plan.first_s);
     if (!plan.path && (options.orbit || (!stage::has_camera(first) && options.camera.empty())))
         plan.orbit = orbit_of(plan);
-    camera_of(options, plan, first, 0);  // throws InputError where the stage has no such camera
+    camera_of(options, plan, first);  // throws InputError where the stage has no such camera
     warn_of_light_limits(plan.stage, first);
     set_depth_range(options, plan);
     return plan;
@@ -211,7 +213,7 @@ media::RenderFacts stage_facts(const RenderOptions& options, const StagePlan& pl
 void render_image(render::StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan, uint32_t i,
                   media::ImageSink& sink) {
     const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
-    const stage::Camera camera = camera_of(options, plan, evaluated, i);
+    const stage::Camera camera = camera_of(options, plan, evaluated);
     renderer.show(evaluated, options.background.empty());
     tell_not_shown(renderer.take_problems());
     render::FrameSettings settings = renderer.settings_at(evaluated);
@@ -231,7 +233,10 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     const StagePlan plan = plan_stage(options);
     const media::RenderFacts facts = stage_facts(options, plan);
     std::optional<stage::StageSound> sound;
-    if (plan.output.kind == media::ImageOutput::Kind::kVideo) sound.emplace(plan.stage, plan.first_s);
+    if (plan.output.kind == media::ImageOutput::Kind::kVideo)
+        sound.emplace(plan.stage, plan.first_s, [&](const stage::EvaluatedStage& evaluated) {
+            return camera_of(options, plan, evaluated).world_from_camera;
+        });
     RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, plan.images, options.resume);
     if (sound && !sound->is_silent()) {
         media::expect_sound_encoder();

@@ -6,6 +6,8 @@
 
 #include "media/sound.h"
 #include "media/video.h"
+#include "stage/evaluated_stage.h"
+#include "stage/pan.h"
 #include "support/wav_file.h"
 #include "tests/tools/cli_gpu.h"
 #include "voctree/clip.h"
@@ -31,30 +33,51 @@ struct CliSound : CliGpu {
         call.insert(call.end(), more.begin(), more.end());
         expect_done(call);
     }
-    // The loudest sample of the video's sound, in its middle.
-    double loudest() const {
+    // The loudest sample of a side of the video's sound, in its middle; a tone at 0 dB has 1.
+    double loudest(size_t side = 0) const {
         const media::Sound sound = media::read_sound(video);
         EXPECT_NEAR(sound.length_s(), 1, 0.05);
         double most = 0;
         for (size_t i = media::kSoundRate / 4; i < media::kSoundRate * 3 / 4; i++)
-            most = std::max(most, std::abs(sound.samples[i][0] / 16000.0));
+            most = std::max(most, std::abs(sound.samples[i][side] / 16000.0));
         return most;
+    }
+    // What this is of a performer at -6 dB, by where it is for the stage's camera.
+    double expected(size_t side = 0) const {
+        const stage::Stage stage = stage::load_stage(show);
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
+        const glm::dmat4 camera_from_world =
+            glm::inverse(stage::camera_of(stage, "", evaluated, 32, 24).world_from_camera);
+        const glm::dvec3 at(camera_from_world * evaluated.performers[0].world_from_performer[3]);
+        const double of_both_sides = 0.75;  // of the tone
+        return of_both_sides * std::pow(10, -6.0 / 20) * double{stage::pan_gains(at)[side]};
     }
 };
 
 TEST_F(CliSound, AVideoOfAStageHasTheSoundOfItsPerformers) {
     render({});
     EXPECT_EQ(media::summarise_video(video).frames, 8u);
-    EXPECT_NEAR(loudest(), std::pow(10, -6.0 / 20), 0.05);
+    EXPECT_GT(expected(), 0.1);
+    EXPECT_NEAR(loudest(), expected(), 0.05 * expected());
     const ProgramResult info = run_neuvv({"stage", "info", show});
     EXPECT_NE(info.out.find("sound tone.wav at -6 dB"), std::string::npos) << info.out;
     expect_done({"stage", "add", show, scene, "--name", "berta", "--time", "loop", "--sound", wav, "--gain", "-6"});
     render({});
-    EXPECT_NEAR(loudest(), 2 * std::pow(10, -6.0 / 20), 0.1) << "both together";
+    EXPECT_NEAR(loudest(), 2 * expected(), 0.1 * expected()) << "both together";
     expect_done({"stage", "set", show, "berta", "--visible", "off"});
     expect_done({"stage", "set", show, "anna", "--sound", ""});
     render({});
     EXPECT_THROW(media::read_sound(video), InputError) << "nobody is heard";
+}
+
+TEST_F(CliSound, APerformerIsHeardFromItsSideOfTheCamera) {
+    expect_done({"stage", "set", show, "anna", "--at", "3,0,1"});
+    render({});
+    EXPECT_NEAR(loudest(0), expected(0), 0.05 * expected(1));
+    EXPECT_NEAR(loudest(1), expected(1), 0.05 * expected(1));
+    EXPECT_GT(loudest(1), 1.5 * loudest(0));
+    render({"--orbit"});  // a quarter of its turn, on which the camera comes past the performer's other side
+    EXPECT_GT(std::abs(loudest(1) / loudest(0) - expected(1) / expected(0)), 0.1);
 }
 
 TEST_F(CliSound, PartsOfAVideoAreJoinedWithSound) {
@@ -62,10 +85,10 @@ TEST_F(CliSound, PartsOfAVideoAreJoinedWithSound) {
     EXPECT_FALSE(std::filesystem::exists(video));
     render({"--part", "2/2"});
     EXPECT_EQ(media::summarise_video(video).frames, 8u);
-    EXPECT_NEAR(loudest(), std::pow(10, -6.0 / 20), 0.05);
+    EXPECT_NEAR(loudest(), expected(), 0.05 * expected());
     EXPECT_FALSE(std::filesystem::exists(video + ".parts"));
     render({"--part", "2/2", "--resume"});  // finds that all is there
-    EXPECT_NEAR(loudest(), std::pow(10, -6.0 / 20), 0.05);
+    EXPECT_NEAR(loudest(), expected(), 0.05 * expected());
 }
 
 // A clip's sound lies beside it, and goes where the clip goes.

@@ -10,6 +10,7 @@
 #include "edit/operations.h"
 #include "media/sound.h"
 #include "media/video.h"
+#include "stage/pan.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -21,6 +22,7 @@ namespace neuvv::test::export_test {
 namespace {
 
 constexpr size_t kRate = media::kSoundRate;
+constexpr glm::dvec3 kPerformer{0, -0.5, -3};  // in the camera's frame
 
 // A stage of two seconds with anna and berta, who are heard in its second second.
 struct ExportTest : GpuTest {
@@ -77,13 +79,14 @@ struct ExportTest : GpuTest {
         EXPECT_TRUE(wait_for([&] { return job->end().has_value(); }));
         return job->end().value_or(viewer::Export::End{});
     }
-    // The loudest sample of the video's middle, where 1 is as loud as one performer.
+    // The loudest sample of the video's middle, where 1 is as loud as one performer is for the camera.
     double loudest(const char* file) const {
         const media::Sound sound = media::read_sound(folder.path / file);
         EXPECT_NEAR(sound.length_s(), 0.5, 0.05);
         double most = 0;
         for (size_t i = kRate / 8; i < 3 * kRate / 8; i++) most = std::max(most, std::abs(sound.samples[i][0] / 1.0));
-        return most / (16000 * std::pow(10, -12.0 / 20));
+        const double of_both_sides = 0.75;  // of the tone
+        return most / (of_both_sides * 16000 * std::pow(10, -12.0 / 20) * double{stage::pan_gains(kPerformer)[0]});
     }
 };
 

@@ -28,7 +28,12 @@ Export::Export(ExportSettings settings)
         throw InputError("export", settings_.output.path.string(), "is one image",
                          "choose an .mp4, or a number as in out_%04d.png");
     if (settings_.output.kind == media::ImageOutput::Kind::kVideo && settings_.heard_stage)
-        sound_ = std::make_unique<ExportSound>(settings_.heard_stage, settings_.first_s, settings_.is_heard);
+        sound_ = std::make_unique<ExportSound>(
+            settings_.heard_stage, settings_.first_s,
+            [stage = settings_.heard_stage, camera = settings_.camera](const stage::EvaluatedStage& evaluated) {
+                return camera(*stage, evaluated).world_from_camera;
+            },
+            settings_.is_heard);
 }
 
 std::optional<Export::End> Export::end() const {

@@ -21,7 +21,7 @@ struct ExportSettings {
     double fps = 25, first_s = 0;      // images per second of the stage; the stage time of the first image
     uint32_t images = 1, samples = 2;  // how many images; rays per pixel along each side
     bool far_levels = true;            // FrameSettings::far_levels
-    // The camera at the time of `evaluated`. It must have `size`.
+    // The camera at the time of `evaluated`. It must have `size`. Any thread may call it, at any time of the stage.
     std::function<stage::Camera(const stage::Stage& stage, const stage::EvaluatedStage& evaluated)> camera;
     bool with_background = true;  // else images have the alpha of what they show
     // The stage that is heard in a video, and which of its performers are; null: the video has no sound.

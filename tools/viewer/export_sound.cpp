@@ -13,11 +13,13 @@ constexpr std::chrono::milliseconds kPatience{20};
 
 }  // namespace
 
-ExportSound::ExportSound(std::shared_ptr<const stage::Stage> stage, double begin_s, stage::StageSound::IsHeard is_heard)
+ExportSound::ExportSound(std::shared_ptr<const stage::Stage> stage, double begin_s,
+                         const stage::StageSound::EarAt& ear_at, const stage::StageSound::IsHeard& is_heard)
     : stage_(std::move(stage)) {
-    reading_ = std::async(std::launch::async, [this, begin_s, is_heard = std::move(is_heard)] {
-        return std::make_unique<stage::StageSound>(
-            *stage_, begin_s, [&](uint32_t performer) { return !cancelled_ && (!is_heard || is_heard(performer)); });
+    reading_ = std::async(std::launch::async, [this, begin_s, ear_at, is_heard] {
+        return std::make_unique<stage::StageSound>(*stage_, begin_s, ear_at, [&](uint32_t performer) {
+            return !cancelled_ && (!is_heard || is_heard(performer));
+        });
     });
 }
 

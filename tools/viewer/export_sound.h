@@ -13,8 +13,9 @@ namespace neuvv::viewer {
 
 class ExportSound {
   public:
-    // Begins to read what is heard of the stage from a stage time on.
-    ExportSound(std::shared_ptr<const stage::Stage> stage, double begin_s, stage::StageSound::IsHeard is_heard);
+    // Begins to read what is heard of the stage from a stage time on. Both functions are called on other threads.
+    ExportSound(std::shared_ptr<const stage::Stage> stage, double begin_s, const stage::StageSound::EarAt& ear_at,
+                const stage::StageSound::IsHeard& is_heard);
     // Gives up what goes on. It may wait until a file is read.
     ~ExportSound();
     ExportSound(const ExportSound&) = delete;
