@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/error.h"
 #include "media/libav.h"
+#include "media/memory_input.h"
 #include "media/sound.h"
 
 extern "C" {
@@ -27,15 +29,9 @@ constexpr size_t kSilenceAtATime = kSoundRate;
 
 class SoundReader {
   public:
-    SoundReader(const std::filesystem::path& path, const TakeSamples& take) : path_(path), take_(take) {
-        AVDictionary* options = nullptr;
-        av_dict_set(&options, "protocol_whitelist", "file", 0);
-        av_dict_set(&options, "format_whitelist", kFormats, 0);
-        AVFormatContext* opened = nullptr;
-        const int code = avformat_open_input(&opened, file_url(path).c_str(), nullptr, &options);
-        av_dict_free(&options);
-        if (code < 0) fail("cannot be opened as a sound");
-        input_.reset(opened);
+    SoundReader(const SoundFile& file, const TakeSamples& take) : path_(file.path), take_(take) {
+        open(file);
+        AVFormatContext* opened = input_.get();
         const AVCodec* codec = nullptr;
         int index = -1;
         if (avformat_find_stream_info(opened, nullptr) >= 0)
@@ -66,6 +62,25 @@ class SoundReader {
     }
 
   private:
+    // So that the file cannot make FFmpeg open others or the network.
+    void open(const SoundFile& file) {
+        AVFormatContext* opened = nullptr;
+        if (file.bytes) {
+            memory_.emplace(*file.bytes);
+            opened = avformat_alloc_context();
+            if (!opened) throw std::bad_alloc();
+            opened->pb = memory_->context();
+        }
+        AVDictionary* options = nullptr;
+        av_dict_set(&options, "protocol_whitelist", file.bytes ? "none" : "file", 0);
+        av_dict_set(&options, "format_whitelist", kFormats, 0);
+        const std::string url = file.bytes ? std::string() : file_url(path_);
+        const int code = avformat_open_input(&opened, url.c_str(), nullptr, &options);  // where it fails, it frees
+        av_dict_free(&options);
+        if (code < 0) fail("cannot be opened as a sound");
+        input_.reset(opened);
+    }
+
     // What the converter was opened for.
     struct Form {
         int format = -1, rate = 0, channels = 0;
@@ -153,6 +168,7 @@ class SoundReader {
     }
 
     std::filesystem::path path_;
+    std::optional<MemoryInput> memory_;  // of a file whose content is given; input_ reads from it
     OwnedInput input_;
     OwnedCodec decoder_;
     OwnedPacket packet_;
@@ -168,14 +184,14 @@ class SoundReader {
 
 }  // namespace
 
-void decode_sound(const std::filesystem::path& path, const TakeSamples& take) {
+void decode_sound(const SoundFile& file, const TakeSamples& take) {
     av_log_set_level(AV_LOG_QUIET);  // only tools print
-    SoundReader(path, take).read();
+    SoundReader(file, take).read();
 }
 
-Sound read_sound(const std::filesystem::path& path) {
+Sound read_sound(const SoundFile& file) {
     Sound sound;
-    decode_sound(path, [&](std::span<const StereoSample16> samples) {
+    decode_sound(file, [&](std::span<const StereoSample16> samples) {
         sound.samples.insert(sound.samples.end(), samples.begin(), samples.end());
         return true;
     });

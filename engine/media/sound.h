@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace neuvv::media {
@@ -25,19 +28,30 @@ struct Sound {
     double length_s() const { return static_cast<double>(samples.size()) / kSoundRate; }
 };
 
+// A file that has a sound: on the disk, unless its content is given.
+struct SoundFile {
+    template <std::convertible_to<std::filesystem::path> Path>
+    SoundFile(const Path& on_disk) : path(on_disk) {}  // implicit, as this is the usual case
+    SoundFile(std::filesystem::path name, std::shared_ptr<const std::vector<uint8_t>> content)
+        : path(std::move(name)), bytes(std::move(content)) {}
+
+    std::filesystem::path path;  // or the address: errors name the file by it
+    std::shared_ptr<const std::vector<uint8_t>> bytes;
+};
+
 constexpr double kMaxSound_s = 4 * 3600;
 
 // Reads the first sound of a file: .wav, .flac, .ogg, .mp3, .m4a, .mp4, .mov, .mkv, .webm or .avi. One channel is heard
 // from both sides; of more than two, libswresample makes two. A track that begins later than its file has silence
 // first, and so has a gap; what is damaged is left out. Throws InputError where it has none, cannot be read or decoded,
 // or lasts longer than kMaxSound_s.
-Sound read_sound(const std::filesystem::path& path);
+Sound read_sound(const SoundFile& file);
 
 // Takes the next samples of a sound that is being read. Returns whether more are wanted.
 using TakeSamples = std::function<bool(std::span<const StereoSample16>)>;
 
 // Reads a sound as read_sound does, but keeps none of it: `take` gets all samples in order, some at a time.
-void decode_sound(const std::filesystem::path& path, const TakeSamples& take);
+void decode_sound(const SoundFile& file, const TakeSamples& take);
 
 // Fills in the next kSoundHop samples.
 using NextSamples = std::function<void(std::array<StereoSample, kSoundHop>&)>;

@@ -61,10 +61,10 @@ SoundPeaks peaks_of(const Sound& sound) {
     return meter.peaks();
 }
 
-std::optional<SoundPeaks> read_sound_peaks(const std::filesystem::path& path, const std::function<bool()>& goes_on) {
+std::optional<SoundPeaks> read_sound_peaks(const SoundFile& file, const std::function<bool()>& goes_on) {
     PeakMeter meter;
     bool stopped = false;
-    decode_sound(path, [&](std::span<const StereoSample16> samples) {
+    decode_sound(file, [&](std::span<const StereoSample16> samples) {
         meter.add(samples);
         stopped = !goes_on();
         return !stopped;

@@ -37,6 +37,6 @@ SoundPeaks peaks_of(const Sound& sound);
 
 // Of a file, of which never more is in memory than one decoded packet. Asks `goes_on` again and again; nullopt where it
 // has returned false. Throws what read_sound throws.
-std::optional<SoundPeaks> read_sound_peaks(const std::filesystem::path& path, const std::function<bool()>& goes_on);
+std::optional<SoundPeaks> read_sound_peaks(const SoundFile& file, const std::function<bool()>& goes_on);
 
 }  // namespace neuvv::media

@@ -7,7 +7,10 @@
 #include <fstream>
 #include <numbers>
 
+#include "base/error.h"
+#include "base/platform.h"
 #include "media/libav.h"
+#include "media/sound_peaks.h"
 #include "media/video.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
@@ -170,6 +173,28 @@ TEST_F(SoundTest, ASoundIsWrittenByItself) {
         EXPECT_GT(10 * std::log10(power / noise), 25) << "side " << side;
     }
     EXPECT_THROW(media::write_sound(folder.path / "missing" / "a.m4a", before), RuntimeFailure);
+}
+
+TEST_F(SoundTest, AFileInMemoryIsHeardAsOnTheDisk) {
+    media::Sound sound;
+    for (const int16_t value : stereo_tone(media::kSoundRate / 2)) sound.samples.push_back({value, value});
+    const std::filesystem::path file = folder.path / "a.m4a";
+    media::write_sound(file, sound);
+    const auto content = std::make_shared<const std::vector<uint8_t>>(read_file(file));
+    const media::Sound read = media::read_sound({"https://host/a.m4a", content});
+    EXPECT_GT(read.samples.size(), sound.samples.size() / 2);
+    EXPECT_EQ(read.samples, media::read_sound(file).samples);
+    const auto peaks = media::read_sound_peaks({"https://host/a.m4a", content}, [] { return true; });
+    EXPECT_GT(peaks->largest(0.1, 0.2), 0.2f);
+    for (const size_t kept : {size_t{0}, size_t{1}, size_t{100}, content->size() / 2}) {
+        const auto cut = std::make_shared<const std::vector<uint8_t>>(content->begin(),
+                                                                      content->begin() + static_cast<ptrdiff_t>(kept));
+        try {
+            EXPECT_LE(media::read_sound({"https://host/a.m4a", cut}).samples.size(), read.samples.size());
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("https://host/a.m4a"), std::string::npos) << error.what();
+        }
+    }
 }
 
 TEST_F(SoundTest, WhatHasNoSoundIsRefused) {
