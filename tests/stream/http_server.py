@@ -22,10 +22,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def do_GET(self):
         count = seen[self.path] = seen.get(self.path, 0) + 1
-        _, mode, name = self.path.split("/")
-        data = (FOLDER / name).read_bytes()
-        if mode == "missing":
+        _, mode, name = self.path.partition("?")[0].split("/")
+        if mode == "missing" or not (FOLDER / name).is_file():
             return self.send_error(404)
+        data = (FOLDER / name).read_bytes()
         if mode == "busy" and count <= 2 or mode == "busy-always":
             return self.send_error(503)
         if mode in ("redirect", "circle", "file"):
