@@ -13,6 +13,7 @@
 #include "tools/report.h"
 #include "tools/unfinished_clip.h"
 #include "voctree/clip.h"
+#include "voctree/clip_sound.h"
 #include "voctree/coarse.h"
 #include "voctree/frames.h"
 #include "voctree/nvv.h"
@@ -103,7 +104,7 @@ std::optional<media::Sound> heard_in(const std::vector<HeardPiece>& pieces, cons
     double end_s = 0;
     for (const HeardPiece& piece : pieces) {
         if (const auto file = voctree::sound_beside(piece.clip)) {
-            const media::Sound sound = media::read_sound(*file);
+            const media::Sound sound = media::read_sound(voctree::sound_here(*file));
             const auto first = std::min(static_cast<size_t>(piece.from_s * media::kSoundRate), sound.samples.size());
             const auto last =
                 std::min(first + static_cast<size_t>(piece.length_s * media::kSoundRate), sound.samples.size());

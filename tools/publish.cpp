@@ -21,6 +21,7 @@
 #include "tools/published_scene.h"
 #include "tools/report.h"
 #include "voctree/clip.h"
+#include "voctree/clip_sound.h"
 #include "voctree/slice.h"
 
 namespace neuvv::tools {
@@ -198,7 +199,8 @@ void copy_sound(const std::filesystem::path& clip, const std::filesystem::path& 
     const std::filesystem::path to = voctree::sound_file(output);
     std::error_code error;
     if (!sound || std::filesystem::equivalent(*sound, to, error)) return;
-    const std::vector<uint8_t> bytes = read_file(*sound);
+    const media::SoundFile file = voctree::sound_here(*sound);
+    const std::vector<uint8_t> bytes = file.bytes ? *file.bytes : read_file(file.path);
     write_file_atomically(to, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
 }
 

@@ -10,6 +10,7 @@
 #include "motion/skeleton_file.h"
 #include "stage/stage.h"
 #include "tools/options.h"
+#include "voctree/clip_sound.h"
 
 namespace neuvv::tools {
 
@@ -135,8 +136,10 @@ void add_performer_options(Command verb, edit::PerformerEdit& edit) {
         "--skeleton", edit.skeleton, [](const std::string& file) { motion::read_skeleton(file); },
         "Its .skeleton.glb; empty: the file beside its .nvv");
     add_file(
-        "--sound", edit.sound, [](const std::string& file) { media::read_sound(file); },
-        "What is heard as its clip plays: a .wav, .flac, .ogg, .mp3, .m4a, or a video with sound; empty: nothing");
+        "--sound", edit.sound, [](const std::string& file) { media::read_sound(voctree::sound_here(file)); },
+        "What is heard as its clip plays: a .wav, .flac, .ogg, .mp3, .m4a, or a video with sound, or the address of "
+        "one; "
+        "empty: nothing");
     verb.add_option("--gain", edit.gain_db, "How loud its sound is, dB")
         .number_between(stage::kLeastGain_db, stage::kMostGain_db);
 }

@@ -19,6 +19,7 @@
 #include "training/schedule.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
+#include "voctree/clip_sound.h"
 
 namespace neuvv::tools {
 

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "edit/document.h"
 #include "voctree/clip.h"
+#include "voctree/clip_sound.h"
 
 namespace neuvv::edit {
 
@@ -110,7 +111,7 @@ void edit_sound(stage::StageFile& file, ordered_json& performer, const Performer
         performer.erase("sound");
         changes.push_back("no sound");
     } else if (edit.sound) {
-        performer["sound"]["uri"] = stage::uri_of_file(file, *edit.sound);
+        performer["sound"]["uri"] = stage::uri_of_file_or_address(file, *edit.sound);
         changes.push_back("sound " + performer["sound"]["uri"].get<std::string>());
     }
     if (!edit.gain_db) return;
@@ -128,7 +129,7 @@ void edit_performer(stage::StageFile& file, ordered_json& performer, const Perfo
         changes.push_back(text);
     };
     if (edit.clip) {
-        performer["uri"] = stage::uri_of_clip(file, *edit.clip);
+        performer["uri"] = stage::uri_of_file_or_address(file, *edit.clip);
         changes.push_back("plays " + performer["uri"].get<std::string>());
     }
     if (edit.time) {

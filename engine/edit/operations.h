@@ -42,11 +42,12 @@ struct PerformerEdit {
     std::optional<double> spin_deg_per_s, opacity;
     std::optional<bool> visible, casts_shadow, receives_shadow;
     std::optional<std::filesystem::path> skeleton;  // of a .skeleton.glb; empty: the file beside the .nvv
-    std::optional<std::filesystem::path> sound;     // a file with a sound; empty: none
+    std::optional<std::filesystem::path> sound;     // a file with a sound, or its address; empty: none
     std::optional<double> gain_db;                  // of a sound that is there or given here
 };
 // Adds a performer on a node of its own at the end of the scene. An empty name stands for the clip's file name. Where
-// no sound is given and the clip has one beside it (voctree::sound_beside), that is the performer's.
+// no sound is given and the clip has one beside it (voctree::sound_beside), that is the performer's; the server of a
+// stream is asked for it.
 std::string add_performer(stage::StageFile& file, const std::string& name, const PerformerEdit& edit,
                           const Placement& placement);
 std::string set_performer(stage::StageFile& file, uint32_t node, const PerformerEdit& edit);

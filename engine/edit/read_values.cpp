@@ -39,7 +39,7 @@ std::optional<stage::PerformerSettings> performer_on(const stage::StageFile& fil
 }
 
 std::filesystem::path clip_of(const stage::StageFile& file, uint32_t node) {
-    return stage::clip_of_uri(file, performer_of(file, node).value("uri", ""), title_of(file, node));
+    return stage::file_or_address_of_uri(file, performer_of(file, node).value("uri", ""), title_of(file, node));
 }
 
 stage::StageSettings stage_settings_of(const stage::StageFile& file) {

@@ -23,13 +23,12 @@ std::optional<PerformerTrack> track_of(const stage::StageFile& file, uint32_t no
     PerformerTrack track;
     track.node = node;
     track.name = node_title(file, node);
-    track.clip = stage::clip_of_uri(file, settings.uri, json_pointer_of(node) + "/uri");
+    track.clip = stage::file_or_address_of_uri(file, settings.uri, json_pointer_of(node) + "/uri");
     const auto clip = std::find_if(clips.begin(), clips.end(),
                                    [&](const stage::StageClip& other) { return other.path == track.clip; });
     if (clip == clips.end()) return std::nullopt;
     if (settings.sound) {
-        track.sound =
-            stage::absolute_path(stage::file_of_uri(file, settings.sound->uri, json_pointer_of(node) + "/sound"));
+        track.sound = stage::file_or_address_of_uri(file, settings.sound->uri, json_pointer_of(node) + "/sound");
         track.gain_db = settings.sound->gain_db;
     }
     track.map = settings.time;

@@ -9,14 +9,17 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <map>
 #include <optional>
+#include <stop_token>
 
 #include "base/error.h"
 #include "base/file_stamp.h"
 #include "base/seconds.h"
 #include "stage/heard.h"
 #include "stage/pan.h"
+#include "voctree/clip_sound.h"
 
 namespace neuvv::editor {
 
@@ -58,6 +61,7 @@ class SoundPlayer::Output {
         if (context_) alDistanceModel(AL_NONE);  // voices have stage::distance_gain, as videos do
     }
     ~Output() {
+        stop_.request_stop();
         voices_.clear();
         close();
     }
@@ -174,14 +178,21 @@ class SoundPlayer::Output {
         alListener3f(AL_POSITION, at.x, at.y, at.z);
         alListenerfv(AL_ORIENTATION, orientation.data());
     }
-    // A file is read again only when it has changed; null where it cannot be read.
+    // A file is read again only when it has changed. Threads of their own read, so that meanwhile the others are heard:
+    // null until the file is read, and where it cannot be read.
     std::shared_ptr<const media::Sound> sound_of(const std::filesystem::path& file, std::string& problem) {
         Known& known = sounds_[file];
         const FileStamp stamp = stamp_of(file);
-        if (known.stamp && *known.stamp == stamp) return known.sound;
-        known = {stamp, nullptr};
+        if (!known.reading.valid() && known.stamp != stamp) {
+            const auto read = [file, stop = stop_.get_token()] {
+                return std::make_shared<const media::Sound>(media::read_sound(voctree::sound_here(file, stop)));
+            };
+            known = {stamp, nullptr, std::async(std::launch::async, read)};
+        }
+        if (!known.reading.valid() || known.reading.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+            return known.sound;
         try {
-            known.sound = std::make_shared<const media::Sound>(media::read_sound(file));
+            known.sound = known.reading.get();
         } catch (const std::exception& error) {
             problem = error.what();
         }
@@ -195,7 +206,9 @@ class SoundPlayer::Output {
     struct Known {
         std::optional<FileStamp> stamp;
         std::shared_ptr<const media::Sound> sound;
+        std::future<std::shared_ptr<const media::Sound>> reading;  // not valid: nothing is being read
     };
+    std::stop_source stop_;  // of downloads
     std::map<std::filesystem::path, Known> sounds_;
     std::map<uint32_t, std::unique_ptr<Voice>> voices_;  // by performer
 };

@@ -4,6 +4,8 @@
 #include <exception>
 #include <utility>
 
+#include "voctree/clip_sound.h"
+
 namespace neuvv::editor {
 
 namespace {
@@ -17,6 +19,7 @@ Waveforms::~Waveforms() {
         const std::lock_guard lock(mutex_);
         stop_ = true;
     }
+    stop_source_.request_stop();
     changed_.notify_all();
     if (thread_.joinable()) thread_.join();
 }
@@ -78,7 +81,8 @@ void Waveforms::read_changed(const std::filesystem::path& file) {
     Known read{stamp, nullptr};
     std::string problem;
     try {
-        auto peaks = media::read_sound_peaks(file, [&] { return is_wanted(file); });
+        auto peaks = media::read_sound_peaks(voctree::sound_here(file, stop_source_.get_token()),
+                                             [&] { return is_wanted(file); });
         if (!peaks) return;
         read.peaks = std::make_shared<const media::SoundPeaks>(std::move(*peaks));
     } catch (const std::exception& error) {

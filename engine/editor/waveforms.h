@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -28,9 +29,9 @@ class Waveforms {
     Waveforms(const Waveforms&) = delete;
     Waveforms& operator=(const Waveforms&) = delete;
 
-    // The files with sounds that are displayed from now on. Nothing waits for them: the thread, which begins with the
-    // first file, reads each, and again when it has changed, which it looks for now and once a second. What is no
-    // longer among the files is forgotten.
+    // The files with sounds that are displayed from now on, or their addresses. Nothing waits for them: the thread,
+    // which begins with the first file, reads each, and again when it has changed, which it looks for now and once a
+    // second. What is no longer among the files is forgotten.
     void follow(Files files);
 
     // Null until the file has been read, and where it cannot be read. While it is read again, the waveform that it had.
@@ -49,7 +50,8 @@ class Waveforms {
     bool is_wanted(const std::filesystem::path& file) const;
 
     std::function<void()> wake_;
-    mutable std::mutex mutex_;  // guards what follows
+    std::stop_source stop_source_;  // of downloads
+    mutable std::mutex mutex_;      // guards what follows
     std::condition_variable changed_;
     Files files_;
     bool looks_now_ = false;

@@ -32,12 +32,12 @@ struct PaintLayer {
 constexpr double kLeastGain_db = -60, kMostGain_db = 24;
 
 struct PerformerSound {
-    std::string uri;     // of a file with a sound, relative to the stage
+    std::string uri;     // of a file with a sound (file_or_address_of_uri)
     double gain_db = 0;  // kLeastGain_db to kMostGain_db
 };
 
 struct PerformerSettings {
-    std::string uri;            // of the clip (clip_of_uri)
+    std::string uri;            // of the clip (file_or_address_of_uri)
     TimeMap time;               // stage time to clip time
     double spin_deg_per_s = 0;  // about the performer's +Y, proportional to stage time
     bool visible = true;

@@ -60,12 +60,12 @@ void read_performers(Stage& stage, bool clips_needed) {
         performer.node = i;
         performer.name = node_title(stage.scene, i);
         performer.settings = performer_settings_of(*extension, file, place);
-        const std::filesystem::path path = clip_of_uri(stage.file, performer.settings.uri, place + "/uri");
+        const std::filesystem::path path = file_or_address_of_uri(stage.file, performer.settings.uri, place + "/uri");
         if (!performer.settings.skeleton_uri.empty())
             performer.skeleton =
                 absolute_path(file_of_uri(stage.file, performer.settings.skeleton_uri, place + "/skeleton"));
         if (performer.settings.sound)
-            performer.sound = absolute_path(file_of_uri(stage.file, performer.settings.sound->uri, place + "/sound"));
+            performer.sound = file_or_address_of_uri(stage.file, performer.settings.sound->uri, place + "/sound");
         for (const PaintLayer& layer : performer.settings.paint) file_of_uri(stage.file, layer.uri, place + "/paint");
         if (!stage.scene.nodes[i].in_scene) continue;
         std::error_code error;

@@ -33,7 +33,7 @@ struct StagePerformer {
     std::string name;   // node_title
     uint32_t clip = 0;  // index into Stage::clips
     PerformerSettings settings;
-    std::filesystem::path skeleton, sound;  // absolute; empty where the file does not name one
+    std::filesystem::path skeleton, sound;  // absolute, or an address of a sound; empty where the file names none
     Timeline timeline;
 };
 

@@ -231,12 +231,12 @@ std::string uri_of_file(const StageFile& file, const std::filesystem::path& name
     return encoded_uri(whole.lexically_relative(folder_of(file.path)).generic_string());
 }
 
-std::filesystem::path clip_of_uri(const StageFile& file, const std::string& uri, const std::string& place) {
+std::filesystem::path file_or_address_of_uri(const StageFile& file, const std::string& uri, const std::string& place) {
     return stream::is_address(uri) ? std::filesystem::path(uri) : absolute_path(file_of_uri(file, uri, place));
 }
 
-std::string uri_of_clip(const StageFile& file, const std::filesystem::path& clip) {
-    return stream::is_address(clip) ? clip.string() : uri_of_file(file, clip);
+std::string uri_of_file_or_address(const StageFile& file, const std::filesystem::path& named) {
+    return stream::is_address(named) ? named.string() : uri_of_file(file, named);
 }
 
 }  // namespace neuvv::stage

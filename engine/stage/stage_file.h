@@ -61,10 +61,10 @@ std::filesystem::path file_of_uri(const StageFile& file, const std::string& uri,
 // The inverse: a URI relative to the stage for any file.
 std::string uri_of_file(const StageFile& file, const std::filesystem::path& named);
 
-// The clip that a performer's URI names: the absolute path of a file (file_of_uri), or as it is written the address of
-// a stream, http:// or https://. Throws InputError as file_of_uri does.
-std::filesystem::path clip_of_uri(const StageFile& file, const std::string& uri, const std::string& place);
+// The clip or the sound that a performer's URI names: the absolute path of a file (file_of_uri), or as it is written an
+// address on a server, http:// or https://. Throws InputError as file_of_uri does.
+std::filesystem::path file_or_address_of_uri(const StageFile& file, const std::string& uri, const std::string& place);
 // The inverse.
-std::string uri_of_clip(const StageFile& file, const std::filesystem::path& clip);
+std::string uri_of_file_or_address(const StageFile& file, const std::filesystem::path& named);
 
 }  // namespace neuvv::stage

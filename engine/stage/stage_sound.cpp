@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "stage/pan.h"
+#include "voctree/clip_sound.h"
 
 namespace neuvv::stage {
 
@@ -15,7 +16,8 @@ using media::kSoundRate;
 
 }  // namespace
 
-StageSound::StageSound(const Stage& stage, double begin_s, EarAt ear_at, const IsHeard& is_heard)
+StageSound::StageSound(const Stage& stage, double begin_s, EarAt ear_at, const IsHeard& is_heard,
+                       const std::stop_token& stop)
     : stage_(stage), begin_s_(begin_s), ear_at_(std::move(ear_at)) {
     const EvaluatedStage evaluated = stage_at(stage, begin_s);
     const glm::dmat4 world_from_ear = ear_at_(evaluated);
@@ -25,7 +27,8 @@ StageSound::StageSound(const Stage& stage, double begin_s, EarAt ear_at, const I
         if (!performer.settings.sound || !shown.visible) continue;
         if (is_heard && !is_heard(shown.performer)) continue;
         auto& sound = sounds[performer.sound];
-        if (!sound) sound = std::make_shared<const media::Sound>(media::read_sound(performer.sound));
+        if (!sound)
+            sound = std::make_shared<const media::Sound>(media::read_sound(voctree::sound_here(performer.sound, stop)));
         const auto own_gain = static_cast<float>(std::pow(10, performer.settings.sound->gain_db / 20));
         heard_.push_back({shown.performer, sound, Heard(*sound, performer.timeline, begin_s), own_gain, {}});
         heard_.back().gains = gains_of(heard_.back(), evaluated, world_from_ear);

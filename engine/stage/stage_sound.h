@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "stage/evaluated_stage.h"
@@ -20,9 +21,11 @@ class StageSound {
     // Where the ear is at the time of `evaluated`: its axes are those of Camera::world_from_camera.
     using EarAt = std::function<glm::dmat4(const EvaluatedStage& evaluated)>;
 
-    // Reads the sounds of the performers that are visible at the stage time at which it begins, each file once. Without
-    // `is_heard`, all of them are heard. The stage must outlive it. Throws InputError, and what `ear_at` throws.
-    StageSound(const Stage& stage, double begin_s, EarAt ear_at, const IsHeard& is_heard = {});
+    // Reads the sounds of the performers that are visible at the stage time at which it begins, each file once, and
+    // those of servers from there. Without `is_heard`, all of them are heard. The stage must outlive it. Throws
+    // InputError, what `ear_at` throws, and where it waits for a server soon after `stop` was requested.
+    StageSound(const Stage& stage, double begin_s, EarAt ear_at, const IsHeard& is_heard = {},
+               const std::stop_token& stop = {});
 
     bool is_silent() const { return heard_.empty(); }
     // The next samples; where it is louder than a file can be, it is cut off there. Both sides of a performer's sound

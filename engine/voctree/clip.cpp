@@ -23,16 +23,6 @@ void expect_no_stream(const std::filesystem::path& path) {
                          "name that .nvv");
 }
 
-std::filesystem::path sound_file(const std::filesystem::path& clip) {
-    return std::filesystem::path(clip).replace_extension(".m4a");
-}
-
-std::optional<std::filesystem::path> sound_beside(const std::filesystem::path& clip) {
-    std::error_code error;
-    if (stream::is_address(clip) || !std::filesystem::is_regular_file(sound_file(clip), error)) return std::nullopt;
-    return sound_file(clip);
-}
-
 bool is_plenoctree(const std::filesystem::path& path) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return false;

@@ -39,11 +39,6 @@ void expect_no_stream(const std::filesystem::path& path);
 // Whether the path ends with ".nvv", ".nvs" or ".npz".
 bool has_clip_ending(const std::filesystem::path& path);
 
-// The file beside a clip that has its sound, if it has any: NAME.m4a for NAME.nvv and NAME.nvs.
-std::filesystem::path sound_file(const std::filesystem::path& clip);
-// The same; nothing where there is none, and for a clip on a server.
-std::optional<std::filesystem::path> sound_beside(const std::filesystem::path& clip);
-
 // Whether the file is a zip file, as only PlenOctrees are among clips. False where it cannot be read.
 bool is_plenoctree(const std::filesystem::path& path);
 

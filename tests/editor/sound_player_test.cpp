@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "media/sound.h"
+#include "stream/served_stream.h"
 #include "support/temporary_folder.h"
 #include "support/wav_file.h"
 
@@ -83,6 +84,19 @@ TEST_F(SoundPlayerTest, APerformerFourTimesAsFarAwayIsAQuarterAsLoud) {
     const double near = loudest_at(2);
     EXPECT_GT(near, 0.05);
     EXPECT_NEAR(loudest_at(8) / near, 0.25, 0.03);
+}
+
+TEST_F(SoundPlayerTest, AServerThatDoesNotAnswerSilencesNobodyElse) {
+    ServedStream served;
+    served.start(3);
+    write_wav(served.folder.path / "long.wav", stereo_tone(8 * media::kSoundRate), 2, media::kSoundRate);
+    stage->performers[1].sound = fmt::format("http://127.0.0.1:{}/gate/long.wav", served.port);
+    {
+        editor::SoundPlayer player;
+        follow(player, 0, 0.5, 1);
+        EXPECT_EQ(player.take_problem(), "");
+    }
+    EXPECT_GT(loudest(media::read_sound(heard)), 0.05);
 }
 
 TEST_F(SoundPlayerTest, APerformerIsHeardFromWhereItIsWhileTheClockRuns) {

@@ -117,12 +117,12 @@ TEST_F(StageFiles, APerformerMayPlayWhatIsAtAnAddress) {
     write_text(at("s.gltf"), R"({"asset":{"version":"2.0"},"nodes":[{"extensions":{"NEUVV_performer":{"uri":")" +
                                  address + R"("}}}]})");
     stage::StageFile file = stage::read_stage_file(at("s.gltf"));
-    EXPECT_EQ(stage::clip_of_uri(file, address, "p"), address);
-    EXPECT_EQ(stage::uri_of_clip(file, address), address);
-    EXPECT_EQ(stage::clip_of_uri(file, "../a.nvv", "p"), stage::absolute_path(at("../a.nvv")));
-    EXPECT_EQ(stage::uri_of_clip(file, at("a.nvv")), "a.nvv");
+    EXPECT_EQ(stage::file_or_address_of_uri(file, address, "p"), address);
+    EXPECT_EQ(stage::uri_of_file_or_address(file, address), address);
+    EXPECT_EQ(stage::file_or_address_of_uri(file, "../a.nvv", "p"), stage::absolute_path(at("../a.nvv")));
+    EXPECT_EQ(stage::uri_of_file_or_address(file, at("a.nvv")), "a.nvv");
     for (const char* uri : {"ftp://example.com/a.nvs", "file:a.nvs", "/etc/passwd"})
-        expect_input_error([&] { stage::clip_of_uri(file, uri, "/nodes/0"); }, {"s.gltf", "/nodes/0"});
+        expect_input_error([&] { stage::file_or_address_of_uri(file, uri, "/nodes/0"); }, {"s.gltf", "/nodes/0"});
     std::filesystem::create_directories(at("other"));
     stage::save_stage_file(file, at("other/s.gltf"));
     const auto json = stage::read_stage_file(at("other/s.gltf")).json;

@@ -8,6 +8,7 @@
 #include "media/video.h"
 #include "stage/evaluated_stage.h"
 #include "stage/pan.h"
+#include "stream/served_stream.h"
 #include "support/wav_file.h"
 #include "tests/tools/cli_gpu.h"
 #include "voctree/clip.h"
@@ -126,6 +127,21 @@ TEST_F(CliSound, AClipTakesItsSoundAlong) {
     EXPECT_EQ(media::read_sound(file("sung.m4a")).samples, whole.samples) << "it is that file already";
     expect_done({"clip", "join", clip, file("cut.nvv"), "-o", file("joined.nvv")});
     EXPECT_NEAR(media::read_sound(file("joined.m4a")).length_s(), (frames + 1) / fps, 0.03);
+}
+
+TEST_F(CliSound, TheSoundBesideAStreamOnAServerIsItsPerformers) {
+    test::ServedStream served;
+    served.start(3);
+    media::write_sound(served.folder.path / "show.m4a", media::read_sound(wav));
+    std::filesystem::remove(show);
+    expect_done({"stage", "new", show});
+    expect_done({"stage", "add", show, served.address("ok"), "--name", "anna", "--time", "loop", "--gain", "-6"});
+    const ProgramResult info = run_neuvv({"stage", "info", show});
+    EXPECT_NE(info.out.find("/ok/show.m4a at -6 dB"), std::string::npos) << info.out;
+    render({});
+    EXPECT_GT(loudest(), 0.02);
+    std::filesystem::remove(served.folder.path / "show.m4a");
+    expect_refused({"render", show, "-o", video, "--size", "32x24", "--time", "0:1"}, 2, {"show.m4a", "404"});
 }
 
 TEST_F(CliSound, WrongSoundsAreRefused) {

@@ -17,14 +17,15 @@ ExportSound::ExportSound(std::shared_ptr<const stage::Stage> stage, double begin
                          const stage::StageSound::EarAt& ear_at, const stage::StageSound::IsHeard& is_heard)
     : stage_(std::move(stage)) {
     reading_ = std::async(std::launch::async, [this, begin_s, ear_at, is_heard] {
-        return std::make_unique<stage::StageSound>(*stage_, begin_s, ear_at, [&](uint32_t performer) {
-            return !cancelled_ && (!is_heard || is_heard(performer));
-        });
+        const auto is_still_heard = [&](uint32_t performer) {
+            return !stop_.stop_requested() && (!is_heard || is_heard(performer));
+        };
+        return std::make_unique<stage::StageSound>(*stage_, begin_s, ear_at, is_still_heard, stop_.get_token());
     });
 }
 
 ExportSound::~ExportSound() {
-    cancelled_ = true;
+    stop_.request_stop();
 }
 
 void ExportSound::expect_readable() {
@@ -43,7 +44,7 @@ bool ExportSound::add_to(const std::filesystem::path& video) {
     if (!writing_.valid())
         writing_ = std::async(std::launch::async, [this, video] {
             media::add_sound(video, [&](auto& samples) {
-                if (cancelled_) throw RuntimeFailure("the export was cancelled");
+                if (stop_.stop_requested()) throw RuntimeFailure("the export was cancelled");
                 sound_->next(samples);
             });
         });

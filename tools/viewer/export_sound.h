@@ -2,10 +2,10 @@
 // looks in between whether they are done.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <stop_token>
 
 #include "stage/stage_sound.h"
 
@@ -31,7 +31,7 @@ class ExportSound {
 
   private:
     std::shared_ptr<const stage::Stage> stage_;
-    std::atomic<bool> cancelled_ = false;
+    std::stop_source stop_;
     std::unique_ptr<stage::StageSound> sound_;  // once it is read
     std::future<std::unique_ptr<stage::StageSound>> reading_;
     std::future<void> writing_;  // the last members, because their threads use those above
