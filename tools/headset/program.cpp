@@ -1,0 +1,99 @@
+#include "tools/headset/program.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "editor/open_file.h"
+
+namespace neuvv::headset {
+
+namespace {
+
+constexpr double kNotice_s = 6, kFinish_s = 60;
+
+}  // namespace
+
+double seconds_since(Clock::time_point from) {
+    return std::chrono::duration<double>(Clock::now() - from).count();
+}
+
+void print_line(const std::string& line) {
+    fmt::print(stderr, "{}\n", line);
+}
+
+void Program::open() {
+    const std::filesystem::path stage = editor::stage_of_file(options.file);
+    std::vector<edit::RecoveryEntry> recoverable = editor::lost_edits_of(stage);
+    std::optional<edit::RecoveryEntry> recovered;
+    if (!recoverable.empty()) recovered = std::move(recoverable.front());
+    if (recovered && !options.recover) {
+        print_line(fmt::format("unsaved edits of {} are kept: --recover takes them", stage.string()));
+        recovered.reset();
+    }
+    if (recovered) state.editor.notify("unsaved edits of an earlier run are taken: save keeps them");
+    if (recovered && edit::has_foreign_file(*recovered))
+        state.editor.notify("the stage's file has changed since: saving keeps that beside it");
+    state.editor.open(recovered ? edit::restore(*recovered) : editor::open_document(options.file),
+                      recovered.has_value());
+    state.follow_document();
+    settings.load(state, interaction.grab.settings);
+    state.clock.playing = options.play;
+    if (!options.trainee.empty())
+        training.begin(state, coach::read_trainer(*state.stage, ""), motion::open_pose_source(options.trainee));
+    state.evaluate();
+    saver.emplace(state.editor, jobs);
+    saver->autosave.opened(std::move(recovered));
+}
+
+void Program::finish() {
+    interaction.grab.release(state);
+    interaction.painter.end_stroke(state);
+    const Clock::time_point from = Clock::now();
+    do {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        jobs.run_posted();
+        state.follow_document();
+        interaction.painter.process_strokes(state);
+    } while ((!jobs.idle() || jobs.has_posted() || interaction.painter.is_at_work()) &&
+             seconds_since(from) < kFinish_s);
+    notify();
+}
+
+void Program::leave() {
+    leaving = !state.editor.modified() || saver->saving() || now_s() < confirm_until_s;
+    if (leaving) return;
+    confirm_until_s = now_s() + kNotice_s;
+    state.editor.notify("not saved: Leave once more keeps the edits for --recover", true);
+}
+
+void Program::notify() {
+    for (editor::Notice& notice : state.editor.take_notices()) {
+        print_line(notice.text);
+        notice.until_s = now_s() + kNotice_s;
+        notices.push_back(std::move(notice));
+    }
+    std::erase_if(notices, [&](const editor::Notice& notice) { return notice.until_s < now_s(); });
+}
+
+void write_report(const Program& program) {
+    nlohmann::json report;
+    const xr::Pose tracking = xr::inverse(xr::world_from_tracking(program.state.rig));
+    for (const auto& [name, at] : program.panel_items) {
+        if (!program.interaction.panel) break;
+        const glm::dvec3 place = tracking * program.interaction.panel->point_at(at);
+        report["panel"][name] = {place.x, place.y, place.z};
+    }
+    report["time_s"] = program.state.clock.time_s();
+    report["speed"] = program.state.clock.speed;
+    report["playing"] = program.state.clock.playing;
+    report["stands"] = {program.state.rig.position.x, program.state.rig.position.y, program.state.rig.position.z};
+    report["turned_deg"] = glm::degrees(program.state.rig.yaw_rad);
+    report["train"] = program.training.facts();
+    report["modified"] = program.state.editor.modified();
+    const std::string text = report.dump(1);
+    write_file_atomically(program.options.report, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
+}
+
+}  // namespace neuvv::headset

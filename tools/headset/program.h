@@ -1,0 +1,66 @@
+// What outlives sessions and runtimes: the document with its stage, its history and time, the user and what hands do.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/job_queue.h"
+#include "base/platform.h"
+#include "editor/document_saver.h"
+#include "editor/sound_player.h"
+#include "tools/headset/headset.h"
+#include "tools/headset/interaction.h"
+#include "tools/headset/settings.h"
+#include "tools/headset/training.h"
+#include "tools/ui/window.h"
+
+namespace neuvv::headset {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point from);
+// To stderr.
+void print_line(const std::string& line);
+
+struct Program {
+    explicit Program(const HeadsetOptions& given)
+        : options(given), jobs([this](const std::string& problem) { state.editor.notify(problem, true); }, [] {}) {}
+
+    const HeadsetOptions& options;
+    HeadsetState state;
+    JobQueue jobs;
+    editor::SoundPlayer sound;
+    Interaction interaction = Interaction(jobs);
+    Training training = Training(jobs);
+    HeadsetSettings settings = HeadsetSettings(config_folder().empty() ? "" : config_folder() / "headset.json");
+    std::optional<editor::DocumentSaver> saver;
+    std::vector<editor::Notice> notices;
+    std::unique_ptr<ui::Window> window;  // of the mirror; null without --mirror
+    Clock::time_point began = Clock::now();
+    bool rig_is_set = false;       // the user has a position in the stage
+    bool leaving = false;          // the user wants to leave
+    std::optional<xr::Pose> head;  // tracking space; the last tracked pose
+    uint64_t frames = 0;           // drawn since the program began
+    std::map<std::string, glm::dvec2> panel_items;
+
+    double confirm_until_s = 0;  // until then, Leave leaves although there are unsaved edits
+
+    double now_s() const { return seconds_since(began); }
+    // Opens the file of the options. Throws InputError.
+    void open();
+    // Does what the button Leave does. The recovery files keep unsaved edits; still, the first press only reports that
+    // there are any.
+    void leave();
+    // Prints new notices, and removes those that have been on the panel for some seconds.
+    void notify();
+    // Ends grabs and strokes, and waits for unfinished strokes and files, but not for ever.
+    void finish();
+};
+
+// Writes the report that HeadsetOptions::report asks for.
+void write_report(const Program& program);
+
+}  // namespace neuvv::headset

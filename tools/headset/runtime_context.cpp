@@ -1,0 +1,62 @@
+#include "tools/headset/runtime_context.h"
+
+namespace neuvv::headset {
+
+RuntimeContext::RuntimeContext(Program& program)
+    : device(
+          program.options.device, program.options.validate ? gpu::Validation::kOn : gpu::Validation::kOff,
+          [this, &program] {
+              gpu::DeviceExtensions extensions = runtime.device_extensions();
+              if (!program.window) return extensions;
+              const gpu::DeviceExtensions more = program.window->extensions();
+              extensions.instance.insert(extensions.instance.end(), more.instance.begin(), more.instance.end());
+              extensions.device.insert(extensions.device.end(), more.device.begin(), more.device.end());
+              return extensions;
+          }(),
+          runtime.device_maker()) {}
+
+namespace {
+
+void update_clips(HeadsetState& state, RuntimeContext& context) {
+    state.leaf_boxes.clear();
+    for (uint32_t clip = 0; clip < state.stage->clips.size(); clip++) {
+        state.leaf_boxes.push_back(context.renderer->leaf_box(clip));
+        context.clips[state.stage->clips[clip].path] = context.renderer->shared_field(clip);
+    }
+}
+
+}  // namespace
+
+void RuntimeContext::follow(Program& program) {
+    program.state.follow_document();
+    if (drawn_stage == program.state.stage) return;
+    try {
+        renderer->change(*program.state.stage, loader->load(*program.state.stage));
+    } catch (const InputError& error) {  // a clip or a layer is missing: the last edit cannot be shown
+        program.state.stage = drawn_stage;
+        return program.state.editor.take_back(error.what());
+    }
+    drawn_stage = program.state.stage;
+    update_clips(program.state, *this);
+}
+
+void RuntimeContext::make_renderer(Program& program, const EyeImages& eyes) {
+    if (renderer) return;
+    const render::PaintSource paint = [&program](const std::filesystem::path& layer) {
+        return voctree::files_of_layer(program.state.editor.document().paint, stage::absolute_path(layer));
+    };
+    drawn_stage = program.state.stage;
+    loader = std::make_unique<render::StageLoader>(device, paint);
+    renderer =
+        std::make_unique<render::StageRenderer>(device, *drawn_stage, loader->load(*drawn_stage), eyes.capacity());
+    update_clips(program.state, *this);
+    program.state.evaluate();
+    if (!program.rig_is_set)
+        program.state.floor_m = editor::floor_of(program.state);  // afterwards it stays, as the user stands on it
+}
+
+void RuntimeContext::print_validation_messages() const {
+    for (const std::string& message : device.drain_validation_messages()) print_line("validation: " + message);
+}
+
+}  // namespace neuvv::headset

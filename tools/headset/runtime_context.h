@@ -1,0 +1,33 @@
+// The runtime, the device that it created, and the stage on that device.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "render/stage_renderer.h"
+#include "tools/headset/program.h"
+#include "xr/runtime.h"
+
+namespace neuvv::headset {
+
+struct RuntimeContext {
+    explicit RuntimeContext(Program& program);
+    // Creates the renderer, where there is none yet, for the first session's images.
+    void make_renderer(Program& program, const EyeImages& eyes);
+    // Shows the document where it was edited since. An edit that cannot be shown is taken back.
+    void follow(Program& program);
+    // Prints what the validation layers reported since the last call.
+    void print_validation_messages() const;
+
+    xr::Runtime runtime;
+    gpu::Device device;
+    // All clips that were ever on the stage, so that undoing a deletion reads no file between two frames. Of segmented
+    // clips, it is the first segment.
+    std::map<std::filesystem::path, std::shared_ptr<const render::Field>> clips;
+    std::unique_ptr<render::StageLoader> loader;
+    std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
+    std::shared_ptr<const stage::Stage> drawn_stage;
+};
+
+}  // namespace neuvv::headset

@@ -1,0 +1,149 @@
+#include "tools/headset/session_context.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/headset/hand_shapes.h"
+#include "tools/headset/panel.h"
+#include "tools/headset/sound.h"
+
+namespace neuvv::headset {
+
+namespace {
+
+constexpr double kMaxStep_s = 0.25;
+constexpr double kDrawShare = 0.85;       // the share of the display's period that drawing may take
+constexpr int32_t kPrefetchedFrames = 2;  // frames whose slices are built before they are shown
+
+// The times of the next kPrefetchedFrames frames of the stage, while it plays.
+std::vector<double> next_times(const editor::StageClock& clock) {
+    std::vector<double> times;
+    for (int32_t n = 1; clock.playing && n <= kPrefetchedFrames; n++) times.push_back(clock.displayed_after_s(n));
+    return times;
+}
+
+// The wearer's body, where somebody trains with it.
+std::optional<motion::Pose> locate_body(Program& program, SessionContext& session, const xr::HandInputs& inputs,
+                                        const std::optional<xr::Pose>& head, const xr::FrameTime& time) {
+    if (!program.training.needs_body()) return std::nullopt;
+    if (!session.body) {
+        session.body.emplace(session.xr_session, session.actions, session.hand_tracking);
+        program.state.editor.notify(fmt::format("your body: {}", xr::title_of(session.body->source())));
+    }
+    return session.body->locate(inputs, head, program.state.rig, time.display);
+}
+
+// Updates hands, edits and the stage's time to the time at which the display shows this frame.
+void update_stage(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time,
+                  double dt_s) {
+    HeadsetState& state = program.state;
+    xr::HandInputs inputs = session.actions.sample(time.display);
+    session.hand_tracking.locate(time.display);
+    for (const int hand : {xr::kLeft, xr::kRight})
+        xr::fill_from_joints(inputs[hand], session.hand_tracking.joints(hand));
+    const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
+    if (head) program.head = *head;
+    if (head && !program.rig_is_set) {
+        state.rig = initial_rig(state, *head);
+        program.rig_is_set = true;
+    }
+    program.jobs.run_posted();
+    context.follow(program);  // edits that are made after this show in the next frame
+    state.clock.tick(dt_s);
+    state.evaluate();
+    program.training.turn_trainer(state, dt_s);
+    if (program.head) {
+        program.interaction.update(state, inputs, *program.head, dt_s);
+        program.training.update(state, locate_body(program, session, inputs, head, time),
+                                xr::world_from_tracking(state.rig) * program.head->position);
+    }
+    for (const int hand : {xr::kLeft, xr::kRight})
+        if (const double pulse = program.interaction.hands[hand].vibration; pulse > 0)
+            session.actions.vibrate(hand, pulse, 0.03);
+    if (program.head) play_sound(state, program.sound, *program.head);
+    program.saver->autosave.tick(program.now_s());
+    program.notify();
+}
+
+void update_panel(Program& program, SessionContext& session, double dt_s) {
+    if (!program.interaction.panel) return;
+    PanelResult result;
+    const PanelStatus status{program.notices, session.images_per_second, session.eyes.scale(), program.saver->saving()};
+    if (program.state.is_behind() && session.panel.has_image())
+        return;  // hands have edited the document: its nodes do not match the stage
+    const PanelPointer pointer = program.interaction.panel_pointer();
+    session.panel.draw(pointer, dt_s,
+                       [&] { result = draw_panel(program.state, program.interaction, program.training, status); });
+    program.panel_items = result.items;
+    if (result.save && !program.saver->saving()) program.saver->save(program.saver->default_path());
+    if (result.leave) program.leave();
+}
+
+// Draws the stage for both eyes. Returns false while the poses of the eyes are not known.
+bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time) {
+    HeadsetState& state = program.state;
+    const bool hides_room = context.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+    context.renderer->show(state.evaluated, hides_room, render::MissingSegments::kHold);
+    for (const std::string& problem : context.renderer->take_problems()) print_line("not shown: " + problem);
+    const xr::Pose world = xr::world_from_tracking(state.rig);
+    const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
+    session.shapes.begin(world * (head ? head->position : glm::dvec3(0)), session.eyes.pixel_rad());
+    if (hides_room) draw_floor(session.shapes, state);
+    draw_guide(session.shapes, program.training.session().guide());
+    draw_interaction(session.shapes, state, program.interaction);
+    for (const int hand : {xr::kLeft, xr::kRight})
+        if (program.interaction.hands[hand].input.bare_hand)
+            draw_joints(session.shapes, session.hand_tracking.joints(hand), world);
+    const std::vector<render::Instance> next = context.renderer->instances_at(next_times(state.clock));
+    // As late as possible, for the newest prediction: all that does not depend on the head has been done before.
+    const auto eyes = session.xr_session.locate_eyes(time.display);
+    if (!eyes) return false;
+    session.eyes.draw(*context.renderer, state.evaluated, program.training.session().highlight(), *eyes, world, next,
+                      session.shapes, program.interaction.locomotion.vignette(),
+                      kDrawShare * static_cast<double>(time.period) / 1e6);
+    return true;
+}
+
+}  // namespace
+
+void handle_events(const xr::SessionEvents& events, SessionContext& session) {
+    if (events.controllers_changed) {
+        session.actions.update_controllers();
+        for (const int hand : {xr::kLeft, xr::kRight})
+            if (const std::string controller = session.actions.controller(hand); !controller.empty())
+                print_line(fmt::format("{} hand: {}", hand == xr::kLeft ? "left" : "right", controller));
+    }
+    for (uint32_t eye = 0; eye < xr::kEyes; eye++)
+        if (events.mask_changed[eye]) session.eyes.invalidate_mask(eye);
+}
+
+void frame(Program& program, RuntimeContext& context, SessionContext& session) {
+    const xr::FrameTime time = session.xr_session.wait_frame();
+    const double dt_s =
+        session.last_display > 0
+            ? std::clamp(static_cast<double>(time.display - session.last_display) / 1e9, 0.0, kMaxStep_s)
+            : 0;
+    session.last_display = time.display;
+    if (dt_s > 0) session.images_per_second += 0.1 * (1 / dt_s - session.images_per_second);
+    session.xr_session.begin_frame();
+    update_stage(program, context, session, time, dt_s);
+    std::vector<const XrCompositionLayerBaseHeader*> layers;
+    if (time.should_render) {
+        update_panel(program, session, dt_s);
+        if (draw_eyes(program, context, session, time)) {
+            const auto& panel = program.interaction.panel;
+            if (panel)
+                layers.push_back(session.panel.layer(
+                    session.xr_session,
+                    xr::inverse(xr::world_from_tracking(program.state.rig)) * panel->world_from_panel, panel->size_m));
+            layers.push_back(session.eyes.layer(session.xr_session, panel.has_value()));
+        }
+    }
+    session.xr_session.end_frame(time, layers);
+    program.frames += !layers.empty();
+    if (session.mirror && !session.mirror->show(session.eyes.left())) program.leaving = true;
+}
+
+}  // namespace neuvv::headset

@@ -1,0 +1,39 @@
+// A session with its input and its images, and what happens in a frame of it.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "tools/headset/mirror.h"
+#include "tools/headset/panel_surface.h"
+#include "tools/headset/runtime_context.h"
+#include "tools/headset/wearer.h"
+#include "xr/actions.h"
+
+namespace neuvv::headset {
+
+struct SessionContext {
+    SessionContext(Program& program, RuntimeContext& context)
+        : xr_session(context.runtime, context.device),
+          actions(xr_session),
+          hand_tracking(xr_session),
+          eyes(context.device, xr_session, program.options.quality),
+          panel(context.device, xr_session) {}
+    xr::Session xr_session;
+    xr::Actions actions;
+    xr::HandTracking hand_tracking;
+    std::optional<WearerBody> body;  // once it is needed
+    EyeImages eyes;
+    PanelSurface panel;
+    std::unique_ptr<Mirror> mirror;
+    xr::EyeShapes shapes;
+    XrTime last_display = 0;
+    double images_per_second = 0;
+};
+
+// Does what a poll of the session reported.
+void handle_events(const xr::SessionEvents& events, SessionContext& session);
+// Waits for the next frame, does what hands do in it, and draws it.
+void frame(Program& program, RuntimeContext& context, SessionContext& session);
+
+}  // namespace neuvv::headset
