@@ -107,6 +107,13 @@ class FrameRenderer {
     // The paints for the instances of a field.
     Paints& paints(uint32_t field = 0) { return *paints_[field]; }
 
+    // Where rays meet the surface of an instance (`alpha` as for SlicePicker::pick), in the slice that images have left
+    // of it whose time is nearest to the instance's. The rays are in the performer's space. Nothing where there is no
+    // slice within kPickedNear frames of its clip. It builds no slice, so that it may be called between two images of a
+    // stage that plays; it waits for the device.
+    std::optional<std::vector<Picked>> pick(const Instance& instance, std::span<const PickRay> rays, float alpha);
+    static constexpr float kPickedNear = 3;
+
     // Drops all slices, so that the next image builds them again (for measuring).
     void forget_slices();
 

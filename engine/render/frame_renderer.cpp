@@ -286,6 +286,27 @@ bool FrameRenderer::enlarge() {
     return any;
 }
 
+std::optional<std::vector<Picked>> FrameRenderer::pick(const Instance& instance, std::span<const PickRay> rays,
+                                                       float alpha) {
+    if (instance.field >= levels_.given()) return std::nullopt;
+    Performer* nearest = nullptr;
+    uint32_t slice = 0;
+    float away = kPickedNear;
+    const auto levels = 1 + static_cast<uint32_t>(levels_.all[instance.field]->coarser.size());
+    for (uint32_t level = 0; level < levels; level++) {
+        const uint32_t index = levels_.index(instance.field, level);
+        if (index >= performers_.size() || !performers_[index] || !performers_[index]->slices()) continue;
+        const auto built = performers_[index]->slices()->nearest_built({instance.frame, instance.paint});
+        if (!built || std::abs(built->first.frame - instance.frame) > away) continue;
+        if (nearest && std::abs(built->first.frame - instance.frame) == away) continue;  // a finer level has it, too
+        nearest = performers_[index].get();
+        slice = built->second;
+        away = std::abs(built->first.frame - instance.frame);
+    }
+    if (!nearest) return std::nullopt;
+    return nearest->pick(slice, rays, alpha);
+}
+
 void FrameRenderer::forget_slices() {
     finish();
     for (const auto& performer : performers_)

@@ -85,6 +85,7 @@ Performer::Performer(const gpu::Device& device, const Field& field, const Paints
 void Performer::make_slices(uint32_t entries) {
     passes_.clear();  // they are bound to the slices
     bone_binder_.reset();
+    picker_.reset();
     slices_.reset();  // frees their memory before the new ones are created
     slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
     counts_readback_ =
@@ -171,6 +172,12 @@ bool Performer::enlarge_slices() {
         return false;
     make_slices(std::min(max_entries(field_), 2 * trees.capacity));
     return true;
+}
+
+std::vector<Picked> Performer::pick(uint32_t slice, std::span<const PickRay> rays, float alpha) {
+    constexpr uint32_t kRaysAtOnce = 64;
+    if (!picker_) picker_ = std::make_unique<SlicePicker>(device_, field_, slices_->trees(), kRaysAtOnce);
+    return picker_->pick(slice, rays, alpha);
 }
 
 void record_slices(gpu::Commands& commands, Performer& performer) {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "render/highlight.h"
+#include "render/pick.h"
 #include "render/shade.h"
 #include "render/slice_cache.h"
 #include "render/trace_tree.h"
@@ -116,6 +117,10 @@ class Performer {
     // The number of live leaves and of live nodes above them, in the slices that the last image used.
     uint64_t used_entries() const;
 
+    // Picks with rays in the performer's space in a slice of slices(), which must have been built. Waits for the
+    // device. To be called between images.
+    std::vector<Picked> pick(uint32_t slice, std::span<const PickRay> rays, float alpha);
+
     const Field& field() const { return field_; }
     SliceCache* slices() { return slices_.get(); }  // null without slices
     const SliceCache* slices() const { return slices_.get(); }
@@ -135,7 +140,8 @@ class Performer {
     std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
     std::unique_ptr<BoneBinder> bone_binder_;
-    gpu::Buffer counts_readback_;  // LiveCount of each slice, of the last image
+    std::unique_ptr<SlicePicker> picker_;  // created when first needed
+    gpu::Buffer counts_readback_;          // LiveCount of each slice, of the last image
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target
     size_t slice_paint_count_ = 0;                       // the number of paints for which there is room

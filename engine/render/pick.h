@@ -20,6 +20,27 @@ struct Picked {
 // camera and the ray are in the performer's space (in_performer).
 PickRay pick_ray(const stage::Camera& camera, glm::dvec2 pixel);
 
+// Picks in slices that were built before. It waits for the device, but builds nothing.
+class SlicePicker {
+  public:
+    // Takes at most `rays_at_once` rays in one submission. Field and trees must outlive it.
+    SlicePicker(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t rays_at_once);
+
+    // Returns a result for each ray, in order. Rays that follow each other should be close in space, for speed. `slice`
+    // is the number of a tree that has been built; `alpha` is above 0 and below 1 (assert).
+    std::vector<Picked> pick(uint32_t slice, std::span<const PickRay> rays, float alpha);
+
+  private:
+    void pick_batch(uint32_t slice, std::span<const PickRay> rays, float alpha, std::vector<Picked>& picked);
+    const Field& field_;
+    const SliceTrees& trees_;
+    uint32_t rays_at_once_;
+    gpu::Buffer rays_, picks_;  // host-mapped
+    gpu::ComputePass pass_;
+    gpu::BindingSet set_;
+    gpu::Commands commands_;
+};
+
 // It has a slice of its own and waits for the device, so it is for editing, not for use within a frame.
 class Picker {
   public:
@@ -29,21 +50,19 @@ class Picker {
     // Sets the time of the clip (in frames) and the paint of the surface. The layers are not needed afterwards. Throws
     // RuntimeFailure as Paint does.
     void show(float frame, std::span<const PaintUse> paint = {});
-    // Returns a result for each ray, in order. Rays that follow each other should be close in space, for speed. `alpha`
-    // is above 0 and below 1 (assert).
-    std::vector<Picked> pick(std::span<const PickRay> rays, float alpha = kPickAlpha);
+    // As SlicePicker::pick, at that time.
+    std::vector<Picked> pick(std::span<const PickRay> rays, float alpha = kPickAlpha) {
+        return picker_.pick(0, rays, alpha);
+    }
 
   private:
-    std::vector<Picked> pick_batch(std::span<const PickRay> rays, float alpha);
     const gpu::Device& device_;
     const Field& field_;
     LiveLeaves live_;
     SliceTrees trees_;
     TreeSlicer slicer_;
     Painter painter_;
-    gpu::Buffer rays_, picks_;  // host-mapped
-    gpu::ComputePass pass_;
-    gpu::BindingSet set_;
+    SlicePicker picker_;
 };
 
 }  // namespace neuvv::render

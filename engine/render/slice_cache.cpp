@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 
@@ -107,6 +108,18 @@ std::optional<uint32_t> SliceCache::find(SliceKey key) const {
     for (uint32_t i = 0; i < slices_.size(); i++)
         if (slices_[i].key == key) return i;
     return std::nullopt;
+}
+
+std::optional<std::pair<SliceKey, uint32_t>> SliceCache::nearest_built(SliceKey key) const {
+    std::optional<std::pair<SliceKey, uint32_t>> nearest;
+    for (uint32_t i = 0; i < slices_.size(); i++) {
+        const CachedSlice& slice = slices_[i];
+        if (!slice.key || slice.parts < kSliceParts || slice.key->paint != key.paint) continue;
+        const bool is_nearer =
+            !nearest || std::abs(slice.key->frame - key.frame) < std::abs(nearest->first.frame - key.frame);
+        if (is_nearer) nearest = {*slice.key, i};
+    }
+    return nearest;
 }
 
 void SliceCache::forget() {

@@ -35,6 +35,9 @@ class SliceCache {
     void request(std::span<const SliceKey> keys);
     // The index of a requested slice among trees(); nothing where there was no room for it.
     std::optional<uint32_t> find(SliceKey key) const;
+    // The key and the index of the slice with this paint, of those that are built, whose time is nearest to that of the
+    // key; nothing where there is none.
+    std::optional<std::pair<SliceKey, uint32_t>> nearest_built(SliceKey key) const;
     // Whether the last image requested the slice of this index.
     bool is_used(uint32_t slice) const { return slices_[slice].key && slices_[slice].last_used == images_; }
     // A number that changes whenever the slice of this index is built anew.

@@ -75,15 +75,16 @@ TEST_F(Editing, LettingGoNearTheFloorStandsOnIt) {
 TEST_F(Editing, TwoHandsScale) {
     const json& items = arrange_panel();
     XrScript script = selecting();
-    const glm::dvec3 right(0.3, 0.8, -1.9), left(-0.3, 0.8, -1.9);
-    script.hand(11, "right", {0.3, 1, -0.4}, right);
-    script.hand(11, "left", {-0.3, 1, -0.4}, left);
+    // Points of the shoulders, which are alike on both sides of the head.
+    const glm::dvec3 right(0.22, 0.3, -1.9), left(-0.38, 0.3, -1.9), up(0, 0.7, 1.5), apart(0.15, 0, 0);
+    script.hand(11, "right", right + up, right);
+    script.hand(11, "left", left + up, left);
     script.input(13, "right", "squeeze/value", 1);
     script.input(13, "left", "squeeze/value", 1);
-    script.hand(15, "right", {0.3, 1, -0.4}, right);
-    script.hand(15, "left", {-0.3, 1, -0.4}, left);
-    script.move_to(21, "right", {0.45, 1, -0.4}, right + glm::dvec3(0.15, 0, 0));
-    script.move_to(21, "left", {-0.45, 1, -0.4}, left - glm::dvec3(0.15, 0, 0));
+    script.hand(15, "right", right + up, right);
+    script.hand(15, "left", left + up, left);
+    script.move_to(21, "right", right + up + apart, right + apart);
+    script.move_to(21, "left", left + up - apart, left - apart);
     script.save(22);
     script.input(24, "right", "squeeze/value", 0);
     script.input(24, "left", "squeeze/value", 0);

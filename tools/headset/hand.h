@@ -22,7 +22,8 @@ struct Hand {
     std::optional<xr::Pose> aim, grip;  // world
     xr::AnalogueButton select, grab;
     xr::Flick flick;
-    PointerHit hit;  // of this frame
+    PointerHit hit;                        // of this frame
+    std::optional<uint32_t> pointed_node;  // of the performer that the ray hits
     // The present press of select. A press belongs to what the ray hit when it began; on the panel, the hit follows the
     // ray for as long as the ray stays on the panel.
     PointerHit pressed_on;

@@ -10,8 +10,7 @@ namespace neuvv::headset {
 
 namespace {
 
-constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.18, kPanelBeside_rad = 0.38, kMaxRay_m = 30,
-                 kPanelPress_s = 0.8;
+constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.18, kPanelBeside_rad = 0.38, kPanelPress_s = 0.8;
 constexpr double kSpeeds[] = {-2, -1, -0.5, -0.25, 0.25, 0.5, 1, 2, 4};
 
 // Upright, turned to the head, and to the left of where the head looks, before the ray of the right hand.
@@ -52,11 +51,12 @@ void delete_selected(HeadsetState& state) {
         state.editor.select({});
 }
 
-void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s) {
+void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s,
+                         const FindSurfaces& find_surfaces) {
     update_hands(state, inputs, dt_s);
     update_panel(state, head);
     move_panel(state);
-    cast_rays(state);
+    point(hands, state, panel, find_surfaces);
     track_presses();
     handle_buttons(state);
     if (!state.is_behind()) select(state);
@@ -128,32 +128,6 @@ void Interaction::move_panel(const HeadsetState& state) {
     }
     if (panel_grab_ && hands[panel_grab_->hand].aim)
         panel->world_from_panel = *hands[panel_grab_->hand].aim * panel_grab_->hand_from_panel;
-}
-
-void Interaction::cast_rays(const HeadsetState& state) {
-    for (int which = 0; which < xr::kHands; which++) {
-        Hand& hand = hands[which];
-        hand.hit = {};
-        if (!hand.aim) continue;
-        const Ray ray = xr::ray_of(*hand.aim);
-        if (panel && !(state.panel_on_wrist && which == xr::kLeft))
-            if (const auto hit = xr::rectangle_hit(ray, panel->world_from_panel, panel->size_m)) {
-                hand.hit = {PointerHit::Target::kPanel, hit->distance_m, hit->uv};
-                continue;
-            }
-        double nearest = kMaxRay_m;
-        for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
-            if (!performer.visible) continue;
-            const auto [low, high] = editor::box_of(state, performer.performer);
-            const auto distance_m = box_hit(ray, performer.world_from_performer, low, high);
-            if (!distance_m || *distance_m >= nearest) continue;
-            nearest = *distance_m;
-            hand.hit = {PointerHit::Target::kPerformer, nearest, {}, performer.performer};
-        }
-        const double down = -ray.direction.y, to_floor = (ray.origin.y - state.floor_m) / down;
-        if (hand.hit.target == PointerHit::Target::kNothing && down > 1e-3 && to_floor > 0 && to_floor < kMaxRay_m)
-            hand.hit = {PointerHit::Target::kFloor, to_floor};
-    }
 }
 
 // A press belongs to what the ray hit when it began, wherever the ray moves meanwhile.

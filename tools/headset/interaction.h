@@ -4,19 +4,9 @@
 #include "tools/headset/hand_painter.h"
 #include "tools/headset/locomotion.h"
 #include "tools/headset/performer_grab.h"
+#include "tools/headset/pointing.h"
 
 namespace neuvv::headset {
-
-constexpr glm::dvec2 kPanel_m{0.72, 0.54}, kWristPanel_m{0.36, 0.27};
-struct PanelPlacement {
-    xr::Pose world_from_panel;  // the origin is the panel's middle; X to its right, Y to its top
-    glm::dvec2 size_m = kPanel_m;
-
-    // The world position of a point of the panel, which is given as 0..1 from the upper left.
-    glm::dvec3 point_at(glm::dvec2 uv) const {
-        return world_from_panel * glm::dvec3((uv.x - 0.5) * size_m.x, (0.5 - uv.y) * size_m.y, 0);
-    }
-};
 
 // The pointer ray of a hand, as a mouse on the panel.
 struct PanelPointer {
@@ -37,14 +27,14 @@ class Interaction {
     std::optional<PanelPlacement> panel;  // while it is visible
 
     // Does what the hands do in a frame. `state.evaluated` is of the frame's time; a grab changes it. `head` is in the
-    // tracking space.
-    void update(HeadsetState& state, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s);
+    // tracking space. `find_surfaces` is as for point().
+    void update(HeadsetState& state, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s,
+                const FindSurfaces& find_surfaces = {});
     PanelPointer panel_pointer() const;
 
   private:
     void update_hands(const HeadsetState& state, const xr::HandInputs& inputs, double dt_s);
     void update_panel(HeadsetState& state, const xr::Pose& head);
-    void cast_rays(const HeadsetState& state);
     void track_presses();
     void handle_buttons(HeadsetState& state);
     void select(HeadsetState& state);

@@ -241,6 +241,8 @@ void file_row(Rows& rows) {
 
 void notice_rows(const Rows& rows) {
     const PanelStatus& status = rows.status;
+    if (const auto performer = pointed_performer(rows.interaction.hands))
+        ImGui::Text(ICON_PERSON " %s", rows.state.stage->performers[*performer].name.c_str());
     if (const std::string& waits = rows.interaction.painter.status(); !waits.empty())
         ImGui::TextDisabled("%s", waits.c_str());
     if (status.notices.empty()) {

@@ -91,6 +91,8 @@ void write_report(const Program& program) {
     report["stands"] = {program.state.rig.position.x, program.state.rig.position.y, program.state.rig.position.z};
     report["turned_deg"] = glm::degrees(program.state.rig.yaw_rad);
     report["train"] = program.training.facts();
+    if (const auto performer = program.state.selected_performer())
+        report["selected"] = program.state.stage->performers[*performer].name;
     report["modified"] = program.state.editor.modified();
     const std::string text = report.dump(1);
     write_file_atomically(program.options.report, [&](const ByteSink& sink) { sink(text.data(), text.size()); });

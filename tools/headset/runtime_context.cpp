@@ -1,5 +1,7 @@
 #include "tools/headset/runtime_context.h"
 
+#include "render/stage_pick.h"
+
 namespace neuvv::headset {
 
 RuntimeContext::RuntimeContext(Program& program)
@@ -53,6 +55,15 @@ void RuntimeContext::make_renderer(Program& program, const EyeImages& eyes) {
     program.state.evaluate();
     if (!program.rig_is_set)
         program.state.floor_m = editor::floor_of(program.state);  // afterwards it stays, as the user stands on it
+}
+
+std::vector<std::optional<SurfaceHit>> RuntimeContext::find_surfaces(const stage::EvaluatedStage& evaluated,
+                                                                     std::span<const Ray> rays) const {
+    std::vector<std::optional<SurfaceHit>> hits(rays.size());
+    const auto picked = render::pick_performers(*renderer, evaluated, rays);
+    for (size_t i = 0; i < picked.size(); i++)
+        if (picked[i]) hits[i] = SurfaceHit{picked[i]->performer, picked[i]->distance_m};
+    return hits;
 }
 
 void RuntimeContext::print_validation_messages() const {

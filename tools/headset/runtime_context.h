@@ -17,6 +17,9 @@ struct RuntimeContext {
     void make_renderer(Program& program, const EyeImages& eyes);
     // Shows the document where it was edited since. An edit that cannot be shown is taken back.
     void follow(Program& program);
+    // As FindSurfaces (pointing.h), on the stage as it was drawn last.
+    std::vector<std::optional<SurfaceHit>> find_surfaces(const stage::EvaluatedStage& evaluated,
+                                                         std::span<const Ray> rays) const;
     // Prints what the validation layers reported since the last call.
     void print_validation_messages() const;
 

@@ -55,7 +55,9 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
     state.evaluate();
     program.training.turn_trainer(state, dt_s);
     if (program.head) {
-        program.interaction.update(state, inputs, *program.head, dt_s);
+        program.interaction.update(state, inputs, *program.head, dt_s, [&](std::span<const Ray> rays) {
+            return context.find_surfaces(state.evaluated, rays);
+        });
         program.training.update(state, locate_body(program, session, inputs, head, time),
                                 xr::world_from_tracking(state.rig) * program.head->position);
     }

@@ -1,0 +1,72 @@
+#include "tools/headset/pointing.h"
+
+#include "xr/ray_hit.h"
+
+namespace neuvv::headset {
+
+namespace {
+
+constexpr double kMaxRay_m = 30, kTick = 0.12;
+
+std::optional<SurfaceHit> nearest_box(const Ray& ray, const HeadsetState& state) {
+    std::optional<SurfaceHit> nearest;
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
+        if (!performer.visible) continue;
+        const auto [low, high] = editor::box_of(state, performer.performer);
+        const auto distance_m = box_hit(ray, performer.world_from_performer, low, high);
+        if (distance_m && (!nearest || *distance_m < nearest->distance_m))
+            nearest = SurfaceHit{performer.performer, *distance_m};
+    }
+    return nearest;
+}
+
+PointerHit hit_on_stage(const Ray& ray, const HeadsetState& state, std::optional<SurfaceHit> surface) {
+    if (!surface || surface->distance_m >= kMaxRay_m) surface = nearest_box(ray, state);
+    if (surface && surface->distance_m < kMaxRay_m)
+        return {PointerHit::Target::kPerformer, surface->distance_m, {}, surface->performer};
+    const double down = -ray.direction.y, to_floor = (ray.origin.y - state.floor_m) / down;
+    if (down > 1e-3 && to_floor > 0 && to_floor < kMaxRay_m) return {PointerHit::Target::kFloor, to_floor};
+    return {};
+}
+
+void feel_change(Hand& hand, const HeadsetState& state) {
+    std::optional<uint32_t> node;
+    if (hand.hit.target == PointerHit::Target::kPerformer) node = state.stage->performers[hand.hit.performer].node;
+    if (node && node != hand.pointed_node) hand.vibrate(kTick);
+    hand.pointed_node = node;
+}
+
+}  // namespace
+
+void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPlacement>& panel,
+           const FindSurfaces& find_surfaces) {
+    std::vector<Ray> rays;
+    std::vector<Hand*> pointing;  // at the stage, by ray
+    for (int which = 0; which < xr::kHands; which++) {
+        Hand& hand = hands[which];
+        hand.hit = {};
+        if (!hand.aim) continue;
+        const Ray ray = xr::ray_of(*hand.aim);
+        const bool carries_panel = state.panel_on_wrist && which == xr::kLeft;
+        const auto on_panel =
+            panel && !carries_panel ? xr::rectangle_hit(ray, panel->world_from_panel, panel->size_m) : std::nullopt;
+        if (on_panel) {
+            hand.hit = {PointerHit::Target::kPanel, on_panel->distance_m, on_panel->uv};
+            continue;
+        }
+        rays.push_back(ray);
+        pointing.push_back(&hand);
+    }
+    std::vector<std::optional<SurfaceHit>> surfaces(rays.size());
+    if (find_surfaces && !rays.empty()) surfaces = find_surfaces(rays);
+    for (size_t i = 0; i < rays.size(); i++) pointing[i]->hit = hit_on_stage(rays[i], state, surfaces[i]);
+    for (Hand& hand : hands) feel_change(hand, state);
+}
+
+std::optional<uint32_t> pointed_performer(const Hands& hands) {
+    for (const int which : {xr::kRight, xr::kLeft})
+        if (hands[which].hit.target == PointerHit::Target::kPerformer) return hands[which].hit.performer;
+    return std::nullopt;
+}
+
+}  // namespace neuvv::headset

@@ -1,0 +1,32 @@
+// What the pointer rays of hands hit: the panel, else a performer, else the floor.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "tools/headset/hand.h"
+#include "tools/headset/headset_state.h"
+#include "tools/headset/panel_placement.h"
+
+namespace neuvv::headset {
+
+// The performer whose surface a ray meets first.
+struct SurfaceHit {
+    uint32_t performer = 0;  // index into Stage::performers
+    double distance_m = 0;
+};
+// Returns a result for each ray (world); nothing where a ray meets no surface. Only a device can know, so it is given
+// from outside.
+using FindSurfaces = std::function<std::vector<std::optional<SurfaceHit>>(std::span<const Ray>)>;
+
+// Sets Hand::hit and Hand::pointed_node of both hands. A ray takes the performer whose surface it meets; where it meets
+// none, or where `find_surfaces` is empty, the performer whose box it enters first, so that one may also point between
+// a performer's legs. A hand whose ray comes to another performer than before is vibrated shortly.
+void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPlacement>& panel,
+           const FindSurfaces& find_surfaces);
+
+// The performer that a hand points at, an index into Stage::performers; the right hand goes first.
+std::optional<uint32_t> pointed_performer(const Hands& hands);
+
+}  // namespace neuvv::headset
