@@ -16,6 +16,7 @@ void StageState::follow_document() {
         if (!stage) throw;
         editor.take_back(error.what());
     }
+    solid.clear();  // it is of the performers of the stage before
     stage_id = editor.id();
     clock.set_stage(stage->duration_s, stage->fps);
 }
@@ -32,6 +33,7 @@ std::optional<uint32_t> StageState::selected_performer() const {
 }
 
 std::pair<glm::dvec3, glm::dvec3> box_of(const StageState& state, uint32_t performer) {
+    if (performer < state.solid.size() && state.solid[performer].leaves) return state.solid[performer].box();
     const uint32_t of = state.stage->performers[performer].clip;
     const stage::StageClip& clip = state.stage->clips[of];
     if (of < state.leaf_boxes.size()) return state.leaf_boxes[of];

@@ -10,8 +10,25 @@
 #include "editor/clock.h"
 #include "editor/editor.h"
 #include "stage/evaluated_stage.h"
+#include "voctree/solid_leaves.h"
 
 namespace neuvv::editor {
+
+// What is solid of a performer at its time.
+struct SolidPart {
+    SolidPart() = default;
+    SolidPart(std::shared_ptr<const voctree::SolidLeaves> of, double at) : leaves(std::move(of)), frame(at) {}
+    std::shared_ptr<const voctree::SolidLeaves> leaves;  // null: not known
+    double frame = 0;
+    // The box of it, in the performer's space in metres, found when it is first asked for.
+    const std::pair<glm::dvec3, glm::dvec3>& box() const {
+        if (!box_) box_ = leaves->box_at(frame);
+        return *box_;
+    }
+
+  private:
+    mutable std::optional<std::pair<glm::dvec3, glm::dvec3>> box_;
+};
 
 struct StageState {
     Editor editor;
@@ -21,6 +38,9 @@ struct StageState {
     // Per clip: the corners, low and high, of the box around its leaves, in the performer's space in metres; the clip's
     // own box is larger. Empty while they are not known.
     std::vector<std::pair<glm::dvec3, glm::dvec3>> leaf_boxes;
+    // By performer of `stage`: what is solid at the time of `evaluated`. Whoever draws sets it after evaluate(); empty
+    // while it is not known.
+    std::vector<SolidPart> solid;
     stage::EvaluatedStage evaluated;  // `stage` at the displayed time, with dragged nodes where the drag has moved them
 
     // Makes the stage from the document where that was edited since; an edit that cannot be drawn is taken back. Throws
@@ -35,8 +55,8 @@ struct StageState {
     std::optional<uint32_t> selected_performer() const;
 };
 
-// The corners of the box around a performer's leaves, in its own space; the clip's box where the leaves' box is not
-// known.
+// The corners of the box around what is solid of a performer at its time, without floaters, in its own space. Where
+// that is not known, the box around its clip's leaves; where that is not known either, the clip's box.
 std::pair<glm::dvec3, glm::dvec3> box_of(const StageState& state, uint32_t performer);
 
 // Whether the stage has a set: anything but performers that is drawn.

@@ -23,6 +23,10 @@ uint32_t stream_threads() {
     return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 3u);
 }
 
+std::shared_ptr<const voctree::SolidLeaves> solid_leaves(const voctree::VOctree& tree) {
+    return std::make_shared<const voctree::SolidLeaves>(tree);
+}
+
 }  // namespace
 
 ClipFiles::~ClipFiles() {
@@ -77,8 +81,9 @@ std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& se
     try {
         const TraceSpan span("read a segment of frame", segment.first);
         const voctree::VOctree tree = voctree::read_segment(segment);
-        auto clip = std::make_shared<const LoadedClip>(
-            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), voctree::painted_field(tree)});
+        auto clip =
+            std::make_shared<const LoadedClip>(LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree),
+                                                          voctree::painted_field(tree), solid_leaves(tree)});
         end_reading(segment, clip);
         return clip;
     } catch (...) {
@@ -153,13 +158,14 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
     try {
         const auto tree = voctree::read_nvv_coarse(segment.file);
         if (!tree || tree->frames != segment.frames_of_file()) return;
-        add_result({segment.file,
-                    stamp,
-                    std::make_shared<const LoadedClip>(
-                        LoadedClip{segment.file, stamp, upload_field(device_, *tree, WeightPrecision::kHalf), {}}),
-                    "",
-                    true,
-                    {}});
+        add_result(
+            {segment.file,
+             stamp,
+             std::make_shared<const LoadedClip>(LoadedClip{
+                 segment.file, stamp, upload_field(device_, *tree, WeightPrecision::kHalf), {}, solid_leaves(*tree)}),
+             "",
+             true,
+             {}});
     } catch (const InputError&) {
     }
 }
@@ -177,7 +183,7 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
         const TraceSpan span("read a part of frame", segment.first);
         const voctree::VOctree tree = voctree::read_segment(segment, last);
         auto clip = std::make_shared<const LoadedClip>(
-            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), {}});
+            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), {}, solid_leaves(tree)});
         add_result({segment.file, stamp, std::move(clip), "", true, {}});
     } catch (...) {
         end_reading(segment, nullptr);

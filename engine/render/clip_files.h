@@ -17,6 +17,7 @@
 #include "render/segment_paint.h"
 #include "voctree/clip_index.h"
 #include "voctree/paint.h"
+#include "voctree/solid_leaves.h"
 
 namespace neuvv::render {
 
@@ -26,6 +27,7 @@ struct LoadedClip {
     FileStamp stamp;
     Field field;
     voctree::PaintedField painted;
+    std::shared_ptr<const voctree::SolidLeaves> solid;  // of the file; never null, and needs no device
 };
 
 // A segment on the device, as stages show it: with far levels, but for frames of streams, because to merge leaves would

@@ -107,6 +107,7 @@ std::optional<StageClips::Place> StageClips::place_in(const Id& id, const stage:
     const LoadedClip* loaded = drawn(segment);
     if (!loaded) return std::nullopt;
     Place place{&loaded->field};
+    place.solid = loaded->solid;
     const uint32_t layers = layers_[performer.performer];
     if (segment.loaded && layers < segment.paints.size()) place.paint = segment.paints[layers].get();
     return place;

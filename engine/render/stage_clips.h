@@ -49,9 +49,10 @@ class StageClips {
     // A place in the field of a segment.
     struct Place {
         const Field* field = nullptr;
-        float frame = 0;                      // of that field
-        float share = 1;                      // of the density
-        const SegmentPaint* paint = nullptr;  // of a performer on a segmented clip that has layers
+        float frame = 0;                                      // of that field
+        float share = 1;                                      // of the density
+        const SegmentPaint* paint = nullptr;                  // of a performer on a segmented clip that has layers
+        std::shared_ptr<const voctree::SolidLeaves> solid{};  // of the segment
     };
     // Where a performer is drawn: in the segment of its time, and while that fades into another, in both
     // (segment_shares), the first one first. Where only one of two is on the device, it is drawn alone; where none is,

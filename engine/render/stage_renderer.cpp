@@ -282,6 +282,12 @@ std::optional<Instance> StageRenderer::instance_of(const stage::EvaluatedPerform
     return instance_at(performer, alone(places[0]));
 }
 
+std::optional<StageRenderer::SolidAt> StageRenderer::solid_of(const stage::EvaluatedPerformer& performer) const {
+    const std::vector<StageClips::Place> places = clips_.places_of(performer);
+    if (places.empty()) return std::nullopt;
+    return SolidAt{places[0].solid, double{places[0].frame}};
+}
+
 FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
                                          const PerformerHighlight& highlight) const {
     FrameSettings settings;

@@ -96,6 +96,13 @@ class StageRenderer {
     std::vector<std::string> take_problems();
     // ClipOnDevice::leaf_box.
     std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const { return clips_.clips()[clip].leaf_box; }
+    // What is solid of a performer in the segment of its time, and the frame of that segment; nothing where nothing of
+    // the performer is shown.
+    struct SolidAt {
+        std::shared_ptr<const voctree::SolidLeaves> leaves;
+        double frame = 0;
+    };
+    std::optional<SolidAt> solid_of(const stage::EvaluatedPerformer& performer) const;
     // The number of a performer's paint in frames().paints(); 0: no paint, or a segmented clip.
     uint32_t paint_of(uint32_t performer) const { return paints_[performer]; }
 

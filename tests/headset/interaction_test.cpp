@@ -1,6 +1,7 @@
 #include "tools/headset/interaction.h"
 
 #include "headset/hands_at_a_stage.h"
+#include "tools/headset/arrange.h"
 
 namespace neuvv::test {
 namespace {

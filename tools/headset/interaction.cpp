@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/operations.h"
+#include "tools/headset/arrange.h"
 #include "xr/ray_hit.h"
 
 namespace neuvv::headset {
@@ -25,31 +25,7 @@ xr::Pose panel_on(const xr::Pose& world_grip) {
     return world_grip * above;
 }
 
-size_t node_count(const HeadsetState& state) {
-    return state.editor.node_count();
-}
-
 }  // namespace
-
-void duplicate_selected(HeadsetState& state) {
-    if (!state.editor.selected()) return state.editor.notify("point at a performer and select it first", true);
-    const size_t before = node_count(state);
-    edit::CopySettings copies;
-    copies.distance_m = 0.8;
-    const bool done = state.editor.edit([&](edit::Document& document) {
-        return edit::duplicate_node(document.file, *state.editor.selected(), copies);
-    });
-    if (done && node_count(state) > before) state.editor.select(static_cast<uint32_t>(before));
-}
-
-void delete_selected(HeadsetState& state) {
-    if (!state.editor.selected()) return state.editor.notify("point at a performer and select it first", true);
-    if (edit::is_locked(state.editor.file(), *state.editor.selected()))
-        return state.editor.notify("it is locked: unlock it to delete it", true);
-    if (state.editor.edit(
-            [&](edit::Document& document) { return edit::remove_node(document.file, *state.editor.selected()); }))
-        state.editor.select({});
-}
 
 void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s,
                          const FindSurfaces& find_surfaces) {

@@ -50,9 +50,4 @@ class Interaction {
     bool panel_was_visible_ = false, panel_was_on_wrist_ = false;  // in the frame before
 };
 
-// Edits the document: adds a copy beside the selected node and selects the copy.
-void duplicate_selected(HeadsetState& state);
-// Edits the document: removes the selected node, unless it is locked.
-void delete_selected(HeadsetState& state);
-
 }  // namespace neuvv::headset

@@ -6,6 +6,7 @@
 
 #include "edit/operations.h"
 #include "edit/time_edit.h"
+#include "tools/headset/arrange.h"
 #include "tools/headset/panel_rows.h"
 #include "tools/headset/training.h"
 #include "tools/ui/icons.h"
@@ -72,14 +73,6 @@ void set(HeadsetState& state, const edit::PerformerEdit& edit) {
     state.editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
 }
 
-void snap_to_floor(HeadsetState& state) {
-    const auto performer = state.selected_performer();
-    if (!performer) return;
-    const uint32_t node = state.stage->performers[*performer].node;
-    const auto [low, high] = editor::box_of(state, *performer);
-    move_node_to(state, node, on_floor(state.evaluated.pose.world_from_node[node], low, high, state.floor_m));
-}
-
 // Changes a performer's time map. `edit` may throw where the map cannot be changed so; the editor reports that.
 template <typename Edit>
 void retime(HeadsetState& state, const stage::StagePerformer& performer, const Edit& edit) {
@@ -139,7 +132,7 @@ void arrange_rows(Rows& rows) {
         ImGui::SameLine();
         if (rows.button("delete", ICON_TRASH " Delete", one)) delete_selected(state);
         ImGui::SameLine();
-        if (rows.button("floor", ICON_MAGNET " Floor", one)) snap_to_floor(state);
+        if (rows.button("floor", ICON_MAGNET " Floor", one)) put_selected_on_floor(state);
         ImGui::SameLine();
         const double spin = performer->settings.spin_deg_per_s;
         if (rows.button("spin", ICON_ROTATE " Spin", one, spin != 0))

@@ -1,6 +1,7 @@
 #include "tools/headset/performer_grab.h"
 
 #include "edit/operations.h"
+#include "tools/headset/arrange.h"
 
 namespace neuvv::headset {
 
@@ -76,7 +77,8 @@ glm::dmat4 PerformerGrab::snapped(const HeadsetState& state, const glm::dmat4& w
         const glm::dmat4 moved = world_from_node * glm::inverse(start_transform_);
         const double lifted = (moved * glm::dvec4(start_point_, 1)).y - start_point_.y;
         const bool stood = std::abs(before) < kSnapDistance_m && std::abs(lifted) < kSnapDistance_m;
-        if (above < kSnapDistance_m || stood) return on_floor(world_from_node, low, high, state.floor_m);
+        const bool near_floor = above < kSnapDistance_m && above > -kSunkDistance_m;
+        if (near_floor || stood) return on_floor(world_from_node, low, high, state.floor_m);
     }
     return world_from_node;
 }
@@ -89,15 +91,6 @@ void PerformerGrab::release(HeadsetState& state) {
     world_from_node = snapped(state, world_from_node);
     editor::move_node(state.evaluated, *state.stage, node_, world_from_node);  // until the edited document is evaluated
     move_node_to(state, node_, world_from_node);
-}
-
-void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node) {
-    const int32_t parent = state.stage->scene.nodes[node].parent;
-    const glm::dmat4 world_from_parent =
-        parent < 0 ? glm::dmat4(1) : state.evaluated.pose.world_from_node[static_cast<size_t>(parent)];
-    edit::Placement placement;
-    placement.to = glm::inverse(world_from_parent) * world_from_node;
-    state.editor.edit([&](edit::Document& document) { return edit::place_node(document.file, node, placement); });
 }
 
 }  // namespace neuvv::headset

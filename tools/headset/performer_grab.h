@@ -12,11 +12,12 @@ namespace neuvv::headset {
 
 struct PerformerGrabSettings {
     bool upright = true;  // performers do not tilt
-    // A performer that is released below the floor, or less than kSnapDistance_m above it, is put on the floor. So is
-    // one that stood on the floor before, where the hands scaled it but lifted it by less than that.
+    // A performer that is released with its feet less than kSnapDistance_m above the floor, or less than
+    // kSunkDistance_m below it, is put on the floor. So is one that stood on the floor before, where the hands scaled
+    // it but lifted it by less than kSnapDistance_m. Its feet are the bottom of what is solid of it at this time.
     bool snaps_to_floor = true;
 };
-constexpr double kSnapDistance_m = 0.15;
+constexpr double kSnapDistance_m = 0.15, kSunkDistance_m = 0.6;
 
 class PerformerGrab {
   public:
@@ -41,8 +42,5 @@ class PerformerGrab {
     glm::dmat4 start_transform_{1};  // world from node, when the first hand grabbed it
     glm::dvec3 start_point_{0};      // world: the point that the first hand grabbed
 };
-
-// Edits the document: gives a node this transform.
-void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node);
 
 }  // namespace neuvv::headset

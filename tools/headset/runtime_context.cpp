@@ -53,8 +53,21 @@ void RuntimeContext::make_renderer(Program& program, const EyeImages& eyes) {
         std::make_unique<render::StageRenderer>(device, *drawn_stage, loader->load(*drawn_stage), eyes.capacity());
     update_clips(program.state, *this);
     program.state.evaluate();
+    update_solid(program.state);
     if (!program.rig_is_set)
         program.state.floor_m = editor::floor_of(program.state);  // afterwards it stays, as the user stands on it
+}
+
+void RuntimeContext::update_solid(HeadsetState& state) const {
+    state.solid.resize(state.stage->performers.size());
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
+        const auto solid = renderer->solid_of(performer);
+        editor::SolidPart& part = state.solid[performer.performer];
+        if (!solid)
+            part = {};
+        else if (part.leaves != solid->leaves || part.frame != solid->frame)
+            part = {solid->leaves, solid->frame};  // forgets the box
+    }
 }
 
 std::vector<std::optional<SurfaceHit>> RuntimeContext::find_surfaces(const stage::EvaluatedStage& evaluated,

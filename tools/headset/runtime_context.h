@@ -17,6 +17,8 @@ struct RuntimeContext {
     void make_renderer(Program& program, const EyeImages& eyes);
     // Shows the document where it was edited since. An edit that cannot be shown is taken back.
     void follow(Program& program);
+    // Sets state.solid for the time of state.evaluated.
+    void update_solid(HeadsetState& state) const;
     // As FindSurfaces (pointing.h), on the stage as it was drawn last.
     std::vector<std::optional<SurfaceHit>> find_surfaces(const stage::EvaluatedStage& evaluated,
                                                          std::span<const Ray> rays) const;

@@ -53,6 +53,7 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
     context.follow(program);  // edits that are made after this show in the next frame
     state.clock.tick(dt_s);
     state.evaluate();
+    context.update_solid(state);
     program.training.turn_trainer(state, dt_s);
     if (program.head) {
         program.interaction.update(state, inputs, *program.head, dt_s, [&](std::span<const Ray> rays) {

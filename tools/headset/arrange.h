@@ -1,0 +1,22 @@
+// What the buttons of hands and panel do with the selected performer: copy it, delete it, put it on the floor.
+#pragma once
+
+#include "tools/headset/headset_state.h"
+
+namespace neuvv::headset {
+
+// Edits the document: adds a copy beside the selected node, so that what is solid of both does not touch, and selects
+// the copy.
+void duplicate_selected(HeadsetState& state);
+// Edits the document: removes the selected node, unless it is locked.
+void delete_selected(HeadsetState& state);
+// Edits the document: moves the selected performer up or down so that its feet, which are the bottom of what is solid
+// of it at this time, are on the floor. Where they are more than kFloorReach_m above or below the floor, the user is
+// told so instead: such a performer is hardly meant to stand there.
+void put_selected_on_floor(HeadsetState& state);
+constexpr double kFloorReach_m = 1;
+
+// Edits the document: gives a node this transform.
+void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node);
+
+}  // namespace neuvv::headset
