@@ -95,6 +95,12 @@ XrRig with_head_above(XrRig rig, const Pose& head_in_tracking, glm::dvec3 floor_
     return with_head_at(rig, head_in_tracking, floor_point_world + glm::dvec3(0, head_in_tracking.position.y, 0));
 }
 
+XrRig in_new_space(const XrRig& rig, const Pose& old_from_new) {
+    if (!is_valid(old_from_new)) return rig;
+    const glm::dvec3 across(old_from_new.position.x, 0, old_from_new.position.z);
+    return {world_from_tracking(rig) * across, wrapped(rig.yaw_rad + yaw_of(old_from_new.rotation))};
+}
+
 Arc teleport_arc(const Pose& world_aim, double floor_y, double speed_m_per_s, double max_distance_m) {
     constexpr double kMax = 1e6;  // of speeds and distances; larger ones are mistakes
     if (!is_valid(world_aim) || !std::isfinite(floor_y)) return {};

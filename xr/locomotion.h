@@ -29,6 +29,11 @@ XrRig turned_about_head(XrRig rig, const Pose& head_in_tracking, double by_rad);
 XrRig with_head_above(XrRig rig, const Pose& head_in_tracking, glm::dvec3 floor_point_world,
                       std::optional<double> face_yaw_rad = {});
 
+// The rig after a change of the tracking space, so that the user stays in the same place on the stage: for
+// `old_from_new`, the new space in the old one, whose tilt and height do not count, as the floor is where the runtime
+// says. The user also looks in the same direction.
+XrRig in_new_space(const XrRig& rig, const Pose& old_from_new);
+
 // The path of a point thrown along an aim pose's −Z.
 struct Arc {
     // World, beginning at the hand and evenly spaced along the path: by at most kArcSpacing_m, or by more where there

@@ -10,6 +10,7 @@
 
 #include "xr/bindings.h"
 #include "xr/body_tracking_types.h"
+#include "xr/newer_types.h"
 
 namespace neuvv::xr {
 
@@ -53,6 +54,8 @@ std::vector<OptionalExtension> optional_extensions() {
         {XR_KHR_VISIBILITY_MASK_EXTENSION_NAME, "what no lens shows is not drawn", "all of each image is drawn"},
         {XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, "the refresh rate can be chosen (--refresh)",
          "the refresh rate is the runtime's"},
+        {kLocalFloorExtension, "the floor is known without a play area",
+         "the floor is taken from the play area, or guessed"},
         {XR_EXT_HAND_TRACKING_EXTENSION_NAME, "bare hands are seen, and pinches select", "controllers alone"},
         {kHandInteraction, "bare hands point, select and grab", "controllers alone"},
         {XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, "the same by its older name", "not needed beside the one above"},

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <mutex>
 
+#include "xr/newer_types.h"
+
 namespace neuvv::xr {
 
 namespace {
@@ -60,11 +62,22 @@ void Session::create_spaces() {
                                  [&](uint32_t capacity, uint32_t* count, XrReferenceSpaceType* all) {
                                      return xrEnumerateReferenceSpaces(handle(), capacity, count, all);
                                  });
-    knows_floor_ = std::find(types.begin(), types.end(), XR_REFERENCE_SPACE_TYPE_STAGE) != types.end();
-    tracking_ = knows_floor_
-                    ? reference_space(handle(), XR_REFERENCE_SPACE_TYPE_STAGE)
-                    : reference_space(handle(), XR_REFERENCE_SPACE_TYPE_LOCAL, {{0, -kEyeHeight_m, 0}, {1, 0, 0, 0}});
+    tracking_type_ = XR_REFERENCE_SPACE_TYPE_LOCAL;
+    for (const XrReferenceSpaceType better : {kLocalFloorSpace, XR_REFERENCE_SPACE_TYPE_STAGE})
+        if (std::find(types.begin(), types.end(), better) != types.end()) tracking_type_ = better;
+    knows_floor_ = tracking_type_ != XR_REFERENCE_SPACE_TYPE_LOCAL;
+    if (!knows_floor_) reference_from_tracking_.position.y = -kEyeHeight_m;
+    tracking_ = reference_space(handle(), tracking_type_, reference_from_tracking_);
     head_ = reference_space(handle(), XR_REFERENCE_SPACE_TYPE_VIEW);
+}
+
+// LOCAL and LOCAL_FLOOR move where the user asks for it; STAGE, where its area or its floor is found anew.
+TrackingChange Session::tracking_change(const XrEventDataReferenceSpaceChangePending& event) const {
+    TrackingChange change{event.changeTime, {}, event.referenceSpaceType != XR_REFERENCE_SPACE_TYPE_STAGE};
+    if (event.poseValid)
+        change.old_from_new =
+            inverse(reference_from_tracking_) * pose_of(event.poseInPreviousSpace) * reference_from_tracking_;
+    return change;
 }
 
 void Session::begin_session() {
@@ -112,12 +125,18 @@ SessionStatus Session::poll(SessionEvents& events) {
             case XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED:
                 events.controllers_changed = true;
                 break;
+            case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING: {
+                const auto& pending = as(XrEventDataReferenceSpaceChangePending{});
+                if (pending.session == handle() && pending.referenceSpaceType == tracking_type_)
+                    events.tracking_change = tracking_change(pending);
+                break;
+            }
             case XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR:
                 if (const uint32_t eye = as(XrEventDataVisibilityMaskChangedKHR{}).viewIndex; eye < kEyes)
                     events.mask_changed[eye] = true;
                 break;
             default:
-                break;  // such as recentring and refresh rates, which show in poses and times; and unused extensions
+                break;  // such as refresh rates, which show in times; and unused extensions
         }
     }
     if (lost_) return SessionStatus::kLost;

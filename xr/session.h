@@ -24,8 +24,19 @@ enum class SessionStatus {
     kLost,     // the session cannot be used any more; a new one may work
 };
 
+// From a time on, all poses in the tracking space are in a new tracking space: its origin was moved, by the user
+// (recentring) or by the system.
+struct TrackingChange {
+    XrTime from = 0;  // of displays
+    // The new space in the old one; empty where the runtime does not know it.
+    std::optional<Pose> old_from_new;
+    // Whether the user asked for it, so as to look ahead. Otherwise the room's area or floor was found anew.
+    bool by_user = false;
+};
+
 // The other events of a poll.
 struct SessionEvents {
+    std::optional<TrackingChange> tracking_change;  // the last one
     bool controllers_changed = false;        // the user holds other controllers: call Actions::update_controllers
     std::array<bool, kEyes> mask_changed{};  // the lens of this eye hides another part of the image
 };
@@ -57,8 +68,9 @@ class Session {
     XrSession handle() const { return session_.get(); }
     const Runtime& runtime() const { return runtime_; }
     // The space in which all poses are located: OpenXR's STAGE, whose origin lies on the floor in the middle of the
-    // area where the user may walk. Where the runtime has no STAGE, a space kEyeHeight_m below the origin of LOCAL,
-    // which is at the height of the eyes.
+    // area where the user may walk. Where the runtime has no STAGE, LOCAL_FLOOR, whose origin lies on the floor where
+    // the user was when the space was last centred. Where it has neither, a space kEyeHeight_m below the origin of
+    // LOCAL, which is at the height of the eyes.
     XrSpace tracking_space() const { return tracking_.get(); }
     bool knows_floor() const { return knows_floor_; }
     XrSpace head_space() const { return head_.get(); }
@@ -88,6 +100,7 @@ class Session {
 
   private:
     void create_spaces();
+    TrackingChange tracking_change(const XrEventDataReferenceSpaceChangePending& event) const;
     void begin_session();
     void end_session();
     void on_state_changed(const XrEventDataSessionStateChanged& event);
@@ -95,6 +108,8 @@ class Session {
     const gpu::Device& device_;
     XrOwnedSession session_;
     XrOwnedSpace tracking_, head_;
+    XrReferenceSpaceType tracking_type_ = XR_REFERENCE_SPACE_TYPE_STAGE;
+    Pose reference_from_tracking_;
     bool knows_floor_ = false;
     XrSessionState state_ = XR_SESSION_STATE_UNKNOWN;
     bool running_ = false, ended_ = false, lost_ = false;

@@ -14,3 +14,4 @@
 #include <openxr/openxr_reflection.h>
 
 #include "xr/body_tracking_types.h"
+#include "xr/newer_types.h"

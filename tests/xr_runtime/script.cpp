@@ -79,6 +79,7 @@ constexpr Named<XrEnvironmentBlendMode> kBlendModes[] = {{"opaque", XR_ENVIRONME
                                                          {"alpha_blend", XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND}};
 constexpr Named<XrReferenceSpaceType> kSpaces[] = {{"view", XR_REFERENCE_SPACE_TYPE_VIEW},
                                                    {"local", XR_REFERENCE_SPACE_TYPE_LOCAL},
+                                                   {"local_floor", xr::kLocalFloorSpace},
                                                    {"stage", XR_REFERENCE_SPACE_TYPE_STAGE}};
 #define NEUVV_XR_RESULT(name, value) {#name, name},
 constexpr Named<XrResult> kResults[] = {XR_LIST_ENUM_XrResult(NEUVV_XR_RESULT)};
@@ -323,6 +324,7 @@ const std::vector<XrExtensionProperties>& implemented_extensions() {
         add(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, XR_FB_display_refresh_rate_SPEC_VERSION);
         add(XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_EXT_hand_tracking_SPEC_VERSION);
         add("XR_EXT_hand_interaction", 1);
+        add(xr::kLocalFloorExtension, 1);
         add(XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, XR_MSFT_hand_interaction_SPEC_VERSION);
         add(XR_FB_BODY_TRACKING_EXTENSION_NAME, XR_FB_body_tracking_SPEC_VERSION);
         add(XR_META_BODY_TRACKING_FULL_BODY_EXTENSION_NAME, XR_META_body_tracking_full_body_SPEC_VERSION);

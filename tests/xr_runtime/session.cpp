@@ -140,7 +140,8 @@ void lose_instance(Instance& instance, const ScriptEvent& event) {
 void recentre(Session& session, const ScriptEvent& event) {
     Progress& progress = runtime().progress;
     const XrTime change = progress.display_times.back() + 2 * progress.period();
-    for (XrReferenceSpaceType space : {XR_REFERENCE_SPACE_TYPE_LOCAL, XR_REFERENCE_SPACE_TYPE_STAGE}) {
+    for (XrReferenceSpaceType space :
+         {XR_REFERENCE_SPACE_TYPE_LOCAL, xr::kLocalFloorSpace, XR_REFERENCE_SPACE_TYPE_STAGE}) {
         const auto& offered = runtime().script.spaces;
         if (std::find(offered.begin(), offered.end(), space) == offered.end()) continue;
         progress.recentres.push_back({change, space, event.shift});

@@ -35,13 +35,20 @@ Located action_in_world(const Space& space, XrTime time) {
     return hand_in_world(hand_of(source), source.find("/input/aim") != std::string::npos, time);
 }
 
+// LOCAL_FLOOR needs its extension, as instances are of OpenXR 1.0.
+std::vector<XrReferenceSpaceType> offered_spaces() {
+    std::vector<XrReferenceSpaceType> spaces = runtime().script.spaces;
+    if (!runtime().instance->has(xr::kLocalFloorExtension)) std::erase(spaces, xr::kLocalFloorSpace);
+    return spaces;
+}
+
 XrResult enumerate_spaces(XrSession handle, uint32_t capacity, uint32_t* count, XrReferenceSpaceType* out) {
     object<Session>(handle);
-    return give_values(capacity, count, out, runtime().script.spaces);
+    return give_values(capacity, count, out, offered_spaces());
 }
 
 void check_reference(XrReferenceSpaceType type) {
-    const auto& spaces = runtime().script.spaces;
+    const std::vector<XrReferenceSpaceType> spaces = offered_spaces();
     require(std::find(spaces.begin(), spaces.end(), type) != spaces.end(), XR_ERROR_REFERENCE_SPACE_UNSUPPORTED,
             "reference-space",
             fmt::format("xrEnumerateReferenceSpaces does not name the type {}", static_cast<int>(type)));

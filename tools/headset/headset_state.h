@@ -31,15 +31,13 @@ struct HandBrush {
 
 struct HeadsetState : editor::StageState {
     xr::XrRig rig;
+    // The heading that is straight ahead: that with which the user began, turned by each turn since.
+    double ahead_rad = 0;
     double floor_m = 0;  // height in the world: where user and performers stand
     HandTool tool = HandTool::kArrange;
     Comfort comfort;
     HandBrush brush;
     bool panel_visible = false, panel_on_wrist = false;
 };
-
-// The rig with which a user begins: above the floor where the stage's first perspective camera is, with its heading;
-// without such a camera, in front of the performers. `head` is in the tracking space.
-xr::XrRig initial_rig(const HeadsetState& state, const xr::Pose& head);
 
 }  // namespace neuvv::headset

@@ -106,6 +106,13 @@ void Interaction::move_panel(const HeadsetState& state) {
         panel->world_from_panel = *hands[panel_grab_->hand].aim * panel_grab_->hand_from_panel;
 }
 
+void Interaction::user_was_moved(HeadsetState& state) {
+    grab.release(state);
+    painter.end_stroke(state);
+    panel_grab_.reset();
+    panel_was_visible_ = false;
+}
+
 // A press belongs to what the ray hit when it began, wherever the ray moves meanwhile.
 void Interaction::track_presses() {
     for (Hand& hand : hands) {

@@ -31,6 +31,9 @@ class Interaction {
     void update(HeadsetState& state, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s,
                 const FindSurfaces& find_surfaces = {});
     PanelPointer panel_pointer() const;
+    // To be called where something else than the hands has moved the user: ends what hands have begun, and brings the
+    // panel along.
+    void user_was_moved(HeadsetState& state);
 
   private:
     void update_hands(const HeadsetState& state, const xr::HandInputs& inputs, double dt_s);

@@ -26,6 +26,7 @@ void Locomotion::update(HeadsetState& state, Hands& hands, const std::array<bool
     const double speed = dt_s > 0 ? glm::distance(before.position, state.rig.position) / dt_s : 0;
     if (stick_free[xr::kRight]) turn(state, right, head, dt_s);
     const double turned = std::remainder(state.rig.yaw_rad - before.yaw_rad, glm::two_pi<double>());
+    state.ahead_rad += turned;
     const bool smooth = state.comfort.smooth_walk || state.comfort.smooth_turn;
     const double target = state.comfort.vignette && smooth && dt_s > 0
                               ? xr::vignette_of(state.comfort.smooth_walk ? speed : 0,

@@ -203,6 +203,13 @@ void light_row(Rows& rows) {
         set(rows.state, edit::StageEdit{.falloff = falloff});
 }
 
+// On the line of light_row, which leaves room for it.
+void start_button(Rows& rows) {
+    const float width = column_width(3);
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
+    rows.result.to_start = rows.button("to start", "Back to the start", width);
+}
+
 void comfort_rows(Rows& rows) {
     Comfort& comfort = rows.state.comfort;
     rows.checkbox("smooth walk", "Walk smoothly", &comfort.smooth_walk);
@@ -274,7 +281,10 @@ PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& 
         light_row(rows);
     }
     ImGui::EndDisabled();
-    if (state.tool == HandTool::kArrange) comfort_rows(rows);
+    if (state.tool == HandTool::kArrange) {
+        start_button(rows);
+        comfort_rows(rows);
+    }
     if (state.tool == HandTool::kTrain) training_rows(rows);
     // This row is always in the same place, with two lines for notices below.
     const float line = ImGui::GetTextLineHeightWithSpacing(), row = 1.2f * ImGui::GetFrameHeightWithSpacing();

@@ -13,7 +13,7 @@ class Training;
 
 // What the user pressed that the panel does not do itself, and where its items are.
 struct PanelResult {
-    bool save = false, leave = false;
+    bool save = false, leave = false, to_start = false;
     std::map<std::string, glm::dvec2> items;  // by name: the middle of each item, 0..1 from the upper left
 };
 

@@ -90,6 +90,11 @@ void write_report(const Program& program) {
     report["playing"] = program.state.clock.playing;
     report["stands"] = {program.state.rig.position.x, program.state.rig.position.y, program.state.rig.position.z};
     report["turned_deg"] = glm::degrees(program.state.rig.yaw_rad);
+    if (program.head) {
+        const xr::Pose head = xr::world_from_tracking(program.state.rig) * *program.head;
+        report["head"] = {{"at", {head.position.x, head.position.y, head.position.z}},
+                          {"heading_deg", glm::degrees(xr::yaw_of(head.rotation))}};
+    }
     report["train"] = program.training.facts();
     if (const auto performer = program.state.selected_performer())
         report["selected"] = program.state.stage->performers[*performer].name;

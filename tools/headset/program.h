@@ -14,6 +14,7 @@
 #include "tools/headset/headset.h"
 #include "tools/headset/interaction.h"
 #include "tools/headset/settings.h"
+#include "tools/headset/standing.h"
 #include "tools/headset/training.h"
 #include "tools/ui/window.h"
 
@@ -40,10 +41,10 @@ struct Program {
     std::vector<editor::Notice> notices;
     std::unique_ptr<ui::Window> window;  // of the mirror; null without --mirror
     Clock::time_point began = Clock::now();
-    bool rig_is_set = false;       // the user has a position in the stage
-    bool leaving = false;          // the user wants to leave
-    std::optional<xr::Pose> head;  // tracking space; the last tracked pose
-    uint64_t frames = 0;           // drawn since the program began
+    std::optional<StandingPlace> start;  // where the user began; empty: the user has no position on the stage yet
+    bool leaving = false;                // the user wants to leave
+    std::optional<xr::Pose> head;        // tracking space; the last tracked pose
+    uint64_t frames = 0;                 // drawn since the program began
     std::map<std::string, glm::dvec2> panel_items;
 
     double confirm_until_s = 0;  // until then, Leave leaves although there are unsaved edits

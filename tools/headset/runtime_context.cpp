@@ -54,7 +54,7 @@ void RuntimeContext::make_renderer(Program& program, const EyeImages& eyes) {
     update_clips(program.state, *this);
     program.state.evaluate();
     update_solid(program.state);
-    if (!program.rig_is_set)
+    if (!program.start)
         program.state.floor_m = editor::floor_of(program.state);  // afterwards it stays, as the user stands on it
 }
 

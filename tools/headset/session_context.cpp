@@ -35,6 +35,22 @@ std::optional<motion::Pose> locate_body(Program& program, SessionContext& sessio
     return session.body->locate(inputs, head, program.state.rig, time.display);
 }
 
+// Follows the tracked head: the user gets a position on the stage, and keeps it where the tracking space changes.
+void place_user(Program& program, SessionContext& session, const xr::FrameTime& time, const xr::Pose& head) {
+    auto& change = session.tracking_change;
+    if (change && time.display >= change->from) {
+        if (program.head && program.start) {
+            follow_tracking_change(program.state, *change, *program.head, head);
+            program.interaction.user_was_moved(program.state);
+        }
+        change.reset();
+    }
+    program.head = head;
+    if (program.start) return;
+    program.start = first_place(program.state);
+    stand_at(program.state, *program.start, head);
+}
+
 // Updates hands, edits and the stage's time to the time at which the display shows this frame.
 void update_stage(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time,
                   double dt_s) {
@@ -44,11 +60,7 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
     for (const int hand : {xr::kLeft, xr::kRight})
         xr::fill_from_joints(inputs[hand], session.hand_tracking.joints(hand));
     const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
-    if (head) program.head = *head;
-    if (head && !program.rig_is_set) {
-        state.rig = initial_rig(state, *head);
-        program.rig_is_set = true;
-    }
+    if (head) place_user(program, session, time, *head);
     program.jobs.run_posted();
     context.follow(program);  // edits that are made after this show in the next frame
     state.clock.tick(dt_s);
@@ -82,6 +94,10 @@ void update_panel(Program& program, SessionContext& session, double dt_s) {
     program.panel_items = result.items;
     if (result.save && !program.saver->saving()) program.saver->save(program.saver->default_path());
     if (result.leave) program.leave();
+    if (result.to_start && program.head && program.start) {
+        stand_at(program.state, *program.start, *program.head);
+        program.interaction.user_was_moved(program.state);
+    }
 }
 
 // Draws the stage for both eyes. Returns false while the poses of the eyes are not known.
@@ -112,6 +128,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
 }  // namespace
 
 void handle_events(const xr::SessionEvents& events, SessionContext& session) {
+    if (events.tracking_change) session.tracking_change = events.tracking_change;
     if (events.controllers_changed) {
         session.actions.update_controllers();
         for (const int hand : {xr::kLeft, xr::kRight})

@@ -27,6 +27,7 @@ struct SessionContext {
     PanelSurface panel;
     std::unique_ptr<Mirror> mirror;
     xr::EyeShapes shapes;
+    std::optional<xr::TrackingChange> tracking_change;  // that is to come
     XrTime last_display = 0;
     double images_per_second = 0;
 };
