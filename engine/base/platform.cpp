@@ -239,6 +239,12 @@ void catch_stop_signals() {
     std::signal(SIGTERM, on_stop_signal);
 }
 
+void catch_hangup() {
+    struct sigaction before {};
+    sigaction(SIGHUP, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) std::signal(SIGHUP, on_stop_signal);
+}
+
 bool stop_requested() {
     return g_stop != 0;
 }

@@ -78,6 +78,8 @@ class SpooledMemory : public std::pmr::memory_resource {
 // After this call, SIGINT and SIGTERM set a flag instead of ending the program. A second signal more than half a second
 // later ends it.
 void catch_stop_signals();
+// The same for SIGHUP, which comes when the terminal is closed; but not where SIGHUP is ignored, as under nohup.
+void catch_hangup();
 bool stop_requested();
 
 bool stderr_is_terminal();

@@ -207,6 +207,16 @@ TEST_F(Faults, AMoveOutlivesASessionThatIsLostInItsMiddle) {
     EXPECT_LT(glm::distance(position(node(document, "anna")), glm::dvec3(-0.5, 0, -2.8)), 1e-3);
 }
 
+TEST_F(Faults, ASignalEndsTheProgramInGoodOrder) {
+    for (const int one : {SIGTERM, SIGHUP}) {
+        signal = one;
+        XrScript script;  // without an end
+        const XrRun run = this->run(script);
+        expect_clean(run);
+        EXPECT_TRUE(run.seen.is_object()) << one << ": the report is the last that it writes";
+    }
+}
+
 TEST_F(Faults, ASessionThatCannotBeMadeIsOneLine) {
     XrScript script;
     script.json["fail"] = {{{"function", "xrCreateSession"}, {"result", "XR_ERROR_RUNTIME_FAILURE"}, {"times", 99}}};

@@ -145,7 +145,11 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
     arguments.insert(arguments.end(), more.begin(), more.end());
     ChildProcess program(arguments, log);
     const auto end = std::chrono::steady_clock::now() + kTimeout;
-    while (!program.ended()) {
+    for (bool sent = signal == 0; !program.ended();) {
+        if (!sent && read_text(log).find("right hand: ") != std::string::npos) {
+            program.send(signal);
+            sent = true;
+        }
         if (std::chrono::steady_clock::now() > end) throw std::runtime_error("the program hangs: " + read_text(log));
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }

@@ -124,6 +124,7 @@ void run_runtimes(Program& program) {
 
 void run_headset(const HeadsetOptions& options) {
     catch_stop_signals();
+    catch_hangup();
     Program program(options);
     program.open();
     if (options.mirror) program.window = std::make_unique<ui::Window>("NeuVV in a headset", ui::WindowGeometry{});
