@@ -48,7 +48,7 @@ std::vector<std::string> offered_extensions() {
 }  // namespace
 
 std::vector<OptionalExtension> optional_extensions() {
-    return {
+    std::vector<OptionalExtension> all{
         {XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME, "depth goes to the compositor, which moves late images better",
          "images go without their depth"},
         {XR_KHR_VISIBILITY_MASK_EXTENSION_NAME, "what no lens shows is not drawn", "all of each image is drawn"},
@@ -65,7 +65,14 @@ std::vector<OptionalExtension> optional_extensions() {
         {XR_BD_BODY_TRACKING_EXTENSION_NAME, "the whole body is tracked", "the body is taken from another source"},
         {XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME, "trackers that are worn say where joints are",
          "the body is taken from another source"},
+        {kUserPresenceExtension, "the stage pauses while nobody wears the headset", "the stage goes on"},
     };
+    for (const ControllerProfile& profile : controller_profiles()) {
+        const auto is_it = [&](const OptionalExtension& one) { return std::strcmp(one.name, profile.extension) == 0; };
+        if (profile.extension && std::none_of(all.begin(), all.end(), is_it))
+            all.push_back({profile.extension, profile.title, "the runtime translates bindings of other controllers"});
+    }
+    return all;
 }
 
 const char* blend_mode_name(XrEnvironmentBlendMode mode) {
@@ -147,6 +154,8 @@ void Runtime::find_properties() {
     find(XR_EXT_HAND_TRACKING_EXTENSION_NAME,
          XrSystemHandTrackingPropertiesEXT{XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT, nullptr, XR_FALSE},
          &XrSystemHandTrackingPropertiesEXT::supportsHandTracking);
+    find(kUserPresenceExtension, XrSystemUserPresencePropertiesEXT{kUserPresenceProperties, nullptr, XR_FALSE},
+         &XrSystemUserPresencePropertiesEXT::supportsUserPresence);
     find(XR_FB_BODY_TRACKING_EXTENSION_NAME,
          XrSystemBodyTrackingPropertiesFB{XR_TYPE_SYSTEM_BODY_TRACKING_PROPERTIES_FB, nullptr, XR_FALSE},
          &XrSystemBodyTrackingPropertiesFB::supportsBodyTracking);

@@ -131,6 +131,10 @@ SessionStatus Session::poll(SessionEvents& events) {
                     events.tracking_change = tracking_change(pending);
                 break;
             }
+            case kUserPresenceChanged:
+                if (const auto& change = as(XrEventDataUserPresenceChangedEXT{}); change.session == handle())
+                    events.is_worn = change.isUserPresent == XR_TRUE;
+                break;
             case XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR:
                 if (const uint32_t eye = as(XrEventDataVisibilityMaskChangedKHR{}).viewIndex; eye < kEyes)
                     events.mask_changed[eye] = true;

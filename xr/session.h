@@ -37,6 +37,7 @@ struct TrackingChange {
 // The other events of a poll.
 struct SessionEvents {
     std::optional<TrackingChange> tracking_change;  // the last one
+    std::optional<bool> is_worn;                    // whether somebody wears the headset, where that has changed
     bool controllers_changed = false;        // the user holds other controllers: call Actions::update_controllers
     std::array<bool, kEyes> mask_changed{};  // the lens of this eye hides another part of the image
 };

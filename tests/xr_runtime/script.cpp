@@ -84,9 +84,9 @@ constexpr Named<XrReferenceSpaceType> kSpaces[] = {{"view", XR_REFERENCE_SPACE_T
 #define NEUVV_XR_RESULT(name, value) {#name, name},
 constexpr Named<XrResult> kResults[] = {XR_LIST_ENUM_XrResult(NEUVV_XR_RESULT)};
 #undef NEUVV_XR_RESULT
-constexpr const char* kEvents[] = {"visible",      "synchronized",  "focus",      "stop", "exit",
-                                   "lose_session", "lose_instance", "recentre",   "slow", "profile",
-                                   "mask_changed", "refresh",       "no_tracking"};
+constexpr const char* kEvents[] = {"visible",      "synchronized",  "focus",       "stop",    "exit",
+                                   "lose_session", "lose_instance", "recentre",    "slow",    "profile",
+                                   "mask_changed", "refresh",       "no_tracking", "presence"};
 
 template <typename T, size_t kCount>
 void read_names(Fields& fields, const std::string& key, const Named<T> (&table)[kCount], std::vector<T>& values) {
@@ -222,6 +222,7 @@ void read_events(const Json& events, Script& script) {
         fields.read("restart", event.restart);
         fields.read("hz", event.hz);
         fields.read("profile", event.profile);
+        fields.read("worn", event.worn);
         if (const Json* shift = fields.find("shift")) read_pose(Fields(*shift, fields.at("shift")), event.shift);
         fields.finish();
         script.events.push_back(event);
@@ -266,12 +267,13 @@ void read_views(Fields& fields, Script& script) {
     fields.read("eye_distance_m", script.eye_distance_m);
 }
 
-// Debian 12's validation layer, which other tests load, refuses the structs of bodies: only scripts with bodies offer
-// them.
+// Debian 12's validation layer, which other tests load, refuses the structs of bodies and of user presence: only
+// scripts with bodies, or that name the extension, offer them.
 std::vector<std::string> default_extensions(const Script& script) {
     std::vector<std::string> names;
     for (const XrExtensionProperties& extension : implemented_extensions()) {
         const std::string name = extension.extensionName;
+        if (name == xr::kUserPresenceExtension) continue;
         if (!script.bodies.empty() || name.find("body_tracking") == std::string::npos) names.push_back(name);
     }
     return names;
@@ -325,6 +327,11 @@ const std::vector<XrExtensionProperties>& implemented_extensions() {
         add(XR_EXT_HAND_TRACKING_EXTENSION_NAME, XR_EXT_hand_tracking_SPEC_VERSION);
         add("XR_EXT_hand_interaction", 1);
         add(xr::kLocalFloorExtension, 1);
+        add(xr::kUserPresenceExtension, 1);
+        for (const char* controllers : {"XR_FB_touch_controller_pro", "XR_META_touch_controller_plus",
+                                        "XR_BD_controller_interaction", "XR_HTC_vive_focus3_controller_interaction",
+                                        "XR_EXT_hp_mixed_reality_controller", "XR_ML_ml2_controller_interaction"})
+            add(controllers, 1);
         add(XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, XR_MSFT_hand_interaction_SPEC_VERSION);
         add(XR_FB_BODY_TRACKING_EXTENSION_NAME, XR_FB_body_tracking_SPEC_VERSION);
         add(XR_META_BODY_TRACKING_FULL_BODY_EXTENSION_NAME, XR_META_body_tracking_full_body_SPEC_VERSION);

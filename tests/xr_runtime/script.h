@@ -41,7 +41,7 @@ struct ScriptEvent {
     int64_t frame = 0;
     std::string what;  // "do" in the file
     int64_t frames = 1, periods = 3, calls = 0, wait_calls = 10;
-    bool restart = false;
+    bool restart = false, worn = true;
     XrPosef shift = {{0, 0, 0, 1}, {0, 0, 0}};
     std::string profile;
     float hz = 0;

@@ -185,6 +185,10 @@ void play(Session& session, const ScriptEvent& event) {
         progress.slow_periods = event.periods;
     }
     if (event.what == "profile") progress.profile = event.profile;
+    if (event.what == "presence" && session.instance->has(xr::kUserPresenceExtension))
+        queue_event(*session.instance,
+                    xr::XrEventDataUserPresenceChangedEXT{xr::kUserPresenceChanged, nullptr, session.handle,
+                                                          event.worn ? XR_TRUE : XR_FALSE});
     if (event.what == "mask_changed") change_mask(session);
     if (event.what == "refresh") set_refresh_rate(session, event.hz);
     if (event.what == "no_tracking") progress.untracked_until = frame + event.frames;

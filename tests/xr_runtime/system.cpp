@@ -33,6 +33,9 @@ XrResult get_system_properties(XrInstance handle, XrSystemId system, XrSystemPro
     auto* hands = const_cast<XrSystemHandTrackingPropertiesEXT*>(chained<XrSystemHandTrackingPropertiesEXT>(out));
     if (hands) hands->supportsHandTracking = runtime().script.has_hand_joints ? XR_TRUE : XR_FALSE;
     fill_body_properties(properties);
+    for (auto* link = static_cast<XrBaseOutStructure*>(properties.next); link; link = link->next)
+        if (link->type == xr::kUserPresenceProperties)
+            reinterpret_cast<xr::XrSystemUserPresencePropertiesEXT*>(link)->supportsUserPresence = XR_TRUE;
     return XR_SUCCESS;
 }
 

@@ -272,6 +272,25 @@ TEST_F(Watching, AMirrorShowsTheLeftEye) {
     EXPECT_TRUE(shown) << "the window does not show the left eye";
 }
 
+TEST_F(Watching, TheStagePausesWhileNobodyWearsTheHeadset) {
+    with_layer = false;  // that of Debian 12 does not know user presence
+    const auto playing_at = [&](int frame, const char* extension) {
+        XrScript script;
+        script.json["extensions"] = {"XR_KHR_vulkan_enable2", extension};
+        script.click(kReady, "right", "a/click");
+        script.event(12, "presence", {{"worn", false}});
+        script.event(20, "presence", {{"worn", true}});
+        script.end(frame);
+        const XrRun run = this->run(script);
+        expect_clean(run);
+        return run.seen["playing"].get<bool>();
+    };
+    EXPECT_TRUE(playing_at(10, "XR_EXT_user_presence"));
+    EXPECT_FALSE(playing_at(16, "XR_EXT_user_presence"));
+    EXPECT_TRUE(playing_at(24, "XR_EXT_user_presence")) << "it goes on";
+    EXPECT_TRUE(playing_at(16, "XR_KHR_visibility_mask")) << "where the runtime does not say it";
+}
+
 TEST_F(Watching, CheckSaysWhatThereIs) {
     XrScript script;
     script.json["extensions"] = {"XR_KHR_vulkan_enable2", "XR_KHR_visibility_mask"};

@@ -34,7 +34,7 @@ xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
     for (;;) {
         xr::SessionEvents events;
         const xr::SessionStatus status = session.xr_session.poll(events);
-        handle_events(events, session);
+        handle_events(events, program, session);
         if (status == xr::SessionStatus::kEnded || status == xr::SessionStatus::kLost) {
             program.interaction.grab.release(program.state);
             stop_sound(program.state, program.sound);

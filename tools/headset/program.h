@@ -43,6 +43,7 @@ struct Program {
     Clock::time_point began = Clock::now();
     std::optional<StandingPlace> start;  // where the user began; empty: the user has no position on the stage yet
     bool leaving = false;                // the user wants to leave
+    bool paused_unworn = false;          // the stage played when the headset was taken off
     std::optional<xr::Pose> head;        // tracking space; the last tracked pose
     uint64_t frames = 0;                 // drawn since the program began
     std::map<std::string, glm::dvec2> panel_items;

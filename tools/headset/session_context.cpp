@@ -51,6 +51,15 @@ void place_user(Program& program, SessionContext& session, const xr::FrameTime& 
     stand_at(program.state, *program.start, head);
 }
 
+// The stage pauses while nobody wears the headset, and goes on if it has played before.
+void pause_unworn(Program& program, bool is_worn) {
+    editor::StageClock& clock = program.state.clock;
+    if (is_worn)
+        clock.playing |= std::exchange(program.paused_unworn, false);
+    else
+        program.paused_unworn |= std::exchange(clock.playing, false);
+}
+
 // Updates hands, edits and the stage's time to the time at which the display shows this frame.
 void update_stage(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time,
                   double dt_s) {
@@ -127,7 +136,8 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
 
 }  // namespace
 
-void handle_events(const xr::SessionEvents& events, SessionContext& session) {
+void handle_events(const xr::SessionEvents& events, Program& program, SessionContext& session) {
+    if (events.is_worn) pause_unworn(program, *events.is_worn);
     if (events.tracking_change) session.tracking_change = events.tracking_change;
     if (events.controllers_changed) {
         session.actions.update_controllers();

@@ -33,7 +33,7 @@ struct SessionContext {
 };
 
 // Does what a poll of the session reported.
-void handle_events(const xr::SessionEvents& events, SessionContext& session);
+void handle_events(const xr::SessionEvents& events, Program& program, SessionContext& session);
 // Waits for the next frame, does what hands do in it, and draws it.
 void frame(Program& program, RuntimeContext& context, SessionContext& session);
 
