@@ -38,6 +38,15 @@ const Inputs kThumbstick = Inputs{{"/input/thumbstick", kVector, ProfileInput::k
 const Inputs kTrackpad = Inputs{{"/input/trackpad", kVector, ProfileInput::kBoth}} +
                          floats({"/input/trackpad/x", "/input/trackpad/y"}) + booleans({"/input/trackpad/touch"});
 
+const Inputs kTouchButtons =
+    booleans({"/input/x/click", "/input/x/touch", "/input/y/click", "/input/y/touch", "/input/menu/click"},
+             ProfileInput::kLeftOnly) +
+    booleans({"/input/a/click", "/input/a/touch", "/input/b/click", "/input/b/touch", "/input/system/click"},
+             ProfileInput::kRightOnly);
+const Inputs kTouchInputs = floats({"/input/squeeze/value", "/input/trigger/value"}) + kThumbstick +
+                            booleans({"/input/trigger/touch", "/input/thumbstick/touch", "/input/thumbrest/touch"}) +
+                            kPoses + kBuzz;
+
 // The index of the hand to which a path belongs, 2 for a worn tracker; -1 for none that the profile has.
 int side_of(const Profile& profile, const std::string& binding) {
     if (profile.path == std::string_view(kTrackerProfile)) return binding.starts_with(kTrackerRoot) ? 2 : -1;
@@ -66,13 +75,7 @@ const std::vector<Profile>& known_profiles() {
     static const std::vector<Profile> profiles = {
         {"/interaction_profiles/khr/simple_controller", "Simple Controller", nullptr,
          booleans({"/input/select/click", "/input/menu/click"}) + kPoses + kBuzz},
-        {"/interaction_profiles/oculus/touch_controller", "Touch Controller", nullptr,
-         booleans({"/input/x/click", "/input/x/touch", "/input/y/click", "/input/y/touch", "/input/menu/click"},
-                  ProfileInput::kLeftOnly) +
-             booleans({"/input/a/click", "/input/a/touch", "/input/b/click", "/input/b/touch", "/input/system/click"},
-                      ProfileInput::kRightOnly) +
-             floats({"/input/squeeze/value", "/input/trigger/value"}) + kThumbstick +
-             booleans({"/input/trigger/touch", "/input/thumbstick/touch", "/input/thumbrest/touch"}) + kPoses + kBuzz},
+        {"/interaction_profiles/oculus/touch_controller", "Touch Controller", nullptr, kTouchButtons + kTouchInputs},
         {"/interaction_profiles/valve/index_controller", "Index Controller", nullptr,
          booleans({"/input/system/click", "/input/system/touch", "/input/a/click", "/input/a/touch", "/input/b/click",
                    "/input/b/touch", "/input/trigger/click", "/input/trigger/touch", "/input/thumbstick/touch"}) +
@@ -94,6 +97,28 @@ const std::vector<Profile>& known_profiles() {
          "Vive Tracker",
          XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME,
          {{"/input/grip/pose", kPose, ProfileInput::kBoth}}},
+        {"/interaction_profiles/facebook/touch_controller_pro", "Touch Pro Controller", "XR_FB_touch_controller_pro",
+         kTouchButtons + kTouchInputs},
+        {"/interaction_profiles/meta/touch_controller_plus", "Touch Plus Controller", "XR_META_touch_controller_plus",
+         kTouchButtons + kTouchInputs},
+        {"/interaction_profiles/bytedance/pico4_controller", "PICO 4 Controller", "XR_BD_controller_interaction",
+         kTouchButtons + booleans({"/input/squeeze/click", "/input/trigger/touch", "/input/thumbstick/touch"}) +
+             floats({"/input/squeeze/value", "/input/trigger/value"}) + kThumbstick + kPoses + kBuzz},
+        {"/interaction_profiles/htc/vive_focus3_controller", "Focus 3 Controller",
+         "XR_HTC_vive_focus3_controller_interaction",
+         kTouchButtons +
+             booleans({"/input/squeeze/click", "/input/squeeze/touch", "/input/trigger/click", "/input/trigger/touch",
+                       "/input/thumbstick/touch", "/input/thumbrest/touch"}) +
+             floats({"/input/trigger/value"}) + kThumbstick + kPoses + kBuzz},
+        {"/interaction_profiles/hp/mixed_reality_controller", "HP Controller", "XR_EXT_hp_mixed_reality_controller",
+         booleans({"/input/x/click", "/input/y/click"}, ProfileInput::kLeftOnly) +
+             booleans({"/input/a/click", "/input/b/click"}, ProfileInput::kRightOnly) +
+             booleans({"/input/menu/click"}) + floats({"/input/squeeze/value", "/input/trigger/value"}) + kThumbstick +
+             kPoses + kBuzz},
+        {"/interaction_profiles/ml/ml2_controller", "Magic Leap 2 Controller", "XR_ML_ml2_controller_interaction",
+         booleans({"/input/menu/click", "/input/home/click", "/input/trigger/click", "/input/shoulder/click",
+                   "/input/trackpad/click"}) +
+             floats({"/input/trigger/value", "/input/trackpad/force"}) + kTrackpad + kPoses + kBuzz},
         {"/interaction_profiles/microsoft/hand_interaction", "Hand", XR_MSFT_HAND_INTERACTION_EXTENSION_NAME,
          floats({"/input/select/value", "/input/squeeze/value"}) + kPoses},
         {"/interaction_profiles/ext/hand_interaction_ext", "Hand", "XR_EXT_hand_interaction",

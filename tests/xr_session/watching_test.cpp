@@ -291,6 +291,29 @@ TEST_F(Watching, TheStagePausesWhileNobodyWearsTheHeadset) {
     EXPECT_TRUE(playing_at(16, "XR_KHR_visibility_mask")) << "where the runtime does not say it";
 }
 
+TEST_F(Watching, ControllersOfExtensionsAreTakenWhereTheseAreOffered) {
+    const std::pair<const char*, const char*> controllers[] = {
+        {"/interaction_profiles/facebook/touch_controller_pro", "Meta Quest Pro"},
+        {"/interaction_profiles/meta/touch_controller_plus", "Meta Touch Plus"},
+        {"/interaction_profiles/bytedance/pico4_controller", "PICO 4"},
+        {"/interaction_profiles/htc/vive_focus3_controller", "HTC Vive Focus 3"},
+        {"/interaction_profiles/hp/mixed_reality_controller", "HP Reverb G2"},
+        {"/interaction_profiles/ml/ml2_controller", "Magic Leap 2"}};
+    XrScript script;
+    int frame = kReady;
+    for (const auto& [profile, title] : controllers) script.event(frame += 2, "profile", {{"profile", profile}});
+    script.end(frame + 4);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    script.json["extensions"] = {"XR_KHR_vulkan_enable2"};
+    const XrRun without = this->run(script);
+    expect_clean(without);
+    for (const auto& [profile, title] : controllers) {
+        EXPECT_NE(run.log.find(std::string("right hand: ") + title), std::string::npos) << run.log;
+        EXPECT_EQ(without.log.find(title), std::string::npos) << without.log;
+    }
+}
+
 TEST_F(Watching, CheckSaysWhatThereIs) {
     XrScript script;
     script.json["extensions"] = {"XR_KHR_vulkan_enable2", "XR_KHR_visibility_mask"};
