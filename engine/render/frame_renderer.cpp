@@ -289,6 +289,7 @@ bool FrameRenderer::enlarge() {
 std::optional<std::vector<Picked>> FrameRenderer::pick(const Instance& instance, std::span<const PickRay> rays,
                                                        float alpha) {
     if (instance.field >= levels_.given()) return std::nullopt;
+    finish();
     Performer* nearest = nullptr;
     uint32_t slice = 0;
     float away = kPickedNear;
