@@ -116,6 +116,7 @@ void run_runtimes(Program& program) {
             why = failure.what();
         }
         if (stop_requested() || program.leaving) return;
+        return_freed_memory();  // runtime, device and renderer are gone
         retries.wait(why);
     }
 }
