@@ -90,7 +90,7 @@ TEST_F(Faults, ARuntimeThatIsLostWithHandsInViewIsWaitedFor) {
 
 TEST_F(Faults, AStrokeThatIsCutOffByTheEndIsKept) {
     XrScript script = editing();
-    const glm::dvec3 copy(0.72, 0.99, -1.62);  // on the surface of the copy's head
+    const glm::dvec3 copy(1.13, 0.99, -1.62);  // on the surface of the head of the copy, 1.21 m beside anna
     XrScript panel = editing();
     panel.click(14, "left", "y/click");
     const json items = panel_after(panel, 20);
