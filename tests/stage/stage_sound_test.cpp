@@ -24,11 +24,16 @@ struct StageSoundTest : testing::Test {
     void SetUp() override {
         put_clip(folder.path / "anna.nvv", 50);
         write_wav(folder.path / "tone.wav", stereo_tone(2 * kRate), 2, kRate);
-        stage = stage::make_stage(stage::make_stage_file(folder.path / "show.gltf", R"({
+        stage = stage_with("");
+    }
+    // `more` are further members of the glTF file.
+    stage::Stage stage_with(const std::string& more) const {
+        return stage::make_stage(stage::make_stage_file(folder.path / "show.gltf", R"({
             "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
             "extensionsUsed": ["NEUVV_performer"],
             "nodes": [{"name": "anna", "translation": [1, 0, 0],
-                       "extensions": {"NEUVV_performer": {"uri": "anna.nvv", "sound": {"uri": "tone.wav"}}}}]})"));
+                       "extensions": {"NEUVV_performer": {"uri": "anna.nvv", "sound": {"uri": "tone.wav"}}}}])" +
+                                                                                       more + "}"));
     }
     std::vector<media::StereoSample> heard(const stage::StageSound::EarAt& ear_at, double seconds) const {
         stage::StageSound sound(stage, 0, ear_at);
@@ -85,6 +90,19 @@ TEST_F(StageSoundTest, AnEarThatMovesIsFollowedWithoutClicks) {
     EXPECT_NEAR(loudest(jumping, 1, 0.6, 0.9), 0, 1e-3);
     for (const auto* samples : {&moving, &jumping})
         for (const size_t side : {0, 1}) EXPECT_LT(steepest(*samples, side), 1.1f * of_tone);
+}
+
+// The animation moves it from (-2, 0, 0) to (2, 0, 0) within a second.
+TEST_F(StageSoundTest, APerformerThatMovesIsFollowed) {
+    stage = stage_with(R"(, "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                                            "samplers": [{"input": 0, "output": 1}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+                      {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 8}, {"buffer": 0, "byteOffset": 8, "byteLength": 24}],
+        "buffers": [{"byteLength": 32, "uri": "data:application/octet-stream;base64,AAAAAAAAgD8AAADAAAAAAAAAAAAAAABAAAAAAAAAAAA="}])");
+    const auto moving = heard([](const stage::EvaluatedStage&) { return ear_at_x(0); }, 1);
+    EXPECT_GT(loudest(moving, 0, 0.1, 0.3), 4 * loudest(moving, 1, 0.1, 0.3));
+    EXPECT_GT(loudest(moving, 1, 0.7, 0.9), 4 * loudest(moving, 0, 0.7, 0.9));
 }
 
 TEST_F(StageSoundTest, WhoIsHiddenOrNotToBeHeardIsSilent) {
