@@ -4,9 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 
+#include "base/error.h"
 #include "base/platform.h"
 #include "stream/bytes.h"
 #include "stream/nvs_index.h"
@@ -16,6 +19,7 @@ namespace neuvv::stream {
 namespace {
 
 constexpr uint64_t kUsualLimit = uint64_t{1} << 30;
+constexpr uint32_t kMostMebibytes = 1u << 24;
 constexpr uint64_t kCrcBytes = 4;                        // before the bytes of a block: their CRC-32
 constexpr uint64_t kMostUncounted = uint64_t{16} << 20;  // after so many bytes, those of all streams are counted
 constexpr double kTrimTo = 0.9;                          // of the limit, so that not every block needs room made
@@ -45,8 +49,15 @@ std::vector<KeptFile> kept_files(const std::filesystem::path& folder) {
 
 CachePlace usual_cache() {
     uint64_t limit = kUsualLimit;
-    if (const char* mebibytes = std::getenv("NEUVV_STREAM_CACHE"))
-        limit = std::min<uint64_t>(std::strtoull(mebibytes, nullptr, 10), uint64_t{1} << 24) << 20;
+    if (const char* text = std::getenv("NEUVV_STREAM_CACHE")) {
+        uint32_t mebibytes = 0;
+        const char* end = text + std::strlen(text);
+        const auto [at, error] = std::from_chars(text, end, mebibytes);
+        if (error != std::errc() || at != end || mebibytes > kMostMebibytes)
+            throw InputError("NEUVV_STREAM_CACHE", text, "is not a number of MiB",
+                             fmt::format("write 0 to {}, as in 1024", kMostMebibytes));
+        limit = uint64_t{mebibytes} << 20;
+    }
     const std::filesystem::path folder = limit > 0 ? cache_folder() : "";
     return {folder.empty() ? folder : folder / "streams", limit};
 }
@@ -83,6 +94,8 @@ std::optional<std::vector<uint8_t>> BlockCache::read(uint64_t block, uint64_t by
 // It is not synced to the disk: whoever reads half a block after a power cut finds a wrong check.
 void BlockCache::write(uint64_t block, std::span<const uint8_t> bytes) {
     if (folder_.empty() || bytes.size() > place_.limit_bytes) return;
+    std::error_code ignored;
+    std::filesystem::create_directories(folder_, ignored);  // others may have removed it when it was empty
     const std::filesystem::path temporary = folder_ / fmt::format("{}.tmp{}", block, getpid());
     std::vector<uint8_t> check;
     append_number(check, check_of(bytes), kCrcBytes);
@@ -93,7 +106,7 @@ void BlockCache::write(uint64_t block, std::span<const uint8_t> bytes) {
         file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         file.close();
         if (file) std::filesystem::rename(temporary, file_of(block), error);
-        if (!file || error) std::filesystem::remove(temporary, error);
+        if (!file || error) std::filesystem::remove(temporary, ignored);
     }
     const std::lock_guard lock(mutex_);
     if (written_) *written_ += bytes.size();

@@ -1,5 +1,5 @@
 // Blocks of a stream from a server, kept on the disk, so that a show that was played once comes from there the next
-// time. All streams together take no more than a limit; what was not used for longest goes first.
+// time. All streams together take little more than a limit; what was not used for longest goes first.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,8 @@
 namespace neuvv::stream {
 
 // Where blocks are kept unless somebody says something else, and how many bytes of them: 1 GiB, or as many MiB as
-// NEUVV_STREAM_CACHE of the environment says. An empty folder or 0 bytes: none are kept.
+// NEUVV_STREAM_CACHE of the environment says. An empty folder or 0 bytes: none are kept. usual_cache() throws
+// InputError where that is no number.
 struct CachePlace {
     std::filesystem::path folder;
     uint64_t limit_bytes = 0;

@@ -35,7 +35,7 @@ class ByteSource {
     // Says what will be read next, the first first, so that it may be fetched meanwhile, in place of what was said
     // before.
     virtual void read_ahead(std::vector<ByteRange> /*ranges*/) {}
-    // How fast bytes come from a server; nothing where they are here, or none were fetched yet.
+    // How fast bytes come from a server, 0 where nobody knows yet; nothing where they are here.
     virtual std::optional<double> bytes_per_s() const { return std::nullopt; }
     // What was read is damaged: it is not to be read again from where copies of it are kept.
     virtual void forget_copies() {}

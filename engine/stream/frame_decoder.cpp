@@ -1,5 +1,6 @@
 #include "stream/frame_decoder.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <thread>
 
@@ -112,6 +113,11 @@ class PlanesReader {
         };
         std::vector<SymbolReader> coarse = readers_of(coarse_, is_mean ? kCoarse : kShCoarse);
         std::vector<SymbolReader> fine = readers_of(fine_, is_mean ? kFine : kShFine);
+        if (coarse.empty() && fine.empty()) {  // all coefficients are 0
+            for (const PlaneOfTree& plane : own)
+                std::ranges::fill(plane.leaves, rounded_value(plane.root, plane.number));
+            return;
+        }
         code_planes<SymbolReader>(coarse, fine, tree_, pairs, depth_, own);
         for (const auto* readers : {&coarse, &fine})
             for (const SymbolReader& reader : *readers)

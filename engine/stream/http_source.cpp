@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/seconds.h"
 #include "base/trace_file.h"
 
 namespace neuvv::stream {
@@ -111,10 +112,7 @@ HttpSource::HttpSource(std::string address, CachePlace cache) : address_(std::mo
     curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Answer::take);
     curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Answer::take_header);
     try {
-        const auto begin = std::chrono::steady_clock::now();
         keep_locked(0, fetch({0, 1}));
-        measure_locked(blocks_[0].size(),
-                       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
         cache_.emplace(std::move(cache), address_, stamp_.bytes, blocks_[0]);
         thread_ = std::thread([this] { run(); });
     } catch (...) {
@@ -226,6 +224,7 @@ void HttpSource::keep_locked(uint64_t first, const std::vector<uint8_t>& bytes) 
 
 // What fails while nobody waits for it is asked for again when somebody does, or says again what is read next.
 void HttpSource::run() {
+    name_trace_thread("fetches a stream");
     std::unique_lock lock(mutex_);
     for (;;) {
         Blocks next;
@@ -241,12 +240,11 @@ void HttpSource::run() {
         std::vector<uint8_t> bytes;
         std::optional<std::vector<uint8_t>> copy;  // of the first block
         std::exception_ptr failure;
-        const auto begin = std::chrono::steady_clock::now();
+        const double begin_s = seconds_now();
         try {
             const TraceSpan span("fetch from block", static_cast<int64_t>(next.first));
             copy = read_copy(next.first);
             bytes = copy ? std::move(*copy) : fetch(next);
-            if (!copy) keep_copies(next.first, bytes);
         } catch (...) {
             failure = std::current_exception();
         }
@@ -257,11 +255,13 @@ void HttpSource::run() {
             if (is_needed || missing_locked(needed_).first == next.first) failure_ = failure;
         } else {
             keep_locked(next.first, bytes);
-            if (!copy)
-                measure_locked(bytes.size(),
-                               std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+            measure_locked(bytes.size(), seconds_now() - begin_s);
         }
         changed_.notify_all();
+        if (failure || copy) continue;
+        lock.unlock();
+        keep_copies(next.first, bytes);
+        lock.lock();
     }
 }
 
@@ -297,7 +297,8 @@ HttpSource::Blocks HttpSource::missing_ahead_locked() const {
     return {};
 }
 
-// A request counts with the time that the server needs to answer: small ones are as slow as they are.
+// A request counts with the time that the server needs to answer: small ones are as slow as they are. What comes from
+// the disk counts, too: then the server is not asked.
 void HttpSource::measure_locked(uint64_t bytes, double seconds) {
     constexpr double kOlder = 0.7;
     recent_bytes_ = kOlder * recent_bytes_ + static_cast<double>(bytes);
@@ -306,8 +307,7 @@ void HttpSource::measure_locked(uint64_t bytes, double seconds) {
 
 std::optional<double> HttpSource::bytes_per_s() const {
     const std::lock_guard lock(mutex_);
-    if (recent_s_ <= 0) return std::nullopt;
-    return recent_bytes_ / recent_s_;
+    return recent_s_ > 0 ? recent_bytes_ / recent_s_ : 0;
 }
 
 // Block by block, as not all of a large range is kept.

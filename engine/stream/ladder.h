@@ -17,13 +17,14 @@ struct GroupCost {
     double seconds = 1;                          // for which it is shown
 };
 
-// Learns how long decoding takes, and chooses by that and by how fast bytes come. Any thread may call its functions.
+// Learns how long decoding planes takes, and chooses by that and by how fast bytes come. Any thread may call its
+// functions.
 class Ladder {
   public:
     // A frame's parts of so many bytes were decoded in so many seconds.
     void learn(uint64_t bytes, double seconds);
     // The last part up to which the frames come at their rate, at least kCoarse. `bytes_per_s`: as they come from a
-    // server; nothing where they are here, or nobody knows yet.
+    // server; nothing where they are here.
     Part choose(const GroupCost& group, std::optional<double> bytes_per_s) const;
 
     // Of the time that there is, so much may be needed: what is measured varies.
@@ -31,7 +32,7 @@ class Ladder {
 
   private:
     mutable std::mutex mutex_;
-    std::optional<double> seconds_per_byte_;  // of decoding, smoothed
+    double bytes_ = 0, seconds_ = 0;  // of the frames that were decoded last: older ones count less
 };
 
 }  // namespace neuvv::stream

@@ -171,7 +171,9 @@ Index read_index(std::span<const uint8_t> head, uint64_t file_bytes) {
     reader.number(8);
     for (Group& group : index.groups) group = read_group(reader);
     for (FrameEntry& frame : index.frames) {
-        frame.is_key = reader.number(4) == 1;
+        const uint64_t flag = reader.number(4);
+        if (flag > 1) throw BadHead("the index", "has frames of a kind that this program does not know", kPublishAgain);
+        frame.is_key = flag == 1;
         for (uint32_t& count : frame.bytes) count = static_cast<uint32_t>(reader.number(4));
         for (uint32_t& check : frame.checks) check = static_cast<uint32_t>(reader.number(4));
     }

@@ -4,13 +4,13 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <utility>
 
 #include "base/error.h"
+#include "base/seconds.h"
 #include "base/trace_file.h"
 
 namespace neuvv::stream {
@@ -24,10 +24,6 @@ std::vector<uint8_t> inflated(std::span<const uint8_t> bytes, size_t count) {
     if (uncompress2(result.data(), &written, bytes.data(), &taken) != Z_OK || written != count || taken != bytes.size())
         throw std::runtime_error("has damaged tables");
     return result;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 }  // namespace
@@ -77,6 +73,7 @@ Reader::Reader(const std::filesystem::path& path) : path_(path) {
         index_ = read_index(bytes_at({0, read_head_size(fixed)}, "the index"), source_->size());
     } catch (const BadHead& bad) {
         failed_ = true;
+        source_->forget_copies();
         throw InputError(path_.string(), bad.place, bad.what(), bad.fix);
     }
 }
@@ -117,8 +114,9 @@ void Reader::read_ahead_locked(uint32_t frame, Part last) {
 }
 
 // `before` is the frame before it; null: it is a key frame.
-std::shared_ptr<Reader::Begun> Reader::begin_next_locked(uint32_t frame, Part last, std::shared_ptr<Begun> before) {
-    auto begun = std::make_shared<Begun>();
+std::shared_ptr<Reader::FrameInProgress> Reader::begin_next_locked(uint32_t frame, Part last,
+                                                                   std::shared_ptr<FrameInProgress> before) {
+    auto begun = std::make_shared<FrameInProgress>();
     begun->frame = frame;
     begun->group = index_.group_of(frame);
     begun->last = last;
@@ -140,31 +138,27 @@ std::shared_ptr<Reader::Begun> Reader::begin_next_locked(uint32_t frame, Part la
     return begun;
 }
 
-// The first frame of which nothing is known, from the key frame up to the frame that is wanted; `known` becomes the one
-// before it. It is the one behind `frame` where that is known.
-uint32_t Reader::first_unknown_locked(uint32_t frame, Part last, std::shared_ptr<Begun>& known) const {
-    uint32_t next = index_.key_of(frame);
-    for (const std::shared_ptr<Begun>& one : kept_)
-        if (one->last == last && one->frame >= next && one->frame <= frame) {
-            known = one;
-            next = one->frame + 1;
-        }
-    return next;
-}
-
-std::shared_ptr<Reader::Begun> Reader::begin(uint32_t frame, Part last) {
+// Begins the frame, or the one of those before it that is kKept behind `known`, which is a frame that was begun for the
+// same frame and parts; null: none was. Frames that are known are not begun again.
+std::shared_ptr<Reader::FrameInProgress> Reader::begin_towards(uint32_t frame, Part last,
+                                                               std::shared_ptr<FrameInProgress> known) {
     const auto lock = [this] {
         const TraceSpan span("wait for another frame of the stream");
         return std::unique_lock(mutex_);
     }();
-    std::shared_ptr<Begun> begun;
-    for (uint32_t next = first_unknown_locked(frame, last, begun); next <= frame; next++)
-        begun = begin_next_locked(next, last, std::move(begun));
-    return begun;
+    uint32_t next = known ? known->frame + 1 : index_.key_of(frame);
+    for (const std::shared_ptr<FrameInProgress>& one : kept_)
+        if (one->last == last && one->frame >= next && one->frame <= frame) {
+            known = one;
+            next = one->frame + 1;
+        }
+    const uint64_t end = std::min<uint64_t>(uint64_t{frame} + 1, uint64_t{next} + kKept);
+    for (; next < end; next++) known = begin_next_locked(next, last, std::move(known));
+    return known;
 }
 
 // Where the frame repeats planes of the one before, those are decoded first, by whoever comes first.
-std::shared_ptr<const Slice> Reader::slice_of(Begun& begun) {
+std::shared_ptr<const Slice> Reader::slice_of(FrameInProgress& begun) {
     const std::lock_guard of_frame(begun.mutex);
     if (begun.slice) return begun.slice;
     const std::shared_ptr<const Slice> before = begun.before ? slice_of(*begun.before) : nullptr;
@@ -180,14 +174,14 @@ std::shared_ptr<const Slice> Reader::slice_of(Begun& begun) {
         }
     }
     const TraceSpan span("decode the planes of frame", begun.frame);
-    const auto start = std::chrono::steady_clock::now();
+    const double begin_s = seconds_now();
     try {
         begun.slice = std::make_shared<const Slice>(decode_planes(begun.shape, parts, begun.last, *begun.tables,
                                                                   index_.groups[begun.group].format, before.get()));
     } catch (const std::runtime_error& problem) {
         fail(fmt::format("frame {}", begun.frame), problem.what());
     }
-    ladder_.learn(count, seconds_since(start));
+    ladder_.learn(count, seconds_now() - begin_s);
     begun.before.reset();
     begun.shape.tree = {};  // the next frame needs the leaves alone
     return begun.slice;
@@ -196,27 +190,30 @@ std::shared_ptr<const Slice> Reader::slice_of(Begun& begun) {
 // Frames that are passed over keep the shapes of those before them as long as their planes are not decoded. So these
 // are decoded now and then.
 std::shared_ptr<const Slice> Reader::frame(uint32_t frame, Part last) {
-    uint32_t next;
-    {
-        const std::lock_guard lock(mutex_);
-        std::shared_ptr<Begun> known;
-        next = first_unknown_locked(frame, last, known);
-    }
-    for (uint32_t passed = next + kKept - 1; passed < frame; passed += kKept) slice_of(*begin(passed, last));
-    return slice_of(*begin(frame, last));
+    std::shared_ptr<FrameInProgress> begun;
+    std::shared_ptr<const Slice> slice;
+    do {
+        begun = begin_towards(frame, last, std::move(begun));
+        slice = slice_of(*begun);
+    } while (begun->frame != frame);
+    return slice;
 }
 
 Part Reader::part_in_time(uint32_t frame) {
     const std::lock_guard lock(mutex_);
     const uint32_t number = index_.group_of(frame);
+    const double now_s = seconds_now();
+    std::erase_if(chosen_, [&](const Chosen& one) { return now_s > one.until_s; });
+    for (const Chosen& one : chosen_)
+        if (one.group == number) return one.last;
     const Group& group = index_.groups[number];
-    if (in_time_ && in_time_->first == number && frame != group.first) return in_time_->second;
     GroupCost cost;
     for (uint32_t part = 0; part < kParts; part++)
         cost.bytes_until[part] = index_.place_of_group(number, static_cast<Part>(part)).count;
     cost.seconds = group.frames / double{index_.fps};
-    in_time_.emplace(number, ladder_.choose(cost, source_->bytes_per_s()));
-    return in_time_->second;
+    const Part last = ladder_.choose(cost, source_->bytes_per_s());
+    chosen_.push_back({number, last, now_s + kLeastChoice_s + 2 * cost.seconds});
+    return last;
 }
 
 }  // namespace neuvv::stream

@@ -41,29 +41,30 @@ class Reader {
     static constexpr double kAhead_s = 3;
     std::shared_ptr<const Slice> frame(uint32_t frame, Part last = kShFine);
 
-    // The last part of a frame that comes in time while the stream is played. It is chosen anew with the first frame of
-    // a group, and where another group was asked for before.
+    // The last part of a frame that comes in time while the stream is played at its own speed. It is the same for all
+    // frames of a group for so many seconds and twice the group's length; then it is chosen anew.
+    static constexpr double kLeastChoice_s = 1;
     Part part_in_time(uint32_t frame);
 
   private:
     // A frame of which the shape is known.
-    struct Begun {
+    struct FrameInProgress {
         uint32_t frame = 0, group = 0;
         Part last = kShFine;
         std::shared_ptr<const Tables> tables;
         FrameShape shape;
-        std::mutex mutex;                    // guards what follows
-        std::shared_ptr<Begun> before;       // the frame before, as long as its planes may be needed
-        std::shared_ptr<const Slice> slice;  // null: its planes are not decoded yet
+        std::mutex mutex;                         // guards what follows
+        std::shared_ptr<FrameInProgress> before;  // the frame before, as long as its planes may be needed
+        std::shared_ptr<const Slice> slice;       // null: its planes are not decoded yet
     };
     std::vector<uint8_t> bytes_at(const ByteRange& range, const std::string& place);
     std::vector<uint8_t> part_locked(uint32_t frame, Part part);
     std::shared_ptr<const Tables> tables_locked(uint32_t group);
     void read_ahead_locked(uint32_t frame, Part last);
-    std::shared_ptr<Begun> begin_next_locked(uint32_t frame, Part last, std::shared_ptr<Begun> before);
-    uint32_t first_unknown_locked(uint32_t frame, Part last, std::shared_ptr<Begun>& known) const;
-    std::shared_ptr<Begun> begin(uint32_t frame, Part last);
-    std::shared_ptr<const Slice> slice_of(Begun& begun);
+    std::shared_ptr<FrameInProgress> begin_next_locked(uint32_t frame, Part last,
+                                                       std::shared_ptr<FrameInProgress> before);
+    std::shared_ptr<FrameInProgress> begin_towards(uint32_t frame, Part last, std::shared_ptr<FrameInProgress> known);
+    std::shared_ptr<const Slice> slice_of(FrameInProgress& begun);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;
     std::unique_ptr<ByteSource> source_;  // by one thread at a time
@@ -73,8 +74,13 @@ class Reader {
     std::mutex mutex_;  // guards what follows, and reading; locked after a frame's, not before
     std::optional<uint32_t> table_group_;
     std::shared_ptr<const Tables> tables_;
-    std::vector<std::shared_ptr<Begun>> kept_;          // the one that was begun last at the end
-    std::optional<std::pair<uint32_t, Part>> in_time_;  // the group that part_in_time() was asked for last, its answer
+    std::vector<std::shared_ptr<FrameInProgress>> kept_;  // the one that was begun last at the end
+    struct Chosen {
+        uint32_t group = 0;
+        Part last = kShFine;
+        double until_s = 0;  // seconds_now()
+    };
+    std::vector<Chosen> chosen_;  // by part_in_time()
 };
 
 }  // namespace neuvv::stream

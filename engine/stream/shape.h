@@ -11,9 +11,11 @@
 namespace neuvv::stream {
 
 // The next depth's cells, with children to come: of those, a reader knows nothing yet.
-inline std::vector<Cell> children_of(const std::vector<Cell>& cells) {
+// Throws std::runtime_error where there are more than `most`.
+inline std::vector<Cell> children_of(const std::vector<Cell>& cells, uint32_t most) {
     size_t count = 0;
     for (const Cell& cell : cells) count += octant_count(cell.children);
+    if (count > most) throw std::runtime_error("has more leaves than it says");
     std::vector<Cell> below(count);
     Cell* next = below.data();
     for (const Cell& cell : cells)
@@ -67,8 +69,7 @@ Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t mos
     for (uint32_t d = 0; d < depth; d++) {
         std::vector<Cell>& cells = coded.cells[d];
         code_octants(coder, cells, leaves, patterns, d + 1 == depth);
-        coded.cells[d + 1] = children_of(cells);
-        if (coded.cells[d + 1].size() > most) throw std::runtime_error("has more leaves than it says");
+        coded.cells[d + 1] = children_of(cells, most);
         uint32_t next = 0;
         for (Cell& cell : cells) {
             cell.first = next;

@@ -43,10 +43,6 @@ std::array<double, Numbers> sum_up(const Octree& tree, const OfLeaf& of_leaf, co
     return below[0];
 }
 
-}  // namespace
-
-namespace {
-
 Pair pair_of(double a, double b, double unit) {
     const double sum = a + b;
     return {static_cast<float>(std::sqrt(sum / (a * b * unit))), static_cast<float>(b / sum)};

@@ -20,6 +20,7 @@ TEST(Ladder, TakesWhatAServerSendsInTime) {
     EXPECT_EQ(ladder.choose(kGroup, 59'000 / 0.5 / 0.8), stream::kShCoarse);
     EXPECT_EQ(ladder.choose(kGroup, 39'000 / 0.5 / 0.8), stream::kCoarse);
     EXPECT_EQ(ladder.choose(kGroup, 1), stream::kCoarse) << "something is shown, late or not";
+    EXPECT_EQ(ladder.choose(kGroup, 0), stream::kCoarse) << "nobody knows yet";
 }
 
 TEST(Ladder, TakesWhatIsDecodedInTime) {
@@ -31,6 +32,10 @@ TEST(Ladder, TakesWhatIsDecodedInTime) {
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
     for (int i = 0; i < 200; i++) ladder.learn(1000, 1e-6);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine) << "what is old is forgotten";
+    // A frame that only repeats has few bytes, and takes a while all the same.
+    for (int i = 0; i < 200; i++) ladder.learn(20'000, 0.002);
+    ladder.learn(100, 0.003);
+    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
 }
 
 }  // namespace
