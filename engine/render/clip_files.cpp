@@ -17,8 +17,7 @@ Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segm
 
 namespace {
 
-// Frames of a stream are decoded one after the other, but then made into trees and uploaded at the same time, which
-// takes twice as long.
+// Frames of a stream are decoded, made into trees and uploaded by several threads at the same time.
 uint32_t stream_threads() {
     return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 3u);
 }

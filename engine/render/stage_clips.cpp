@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/seconds.h"
 
 namespace neuvv::render {
 
@@ -14,6 +15,8 @@ namespace {
 constexpr double kAhead_s = 2, kAheadStep_s = 0.25, kLeastStep_s = 0.005;
 // A larger step of the clock is a jump, which says nothing about its direction.
 constexpr double kJump_s = 0.5;
+// What a performer shows for longer is read as a whole: it may stand still for some time yet.
+constexpr double kStands_s = 0.25;
 
 // What is drawn of a segment; null: nothing is there.
 const LoadedClip* drawn(const ClipOnDevice::Segment& segment) {
@@ -297,10 +300,40 @@ void StageClips::remember(const stage::EvaluatedStage& evaluated) {
     }
 }
 
-void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated) {
+// Notes since when what performers show now has been needed without a break.
+void StageClips::note_needed(const std::vector<Id>& needed) {
+    const double now_s = seconds_now();
+    std::map<Id, double> since;
+    for (const Id& id : needed) {
+        const auto before = needed_since_s_.find(id);
+        since[id] = before == needed_since_s_.end() ? now_s : before->second;
+    }
+    needed_since_s_ = std::move(since);
+}
+
+// What is wanted of the threads: first what performers show, then what is ahead. Of a frame of a stream, what comes in
+// time is enough while performers move; of one that is shown for longer, the rest is wanted, too.
+std::vector<ClipFiles::Wanted> StageClips::wanted_of(const std::vector<Id>& needed, const std::vector<Id>& ahead,
+                                                     const std::set<Id>& kept, MissingSegments missing) const {
+    const double now_s = seconds_now();
+    const auto stands = [&](const Id& id) { return now_s - needed_since_s_.at(id) >= kStands_s; };
+    const bool all_stand = std::ranges::all_of(needed, stands);
+    std::vector<ClipFiles::Wanted> wanted;
+    const auto add = [&](const Id& id, bool is_urgent, bool in_time) {
+        in_time = in_time && missing == MissingSegments::kHold;
+        const bool is_enough = in_time && at(id).coarse && voctree::is_stream(clips_[id.clip].index);
+        if (is_missing(id) && !is_enough) wanted.push_back({file_of(id), is_urgent, clips_[id.clip].layers, in_time});
+    };
+    for (const Id& id : needed) add(id, !at(id).coarse, !stands(id));
+    for (const Id& id : ahead)
+        if (kept.contains(id) && !contains(needed, id)) add(id, false, !all_stand);
+    return wanted;
+}
+
+void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing) {
     if (ids_.empty()) return;
-    const double step_s = evaluated.time_s - last_s_;
-    if (step_s != 0 && std::abs(step_s) < kJump_s) direction_ = step_s < 0 ? -1 : 1;
+    if (const double step_s = evaluated.time_s - last_s_; step_s != 0 && std::abs(step_s) < kJump_s)
+        direction_ = step_s < 0 ? -1 : 1;
     last_s_ = evaluated.time_s;
     take_results();
     show_late_frames(evaluated);
@@ -308,19 +341,8 @@ void StageClips::follow(const stage::Stage& stage, const stage::EvaluatedStage& 
     const std::set<Id> kept = chosen(needed, ahead);
     drop_all_but(kept);
     remember(evaluated);
-    std::vector<ClipFiles::Wanted> wanted;
-    // While the clock runs, what is there of a frame of a stream is enough.
-    const auto is_wanted = [&](const Id& id) {
-        return is_missing(id) && !(step_s != 0 && at(id).coarse && voctree::is_stream(clips_[id.clip].index));
-    };
-    const auto add = [&](const Id& id, bool is_urgent) {
-        wanted.push_back({file_of(id), is_urgent, clips_[id.clip].layers, step_s != 0});
-    };
-    for (const Id& id : needed)
-        if (is_wanted(id)) add(id, !at(id).coarse);
-    for (const Id& id : ahead)
-        if (kept.contains(id) && is_wanted(id) && !contains(needed, id)) add(id, false);
-    files_->read_ahead(std::move(wanted));
+    note_needed(needed);
+    files_->read_ahead(wanted_of(needed, ahead, kept, missing));
 }
 
 void StageClips::read_missing(const stage::EvaluatedStage& evaluated) {

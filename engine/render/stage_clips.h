@@ -34,7 +34,7 @@ class StageClips {
 
     // Follows the stage, which the assets are of, to a time: takes what the thread has read, drops what is far from
     // this time, and has the thread read what is missing.
-    void follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated);
+    void follow(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, MissingSegments missing);
     // Reads what performers show at this time and is not there. Throws RuntimeFailure where the device has no memory.
     void read_missing(const stage::EvaluatedStage& evaluated);
     // Frees what follow() has dropped, which must not be drawn any more.
@@ -98,6 +98,9 @@ class StageClips {
     std::set<Id> chosen(const std::vector<Id>& needed, const std::vector<Id>& ahead) const;
     void drop_all_but(const std::set<Id>& kept);
     void show_late_frames(const stage::EvaluatedStage& evaluated);
+    void note_needed(const std::vector<Id>& needed);
+    std::vector<ClipFiles::Wanted> wanted_of(const std::vector<Id>& needed, const std::vector<Id>& ahead,
+                                             const std::set<Id>& kept, MissingSegments missing) const;
     void remember(const stage::EvaluatedStage& evaluated);
     std::vector<ClipOnDevice> clips_;
     std::vector<uint32_t> layers_;  // by performer: an index into ClipOnDevice::layers (StageAssets)
@@ -110,7 +113,8 @@ class StageClips {
     std::vector<std::optional<Shown>> shown_;               // by performer: what it showed last
     std::vector<Id> recent_;                                // what was shown and is on the device, the newest first
     std::vector<std::shared_ptr<const LoadedClip>> dropped_;
-    double last_s_ = 0, direction_ = 1;  // of the stage's clock: 1 or −1
+    std::map<Id, double> needed_since_s_;  // seconds_now(), of what performers show
+    double last_s_ = 0, direction_ = 1;    // of the stage's clock: 1 or −1
 };
 
 }  // namespace neuvv::render

@@ -216,7 +216,7 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
 void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment, MissingSegments missing) {
     frames_->finish();
     const TraceSpan span("show the stage");
-    clips_.follow(*stage_, evaluated);
+    clips_.follow(*stage_, evaluated, missing);
     update_fields();
     if (missing == MissingSegments::kWait) {
         try {

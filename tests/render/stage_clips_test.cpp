@@ -58,7 +58,7 @@ struct StageClipsTest : GpuTest {
         // Where the performer is at a time, after the clips have followed the stage to it.
         std::optional<render::StageClips::Place> at(double time_s, MissingSegments missing) {
             const stage::EvaluatedStage evaluated = stage::stage_at(*test.stage, time_s);
-            clips.follow(*test.stage, evaluated);
+            clips.follow(*test.stage, evaluated, missing);
             if (missing == MissingSegments::kWait) clips.read_missing(evaluated);
             clips.free_dropped();
             const auto places = clips.places_of(evaluated.performers[0]);

@@ -30,7 +30,7 @@ struct StageStreamTest : GpuTest, ServedStream {
     // Follows the stage at times that `next` gives until `done`; false after a minute.
     bool follow(render::StageClips& clips, const std::function<double()>& next, const std::function<bool()>& done) {
         for (int i = 0; i < 30'000 && !done(); i++) {
-            clips.follow(*stage, stage::stage_at(*stage, next()));
+            clips.follow(*stage, stage::stage_at(*stage, next()), render::MissingSegments::kHold);
             clips.free_dropped();
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
         }
@@ -42,12 +42,13 @@ TEST_F(StageStreamTest, WhatComesInTimeIsShownUntilTheClockStands) {
     render::StageClips clips(render::StageLoader(device()).load(*stage));
     const auto& frames = clips.clips()[0].segments;
     const auto is_partial = [&](uint32_t frame) { return frames[frame].coarse && !frames[frame].loaded; };
-    double time_s = 0;
-    ASSERT_TRUE(follow(
-        clips, [&] { return time_s += 1e-6; }, [&] { return is_partial(2); }))
+    // As a headset asks: several times at each frame of the stage.
+    uint32_t asked = 0;
+    const auto playing = [&] { return (asked++ / 20 % kFrames) / 25.0; };
+    ASSERT_TRUE(follow(clips, playing, [&] { return is_partial(1) && is_partial(2) && is_partial(3); }))
         << "the clock runs";
     const stage::EvaluatedStage at_2 = stage::stage_at(*stage, 2 / 25.0);
-    clips.follow(*stage, at_2);
+    clips.follow(*stage, at_2, render::MissingSegments::kHold);
     ASSERT_EQ(clips.places_of(at_2.performers[0]).size(), 1u);
     EXPECT_EQ(clips.places_of(at_2.performers[0])[0].field, &frames[2].coarse->field);
     EXPECT_FALSE(clips.shows_all(at_2));
@@ -64,7 +65,7 @@ TEST_F(StageStreamTest, ImagesThatNobodyWaitsForHaveAllOfAFrame) {
     render::StageClips clips(render::StageLoader(device()).load(*stage));
     for (uint32_t frame = 0; frame < kFrames; frame++) {
         const stage::EvaluatedStage evaluated = stage::stage_at(*stage, frame / 25.0);
-        clips.follow(*stage, evaluated);
+        clips.follow(*stage, evaluated, render::MissingSegments::kWait);
         clips.read_missing(evaluated);
         clips.free_dropped();
         ASSERT_TRUE(clips.clips()[0].segments[frame].loaded) << frame;
