@@ -368,6 +368,11 @@ DebugBuffer& Device::debug_buffer() const {
     return *debug_buffer_;
 }
 
+void Device::wait_idle_or_lost() const {
+    const std::lock_guard lock(queue_mutex_);
+    vkDeviceWaitIdle(device_);
+}
+
 void Device::wait_idle() const {
     const std::lock_guard lock(queue_mutex_);
     check(vkDeviceWaitIdle(device_), "vkDeviceWaitIdle", summary_.name);

@@ -120,8 +120,10 @@ class Device {
     DebugBuffer& debug_buffer() const;
     DebugBuffer* used_debug_buffer() const { return debug_buffer_.get(); }
 
-    // Waits until the device has done all submitted work. Throws VulkanError on device loss.
+    // Waits until the device has done all submitted work. Throws VulkanError on device loss; the second, for
+    // destructors, returns then.
     void wait_idle() const;
+    void wait_idle_or_lost() const;
 
   private:
     struct Messages;

@@ -65,7 +65,7 @@ EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, cons
 }
 
 EyeImages::~EyeImages() {
-    vkDeviceWaitIdle(device_.handle());  // a lost device must not end the program here
+    device_.wait_idle_or_lost();
 }
 
 render::FrameCapacity EyeImages::capacity() const {

@@ -35,7 +35,7 @@ PanelSurface::PanelSurface(const gpu::Device& device, const xr::Session& session
       commands_(device, "panel", 4) {}
 
 PanelSurface::~PanelSurface() {
-    vkDeviceWaitIdle(device_.handle());  // a lost device must not end the program here
+    device_.wait_idle_or_lost();
     vkDestroyFramebuffer(device_.handle(), framebuffer_, nullptr);
 }
 

@@ -36,7 +36,7 @@ PanelDrawing::PanelDrawing(const gpu::Device& device, VkFormat format, uint32_t 
 }
 
 PanelDrawing::~PanelDrawing() {
-    vkDeviceWaitIdle(device_.handle());  // a lost device must not end the program here
+    device_.wait_idle_or_lost();
     ImGui_ImplVulkan_Shutdown();
     ImGui::DestroyContext();
     vkDestroyRenderPass(device_.handle(), render_pass_, nullptr);
