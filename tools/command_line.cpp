@@ -76,7 +76,10 @@ int parse_and_trace(CLI::App& app, int argc, char** argv, const std::string& tra
         write();
         return code;
     } catch (...) {
-        write();
+        try {
+            write();
+        } catch (const RuntimeFailure&) {  // what the verb says matters more
+        }
         throw;
     }
 }

@@ -266,8 +266,7 @@ void add_publish(Command app, CommonOptions& common) {
          "there.\n--quality is measured on frames by themselves; that frames repeat what stays is not.\n"
          "Of a stage, a performer's clip is written with the visible layers of its paint in it. Nothing else of the "
          "stage\ngoes along: neither transform, time map, lights nor opacity, nor the performer's own sound; the "
-         "clip's "
-         "sound does.\n",
+         "clip's sound does.\n",
          kDeviceHelp, kExamplesHead,
          "  neuvv publish build/performer.nvv -o build/performer.nvs\n"
          "  neuvv publish build/performer.nvv -o build/phone.nvs --rate 10\n"

@@ -138,8 +138,7 @@ void add_performer_options(Command verb, edit::PerformerEdit& edit) {
     add_file(
         "--sound", edit.sound, [](const std::string& file) { media::read_sound(voctree::sound_here(file)); },
         "What is heard as its clip plays: a .wav, .flac, .ogg, .mp3, .m4a, or a video with sound, or the address of "
-        "one; "
-        "empty: nothing");
+        "one; empty: nothing");
     verb.add_option("--gain", edit.gain_db, "How loud its sound is, dB")
         .number_between(stage::kLeastGain_db, stage::kMostGain_db);
 }

@@ -116,7 +116,7 @@ SessionStatus Session::poll(SessionEvents& events) {
          check(xrPollEvent(runtime_.instance(), &event), "xrPollEvent", runtime_.name()) == XR_SUCCESS;
          event = {XR_TYPE_EVENT_DATA_BUFFER}) {
         const auto as = [&]<typename T>(T) { return reinterpret_cast<const T&>(event); };
-        switch (event.type) {
+        switch (static_cast<int64_t>(event.type)) {  // some types are newer than the header
             case XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED:
                 on_state_changed(as(XrEventDataSessionStateChanged{}));
                 break;

@@ -1,4 +1,5 @@
 #include "base/job_queue.h"
+#include "base/trace_file.h"
 
 #include <exception>
 #include <utility>
@@ -65,6 +66,7 @@ bool JobQueue::idle() const {
 }
 
 void JobQueue::run() {
+    name_trace_thread("jobs");
     for (;;) {
         Job job;
         {

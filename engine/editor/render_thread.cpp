@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/trace_file.h"
 #include "editor/blocks.h"
 
 namespace neuvv::editor {
@@ -167,6 +168,7 @@ bool RenderThread::wait_for_job(Job& job) {
 
 // Where the device has no memory left or a file is missing, the last image stays; only a lost device ends the thread.
 void RenderThread::run() {
+    name_trace_thread("renders");
     for (Job job; wait_for_job(job); job = {}) {
         try {
             do_job(job);

@@ -17,6 +17,7 @@
 #include "base/error.h"
 #include "base/file_stamp.h"
 #include "base/seconds.h"
+#include "base/trace_file.h"
 #include "stage/heard.h"
 #include "stage/pan.h"
 #include "voctree/clip_sound.h"
@@ -247,6 +248,7 @@ std::string SoundPlayer::take_problem() {
 }
 
 void SoundPlayer::run() {
+    name_trace_thread("plays sounds");
     Output output;
     Wanted wanted;
     if (!output.is_open()) {

@@ -4,6 +4,7 @@
 #include <exception>
 #include <utility>
 
+#include "base/trace_file.h"
 #include "voctree/clip_sound.h"
 
 namespace neuvv::editor {
@@ -50,6 +51,7 @@ std::string Waveforms::take_problem() {
 }
 
 void Waveforms::run() {
+    name_trace_thread("reads waveforms");
     std::unique_lock lock(mutex_);
     while (!stop_) {
         looks_now_ = false;
@@ -72,6 +74,7 @@ bool Waveforms::is_wanted(const std::filesystem::path& file) const {
 }
 
 void Waveforms::read_changed(const std::filesystem::path& file) {
+    if (!is_wanted(file)) return;
     const FileStamp stamp = stamp_of(file);
     {
         const std::lock_guard lock(mutex_);

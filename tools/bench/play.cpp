@@ -32,6 +32,7 @@ struct Result {
     std::vector<double> image_ms;  // from the clock to the image, of each image
     std::vector<double> seek_ms;   // from a seek to the first image that shows the performer at its time
     uint64_t frames = 0, missed = 0, held_images = 0;
+    uint64_t partial_images = 0;               // that show less of a stream's frame than there is
     uint64_t early_bytes = 0, late_bytes = 0;  // the most buffers on the device in either half
 };
 
@@ -54,6 +55,7 @@ void play_from(double from_s, double until_s, const stage::Stage& stage, const s
         renderer.frames().draw({&camera, 1}, renderer.settings_at(evaluated));
         result.image_ms.push_back(milliseconds_since(image_begin));
         result.held_images += held ? 1 : 0;
+        result.partial_images += !held && !renderer.shows_all(evaluated) ? 1 : 0;
         if (waiting && !held) result.seek_ms.push_back(milliseconds_since(begin));
         waiting = waiting && held;
         bytes = std::max(bytes, renderer.frames().device().buffer_bytes());
@@ -92,8 +94,10 @@ double mebibytes(uint64_t bytes) {
 
 void print(const Result& result, const gpu::Device& device, const PlayOptions& options) {
     fmt::print("{}: {}, {}\n", device.summary().name, options.scene, options.size);
-    fmt::print("{} frames, of which {} were missed; in {} of {} images the performer was held\n", result.frames,
-               result.missed, result.held_images, result.image_ms.size());
+    fmt::print(
+        "{} frames, of which {} were missed; in {} of {} images the performer was held, in {} not all of it was "
+        "there\n",
+        result.frames, result.missed, result.held_images, result.image_ms.size(), result.partial_images);
     fmt::print("an image: {:.1f} ms median, {:.1f} ms p99, {:.1f} ms at most\n", median(result.image_ms),
                quantile(result.image_ms, 0.99), quantile(result.image_ms, 1));
     fmt::print("after a seek: {:.1f} ms median, {:.1f} ms at most, to the performer at its time\n",
@@ -109,6 +113,7 @@ nlohmann::ordered_json json_of(const Result& result) {
             {"missed", result.missed},
             {"images", result.image_ms.size()},
             {"held_images", result.held_images},
+            {"partial_images", result.partial_images},
             {"ms", median(result.image_ms)},
             {"p99_ms", quantile(result.image_ms, 0.99)},
             {"most_ms", quantile(result.image_ms, 1)},
