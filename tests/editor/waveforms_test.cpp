@@ -85,7 +85,7 @@ TEST_F(WaveformsTest, WhatIsNotDisplayedIsForgotten) {
     EXPECT_NE(waveforms.of(wav), nullptr) << "and is read again when it is";
 }
 
-TEST_F(WaveformsTest, AreLeftUnreadWhenNobodyWaitsForThem) {
+TEST_F(WaveformsTest, AreForgottenWhenNobodyWaitsForThem) {
     write(wav, 60 * media::kSoundRate);
     write(other, 1000);
     waveforms.follow({wav});
