@@ -1,0 +1,51 @@
+// Images that are submitted without waiting for them.
+#include <gtest/gtest.h>
+
+#include "render/frame.h"
+#include "support/gpu_test.h"
+#include "support/look_at.h"
+#include "support/random_tree.h"
+
+namespace neuvv::test::submit_test {
+namespace {
+
+constexpr uint32_t kWidth = 40, kHeight = 32;
+
+using SubmitTest = GpuTest;
+
+// The host goes on while the device draws: what it writes for the next image must not reach the one before.
+TEST_F(SubmitTest, SubmittedImagesAreThoseThatOneWaitsFor) {
+    const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const render::FrameCapacity capacity{.width = kWidth, .height = kHeight};
+    render::FrameRenderer submitted(device(), {&field}, capacity), drawn(device(), {&field}, capacity);
+    constexpr uint64_t kBytes = uint64_t{4} * kWidth * kHeight;
+    std::vector<gpu::Buffer> kept;
+    std::vector<std::vector<uint32_t>> expected;
+    for (uint32_t i = 0; i < 8; i++) {
+        const stage::Camera camera = look_at({3.0 - i, 1.0, 2.0 + i}, {0, 0, 0}, kWidth, kHeight);
+        std::vector<render::Instance> instances{{0.3f * static_cast<float>(i % 5)}};
+        if (i % 3 == 2) {
+            instances.push_back(instances[0]);
+            instances[1].world_from_performer[3] = {0.3f, 0.1f, 0, 1};
+        }
+        const render::FrameSettings settings{.instances = instances, .width = kWidth, .height = kHeight};
+        const gpu::Buffer& to = kept.emplace_back(device(), "kept", kBytes, gpu::MemoryKind::kDevice);
+        drawn.draw({&camera, 1}, settings);  // until there is room for all
+        submitted.submit({&camera, 1}, settings, [&](gpu::Commands& commands, const gpu::Buffer& images) {
+            gpu::compute_barrier(commands);
+            gpu::copy(commands, images, to, kBytes);
+        });
+        gpu::download(device(), drawn.draw({&camera, 1}, settings), expected.emplace_back(kBytes / 4).data(), kBytes);
+    }
+    submitted.finish();
+    EXPECT_NE(expected[0], expected[1]) << "something is to be seen";
+    for (size_t i = 0; i < kept.size(); i++) {
+        std::vector<uint32_t> pixels(kBytes / 4);
+        gpu::download(device(), kept[i], pixels.data(), kBytes);
+        EXPECT_EQ(pixels, expected[i]) << i;
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test::submit_test
