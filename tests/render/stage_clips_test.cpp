@@ -196,19 +196,19 @@ TEST_F(StageClipsTest, AnEditKeepsWhatIsShown) {
     render::StageClips before(loader.load(*stage));
     for (const double time_s : {5.9, 5.8}) {  // backwards
         const stage::EvaluatedStage evaluated = stage::stage_at(*stage, time_s);
-        before.follow(*stage, evaluated);
+        before.follow(*stage, evaluated, MissingSegments::kHold);
         before.read_missing(evaluated);
     }
     render::StageClips after(loader.load(*stage));
     after.go_on_from(before);
     const stage::EvaluatedStage far = stage::stage_at(*stage, middle_of(4));
-    after.follow(*stage, far);
+    after.follow(*stage, far, MissingSegments::kHold);
     EXPECT_TRUE(after.holds(far));
     const auto places = after.places_of(far.performers[0]);
     ASSERT_EQ(places.size(), 1u);
     EXPECT_EQ(places[0].field, &before.clips()[0].segments[11].loaded->field);
     for (int i = 0; i < 60'000 && !after.clips()[0].segments[3].loaded; i++) {
-        after.follow(*stage, far);
+        after.follow(*stage, far, MissingSegments::kHold);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     EXPECT_TRUE(after.clips()[0].segments[3].loaded) << "the clock still runs backwards";
@@ -218,7 +218,7 @@ TEST_F(StageClipsTest, AFileThatWasWrittenAgainIsReadAgain) {
     render::StageLoader loader(device());
     render::StageClips clips(loader.load(*stage));
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage, middle_of(9));
-    clips.follow(*stage, evaluated);
+    clips.follow(*stage, evaluated, MissingSegments::kHold);
     clips.read_missing(evaluated);
     const auto first = clips.clips()[0].segments[9].loaded;
     ASSERT_TRUE(first);
@@ -227,7 +227,7 @@ TEST_F(StageClipsTest, AFileThatWasWrittenAgainIsReadAgain) {
     voctree::write_nvv(segment(9), tree, {{"note", std::vector<uint8_t>{1, 2, 3}}});
     render::StageClips again(loader.load(*stage));
     EXPECT_FALSE(again.clips()[0].segments[9].loaded);
-    again.follow(*stage, evaluated);
+    again.follow(*stage, evaluated, MissingSegments::kHold);
     again.read_missing(evaluated);
     EXPECT_NE(again.clips()[0].segments[9].loaded, first);
 }
