@@ -34,7 +34,7 @@ class ByteSource {
     virtual std::vector<uint8_t> read(uint64_t offset, uint64_t count) = 0;
     // Says what will be read next, the first first, so that it may be fetched meanwhile, in place of what was said
     // before.
-    virtual void read_ahead(std::vector<ByteRange> /*ranges*/) {}
+    virtual void read_ahead(const std::vector<ByteRange>& /*ranges*/) {}
     // How fast bytes come from a server, 0 where nobody knows yet; nothing where they are here.
     virtual std::optional<double> bytes_per_s() const { return std::nullopt; }
     // What was read is damaged: it is not to be read again from where copies of it are kept.

@@ -275,7 +275,7 @@ void HttpSource::cancel() {
     changed_.notify_all();
 }
 
-void HttpSource::read_ahead(std::vector<ByteRange> ranges) {
+void HttpSource::read_ahead(const std::vector<ByteRange>& ranges) {
     std::vector<Blocks> ahead;
     uint64_t room = kMostAhead;
     for (const ByteRange& range : ranges) {

@@ -28,7 +28,7 @@ class HttpSource : public ByteSource {
 
     // Throws InputError where the server does not answer, not with this range, or with that of another file.
     std::vector<uint8_t> read(uint64_t offset, uint64_t count) override;
-    void read_ahead(std::vector<ByteRange> ranges) override;
+    void read_ahead(const std::vector<ByteRange>& ranges) override;
     std::optional<double> bytes_per_s() const override;
     void forget_copies() override;
     void cancel() override;

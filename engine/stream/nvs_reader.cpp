@@ -110,7 +110,7 @@ void Reader::read_ahead_locked(uint32_t frame, Part last) {
         const Group& one = index_.groups[group];
         ahead_s += (one.first + one.frames - std::max(frame, one.first)) / double{index_.fps};
     }
-    source_->read_ahead(std::move(ranges));
+    source_->read_ahead(ranges);
 }
 
 // `before` is the frame before it; null: it is a key frame.

@@ -188,7 +188,7 @@ void play(Session& session, const ScriptEvent& event) {
     if (event.what == "presence" && session.instance->has(xr::kUserPresenceExtension))
         queue_event(*session.instance,
                     xr::XrEventDataUserPresenceChangedEXT{xr::kUserPresenceChanged, nullptr, session.handle,
-                                                          event.worn ? XR_TRUE : XR_FALSE});
+                                                          XrBool32{event.worn ? 1u : 0u}});
     if (event.what == "mask_changed") change_mask(session);
     if (event.what == "refresh") set_refresh_rate(session, event.hz);
     if (event.what == "no_tracking") progress.untracked_until = frame + event.frames;
