@@ -19,9 +19,10 @@ namespace neuvv::render {
 struct ClipOnDevice {
     struct Segment {
         std::shared_ptr<const LoadedClip> loaded;  // null: not on the device
-        std::shared_ptr<const LoadedClip> coarse;  // its coarse tree, until the whole is there; mostly null
-        bool readable = true;                      // false: it is missing or damaged, and is not shown
-        ClipFiles::Paints paints{};                // of a segmented clip: for each of `layers`, of what is loaded
+        std::shared_ptr<const LoadedClip>
+            coarse;  // its coarse tree, or what came in time of a stream's frame, until the whole is there; mostly null
+        bool readable = true;        // false: it is missing or damaged, and is not shown
+        ClipFiles::Paints paints{};  // of a segmented clip: for each of `layers`, of what is loaded
     };
     voctree::ClipIndex index;
     std::vector<Segment> segments;                 // in the order of the index

@@ -46,6 +46,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if mode == "other-range":
             first += 1
         part = data if mode == "whole" else data[first : last + 1]
+        if mode == "damaged-second" and count == 2:
+            part = bytes([part[0] ^ 1]) + part[1:]
         if mode == "damaged":
             part = part[:-9] + b"x" + part[-8:]
         self.send_response(200 if mode == "whole" else 206)

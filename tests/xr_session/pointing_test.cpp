@@ -9,11 +9,7 @@ struct Pointing : XrSession {
     // The ray from kRightHand to anna's head goes through the upper right part of ben's box, where ben has no leaf.
     void add_ben() const {
         stage::StageFile file = stage::read_stage_file(stage);
-        edit::PerformerEdit performer;
-        performer.clip = clip;
-        edit::Placement placement;
-        placement.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, -1.31, 0, -2, 1);
-        edit::add_performer(file, "ben", performer, placement);
+        add_figure(file, "ben", {-1.31, 0, -2});
         stage::save_stage_file(file, stage);
     }
     static constexpr glm::dvec3 kAnnaHead = glm::dvec3(-0.08, 0.992, -2), kBenHead = glm::dvec3(-0.59, 0.992, -1.2);

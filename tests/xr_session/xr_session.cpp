@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "edit/operations.h"
 #include "support/child_process.h"
@@ -103,14 +104,18 @@ media::Image XrRun::image(int frame, const std::string& which) const {
     return media::read_png(out / name);
 }
 
-XrSession::XrSession() {
-    voctree::write_nvv(clip, figure_tree());
-    stage::StageFile file = edit::new_stage(stage);
+void XrSession::add_figure(stage::StageFile& file, const std::string& name, glm::dvec3 corner) const {
     edit::PerformerEdit performer;
     performer.clip = clip;
     edit::Placement placement;
-    placement.matrix = glm::dmat4(1.6, 0, 0, 0, 0, 1.6, 0, 0, 0, 0, 1.6, 0, -0.8, 0, -2.8, 1);
-    edit::add_performer(file, "anna", performer, placement);
+    placement.matrix = glm::translate(glm::dmat4(1), corner) * glm::scale(glm::dmat4(1), glm::dvec3(1.6));
+    edit::add_performer(file, name, performer, placement);
+}
+
+XrSession::XrSession() {
+    voctree::write_nvv(clip, figure_tree());
+    stage::StageFile file = edit::new_stage(stage);
+    add_figure(file, "anna", {-0.8, 0, -2.8});
     edit::Placement eyes;
     eyes.at = glm::dvec3(0, 1.5, 0);
     eyes.aim = glm::dvec3(0, 1.5, -1);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "media/image.h"
+#include "stage/stage_file.h"
 #include "support/temporary_folder.h"
 
 namespace neuvv::test {
@@ -63,6 +64,8 @@ constexpr glm::dvec3 kAnna(0, 0.8, -2), kRightHand(0.2, 1.2, -0.3), kLeftHand(-0
 class XrSession : public testing::Test {
   protected:
     XrSession();
+    // Adds a performer of the clip to a stage: `corner` of its box, 1.6 m a side, in the world.
+    void add_figure(stage::StageFile& file, const std::string& name, glm::dvec3 corner) const;
     // Runs the program with OpenXR's core validation layer (with_layer) and `--validate`; both report in XrRun::log.
     // Throws where the program hangs.
     XrRun run(const XrScript& script, const std::vector<std::string>& more = {});
