@@ -69,6 +69,7 @@ void Writer::remove_unfinished() {
 }
 
 void Writer::write(const std::vector<uint8_t>& bytes) {
+    if (bytes.empty()) return;  // its data() may be null, which std::fwrite does not accept
     if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size())
         throw RuntimeFailure(fmt::format("{}: cannot be written: {}", temporary_.string(), std::strerror(errno)));
     next_ += bytes.size();
