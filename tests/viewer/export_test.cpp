@@ -136,7 +136,7 @@ TEST_F(ExportTest, NothingRemainsOfAVideoThatIsCancelledBeforeItsSoundIsThere) {
     reads_on = true;
     EXPECT_TRUE(wait_for([&] { return job->end().has_value(); }));
     EXPECT_FALSE(job->end()->error) << job->end()->text;
-    EXPECT_NE(job->end()->text.find("cancelled"), std::string::npos) << job->end()->text;
+    EXPECT_NE(job->end()->text.find("export cancelled"), std::string::npos) << job->end()->text;
     EXPECT_FALSE(std::filesystem::exists(folder.path / "cancelled.mp4"));
 }
 

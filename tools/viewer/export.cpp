@@ -33,7 +33,7 @@ Export::Export(ExportSettings settings)
             [stage = settings_.heard_stage, camera = settings_.camera](const stage::EvaluatedStage& evaluated) {
                 return camera(*stage, evaluated).world_from_camera;
             },
-            settings_.is_heard);
+            settings_.is_heard, stop_);
 }
 
 std::optional<Export::End> Export::end() const {
@@ -58,7 +58,7 @@ bool Export::stop_cancelled() {
 }
 
 bool Export::step(editor::OnDevice& on_device) {
-    if (cancelled_) return stop_cancelled();
+    if (stop_.stop_requested()) return stop_cancelled();
     try {
         if (sound_) sound_->expect_readable();
         if (!is_drawn()) draw(on_device);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "editor/render_thread.h"
@@ -39,7 +40,7 @@ class Export {
     // sound that is added. Returns false when the export has ended.
     bool step(editor::OnDevice& on_device);
 
-    void cancel() { cancelled_ = true; }
+    void cancel() { stop_.request_stop(); }
     uint32_t finished_images() const { return finished_; }
     const ExportSettings& settings() const { return settings_; }
     // How the export ended: a line for the user, and whether it is an error.
@@ -58,7 +59,7 @@ class Export {
     bool stop(std::string text, bool error);
 
     ExportSettings settings_;
-    std::atomic<bool> cancelled_ = false;
+    std::stop_source stop_;  // shared with the threads of the sound
     std::atomic<uint32_t> finished_ = 0;
     mutable std::mutex mutex_;
     std::optional<End> end_;

@@ -14,8 +14,9 @@ constexpr std::chrono::milliseconds kPatience{20};
 }  // namespace
 
 ExportSound::ExportSound(std::shared_ptr<const stage::Stage> stage, double begin_s,
-                         const stage::StageSound::EarAt& ear_at, const stage::StageSound::IsHeard& is_heard)
-    : stage_(std::move(stage)) {
+                         const stage::StageSound::EarAt& ear_at, const stage::StageSound::IsHeard& is_heard,
+                         std::stop_source stop)
+    : stage_(std::move(stage)), stop_(std::move(stop)) {
     reading_ = std::async(std::launch::async, [this, begin_s, ear_at, is_heard] {
         const auto is_still_heard = [&](uint32_t performer) {
             return !stop_.stop_requested() && (!is_heard || is_heard(performer));
@@ -38,8 +39,9 @@ bool ExportSound::add_to(const std::filesystem::path& video) {
     if (!sound_) {
         reading_.wait_for(kPatience);
         expect_readable();
-        if (!sound_) return false;
     }
+    // After a stop, a stage of which not everything was read may look silent.
+    if (!sound_ || stop_.stop_requested()) return false;
     if (sound_->is_silent()) return true;
     if (!writing_.valid())
         writing_ = std::async(std::launch::async, [this, video] {
@@ -48,7 +50,7 @@ bool ExportSound::add_to(const std::filesystem::path& video) {
                 sound_->next(samples);
             });
         });
-    if (writing_.wait_for(kPatience) != std::future_status::ready) return false;
+    if (writing_.wait_for(kPatience) != std::future_status::ready || stop_.stop_requested()) return false;
     writing_.get();
     return true;
 }

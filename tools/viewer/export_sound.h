@@ -13,10 +13,11 @@ namespace neuvv::viewer {
 
 class ExportSound {
   public:
-    // Begins to read what is heard of the stage from a stage time on. Both functions are called on other threads.
+    // Begins to read what is heard of the stage from a stage time on. Both functions are called on other threads. Once
+    // a stop is requested of `stop`, nothing more is read, and add_to() returns false whatever was written.
     ExportSound(std::shared_ptr<const stage::Stage> stage, double begin_s, const stage::StageSound::EarAt& ear_at,
-                const stage::StageSound::IsHeard& is_heard);
-    // Gives up what goes on. It may wait until a file is read.
+                const stage::StageSound::IsHeard& is_heard, std::stop_source stop);
+    // Requests that stop. It may wait until a file is read.
     ~ExportSound();
     ExportSound(const ExportSound&) = delete;
     ExportSound& operator=(const ExportSound&) = delete;
