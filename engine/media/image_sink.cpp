@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cctype>
 #include <fstream>
 #include <memory>
 #include <string_view>
@@ -13,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/numbered_path.h"
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "base/text.h"
@@ -20,27 +20,6 @@
 namespace neuvv::media {
 
 namespace {
-
-constexpr int kMaxDigits = 9;  // of a numbered file name
-
-// The number in a printf pattern: its first character, the one after its last, and its minimum number of digits.
-struct NumberField {
-    size_t begin = 0, end = 0;
-    int digits = 1;
-};
-
-// %d or %0Nd at `begin`; nothing where anything else follows the %, for instance in "%%".
-std::optional<NumberField> number_field(const std::string& text, size_t begin) {
-    NumberField field{begin, begin + 1, 1};
-    if (field.end < text.size() && text[field.end] == '0') {
-        ++field.end;
-        if (field.end >= text.size() || !std::isdigit(static_cast<unsigned char>(text[field.end]))) return {};
-        field.digits = text[field.end++] - '0';
-    }
-    if (field.end >= text.size() || text[field.end] != 'd' || field.digits < 1 || field.digits > kMaxDigits) return {};
-    ++field.end;
-    return field;
-}
 
 constexpr char kRecordName[] = "render";  // the record of out_%04d.png is out_render.json
 
@@ -249,25 +228,20 @@ ImageOutput parse_output(const std::string& text) {
     if (ending != ".png" && !exr)
         throw InputError("--output", text, "is neither an .mp4 nor a .png nor an .exr",
                          "write out.mp4, out_%04d.png, out.png, out_%04d.exr or out.exr");
-    const size_t percent = text.find('%');
-    if (percent == std::string::npos) return {ImageOutput::Kind::kImage, text, exr};
-    const auto field = number_field(text, percent);
-    if (!field || text.find('%', field->end) != std::string::npos)
+    if (text.find('%') == std::string::npos) return {ImageOutput::Kind::kImage, text, exr};
+    if (!NumberedPath::parse(text))
         throw InputError("--output", text, "needs one place for the image's number", "write it as in out_%04d.png");
     return {ImageOutput::Kind::kNumberedImages, text, exr};
 }
 
 std::filesystem::path ImageOutput::file(const std::string& in_place_of_number) const {
     if (kind != Kind::kNumberedImages) return path;
-    const std::string text = path.string();
-    const NumberField field = number_field(text, text.rfind('%')).value();
-    return text.substr(0, field.begin) + in_place_of_number + text.substr(field.end);
+    return NumberedPath::parse(path.string()).value().file(in_place_of_number);
 }
 
 std::filesystem::path ImageOutput::file(uint32_t i) const {
     if (kind != Kind::kNumberedImages) return path;
-    const std::string text = path.string();
-    return file(fmt::format("{:0{}}", i, number_field(text, text.rfind('%')).value().digits));
+    return NumberedPath::parse(path.string()).value().file(uint64_t{i});
 }
 
 }  // namespace neuvv::media
