@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "media/image.h"
+#include "voctree/frame_leaves.h"
 #include "voctree/leaf_density.h"
 #include "voctree/sh_weights.h"
 
@@ -19,12 +20,6 @@ constexpr size_t kLeavesOfPart = 4096;
 // Colours and opacities that are coded as 0 or 1 are a little more or less.
 constexpr float kMargin = 0.5f / stream::kUnit;
 constexpr float kLeastSlope = 0.02f;
-
-float dot(const float* row, const float* weights, uint32_t bases) {
-    float sum = 0;
-    for (uint32_t c = 0; c < bases; c++) sum += row[c] * weights[c];
-    return sum;
-}
 
 float sigmoid(float x) {
     return 1 / (1 + std::exp(-x));
@@ -53,18 +48,6 @@ int16_t units(float value) {
 
 uint32_t degree_of(uint32_t harmonic) {
     return harmonic == 0 ? 0 : harmonic < 4 ? 1 : harmonic < 9 ? 2 : 3;
-}
-
-LeafColours colours_of(const VOctree& tree, const float* leaf, const float* row_b) {
-    const float angle = dot(row_b, leaf + tree.bases, tree.bases);
-    const Radial radial = radial_functions(std::numbers::pi * double{sigmoid(angle)});
-    LeafColours k{};
-    const float* weights = leaf + 2 * tree.bases;
-    for (auto& channel : k)
-        for (uint32_t n = 0; n <= tree.hh_degree; n++)
-            for (uint32_t l = 0; l <= n; l++)
-                for (uint32_t i = 0; i <= 2 * l; i++) channel[l * l + i] += radial[n][l] * *weights++;
-    return k;
 }
 
 void write_colours(const LeafColours& k, size_t leaf, stream::Slice& slice) {
@@ -132,34 +115,16 @@ float optical_depth_of(int16_t opacity) {
 stream::Slice slice_of(const VOctree& tree, uint32_t frame, std::span<const PaintStep> paint) {
     for ([[maybe_unused]] const PaintStep& step : paint) assert(step.layer->field.leaf_count == tree.leaf_count);
     const FrameEdits edits(paint, static_cast<float>(frame));
-    const float* row_a = &tree.sigma_basis[size_t{frame} * tree.bases];
-    const float* row_b = &tree.gamma_basis[size_t{frame} * tree.bases];
-    const std::vector<LeafPosition> positions = leaf_positions(tree);
-    std::vector<float> opacity(tree.leaf_count);
-    parallel_for(opacity.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
-            const auto leaf = static_cast<uint32_t>(i);
-            const float unpainted = std::max(dot(row_a, tree.leaf(leaf), tree.bases), 0.0f);
-            const float sigma = edits.painted_density(leaf, unpainted);
-            opacity[i] = sigma > 0 ? 1 - std::exp(-sigma * leaf_edge_m(tree, positions[i].depth)) : 0;
-        }
-    });
+    const std::vector<LiveLeaf> live = live_leaves(tree, frame, edits, 0.5f / stream::kUnit);
     stream::Slice slice{2 * tree.node_levels, tree.hh_degree, {}, {}};
-    std::vector<std::pair<uint64_t, uint32_t>> live;  // first cell, leaf
-    for (uint32_t i = 0; i < tree.leaf_count; i++)
-        if (units(opacity[i]) > 0) live.emplace_back(first_cell(positions[i], slice.depth), i);
-    std::sort(live.begin(), live.end());
     slice.planes.resize(stream::planes_of(slice.degree));
     for (auto& plane : slice.planes) plane.resize(live.size());
     slice.leaves.resize(live.size());
     parallel_for(live.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
-            const auto [cell, leaf] = live[i];
-            slice.leaves[i] = {cell, positions[leaf].depth};
-            slice.planes[stream::kOpacityPlane][i] = units(opacity[leaf]);
-            LeafColours colours = colours_of(tree, tree.leaf(leaf), row_b);
-            edits.paint_colours(leaf, tree.hh_degree, colours);
-            write_colours(colours, i, slice);
+            slice.leaves[i] = {live[i].cell, live[i].depth};
+            slice.planes[stream::kOpacityPlane][i] = units(live[i].opacity);
+            write_colours(leaf_colours(tree, live[i].leaf, frame, edits), i, slice);
         }
     });
     return slice;
