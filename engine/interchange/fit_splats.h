@@ -1,0 +1,28 @@
+// Finds the shape of splats whose images are most like those of the clip.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "interchange/splat_image.h"
+
+namespace neuvv::interchange {
+
+// An image of the volume on white, as it should look.
+struct FitView {
+    stage::Camera camera;
+    media::Image image;
+};
+
+// PSNR in dB of the images of splats, all pixels of all views together.
+double psnr_of(const Splats& splats, std::span<const FitView> views);
+
+struct SplatFit {
+    SplatShape shape;
+    double psnr = 0;
+};
+// Changes width and density of all leaves together by ever smaller factors, as long as the PSNR grows. Draws some
+// twenty to thirty times as many images as there are views, and calls `between` before each time, which may throw.
+SplatFit fit_shape(const FrameVolume& volume, std::span<const FitView> views, const std::function<void()>& between);
+
+}  // namespace neuvv::interchange

@@ -1,0 +1,139 @@
+#include "interchange/frame_volume.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace neuvv::interchange {
+
+namespace {
+
+constexpr size_t kLeavesOfPart = 4096;
+constexpr float kLeastOpacity = 1e-3f;
+
+float sigmoid(float x) {
+    return 1 / (1 + std::exp(-x));
+}
+
+}  // namespace
+
+glm::vec3 FrameVolume::centre_m(const VolumeLeaf& leaf) const {
+    const voctree::LeafPosition at = voctree::position_of(leaf.cell >> 3 * (depth - leaf.depth), leaf.depth);
+    return box_min + edges_m(leaf) * (glm::vec3(at.x, at.y, at.z) + 0.5f);
+}
+
+float FrameVolume::edge_m(const VolumeLeaf& leaf) const {
+    const glm::vec3 edges = edges_m(leaf);
+    return (edges.x + edges.y + edges.z) / 3;
+}
+
+FrameVolume frame_volume(const voctree::VOctree& tree, uint32_t frame, std::span<const voctree::PaintStep> paint) {
+    FrameVolume volume{tree.box_min, tree.box_size, 2 * tree.node_levels, tree.hh_degree, {}};
+    const voctree::FrameEdits edits(paint, static_cast<float>(frame));
+    const std::vector<voctree::LiveLeaf> live = voctree::live_leaves(tree, frame, edits, kLeastOpacity);
+    volume.leaves.resize(live.size());
+    parallel_for(live.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; i++)
+            volume.leaves[i] = {live[i].cell, live[i].depth, live[i].sigma,
+                                voctree::leaf_colours(tree, live[i].leaf, frame, edits)};
+    });
+    return volume;
+}
+
+namespace {
+
+// The leaves of one cell of the octree that could become one leaf.
+struct Siblings {
+    size_t first = 0, count = 0;  // in the volume's leaves
+    float cost = 0;               // by how much images may change
+};
+
+// Each group of leaves that fill a part of the same parent, at a depth, if nothing in the parent is finer.
+std::vector<Siblings> siblings_at(const FrameVolume& volume, uint32_t depth) {
+    std::vector<Siblings> all;
+    const auto parent = [&](size_t i) { return volume.leaves[i].cell >> 3 * (volume.depth - depth + 1); };
+    for (size_t i = 0; i < volume.leaves.size();) {
+        size_t end = i + 1;
+        bool alike = volume.leaves[i].depth == depth;
+        while (end < volume.leaves.size() && parent(end) == parent(i)) alike &= volume.leaves[end++].depth == depth;
+        if (alike) all.push_back({i, end - i, 0});
+        i = end;
+    }
+    return all;
+}
+
+// The leaf in place of siblings: the mean density of their parent, and colours weighted by what each leaf hides.
+VolumeLeaf merged(const FrameVolume& volume, const Siblings& siblings) {
+    VolumeLeaf sum = volume.leaves[siblings.first];
+    sum.depth--;
+    sum.sigma = 0;
+    sum.colours = {};
+    float weights = 0;
+    for (size_t i = siblings.first; i < siblings.first + siblings.count; i++) {
+        const VolumeLeaf& leaf = volume.leaves[i];
+        const float weight = 1 - std::exp(-volume.optical_depth(leaf));
+        weights += weight;
+        sum.sigma += leaf.sigma / 8;
+        for (size_t c = 0; c < 3; c++)
+            for (size_t k = 0; k < leaf.colours[c].size(); k++) sum.colours[c][k] += weight * leaf.colours[c][k];
+    }
+    for (auto& channel : sum.colours)
+        for (float& k : channel) k /= weights;
+    const uint32_t shift = 3 * (volume.depth - sum.depth);
+    sum.cell = sum.cell >> shift << shift;
+    return sum;
+}
+
+// The sum over the cells of the parent of how far its opacity and shown colour are from the merged leaf's, times the
+// area of a cell's face.
+float cost_of(const FrameVolume& volume, const Siblings& siblings) {
+    const VolumeLeaf whole = merged(volume, siblings);
+    const float edge = volume.edge_m(whole) / 2;
+    const float opacity = 1 - std::exp(-whole.sigma * edge);
+    std::array<float, 3> colour;
+    for (size_t c = 0; c < 3; c++) colour[c] = sigmoid(whole.colours[c][0] * voctree::kMeanHarmonic);
+    float cost = static_cast<float>(8 - siblings.count) * opacity;
+    for (size_t i = siblings.first; i < siblings.first + siblings.count; i++) {
+        const VolumeLeaf& leaf = volume.leaves[i];
+        const float own = 1 - std::exp(-leaf.sigma * edge);
+        cost += std::abs(own - opacity);
+        for (size_t c = 0; c < 3; c++)
+            cost += std::abs(sigmoid(leaf.colours[c][0] * voctree::kMeanHarmonic) - colour[c]) * own;
+    }
+    return cost * edge * edge;
+}
+
+}  // namespace
+
+FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves) {
+    for (uint32_t depth = volume.depth; depth > 1 && volume.leaves.size() > most_leaves; depth--) {
+        std::vector<Siblings> all = siblings_at(volume, depth);
+        parallel_for(all.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; i++) all[i].cost = cost_of(volume, all[i]);
+        });
+        std::sort(all.begin(), all.end(), [](const Siblings& a, const Siblings& b) {
+            return std::pair(a.cost, a.first) < std::pair(b.cost, b.first);
+        });
+        size_t left = volume.leaves.size(), chosen = 0;
+        while (chosen < all.size() && left > most_leaves) left -= all[chosen++].count - 1;
+        all.resize(chosen);
+        std::sort(all.begin(), all.end(), [](const Siblings& a, const Siblings& b) { return a.first < b.first; });
+        std::vector<VolumeLeaf> leaves;
+        leaves.reserve(left);
+        size_t next = 0;
+        for (const Siblings& siblings : all) {
+            leaves.insert(leaves.end(), volume.leaves.begin() + static_cast<std::ptrdiff_t>(next),
+                          volume.leaves.begin() + static_cast<std::ptrdiff_t>(siblings.first));
+            leaves.push_back(merged(volume, siblings));
+            next = siblings.first + siblings.count;
+        }
+        leaves.insert(leaves.end(), volume.leaves.begin() + static_cast<std::ptrdiff_t>(next), volume.leaves.end());
+        volume.leaves = std::move(leaves);
+    }
+    return volume;
+}
+
+}  // namespace neuvv::interchange

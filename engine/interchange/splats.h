@@ -1,0 +1,53 @@
+// Gaussian splats (Kerbl et al. 2023): what a clip shows at one of its frames in the form that most programs read.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <span>
+#include <vector>
+
+#include "interchange/frame_volume.h"
+#include "shared/hh_counts.h"
+
+namespace neuvv::interchange {
+
+// Colour by direction: 0.5 + Σ k_lm Y_lm(d), sRGB-encoded, for a unit direction d from the camera to the splat. Y_lm
+// are real spherical harmonics with the Condon-Shortley phase, polar axis z, index l² + l + m, as splats have them.
+using SplatColour = std::array<glm::vec3, kMaxShCount>;
+
+// A Gaussian: its opacity falls by exp(−½ x²) at x standard deviations from the centre.
+struct Splat {
+    glm::vec3 centre{0};     // metres
+    glm::vec3 deviation{0};  // standard deviations along the axes of the splats, metres
+    float opacity = 0;       // 0 to 1, where a ray goes through the centre
+    SplatColour colour{};    // those of higher degrees than the splats' are 0
+};
+
+struct Splats {
+    uint32_t degree = 0;              // of their harmonics
+    glm::dquat rotation{1, 0, 0, 0};  // of the axes of all of them, which are those of the clip's box
+    std::vector<Splat> splats;
+};
+
+// How a leaf of edges e and mean optical depth τ along them becomes a splat: its deviations are `width` · e, its
+// opacity 1 − exp(−`density` · τ). The defaults suit clips whose leaves are about as large as the pixels of their
+// cameras.
+struct SplatShape {
+    double width = 0.33, density = 0.6;
+};
+
+// Where splats go: x → scale · rotation · x + offset.
+struct Placement {
+    glm::dquat rotation{1, 0, 0, 0};
+    double scale = 1;
+    glm::dvec3 offset{0};
+};
+
+Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const Placement& to = {});
+
+// Gives splats that were made of a volume, and not placed elsewhere, another shape.
+void reshape(Splats& splats, const FrameVolume& volume, const SplatShape& shape);
+
+}  // namespace neuvv::interchange

@@ -1,0 +1,166 @@
+// Splats of leaves: their colours from all sides, where they are placed, and their images against the reference's.
+#include "interchange/splats.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "interchange/fit_splats.h"
+#include "interchange/splat_ply.h"
+#include "media/image.h"
+#include "reference/hh.h"
+#include "reference/splats.h"
+#include "support/look_at.h"
+#include "support/random_tree.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv::test {
+namespace {
+
+using interchange::FrameVolume;
+using interchange::Splats;
+
+FrameVolume some_volume(uint32_t degree) {
+    return interchange::frame_volume(
+        random_tree({.seed = 7, .node_levels = 2, .leaves = 150, .bases = 4, .hh_degree = degree}), 2);
+}
+
+glm::dvec3 direction(Random& random) {
+    return glm::normalize(glm::dvec3(random.bell(), random.bell(), random.bell()));
+}
+
+glm::dvec3 shown_by_splat(const Splats& splats, size_t i, const glm::dvec3& d) {
+    const std::vector<double> basis = reference::sh_basis(splats.degree, d);
+    glm::dvec3 sum(0.5);
+    for (int l = 0; l <= static_cast<int>(splats.degree); l++)
+        for (int m = -l; m <= l; m++) {
+            const uint32_t k = reference::sh_index(l, m);
+            sum += (m % 2 == 0 ? 1 : -1) * basis[k] * glm::dvec3(splats.splats[i].colour[k]);
+        }
+    return sum;
+}
+
+glm::dvec3 shown_by_leaf(const FrameVolume& volume, size_t i, const glm::dvec3& d) {
+    const std::vector<double> basis = reference::sh_basis(volume.degree, d);
+    glm::dvec3 shown;
+    for (int c = 0; c < 3; c++) {
+        double logit = 0;
+        for (size_t k = 0; k < basis.size(); k++)
+            logit += basis[k] * double{volume.leaves[i].colours[static_cast<size_t>(c)][k]};
+        shown[c] = media::srgb_from_linear(1 / (1 + std::exp(-logit)));
+    }
+    return shown;
+}
+
+// The camera of a .ply for one of ours: the world is turned about z, the camera about x.
+reference::SplatCamera ply_camera(const stage::Camera& camera) {
+    const glm::dmat3 about_x(1, 0, 0, 0, -1, 0, 0, 0, -1), about_z(-1, 0, 0, 0, -1, 0, 0, 0, 1);
+    return {about_x * glm::transpose(glm::dmat3(camera.world_from_camera)) * about_z,
+            about_z * glm::dvec3(camera.world_from_camera[3]),
+            camera.fx,
+            camera.fy,
+            camera.cx,
+            camera.cy,
+            static_cast<int>(camera.width),
+            static_cast<int>(camera.height)};
+}
+
+stage::Camera some_camera() {
+    stage::Camera camera;
+    camera.width = 48;
+    camera.height = 40;
+    camera.fx = 50;
+    camera.fy = 55;
+    camera.cx = 23;
+    camera.cy = 21;
+    camera.world_from_camera = look_at({1.5, 1.2, 2.5}, {0, 0.4, 0}, 1, 1).world_from_camera;
+    return camera;
+}
+
+TEST(Splats, HaveTheColoursOfLeaves) {
+    for (const uint32_t degree : {0u, 1u, 2u, 3u}) {
+        const FrameVolume volume = some_volume(degree);
+        const Splats splats = interchange::splats_of(volume, {0.4, 0.7});
+        ASSERT_EQ(splats.splats.size(), volume.leaves.size());
+        Random random(3);
+        double worst = 0, sum = 0;
+        for (size_t i = 0; i < splats.splats.size(); i++) {
+            const glm::dvec3 d = direction(random);
+            const glm::dvec3 difference = glm::abs(shown_by_splat(splats, i, d) - shown_by_leaf(volume, i, d));
+            for (int c = 0; c < 3; c++) {
+                worst = std::max(worst, difference[c]);
+                sum += difference[c];
+            }
+            const double edge = double{volume.edge_m(volume.leaves[i])};
+            EXPECT_NEAR(double{splats.splats[i].opacity}, 1 - std::exp(-0.7 * double{volume.leaves[i].sigma} * edge),
+                        1e-5);
+        }
+        // The sigmoid and sRGB are no polynomials: what is projected onto so few harmonics is a little off.
+        EXPECT_LT(worst, degree == 0 ? 1e-5 : 0.2) << degree;
+        EXPECT_LT(sum / static_cast<double>(3 * splats.splats.size()), degree == 0 ? 1e-5 : 0.03) << degree;
+    }
+}
+
+// A splat that is turned shows from the turned direction what it showed before.
+TEST(Splats, ArePlacedWithTheirColours) {
+    const FrameVolume volume = some_volume(3);
+    const interchange::Placement to{glm::normalize(glm::dquat(0.3, -0.5, 0.7, 0.2)), 2.5, {1, -2, 3}};
+    const Splats here = interchange::splats_of(volume, {}), there = interchange::splats_of(volume, {}, to);
+    Random random(5);
+    for (size_t i = 0; i < here.splats.size(); i++) {
+        const glm::dvec3 centre = 2.5 * (to.rotation * glm::dvec3(here.splats[i].centre)) + to.offset;
+        EXPECT_LT(glm::distance(centre, glm::dvec3(there.splats[i].centre)), 1e-5);
+        EXPECT_LT(glm::distance(2.5f * here.splats[i].deviation, there.splats[i].deviation), 1e-6f);
+        const glm::dvec3 d = direction(random);
+        EXPECT_LT(glm::distance(shown_by_splat(here, i, d), shown_by_splat(there, i, to.rotation * d)), 0.06);
+    }
+}
+
+// The file as an independent reader sees it, drawn by the definition.
+TEST(Splats, LookAsTheirFileDoesByTheDefinition) {
+    const FrameVolume volume = some_volume(2);
+    const interchange::SplatShape shape{0.45, 0.8};
+    const TemporaryFolder folder;
+    interchange::write_splat_ply(folder.path / "x.ply",
+                                 interchange::splats_of(volume, shape, {interchange::kPlyRotation}));
+    EXPECT_LT(
+        std::filesystem::file_size(folder.path / "x.ply") - volume.leaves.size() * interchange::ply_bytes_of_splat(2),
+        2000u);
+    const auto truth =
+        reference::draw_splats(reference::read_splats(folder.path / "x.ply"), ply_camera(some_camera()), glm::dvec3(1));
+    const media::Image image =
+        interchange::splat_image(interchange::splats_of(volume, shape), some_camera(), glm::vec3(1));
+    double sum = 0, coverage = 0;
+    for (size_t i = 0; i < truth.size(); i++)
+        for (int c = 0; c < 3; c++) {
+            const double shown = image.rgba[4 * i + static_cast<size_t>(c)] / 255.0;
+            EXPECT_NEAR(shown, truth[i][c], 0.03);
+            sum += std::abs(shown - truth[i][c]);
+            coverage += 1 - truth[i][c];
+        }
+    EXPECT_LT(sum / static_cast<double>(3 * truth.size()), 0.003);
+    EXPECT_GT(coverage / static_cast<double>(3 * truth.size()), 0.03) << "something is seen";
+}
+
+// Images of splats of another shape lead back to that shape.
+TEST(Splats, AreFittedToImages) {
+    const FrameVolume volume = some_volume(1);
+    const interchange::SplatShape shape{0.42, 1.1};
+    stage::Camera camera = some_camera();
+    std::vector<interchange::FitView> views;
+    for (const glm::dvec3 eye : {glm::dvec3(1.5, 1.2, 2.5), glm::dvec3(-2, 0.5, 1.5)}) {
+        camera.world_from_camera = look_at(eye, {0, 0.4, 0}, 1, 1).world_from_camera;
+        views.push_back(
+            {camera, interchange::splat_image(interchange::splats_of(volume, shape), camera, glm::vec3(1))});
+    }
+    size_t times = 0;
+    const interchange::SplatFit fit = interchange::fit_shape(volume, views, [&] { times++; });
+    EXPECT_NEAR(fit.shape.width, shape.width, 0.03);
+    EXPECT_NEAR(fit.shape.density, shape.density, 0.08);
+    EXPECT_GT(fit.psnr, 40);
+    EXPECT_LT(times, 60u);
+    EXPECT_GT(fit.psnr, 3 + interchange::psnr_of(interchange::splats_of(volume, {}), views));
+}
+
+}  // namespace
+}  // namespace neuvv::test
