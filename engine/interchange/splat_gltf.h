@@ -1,0 +1,17 @@
+// Gaussian splats in glTF, by KHR_gaussian_splatting.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "interchange/splats.h"
+
+namespace neuvv::interchange {
+
+// A .glb with a node for each frame. Where there are several, an animation shows one after the other by their scales.
+// Programs that do not know the extension show the splats as coloured points. Written atomically. Throws InputError
+// where it would have more than 4 GiB, RuntimeFailure where it cannot be written.
+void write_splat_glb(const std::filesystem::path& file, std::span<const Splats> frames, double fps);
+size_t glb_bytes_of_splat(uint32_t degree);
+
+}  // namespace neuvv::interchange
