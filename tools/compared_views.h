@@ -23,6 +23,7 @@ class ComparedViews {
     // One image of a tree of one frame, as view `i` sees it.
     media::Image render_still(const voctree::VOctree& tree, size_t i) const;
     double frame_of(size_t i) const { return views_[i].frame; }
+    const stage::Camera& camera_of(size_t i) const { return views_[i].camera; }
     // Shows whole frames in the views from now on.
     void round_frames();
     size_t count() const { return views_.size(); }

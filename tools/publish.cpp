@@ -209,6 +209,7 @@ void run(const PublishOptions& options, const CommonOptions& common) {
         throw InputError("--output", options.output, "does not end with .nvs", "name it so");
     prepare_output_file("--output", options.output);
     const PublishedScene scene = read_published_scene(options.scene, options.performer);
+    voctree::expect_no_stream(scene.clip);
     const Published published = Publisher(options, scene, common).publish();
     copy_sound(scene.clip, options.output);
     const stream::Index index = stream::Reader(options.output).index();

@@ -42,7 +42,7 @@ PublishedScene read_published_scene(const std::string& path, const std::string& 
         throw InputError("--performer", performer, "is for stages", "leave it out: a clip is one performer");
     }
     scene.index = voctree::read_clip_index(scene.clip);
-    voctree::expect_no_stream(scene.clip);
+    if (!scene.layers.empty()) voctree::expect_no_stream(scene.clip);
     if (has_folders(scene))
         for (const render::LayerFolder& layer : scene.layers) voctree::expect_paint_folder(layer.folder);
     return scene;

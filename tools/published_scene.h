@@ -1,4 +1,4 @@
-// What `neuvv publish` takes: a clip, or a performer of a stage: its clip with its paint.
+// What `neuvv publish` and `neuvv export` take: a clip, or a performer of a stage: its clip with its paint.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,8 @@ struct PublishedScene {
 };
 
 // `performer`: the node of a stage, by its name or index; empty for the only performer of a stage, and for a clip.
-// Throws InputError where there is no such performer, for a stream, and where a layer's folder is missing.
+// Throws InputError where there is no such performer, for a stream that is painted, and where a layer's folder is
+// missing.
 PublishedScene read_published_scene(const std::string& scene, const std::string& performer);
 
 // The paint of one segment.

@@ -14,6 +14,7 @@
 #include "training/checkpoint.h"
 #include "training/claim.h"
 #include "training/rig_file.h"
+#include "voctree/clip.h"
 
 namespace neuvv {
 namespace {

@@ -22,7 +22,7 @@ struct Cli : testing::Test {
 TEST_F(Cli, EveryVerbHelpsWithExamples) {
     const std::string overview = run_neuvv({"--help"}).out;
     for (const char* verb : {"devices", "info", "capture", "dataset", "matte", "train", "eval", "render", "convert",
-                             "clip", "stage", "paint", "skeleton", "cluster"}) {
+                             "publish", "export", "clip", "stage", "paint", "skeleton", "cluster"}) {
         EXPECT_NE(overview.find(verb), std::string::npos) << verb;
         const ProgramResult result = run_neuvv({verb, "--help"});
         EXPECT_EQ(result.code, 0) << verb;

@@ -1,0 +1,109 @@
+// neuvv export on the command line: its files as an independent reader and renderer of splats sees them.
+#include <gtest/gtest.h>
+
+#include "reference/splats.h"
+#include "stream/nvs_writer.h"
+#include "tests/tools/cli_gpu.h"
+#include "training/metrics.h"
+
+namespace neuvv {
+namespace {
+
+// Leaves that are small on the images, as those of trained clips are.
+struct CliExport : CliGpu {
+    void SetUp() override {
+        tree = test::random_tree({.node_levels = 3, .leaves = 3000, .bases = 4, .hh_degree = 1, .frames = 4});
+        CliGpu::SetUp();
+    }
+    nlohmann::json exported(const std::string& clip, const std::string& output, const std::vector<std::string>& more) {
+        std::vector<std::string> arguments = {"export", clip,     "-o",    output,  "--views",
+                                              "2",      "--size", "96x96", "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const ProgramResult run = run_neuvv(arguments);
+        EXPECT_EQ(run.code, 0) << run.err;
+        return run.code == 0 ? nlohmann::json::parse(run.out) : nlohmann::json();
+    }
+    // PSNR of a .ply, drawn by the definition, against a render of the clip's frame by the program.
+    double psnr_of(const std::string& ply, const std::string& clip, uint32_t frame) {
+        const ProgramResult run = run_neuvv({"render", clip, "-o", file("x.png"), "--frames", std::to_string(frame),
+                                             "--size", "96x96", "--background", "white"});
+        EXPECT_EQ(run.code, 0) << run.err;
+        const media::Image shown = media::read_png(file("x.png"));
+        const double one = frame;
+        const stage::Camera camera =
+            tools::orbit_path(voctree::occupied_box(tree), {{one, one}, 2, 2}, {96, 96})[0].camera;
+        const glm::dmat3 about_x(1, 0, 0, 0, -1, 0, 0, 0, -1), about_z(-1, 0, 0, 0, -1, 0, 0, 0, 1);
+        const auto pixels = reference::draw_splats(
+            reference::read_splats(ply),
+            {about_x * glm::transpose(glm::dmat3(camera.world_from_camera)) * about_z,
+             about_z * glm::dvec3(camera.world_from_camera[3]), camera.fx, camera.fy, camera.cx, camera.cy, 96, 96},
+            glm::dvec3(1));
+        media::Image drawn(96, 96);
+        for (size_t i = 0; i < pixels.size(); i++)
+            for (size_t c = 0; c < 4; c++)
+                drawn.rgba[4 * i + c] =
+                    static_cast<uint8_t>(c == 3 ? 255 : std::lround(255 * pixels[i][static_cast<int>(c)]));
+        return training::compare(shown, drawn).psnr;
+    }
+};
+
+TEST_F(CliExport, SplatsShowWhatTheClipDoes) {
+    const nlohmann::json all = exported(scene, file("out_%02d.ply"), {});
+    EXPECT_EQ(all.at("files"), 4);
+    EXPECT_GT(all.at("psnr_db"), 25);
+    const auto shown = [&](uint32_t frame) {
+        return psnr_of(file(("out_0" + std::to_string(frame) + ".ply").c_str()), scene, frame);
+    };
+    EXPECT_GT(shown(0), 24);
+    EXPECT_GT(shown(3), 24);
+    EXPECT_LT(psnr_of(file("out_00.ply"), scene, 3), shown(3) - 3) << "frames differ";
+    EXPECT_NEAR(shown(2), all.at("psnr_db").get<double>(), 2);
+    size_t splats = 0;
+    for (const char* name : {"out_00.ply", "out_01.ply", "out_02.ply", "out_03.ply"})
+        splats += reference::read_splats(file(name)).size();
+    EXPECT_EQ(all.at("splats"), splats);
+}
+
+TEST_F(CliExport, ThereMayBeALimit) {
+    const nlohmann::json all = exported(scene, file("all.ply"), {"--frames", "1"});
+    const nlohmann::json few = exported(scene, file("few.ply"), {"--frames", "1", "--most-splats", "300"});
+    EXPECT_LE(few.at("splats"), 300);
+    EXPECT_GT(few.at("splats"), 290);
+    EXPECT_GT(few.at("psnr_db"), all.at("psnr_db").get<double>() - 6) << "what remains shows as much";
+}
+
+TEST_F(CliExport, ResumeKeepsWhatIsThere) {
+    exported(scene, file("out_%d.ply"), {"--frames", "0:1"});
+    write_text(file("out_0.ply"), "kept");
+    const nlohmann::json rest = exported(scene, file("out_%d.ply"), {"--resume"});
+    EXPECT_EQ(rest.at("files"), 2);
+    EXPECT_EQ(read_text(file("out_0.ply")), "kept");
+    EXPECT_TRUE(std::filesystem::exists(file("out_3.ply")));
+}
+
+TEST_F(CliExport, OneFileHoldsAllFrames) {
+    EXPECT_EQ(exported(scene, file("all.glb"), {}).at("files"), 1);
+    EXPECT_EQ(exported(scene, file("all.usda"), {"--frames", "1:2"}).at("files"), 1);
+    EXPECT_NE(read_text(file("all.usda")).find("endTimeCode = 1\n"), std::string::npos);
+}
+
+TEST_F(CliExport, StreamsAreExportedToo) {
+    const ProgramResult publish =
+        run_neuvv({"publish", scene, "-o", file("x.nvs"), "--quality", "45", "--size", "64x64"});
+    ASSERT_EQ(publish.code, 0) << publish.err;
+    exported(scene, file("clip.ply"), {"--frames", "2"});
+    exported(file("x.nvs"), file("stream.ply"), {"--frames", "2"});
+    EXPECT_NEAR(psnr_of(file("stream.ply"), scene, 2), psnr_of(file("clip.ply"), scene, 2), 1);
+}
+
+TEST_F(CliExport, SaysWhatIsWrong) {
+    expect_refused({"export", scene, "-o", file("x.obj")}, 2, {"x.obj", ".ply, .glb or .usda"});
+    expect_refused({"export", scene, "-o", file("x.ply")}, 2, {"x.ply", "holds one frame, not 4", "out_%04d.ply"});
+    expect_refused({"export", scene, "-o", file("x_%s.ply")}, 2, {"x_%s.ply", "out_%04d.ply"});
+    expect_refused({"export", scene, "-o", file("x_%d.ply"), "--frames", "0.5"}, 2, {"0.5", "whole frames"});
+    expect_refused({"export", scene, "-o", file("x.glb"), "--resume"}, 2, {"--resume"});
+    expect_refused({"export", file("none.nvv"), "-o", file("x.glb")}, 2, {"none.nvv"});
+}
+
+}  // namespace
+}  // namespace neuvv
