@@ -17,6 +17,7 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "interchange/fit_splats.h"
+#include "interchange/shown_leaves.h"
 #include "interchange/splat_gltf.h"
 #include "interchange/splat_ply.h"
 #include "interchange/splat_usd.h"
@@ -138,8 +139,9 @@ interchange::FrameVolume Exporter::volume_of(uint32_t frame) {
     const OpenSegment& segment = segment_of(frame);
     interchange::FrameVolume volume =
         interchange::frame_volume(segment.tree, frame - segment.from.first, segment.paint.steps);
-    if (options_.most_splats > 0) volume = interchange::with_fewer_leaves(std::move(volume), options_.most_splats);
-    return volume;
+    if (options_.most_splats == 0 || volume.leaves.size() <= options_.most_splats) return volume;
+    interchange::measure_shown(volume);
+    return interchange::with_fewer_leaves(std::move(volume), options_.most_splats);
 }
 
 // Finds the shape of all splats by images of the middle frame.

@@ -13,6 +13,7 @@ namespace {
 
 constexpr size_t kLeavesOfPart = 4096;
 constexpr float kLeastOpacity = 1e-3f;
+constexpr float kLeastShown_m2 = 1e-12f;  // so that colours of leaves that are not shown have a mean
 
 float sigmoid(float x) {
     return 1 / (1 + std::exp(-x));
@@ -36,9 +37,12 @@ FrameVolume frame_volume(const voctree::VOctree& tree, uint32_t frame, std::span
     const std::vector<voctree::LiveLeaf> live = voctree::live_leaves(tree, frame, edits, kLeastOpacity);
     volume.leaves.resize(live.size());
     parallel_for(live.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++)
-            volume.leaves[i] = {live[i].cell, live[i].depth, live[i].sigma,
-                                voctree::leaf_colours(tree, live[i].leaf, frame, edits)};
+        for (size_t i = begin; i < end; i++) {
+            VolumeLeaf& leaf = volume.leaves[i];
+            leaf = {live[i].cell, live[i].depth, live[i].sigma, voctree::leaf_colours(tree, live[i].leaf, frame, edits),
+                    0};
+            leaf.shown = live[i].opacity * volume.edge_m(leaf) * volume.edge_m(leaf);
+        }
     });
     return volume;
 }
@@ -65,17 +69,19 @@ std::vector<Siblings> siblings_at(const FrameVolume& volume, uint32_t depth) {
     return all;
 }
 
-// The leaf in place of siblings: the mean density of their parent, and colours weighted by what each leaf hides.
+// The leaf in place of siblings: the mean density of their parent, and colours weighted by how much each leaf is shown.
 VolumeLeaf merged(const FrameVolume& volume, const Siblings& siblings) {
     VolumeLeaf sum = volume.leaves[siblings.first];
     sum.depth--;
     sum.sigma = 0;
+    sum.shown = 0;
     sum.colours = {};
     float weights = 0;
     for (size_t i = siblings.first; i < siblings.first + siblings.count; i++) {
         const VolumeLeaf& leaf = volume.leaves[i];
-        const float weight = 1 - std::exp(-volume.optical_depth(leaf));
+        const float weight = leaf.shown + kLeastShown_m2;
         weights += weight;
+        sum.shown += leaf.shown;
         sum.sigma += leaf.sigma / 8;
         for (size_t c = 0; c < 3; c++)
             for (size_t k = 0; k < leaf.colours[c].size(); k++) sum.colours[c][k] += weight * leaf.colours[c][k];
@@ -87,23 +93,24 @@ VolumeLeaf merged(const FrameVolume& volume, const Siblings& siblings) {
     return sum;
 }
 
-// The sum over the cells of the parent of how far its opacity and shown colour are from the merged leaf's, times the
-// area of a cell's face.
+// How far opacity and colour of the cells are from the merged leaf's, each by how much of it is shown; an empty cell is
+// shown as much as the others in the mean.
 float cost_of(const FrameVolume& volume, const Siblings& siblings) {
     const VolumeLeaf whole = merged(volume, siblings);
     const float edge = volume.edge_m(whole) / 2;
     const float opacity = 1 - std::exp(-whole.sigma * edge);
     std::array<float, 3> colour;
     for (size_t c = 0; c < 3; c++) colour[c] = sigmoid(whole.colours[c][0] * voctree::kMeanHarmonic);
-    float cost = static_cast<float>(8 - siblings.count) * opacity;
+    float cost = static_cast<float>(8 - siblings.count) * opacity * whole.shown / static_cast<float>(siblings.count);
     for (size_t i = siblings.first; i < siblings.first + siblings.count; i++) {
         const VolumeLeaf& leaf = volume.leaves[i];
         const float own = 1 - std::exp(-leaf.sigma * edge);
-        cost += std::abs(own - opacity);
+        float difference = std::abs(own - opacity) / own;
         for (size_t c = 0; c < 3; c++)
-            cost += std::abs(sigmoid(leaf.colours[c][0] * voctree::kMeanHarmonic) - colour[c]) * own;
+            difference += std::abs(sigmoid(leaf.colours[c][0] * voctree::kMeanHarmonic) - colour[c]);
+        cost += difference * leaf.shown;
     }
-    return cost * edge * edge;
+    return cost;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct VolumeLeaf {
     uint32_t depth = 0;            // octree depth
     float sigma = 0;               // 1/m
     voctree::LeafColours colours;  // sigmoid(Σ k_lm Y_lm(d)) is linear light (shaders/sh.glsl has Y_lm)
+    float shown = 0;               // how much of images it makes, m²: its part of the visible area
 };
 
 struct FrameVolume {
@@ -31,11 +32,11 @@ struct FrameVolume {
 };
 
 // What a tree shows at a frame under layers of paint, the lowest first: its leaves whose opacity along their edge is at
-// least a thousandth.
+// least a thousandth. Each counts as shown by its opacity and size, as if nothing hid it.
 FrameVolume frame_volume(const voctree::VOctree& tree, uint32_t frame, std::span<const voctree::PaintStep> paint = {});
 
-// The same volume with at most `most_leaves` leaves: eight cells of the finest depth become one, those first that agree
-// best. What they hide and show together stays about the same.
+// The same volume with at most `most_leaves` leaves: cells of the finest depth become one, those first of which images
+// show least difference. What they hide and show together stays about the same.
 FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves);
 
 }  // namespace neuvv::interchange

@@ -1,7 +1,9 @@
 #include "interchange/splat_image.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 
 #include "base/parallel.h"
 
@@ -9,10 +11,11 @@ namespace neuvv::interchange {
 
 namespace {
 
-constexpr float kNear_m = 0.01f, kWidening_px2 = 0.3f, kLeastShown = 1 / 255.0f, kMostOpacity = 0.99f;
+constexpr float kNear_m = 0.01f, kWidening_px2 = 0.3f, kLeastAlpha = 1 / 255.0f, kMostOpacity = 0.99f;
 constexpr uint32_t kRowsOfPart = 16;
 
 struct Footprint {
+    size_t splat;
     float depth;
     glm::vec2 centre;  // pixels
     float a, b, c;     // of the inverse covariance: a x² + 2 b x y + c y²
@@ -41,7 +44,7 @@ bool project(const Splat& splat, const Splats& all, const stage::Camera& camera,
              Footprint& to) {
     const glm::vec3 at(camera_from_world * glm::dvec4(splat.centre, 1));
     const float depth = -at.z;
-    if (depth < kNear_m || splat.opacity < kLeastShown) return false;
+    if (depth < kNear_m || splat.opacity < kLeastAlpha) return false;
     const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
     to.depth = depth;
     to.centre = {static_cast<float>(camera.cx) + fx * at.x / depth, static_cast<float>(camera.cy) - fy * at.y / depth};
@@ -55,7 +58,7 @@ bool project(const Splat& splat, const Splats& all, const stage::Camera& camera,
     to.a = yy / determinant;
     to.b = -xy / determinant;
     to.c = xx / determinant;
-    const float reach = std::sqrt(2 * std::log(splat.opacity / kLeastShown));  // deviations
+    const float reach = std::sqrt(2 * std::log(splat.opacity / kLeastAlpha));  // deviations
     to.reach_x = reach * std::sqrt(xx);
     to.reach = reach * std::sqrt(yy);
     if (to.centre.x + to.reach_x < 0 || to.centre.x - to.reach_x > static_cast<float>(camera.width) ||
@@ -67,57 +70,81 @@ bool project(const Splat& splat, const Splats& all, const stage::Camera& camera,
     return true;
 }
 
-// Composites the footprints, near to far, over the rows [first, end).
-void draw_rows(const std::vector<Footprint>& footprints, const stage::Camera& camera, const glm::vec3& background,
-               uint32_t first, uint32_t end, media::Image& image) {
-    std::vector<glm::vec4> rows(size_t{camera.width} * (end - first), glm::vec4(0, 0, 0, 1));  // colour, transmittance
+// Calls add(footprint, x, y, alpha) for the pixels of the rows [first, end), near to far.
+template <typename Add>
+void composite_rows(const std::vector<Footprint>& footprints, uint32_t width, uint32_t first, uint32_t end,
+                    const Add& add) {
     for (const Footprint& f : footprints) {
         const int y0 = std::max(static_cast<int>(first), static_cast<int>(std::floor(f.centre.y - f.reach)));
         const int y1 = std::min(static_cast<int>(end) - 1, static_cast<int>(std::ceil(f.centre.y + f.reach)));
         const int x0 = std::max(0, static_cast<int>(std::floor(f.centre.x - f.reach_x)));
-        const int x1 =
-            std::min(static_cast<int>(camera.width) - 1, static_cast<int>(std::ceil(f.centre.x + f.reach_x)));
+        const int x1 = std::min(static_cast<int>(width) - 1, static_cast<int>(std::ceil(f.centre.x + f.reach_x)));
         for (int y = y0; y <= y1; y++) {
             const float dy = static_cast<float>(y) + 0.5f - f.centre.y;
             for (int x = x0; x <= x1; x++) {
                 const float dx = static_cast<float>(x) + 0.5f - f.centre.x;
                 const float power = -0.5f * (f.a * dx * dx + f.c * dy * dy) - f.b * dx * dy;
                 const float alpha = std::min(kMostOpacity, f.opacity * std::exp(power));
-                if (alpha < kLeastShown) continue;
-                glm::vec4& pixel =
-                    rows[size_t{camera.width} * (static_cast<uint32_t>(y) - first) + static_cast<uint32_t>(x)];
-                pixel += glm::vec4(pixel.w * alpha * f.colour, -pixel.w * alpha);
+                if (alpha >= kLeastAlpha) add(f, static_cast<uint32_t>(x), static_cast<uint32_t>(y), alpha);
             }
         }
     }
-    for (uint32_t y = first; y < end; y++)
-        for (uint32_t x = 0; x < camera.width; x++) {
-            const glm::vec4& pixel = rows[size_t{camera.width} * (y - first) + x];
-            const glm::vec3 shown = glm::clamp(glm::vec3(pixel) + pixel.w * background, 0.0f, 1.0f);
-            uint8_t* to = image.at(x, y);
-            for (int c = 0; c < 3; c++) to[c] = static_cast<uint8_t>(std::lround(255 * shown[c]));
-            to[3] = 255;
-        }
+}
+
+// The splats in the image, near to far.
+std::vector<Footprint> footprints_of(const Splats& splats, const stage::Camera& camera) {
+    const glm::dmat4 camera_from_world = glm::inverse(camera.world_from_camera);
+    std::vector<Footprint> footprints;
+    footprints.reserve(splats.splats.size());
+    for (size_t i = 0; i < splats.splats.size(); i++) {
+        Footprint footprint{};
+        footprint.splat = i;
+        if (project(splats.splats[i], splats, camera, camera_from_world, footprint)) footprints.push_back(footprint);
+    }
+    std::sort(footprints.begin(), footprints.end(),
+              [](const Footprint& a, const Footprint& b) { return a.depth < b.depth; });
+    return footprints;
+}
+
+void for_rows(uint32_t height, const std::function<void(uint32_t first, uint32_t end)>& run) {
+    parallel_for((height + kRowsOfPart - 1) / kRowsOfPart, 1, [&](size_t begin, size_t end) {
+        run(static_cast<uint32_t>(begin) * kRowsOfPart, std::min(height, static_cast<uint32_t>(end) * kRowsOfPart));
+    });
 }
 
 }  // namespace
 
 media::Image splat_image(const Splats& splats, const stage::Camera& camera, const glm::vec3& background) {
-    const glm::dmat4 camera_from_world = glm::inverse(camera.world_from_camera);
-    std::vector<Footprint> footprints;
-    footprints.reserve(splats.splats.size());
-    for (const Splat& splat : splats.splats)
-        if (Footprint footprint{}; project(splat, splats, camera, camera_from_world, footprint))
-            footprints.push_back(footprint);
-    std::sort(footprints.begin(), footprints.end(),
-              [](const Footprint& a, const Footprint& b) { return a.depth < b.depth; });
-    media::Image image(camera.width, camera.height);
-    const uint32_t parts = (camera.height + kRowsOfPart - 1) / kRowsOfPart;
-    parallel_for(parts, 1, [&](size_t begin, size_t end) {
-        draw_rows(footprints, camera, background, static_cast<uint32_t>(begin) * kRowsOfPart,
-                  std::min(camera.height, static_cast<uint32_t>(end) * kRowsOfPart), image);
+    const std::vector<Footprint> footprints = footprints_of(splats, camera);
+    const uint32_t width = camera.width;
+    media::Image image(width, camera.height);
+    for_rows(camera.height, [&](uint32_t first, uint32_t end) {
+        std::vector<glm::vec4> rows(size_t{width} * (end - first), glm::vec4(0, 0, 0, 1));  // colour, transmittance
+        composite_rows(footprints, width, first, end, [&](const Footprint& f, uint32_t x, uint32_t y, float alpha) {
+            glm::vec4& pixel = rows[size_t{width} * (y - first) + x];
+            pixel += glm::vec4(pixel.w * alpha * f.colour, -pixel.w * alpha);
+        });
+        for (size_t i = 0; i < rows.size(); i++) {
+            const glm::vec3 shown = glm::clamp(glm::vec3(rows[i]) + rows[i].w * background, 0.0f, 1.0f);
+            uint8_t* to = image.at(0, first) + 4 * i;
+            for (int c = 0; c < 3; c++) to[c] = static_cast<uint8_t>(std::lround(255 * shown[c]));
+            to[3] = 255;
+        }
     });
     return image;
+}
+
+void add_weights(const Splats& splats, const stage::Camera& camera, std::vector<float>& weights) {
+    const std::vector<Footprint> footprints = footprints_of(splats, camera);
+    for_rows(camera.height, [&](uint32_t first, uint32_t end) {
+        std::vector<float> transmittance(size_t{camera.width} * (end - first), 1.0f);
+        composite_rows(footprints, camera.width, first, end,
+                       [&](const Footprint& f, uint32_t x, uint32_t y, float alpha) {
+                           float& left = transmittance[size_t{camera.width} * (y - first) + x];
+                           std::atomic_ref(weights[f.splat]).fetch_add(left * alpha, std::memory_order_relaxed);
+                           left *= 1 - alpha;
+                       });
+    });
 }
 
 }  // namespace neuvv::interchange

@@ -13,4 +13,7 @@ namespace neuvv::interchange {
 // in sRGB. Splats nearer than a centimetre are left out.
 media::Image splat_image(const Splats& splats, const stage::Camera& camera, const glm::vec3& background);
 
+// Adds to `weights`, one of each splat, by how much the splat makes the pixels of that image: transmittance · alpha.
+void add_weights(const Splats& splats, const stage::Camera& camera, std::vector<float>& weights);
+
 }  // namespace neuvv::interchange

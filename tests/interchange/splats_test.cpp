@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "interchange/fit_splats.h"
+#include "interchange/shown_leaves.h"
 #include "interchange/splat_ply.h"
 #include "media/image.h"
 #include "reference/hh.h"
@@ -140,6 +141,28 @@ TEST(Splats, LookAsTheirFileDoesByTheDefinition) {
         }
     EXPECT_LT(sum / static_cast<double>(3 * truth.size()), 0.003);
     EXPECT_GT(coverage / static_cast<double>(3 * truth.size()), 0.03) << "something is seen";
+}
+
+// Of an opaque block of 4 × 4 × 4 leaves, the inner 2 × 2 × 2 are hidden from everywhere.
+TEST(Splats, SayWhichLeavesAreShown) {
+    FrameVolume volume;
+    volume.depth = 4;
+    for (uint32_t z = 6; z < 10; z++)
+        for (uint32_t y = 6; y < 10; y++)
+            for (uint32_t x = 6; x < 10; x++)
+                volume.leaves.push_back({voctree::first_cell({x, y, z, 4}, 4), 4, 400, {}, 1});
+    interchange::measure_shown(volume);
+    double outer = 0;
+    for (const interchange::VolumeLeaf& leaf : volume.leaves) {
+        const voctree::LeafPosition at = voctree::position_of(leaf.cell, 4);
+        const auto inside = [](uint32_t c) { return c == 7 || c == 8; };
+        const bool hidden = inside(at.x) && inside(at.y) && inside(at.z);
+        if (hidden) EXPECT_NEAR(double{leaf.shown}, 0.1, 1e-4) << "of what frame_volume() said";
+        if (!hidden) outer += double{leaf.shown} - 0.1;
+    }
+    // What is seen of a cube of a quarter from 26 directions: the mean of its faces' area times the cosine, if not more
+    // than the splats' soft edges.
+    EXPECT_NEAR(outer, 0.0625 * (6 * 1 + 12 * std::sqrt(2.0) + 8 * std::sqrt(3.0)) / 26, 0.02);
 }
 
 // Images of splats of another shape lead back to that shape.
