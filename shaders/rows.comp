@@ -3,11 +3,12 @@
 // Reads the bases (frames × bases); writes BasisRows. One thread per column; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/slice.h"
 
 layout(local_size_x = 64) in;
-layout(binding = kRowsSigmaBasis) uniform textureBuffer sigma_basis;
-layout(binding = kRowsGammaBasis) uniform textureBuffer gamma_basis;
+READ_ARRAY(float, kRowsSigmaBasis, sigma_basis);
+READ_ARRAY(float, kRowsGammaBasis, gamma_basis);
 layout(binding = kRowsOut, std430) writeonly buffer Rows { BasisRows rows; };
 layout(binding = kRowsLive, std430) writeonly buffer Live { LiveCount live; };
 layout(push_constant) uniform Push { RowsPush push; };
@@ -51,8 +52,8 @@ void main() {
     float sigma = 0.0, gamma = 0.0;
     if (column < push.bases) {
         const int a = int(before * push.bases + column), b = int(after * push.bases + column);
-        sigma = mix(texelFetch(sigma_basis, a).x, texelFetch(sigma_basis, b).x, part);
-        gamma = mix(texelFetch(gamma_basis, a).x, texelFetch(gamma_basis, b).x, part);
+        sigma = mix(FETCH(sigma_basis, a).x, FETCH(sigma_basis, b).x, part);
+        gamma = mix(FETCH(gamma_basis, a).x, FETCH(gamma_basis, b).x, part);
     }
     row[column] = vec2(sigma, gamma);
     barrier();

@@ -5,18 +5,20 @@
 // leaves. Bound by memory: 16·⌈C/4⌉ + 8 bytes per leaf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/slice.h"
 
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kBasisPlanes = 8u;
 layout(constant_id = 2) const uint kBusyPlanes = 8u;
-layout(binding = kSliceWeights) uniform textureBuffer leaf_weights;
+layout(constant_id = 3) const bool kHalfWeights = false;
+READ_ARRAY(any4, kSliceWeights, leaf_weights);
 layout(binding = kSliceRows, std140) uniform Rows { BasisRows rows; };
-layout(binding = kSliceHead, rg32ui) writeonly uniform uimageBuffer head;
-layout(binding = kSliceLeaves, r32ui) writeonly uniform uimageBuffer slot_leaf;
+WRITE_ARRAY(uvec2, kSliceHead, head);
+WRITE_ARRAY(uint, kSliceLeaves, slot_leaf);
 layout(binding = kSliceLive, std430) buffer Live { LiveCount live; };
-layout(binding = kSliceLeafCells) uniform utextureBuffer leaf_cells;
+READ_ARRAY(uvec2, kSliceLeafCells, leaf_cells);
 layout(binding = kSliceNodeLive, std430) buffer NodeLive { uint node_live[]; };
 layout(push_constant) uniform Push { SlicePush push; };
 #include "weights.glsl"
@@ -27,10 +29,10 @@ shared uint group_first;
 void store_leaf(uint leaf, float sigma, uint slot) {
     const bool overflows = sigma > 0.0 && slot >= push.capacity;
     if (overflows) atomicAdd(live.overflow, 1u);
-    imageStore(head, int(leaf), uvec4(overflows ? 0u : floatBitsToUint(sigma), slot, 0u, 0u));
+    STORE(head, int(leaf), uvec4(overflows ? 0u : floatBitsToUint(sigma), slot, 0u, 0u));
     if (!(sigma > 0.0) || overflows) return;
-    imageStore(slot_leaf, int(slot), uvec4(leaf));
-    const uvec2 cells = texelFetch(leaf_cells, int(leaf)).xy;
+    STORE(slot_leaf, int(slot), uvec4(leaf));
+    const uvec2 cells = FETCH(leaf_cells, int(leaf)).xy;
     atomicOr(node_live[cells.x], cells.y);
 }
 

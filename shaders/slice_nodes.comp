@@ -5,18 +5,19 @@
 // by memory, about 64 bytes per node, and by one atomic addition per workgroup.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/slice_tree.h"
 
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
-layout(binding = kNodesTree) uniform utextureBuffer tree_nodes;
-layout(binding = kNodesChildren) uniform utextureBuffer tree_children;
-layout(binding = kNodesInner) uniform utextureBuffer inner_cells;
-layout(binding = kNodesParent) uniform utextureBuffer node_cells;
+READ_ARRAY(uvec4, kNodesTree, tree_nodes);
+READ_ARRAY(uint, kNodesChildren, tree_children);
+READ_ARRAY(uvec2, kNodesInner, inner_cells);
+READ_ARRAY(uvec2, kNodesParent, node_cells);
 layout(binding = kNodesLive, std430) buffer NodeLive { uint node_live[]; };
-layout(binding = kNodesOut, rgba32ui) writeonly uniform uimageBuffer nodes;
-layout(binding = kNodesEntries, rg32ui) writeonly uniform uimageBuffer entries;
-layout(binding = kNodesLeaves, r32ui) writeonly uniform uimageBuffer entry_leaf;
+WRITE_ARRAY(uvec4, kNodesOut, nodes);
+WRITE_ARRAY(uvec2, kNodesEntries, entries);
+WRITE_ARRAY(uint, kNodesLeaves, entry_leaf);
 layout(binding = kNodesCount, std430) buffer Count { LiveCount counts[]; };
 layout(push_constant) uniform Push { SliceNodesPush push; };
 #include "node.glsl"
@@ -30,9 +31,9 @@ void store_child_nodes(Node in_tree, Node in_slice, uint word, uint cells) {
         const uint bit = 32u * word + uint(findLSB(cells));
         cells &= cells - 1u;
         const uint entry = node_child(in_slice, bit);
-        const uint child = texelFetch(tree_children, int(node_child(in_tree, bit))).x;
-        imageStore(entries, int(entry * sh_count(kHhDegree)), uvec4(kEntryIsNode, child, 0u, 0u));
-        imageStore(entry_leaf, int(entry), uvec4(kNoLeaf));
+        const uint child = FETCH(tree_children, int(node_child(in_tree, bit))).x;
+        STORE(entries, int(entry * sh_count(kHhDegree)), uvec4(kEntryIsNode, child, 0u, 0u));
+        STORE(entry_leaf, int(entry), uvec4(kNoLeaf));
     }
 }
 
@@ -43,7 +44,7 @@ void main() {
     if (gl_LocalInvocationID.x == 0u) group_count = 0u;
     barrier();
 
-    const uvec4 words = at < push.nodes ? texelFetch(tree_nodes, int(node)) : uvec4(0u);
+    const uvec4 words = at < push.nodes ? FETCH(tree_nodes, int(node)) : uvec4(0u);
     uvec2 live = at < push.nodes ? uvec2(node_live[2u * node], node_live[2u * node + 1u]) : uvec2(0u);
     const uvec2 runs = node_runs(live, words.w);
     const uint count = bitCount(runs.x) + bitCount(runs.y);
@@ -63,11 +64,11 @@ void main() {
         live = uvec2(0u);
     }
     const uint first_entry = push.slice * push.capacity + first;
-    imageStore(nodes, int(push.node_base + node), uvec4(live, first_entry, words.w));
+    STORE(nodes, int(push.node_base + node), uvec4(live, first_entry, words.w));
     if (live == uvec2(0u)) return;
-    const uvec2 parent = texelFetch(node_cells, int(node)).xy;
+    const uvec2 parent = FETCH(node_cells, int(node)).xy;
     atomicOr(node_live[parent.x], parent.y);
-    const uvec2 inner = live & texelFetch(inner_cells, int(node)).xy;
+    const uvec2 inner = live & FETCH(inner_cells, int(node)).xy;
     const Node in_tree = make_node(live, words.xy, words.z, words.w);
     const Node in_slice = make_node(live, live, first_entry, words.w);
     store_child_nodes(in_tree, in_slice, 0u, inner.x);

@@ -1,13 +1,18 @@
-// Accessors of a leaf's weights, and σ, γ and SH coefficients computed from them. The includer binds textureBuffer
-// `leaf_weights` and uniform block member `rows` (BasisRows), and has kHhDegree, kBasisPlanes and kBusyPlanes as
-// specialisation constants.
+// Accessors of a leaf's weights, and σ, γ and SH coefficients computed from them. The includer declares the array
+// `leaf_weights`, binds uniform block member `rows` (BasisRows), and has kHhDegree, kBasisPlanes and kBusyPlanes as
+// specialisation constants, and for storage buffers kHalfWeights: whether the weights are fp16.
 #ifndef NEUVV_WEIGHTS_GLSL
 #define NEUVV_WEIGHTS_GLSL
+#include "arrays.glsl"
 #include "hh.glsl"
 
 #ifndef NEUVV_FETCH_WEIGHTS
 vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) {
-    return texelFetch(leaf_weights, int(plane * leaf_count + leaf));
+#ifdef NEUVV_STORAGE_BUFFERS
+    const uint at = plane * leaf_count + leaf;
+    if (!kHalfWeights) return uintBitsToFloat(uvec4(leaf_weights[2u * at].words, leaf_weights[2u * at + 1u].words));
+#endif
+    return FETCH(leaf_weights, int(plane * leaf_count + leaf));
 }
 #endif
 

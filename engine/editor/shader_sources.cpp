@@ -58,7 +58,7 @@ std::vector<std::string> include_names(const std::filesystem::path& file) {
 }  // namespace
 
 ShaderSources::ShaderSources(std::filesystem::path folder) : folder_(std::move(folder)) {
-    for (const auto& [file, words] : neuvv_render_shaders)
+    for (const auto& [file, words, storage] : neuvv_render_shaders)
         if (!std::filesystem::is_regular_file(folder_ / file))
             throw InputError(folder_.string(), file, "is not there: give the folder shaders of this program's sources");
     last_times_ = times();
@@ -87,11 +87,14 @@ std::set<std::filesystem::path> ShaderSources::included(const std::filesystem::p
     return found;
 }
 
-std::vector<uint32_t> ShaderSources::compiled(const std::string& file) const {
+std::vector<uint32_t> ShaderSources::compiled(const std::string& file, bool storage) const {
     const TemporaryFile out;
-    const ProgramOutput output =
-        run_program({"glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.3", "-I" + folder_.string(), "-o",
-                     out.path.string(), (folder_ / file).string()});
+    std::vector<std::string> command = {
+        "glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.3", "-I" + folder_.string(), "-o",
+        out.path.string()};
+    if (storage) command.emplace_back("-DNEUVV_STORAGE_BUFFERS");
+    command.push_back((folder_ / file).string());
+    const ProgramOutput output = run_program(command);
     if (output.code != 0) throw InputError(folder_.string(), file, first_error(output.text, file));
     const std::vector<uint8_t> bytes = read_file(out.path, kMaxSourceBytes);
     std::vector<uint32_t> words(bytes.size() / 4);
@@ -112,10 +115,10 @@ ShaderSources::Change ShaderSources::compile_changes() {
         last_times_ = std::move(now);
         find_stale(changed);
         gpu::ShaderReplacements replacements = replacements_;
-        for (const auto& [file, words] : neuvv_render_shaders) {
+        for (const auto& [file, words, storage] : neuvv_render_shaders) {
             if (!stale_.contains(file)) continue;
-            replacements[{words.begin(), words.end()}] = compiled(file);
-            change.compiled.emplace_back(file);
+            replacements[{words.begin(), words.end()}] = compiled(file, storage);
+            if (!storage) change.compiled.emplace_back(file);
         }
         replacements_ = std::move(replacements);
         stale_.clear();
@@ -130,7 +133,8 @@ ShaderSources::Change ShaderSources::compile_changes() {
 void ShaderSources::find_stale(const std::set<std::filesystem::path>& changed) {
     for (const std::filesystem::path& path : changed)
         if (path.parent_path().filename() == "shared") shared_ = path;
-    for (const auto& [file, words] : neuvv_render_shaders) {
+    for (const auto& [file, words, storage] : neuvv_render_shaders) {
+        if (storage) continue;  // it has the same parts
         const std::set<std::filesystem::path> parts = included(folder_ / file);
         if (std::any_of(parts.begin(), parts.end(), [&](const auto& part) { return changed.contains(part); }))
             stale_.insert(file);

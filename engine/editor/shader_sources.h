@@ -24,8 +24,8 @@ class ShaderSources {
         std::string problem;                // one line; empty: none
     };
     // Compiles the shaders whose files, or files that they include, changed since the last call, with the
-    // glslangValidator of PATH and the options of the build. Takes part of a second per shader. Where one does not
-    // compile, none of them is replaced until it does.
+    // glslangValidator of PATH and the options of the build, those for both kinds of buffers where the build has both.
+    // Takes part of a second per shader. Where one does not compile, none of them is replaced until it does.
     Change compile_changes();
     // The SPIR-V of all shaders that were compiled, as of the last call of compile_changes() without a problem.
     const gpu::ShaderReplacements& replacements() const { return replacements_; }
@@ -35,7 +35,7 @@ class ShaderSources {
     Times times() const;
     std::set<std::filesystem::path> included(const std::filesystem::path& file) const;
     void find_stale(const std::set<std::filesystem::path>& changed);
-    std::vector<uint32_t> compiled(const std::string& file) const;
+    std::vector<uint32_t> compiled(const std::string& file, bool storage) const;
 
     std::filesystem::path folder_;
     Times last_times_;

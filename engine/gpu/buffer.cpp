@@ -45,6 +45,20 @@ MemoryFlags flags_of(MemoryKind kind) {
     return {};
 }
 
+// Whether the buffer fits into a texel buffer of the device. Throws where passes have no other way to bind it.
+bool fits_texels(const Buffer& buffer, VkFormat format) {
+    const BufferLimits& limits = buffer.device->buffers();
+    const uint64_t texels = buffer.bytes / texel_bytes(format);
+    if (texels <= limits.texels) return true;
+    const bool fits_storage = buffer.bytes <= limits.storage_bytes;
+    if (fits_storage && limits.profile == BufferProfile::kStorage) return false;
+    throw RuntimeFailure(
+        fmt::format("buffer \"{}\" needs {} texels or {} MiB, device \"{}\" binds texel buffers of {} and storage "
+                    "buffers of {} MiB{}",
+                    buffer.name, texels, buffer.bytes >> 20, buffer.device->summary().name, limits.texels,
+                    limits.storage_bytes >> 20, fits_storage ? "; NEUVV_BUFFERS=storage takes the latter" : ""));
+}
+
 }  // namespace
 
 // Delegates to the default constructor, so that the destructor frees what was created when a later step throws.
@@ -53,11 +67,7 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
     device = &owner;
     name = std::move(label);
     bytes = std::max<uint64_t>(size, 16);
-    const VkPhysicalDeviceLimits& limits = owner.limits();
-    if (texel_format != VK_FORMAT_UNDEFINED && bytes / texel_bytes(texel_format) > limits.maxTexelBufferElements)
-        throw RuntimeFailure(fmt::format("buffer \"{}\" needs {} texels, device \"{}\" takes {}", name,
-                                         bytes / texel_bytes(texel_format), owner.summary().name,
-                                         limits.maxTexelBufferElements));
+    const bool has_view = texel_format != VK_FORMAT_UNDEFINED && fits_texels(*this, texel_format);
     if (bytes > owner.max_allocation_bytes())
         throw RuntimeFailure(fmt::format("buffer \"{}\" needs {} MiB, device \"{}\" allocates at most {} MiB at once",
                                          name, bytes >> 20, owner.summary().name, owner.max_allocation_bytes() >> 20));
@@ -83,7 +93,7 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
     owner.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer), name);
     owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory.memory), name);
 
-    if (texel_format != VK_FORMAT_UNDEFINED) {
+    if (has_view) {
         VkBufferViewCreateInfo view_info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
         view_info.buffer = buffer;
         view_info.format = texel_format;

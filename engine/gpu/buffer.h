@@ -19,7 +19,8 @@ enum class MemoryKind {
 // The device must outlive it.
 struct Buffer {
     Buffer() = default;
-    // A `texel_format` other than UNDEFINED also creates the view for texel bindings. The contents are undefined.
+    // A `texel_format` other than UNDEFINED also creates the view for texel bindings, unless the buffer has more texels
+    // than the device binds and passes bind it as a storage buffer (buffer_profile.h). The contents are undefined.
     // `bytes` below 16 are rounded up to 16. Throws RuntimeFailure, which names the buffer, where a limit of the device
     // or its memory is exceeded.
     Buffer(const Device& device, std::string name, uint64_t bytes, MemoryKind kind,

@@ -9,23 +9,6 @@
 
 namespace neuvv::gpu {
 
-namespace {
-
-void require_fits(const ComputePass& pass, const BindingSlot& slot, const Buffer& buffer) {
-    const VkPhysicalDeviceLimits& limits = pass.device().limits();
-    const bool texel =
-        slot.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER || slot.type == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
-    if (texel && !buffer.view)
-        throw RuntimeFailure(fmt::format("pass \"{}\", binding {}: buffer \"{}\" has no texel format", pass.name(),
-                                         slot.binding, buffer.name));
-    if (slot.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER && buffer.bytes > limits.maxStorageBufferRange)
-        throw RuntimeFailure(fmt::format(
-            "pass \"{}\": storage buffer \"{}\" is {} MiB, device \"{}\" binds at most {} MiB", pass.name(),
-            buffer.name, buffer.bytes >> 20, pass.device().summary().name, limits.maxStorageBufferRange >> 20));
-}
-
-}  // namespace
-
 BindingSet::BindingSet(const ComputePass& pass, const Bindings& buffers)
     : set_(pass.device(), pass.interface(), pass.set_layout(), pass.name()) {
     std::vector<VkDescriptorBufferInfo> infos(pass.interface().bindings.size());
@@ -38,7 +21,7 @@ BindingSet::BindingSet(const ComputePass& pass, const Bindings& buffers)
         if (!debug && (found == buffers.end() || !found->second->buffer))
             throw RuntimeFailure(fmt::format("pass \"{}\": no buffer for binding {}", pass.name(), slot.binding));
         const Buffer& buffer = debug ? pass.device().debug_buffer().buffer() : *found->second;
-        require_fits(pass, slot, buffer);
+        require_fits(pass.name(), slot, buffer);
         infos[i] = {buffer.buffer, 0, VK_WHOLE_SIZE};
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set_.handle();

@@ -121,6 +121,7 @@ DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
     for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
         if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
             summary.memory_bytes = std::max<uint64_t>(summary.memory_bytes, memory.memoryHeaps[i].size);
+    summary.buffers = buffer_limits(properties.properties.limits);
     find_lacking_features(physical, summary.missing, summary.missing_optional);
     return summary;
 }

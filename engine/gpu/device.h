@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "gpu/buffer_profile.h"
 #include "gpu/device_clock.h"
 #include "gpu/memory_pool.h"
 #include "gpu/shader_table.h"
@@ -41,7 +42,8 @@ struct DeviceSummary {
     std::string kind;    // "discrete", "integrated", "virtual", "cpu", "other"
     std::string driver;  // "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"
     uint32_t api_version = 0;
-    uint64_t memory_bytes = 0;         // the largest device-local heap
+    uint64_t memory_bytes = 0;  // the largest device-local heap
+    BufferLimits buffers;
     std::vector<std::string> missing;  // required features that it lacks, as the table names them; empty: usable
     std::vector<std::string> missing_optional;  // optional features that it lacks, each with its substitute
 };
@@ -93,6 +95,7 @@ class Device {
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     uint64_t max_allocation_bytes() const { return max_allocation_bytes_; }
     const DeviceSummary& summary() const { return summary_; }
+    const BufferLimits& buffers() const { return summary_.buffers; }
     bool float_atomics() const { return float_atomics_; }
     // Whether a vertex shader may select the layer that it draws to.
     bool output_layer() const { return output_layer_; }

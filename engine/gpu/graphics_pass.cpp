@@ -140,6 +140,7 @@ TextureSet::TextureSet(const GraphicsPass& pass,
                 std::find_if(buffers.begin(), buffers.end(), [&](auto& b) { return b.first == slot.binding; });
             if (found == buffers.end())
                 throw RuntimeFailure(fmt::format("pass \"{}\": nothing for binding {}", pass.name(), slot.binding));
+            require_fits(pass.name(), slot, *found->second);
             range.buffer = found->second->buffer;
             write.pBufferInfo = &range;
             write.pTexelBufferView = &found->second->view;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "gpu/buffer.h"
 
 namespace neuvv::gpu {
 
@@ -51,6 +52,23 @@ VkDescriptorPool make_pool(const Device& device, const ShaderInterface& interfac
 }
 
 }  // namespace
+
+void require_fits(const std::string& pass, const BindingSlot& slot, const Buffer& buffer) {
+    const BufferLimits& limits = buffer.device->buffers();
+    const std::string& device = buffer.device->summary().name;
+    const bool texel =
+        slot.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER || slot.type == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+    if (texel && !buffer.view)
+        throw RuntimeFailure(fmt::format(
+            "pass \"{}\", binding {}: buffer \"{}\" has no texel format, or in its {} MiB more texels than the {} that "
+            "device \"{}\" binds",
+            pass, slot.binding, buffer.name, buffer.bytes >> 20, limits.texels, device));
+    if (slot.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER && buffer.bytes > limits.storage_bytes)
+        throw RuntimeFailure(fmt::format(
+            "pass \"{}\": storage buffer \"{}\" is {} MiB, device \"{}\" binds at most {} MiB, and texel buffers of {} "
+            "texels",
+            pass, buffer.name, buffer.bytes >> 20, device, limits.storage_bytes >> 20, limits.texels));
+}
 
 // The constructors here and below delegate, so that the destructor frees what was created when a later step throws.
 PassLayout::PassLayout(const Device& device, const ShaderInterface& interface, VkShaderStageFlags stages,

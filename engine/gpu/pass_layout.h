@@ -27,6 +27,10 @@ struct ShaderInterface {
 // more than one dimension.
 ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name);
 
+struct Buffer;
+// Throws RuntimeFailure, which names pass, binding and buffer, where the buffer cannot be bound there.
+void require_fits(const std::string& pass, const BindingSlot& slot, const Buffer& buffer);
+
 // The layouts of a pass's descriptor set and pipeline. Move-only.
 class PassLayout {
   public:

@@ -16,7 +16,8 @@ uint32_t slice_count(const gpu::Device& device, const Field& field, size_t paint
                      uint64_t budget_bytes) {
     const uint64_t texels = uint64_t{sh_count(field.hh_degree)} * std::max(entries, 1u);
     const uint64_t bytes = std::max<uint64_t>(4 * kEntryWords * texels, field.nodes.bytes);
-    const uint64_t addressed = device.limits().maxTexelBufferElements / std::max<uint64_t>(texels, field.node_count());
+    const uint64_t addressed = std::min(device.buffers().max_elements(4 * kEntryWords) / texels,
+                                        device.buffers().max_elements(16) / std::max(field.node_count(), 1u));
     const uint64_t allocated = device.max_allocation_bytes() / bytes;
     const uint64_t of_clip = (1 + paints) * field.frames;
     const uint64_t wanted = std::min<uint64_t>(budget_bytes / slice_bytes(field, entries), of_clip);

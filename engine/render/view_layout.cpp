@@ -10,7 +10,7 @@ uint32_t checked_ray_tiles(const gpu::Device& device, const ViewLayout& layout) 
     const uint64_t across = (uint64_t{layout.samples} * layout.width + kTile - 1) / kTile;
     const uint64_t down = (uint64_t{layout.samples} * layout.height + kTile - 1) / kTile;
     const uint64_t tiles = across * down * layout.views;
-    if (tiles * kTilePixels > device.limits().maxTexelBufferElements)
+    if (tiles * kTilePixels > device.buffers().max_elements(16) || tiles > device.buffers().texels)
         throw RuntimeFailure(
             fmt::format("{}x{} pixels of {} rays are too many for this device; choose a smaller --size "
                         "or --samples",

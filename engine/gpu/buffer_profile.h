@@ -1,0 +1,39 @@
+// How passes bind arrays that may have more than 65,536 elements: as texel buffers or as storage buffers. Vulkan
+// guarantees no more elements of a texel buffer than that, and no more than 128 MiB of a storage buffer.
+// shaders/arrays.glsl has both forms, and the build compiles the renderer's shaders for each.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <span>
+
+namespace neuvv::gpu {
+
+enum class BufferProfile { kTexel, kStorage };
+
+// The storage buffers that a shader of the storage profile binds at most; a test counts them.
+constexpr uint32_t kMostStorageBuffers = 10;
+
+// The limits of a device that decide, and the profile that its passes use.
+struct BufferLimits {
+    uint64_t texels = 0;           // of a texel buffer
+    uint64_t storage_bytes = 0;    // of a storage buffer
+    uint32_t storage_buffers = 0;  // of a shader stage
+    BufferProfile profile = BufferProfile::kTexel;
+
+    // The elements that an array may have, each of `element_bytes`.
+    uint64_t max_elements(uint32_t element_bytes) const {
+        return profile == BufferProfile::kTexel ? texels : storage_bytes / element_bytes;
+    }
+    // The shader of the profile, of the two that the build has made of one source.
+    std::span<const uint32_t> fitting(std::span<const uint32_t> texel, std::span<const uint32_t> storage) const {
+        return profile == BufferProfile::kTexel ? texel : storage;
+    }
+};
+
+// Takes the profile whose arrays may be longer, texel buffers where both hold 2 GiB or equally much. NEUVV_BUFFERS of
+// the environment, "texel" or "storage", forces a profile; throws InputError for another value.
+BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits);
+
+}  // namespace neuvv::gpu
