@@ -3,15 +3,16 @@
 // indirectly once a slice. Bound by arithmetic: about 20 operations per entry and bone.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/highlight.h"
 #include "shared/slice_tree.h"
 
 layout(local_size_x = kSliceGroup) in;
 layout(binding = kBindBones, std140) uniform Bones { ShaderBones body; };
-layout(binding = kBindLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kBindPositions) uniform utextureBuffer leaf_positions;
+READ_ARRAY(uint, kBindLeaves, entry_leaf);
+READ_ARRAY(uvec2, kBindPositions, leaf_positions);
 layout(binding = kBindCount, std430) readonly buffer Count { LiveCount counts[]; };
-layout(binding = kBindOut, r32ui) writeonly uniform uimageBuffer entry_bones;
+WRITE_ARRAY(uint, kBindOut, entry_bones);
 layout(push_constant) uniform Push { BindBonesPush push; };
 #include "leaf_middle.glsl"
 
@@ -41,11 +42,11 @@ void main() {
     uint bones = 0u;
     for (uint i = 0u; i < 4u; i++) {
         const uint entry = 4u * word + i;
-        const uint leaf = entry < slots ? texelFetch(entry_leaf, int(push.slice * push.capacity + entry)).x : kNoLeaf;
+        const uint leaf = entry < slots ? FETCH(entry_leaf, int(push.slice * push.capacity + entry)).x : kNoLeaf;
         uint bone = kNoBone;
         if (leaf != kNoLeaf)
-            bone = nearest_bone(leaf_middle(texelFetch(leaf_positions, int(leaf)).xy, push.box_min.xyz, push.box_size.xyz));
+            bone = nearest_bone(leaf_middle(FETCH(leaf_positions, int(leaf)).xy, push.box_min.xyz, push.box_size.xyz));
         bones |= bone << 8u * i;
     }
-    imageStore(entry_bones, int(push.slice * push.bone_words + word), uvec4(bones));
+    STORE(entry_bones, int(push.slice * push.bone_words + word), uvec4(bones));
 }

@@ -5,6 +5,7 @@
 // ray. Bound by memory: 16·(2⌈C/4⌉ + N_HH) bytes per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/lights.h"
 #include "shared/segments.h"
 #include "shared/trace.h"
@@ -17,24 +18,25 @@ layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
 layout(constant_id = 5) const bool kRestart = false;
 layout(constant_id = 6) const uint kRayOutput = kOutputRay;
+layout(constant_id = 7) const bool kHalfWeights = false;
 const bool kFromRoot = kRestart, kCoalesce = true;
 const uint kSampleCost = kSampleAboveDescent;
-layout(binding = kTraceTop) uniform utextureBuffer tree_top;
-layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
-layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
-layout(binding = kTraceWeights) uniform textureBuffer leaf_weights;
+READ_ARRAY(uint, kTraceTop, tree_top);
+READ_ARRAY(uvec4, kTraceNodes, tree_nodes);
+READ_ARRAY(uint, kTraceChildren, tree_children);
+READ_ARRAY(any4, kTraceWeights, leaf_weights);
 layout(binding = kTraceRows, std140) uniform Rows { BasisRows rows; };
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
 layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
 layout(binding = kTraceTileRanges) uniform utextureBuffer tile_ranges;
-layout(binding = kTraceRadiance, rgba32f) uniform imageBuffer radiance;
-layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
+UPDATE_ARRAY(vec4, kTraceRadiance, radiance);
+UPDATE_ARRAY(float, kTraceDepth, depth);
 layout(binding = kTracePages, std430) buffer Pages { uvec4 pages[]; };
 layout(binding = kTraceHeads, std430) buffer Heads { uint heads[]; };
-layout(binding = kTraceSetDepth) uniform textureBuffer set_depth;
+READ_ARRAY(float, kTraceSetDepth, set_depth);
 layout(binding = kTraceLights, std140) uniform Lights { ShaderLights lights; };
-layout(binding = kTraceSetShadows) uniform textureBuffer set_shadow_maps;
+READ_ARRAY(float, kTraceSetShadows, set_shadow_maps);
 layout(binding = kTraceSharing) uniform utextureBuffer sharing;
 layout(binding = kTracePerformerShadows) uniform textureBuffer performer_shadows;
 layout(push_constant) uniform Push { TracePush push; };

@@ -3,6 +3,7 @@
 // sample_begin for its ray.
 #ifndef NEUVV_DIRECT_SAMPLE_GLSL
 #define NEUVV_DIRECT_SAMPLE_GLSL
+#include "arrays.glsl"
 #include "march.glsl"
 #include "sh.glsl"
 #include "weights.glsl"
@@ -32,11 +33,11 @@ vec3 sample_colour() {
 }
 
 Node march_node(uint node) {
-    const uvec4 entry = texelFetch(tree_nodes, int(node));
+    const uvec4 entry = FETCH(tree_nodes, int(node));
     return make_node(entry.xy, entry.xy, entry.z, entry.w);
 }
 
-uint march_child(uint index) { return texelFetch(tree_children, int(index)).x; }
+uint march_child(uint index) { return FETCH(tree_children, int(index)).x; }
 
 bool march_wants(uint leaf) {
     at_leaf = leaf;

@@ -4,12 +4,13 @@
 // indirectly for each view. Bound by memory: 1 byte per entry, and 16 per tinted one.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/highlight.h"
 #include "shared/slice_tree.h"
 
 layout(local_size_x = kSliceGroup) in;
-layout(binding = kHighlightBones) uniform utextureBuffer entry_bones;
-layout(binding = kHighlightShaded, rg32ui) uniform uimageBuffer shaded;
+READ_ARRAY(uint, kHighlightBones, entry_bones);
+UPDATE_ARRAY(uvec2, kHighlightShaded, shaded);
 layout(binding = kBindCount, std430) readonly buffer Count { LiveCount counts[]; };
 layout(push_constant) uniform Push { HighlightPush push; };
 
@@ -21,12 +22,12 @@ vec3 tinted(vec3 colour, float tint) {
 void main() {
     const uint entry = gl_GlobalInvocationID.x;
     if (entry >= min(counts[push.slice].slots, push.capacity)) return;
-    const uint four_bones = texelFetch(entry_bones, int(push.slice * push.bone_words + (entry >> 2u))).x;
+    const uint four_bones = FETCH(entry_bones, int(push.slice * push.bone_words + (entry >> 2u))).x;
     const uint bone = four_bones >> 8u * (entry & 3u) & 255u;
     const float tint = bone == kNoBone ? 0.0 : float(push.tints[bone >> 2u] >> 8u * (bone & 3u) & 255u) / 255.0;
     if (tint == 0.0) return;
     const int at = int(push.view * push.capacity + entry);
-    const uvec2 words = imageLoad(shaded, at).xy;
+    const uvec2 words = LOAD(shaded, at).xy;
     const vec3 colour = tinted(vec3(unpackHalf2x16(words.x).y, unpackHalf2x16(words.y)), tint);
-    imageStore(shaded, at, uvec4((words.x & 0xffffu) | packHalf2x16(vec2(0.0, colour.r)), packHalf2x16(colour.gb), 0u, 0u));
+    STORE(shaded, at, uvec4((words.x & 0xffffu) | packHalf2x16(vec2(0.0, colour.r)), packHalf2x16(colour.gb), 0u, 0u));
 }

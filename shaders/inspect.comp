@@ -5,14 +5,15 @@
 // 8×8 pixels. Bound by memory: 20 bytes per ray and 4 per pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/inspect.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
-layout(binding = kInspectRays) uniform textureBuffer rays;
-layout(binding = kInspectDepth) uniform textureBuffer depth;
+READ_ARRAY(vec4, kInspectRays, rays);
+READ_ARRAY(float, kInspectDepth, depth);
 layout(binding = kInspectCameras) uniform textureBuffer cameras;
-layout(binding = kInspectImage, r32ui) writeonly uniform uimageBuffer image;
+WRITE_ARRAY(uint, kInspectImage, image);
 layout(push_constant) uniform Push { InspectPush push; };
 #include "colour_map.glsl"
 #include "grid.glsl"
@@ -34,8 +35,8 @@ void main() {
     for (uint i = 0u; i < push.samples * push.samples; i++) {
         const uvec2 texel = push.samples * pixel + uvec2(i % push.samples, i / push.samples);
         const int ray = ray_at(view, nearest_ray(view, vec2(texel) + 0.5));
-        const vec4 statistics = texelFetch(rays, ray);
-        const float metres = texelFetch(depth, ray).x;
+        const vec4 statistics = FETCH(rays, ray);
+        const float metres = FETCH(depth, ray).x;
         if (metres < nearest) level = statistics.x;
         nearest = min(nearest, metres);
         steps += statistics.y;
@@ -43,5 +44,5 @@ void main() {
     const float value = push.level != 0u ? level : steps / float(push.samples * push.samples);
     const float share = clamp((value - push.colour_map_min) / (push.colour_map_max - push.colour_map_min), 0.0, 1.0);
     const vec4 colour = vec4(value > 0.0 ? viridis(share) : vec3(0.0), 1.0);
-    imageStore(image, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(colour)));
+    STORE(image, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(colour)));
 }

@@ -1,8 +1,9 @@
 // For ray.glsl, where only the tiles that an instance may cover have a workgroup (tile_range.comp), and rays end at the
 // end of their tile's range or at the set. Where kRayOutput is kOutputRay, the functions are those of every_tile.glsl.
-// The includer binds utextureBuffers `tile_list` and `tile_ranges` and textureBuffer `set_depth`.
+// The includer binds utextureBuffers `tile_list` and `tile_ranges` and declares the array `set_depth`.
 #ifndef NEUVV_LISTED_TILES_GLSL
 #define NEUVV_LISTED_TILES_GLSL
+#include "arrays.glsl"
 
 // Beyond the list's end this is kNoTile, and such a tile has no rays.
 uint tile_group() {
@@ -23,7 +24,7 @@ uint first_camera() { return kRayOutput != kOutputRay ? push.first_camera : 0u; 
 float set_end(uint view, vec2 at) {
     if (kRayOutput == kOutputRay || push.set_width == 0u) return 1e30;
     const uvec2 texel = uvec2(at);
-    return texelFetch(set_depth, int(view * push.set_texels + texel.y * push.set_width + texel.x)).x;
+    return FETCH(set_depth, int(view * push.set_texels + texel.y * push.set_width + texel.x)).x;
 }
 
 #endif

@@ -20,6 +20,7 @@
 // empty cell alone.
 #ifndef NEUVV_MARCH_GLSL
 #define NEUVV_MARCH_GLSL
+#include "arrays.glsl"
 
 #include "node.glsl"
 
@@ -109,7 +110,7 @@ bool march_enter(inout March ray) {
     const uvec3 at = march_top(ray), size = top_size();
     if (any(greaterThanEqual(at, size)) || ray.t >= ray.t_end) return false;
     uint top = (kNodeLevels - 1u) << kTopLevelShift;  // the root
-    if (!kFromRoot) top = texelFetch(tree_top, int((at.z * size.y + at.y) * size.x + at.x)).x;
+    if (!kFromRoot) top = FETCH(tree_top, int((at.z * size.y + at.y) * size.x + at.x)).x;
     ray.shift = 2 * int(top >> kTopLevelShift);
     ray.node = march_node(top & ((1u << kTopLevelShift) - 1u));
     for (uint level = kNodeLevels - (kFromRoot ? 0u : kTopLevels); level > 1u; level--) {

@@ -6,6 +6,7 @@
 // each list at each end of a segment.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/segments.h"
 #include "shared/trace.h"
 
@@ -13,8 +14,8 @@ layout(local_size_x = kTilePixels) in;
 layout(binding = kMergePages, std430) buffer Pages { uvec4 pages[]; };
 layout(binding = kMergeHeads, std430) buffer Heads { uint heads[]; };
 layout(binding = kMergeCovered) uniform utextureBuffer covered;
-layout(binding = kMergeRadiance, rgba32f) uniform imageBuffer radiance;
-layout(binding = kMergeDepth, r32f) uniform imageBuffer depth;
+UPDATE_ARRAY(vec4, kMergeRadiance, radiance);
+UPDATE_ARRAY(float, kMergeDepth, depth);
 layout(push_constant) uniform Push { MergePush push; };
 #include "composite.glsl"
 #include "layers.glsl"

@@ -4,6 +4,7 @@
 // per node, one per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/pick.h"
 
 layout(local_size_x = kPickGroup) in;
@@ -11,12 +12,12 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 const bool kShaded = false, kRestart = false, kFromRoot = false, kCoalesce = true, kColourless = true;
-layout(binding = kPickTop) uniform utextureBuffer tree_top;
-layout(binding = kPickNodes) uniform utextureBuffer nodes;
-layout(binding = kPickEntries) uniform utextureBuffer entries;
-layout(binding = kPickLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kPickRays) uniform textureBuffer rays;
-layout(binding = kPickOut, rg32ui) writeonly uniform uimageBuffer picks;
+READ_ARRAY(uint, kPickTop, tree_top);
+READ_ARRAY(uvec4, kPickNodes, nodes);
+READ_ARRAY(uvec2, kPickEntries, entries);
+READ_ARRAY(uint, kPickLeaves, entry_leaf);
+READ_ARRAY(vec4, kPickRays, rays);
+WRITE_ARRAY(uvec2, kPickOut, picks);
 layout(push_constant) uniform Push { PickPush push; };
 #include "tree_sample.glsl"
 
@@ -24,7 +25,7 @@ void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     const uint ray = group * kPickGroup + gl_LocalInvocationID.x;
     if (ray >= push.rays) return;
-    const vec3 origin = texelFetch(rays, int(2u * ray)).xyz, direction = texelFetch(rays, int(2u * ray + 1u)).xyz;
+    const vec3 origin = FETCH(rays, int(2u * ray)).xyz, direction = FETCH(rays, int(2u * ray + 1u)).xyz;
     sample_begin(direction, 0u);
     const float threshold = push.box_min.w;
     float left = -log(threshold);  // the optical depth that is still missing
@@ -36,10 +37,10 @@ void main() {
         while (left > 0.0 && march_leaf(march, part)) {
             const float depth = sigma * (part.t_out - part.t_in);
             if (depth >= left) {
-                const uint leaf = texelFetch(entry_leaf, int(entry / sh_count(kHhDegree))).x;
+                const uint leaf = FETCH(entry_leaf, int(entry / sh_count(kHhDegree))).x;
                 pick = uvec2(leaf, floatBitsToUint(part.t_in + left / sigma));
             }
             left -= depth;
         }
-    imageStore(picks, int(ray), uvec4(pick, 0u, 0u));
+    STORE(picks, int(ray), uvec4(pick, 0u, 0u));
 }

@@ -6,20 +6,21 @@
 // several views are stored behind each other, and so are their tiles of rays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/resolve.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const bool kListed = false;  // only listed tiles of the images are resolved
 layout(constant_id = 1) const bool kSet = false;     // there is a set
-layout(binding = kResolveRadiance) uniform textureBuffer radiance;
-layout(binding = kResolveDepth) uniform textureBuffer depth;
-layout(binding = kResolveImage, r32ui) writeonly uniform uimageBuffer image;
+READ_ARRAY(vec4, kResolveRadiance, radiance);
+READ_ARRAY(float, kResolveDepth, depth);
+WRITE_ARRAY(uint, kResolveImage, image);
 layout(binding = kResolveTiles) uniform utextureBuffer image_tiles;
 layout(binding = kResolveCameras) uniform textureBuffer cameras;
-layout(binding = kResolveSetColour) uniform textureBuffer set_colour;
-layout(binding = kResolveSetFront) uniform textureBuffer set_front;
-layout(binding = kResolveSetDepth) uniform textureBuffer set_depth;
+READ_ARRAY(half4, kResolveSetColour, set_colour);
+READ_ARRAY(half4, kResolveSetFront, set_front);
+READ_ARRAY(float, kResolveSetDepth, set_depth);
 layout(push_constant) uniform Push { ResolvePush push; };
 
 #include "show.glsl"
@@ -33,7 +34,7 @@ void main() {
     for (uint i = 0u; i < push.samples * push.samples; i++) {
         const uvec2 texel = push.samples * pixel + uvec2(i % push.samples, i / push.samples);
         const int ray = ray_at(view, texel);
-        const WeightedSum one = with_set(view, texel, texelFetch(radiance, ray), texelFetch(depth, ray).x);
+        const WeightedSum one = with_set(view, texel, FETCH(radiance, ray), FETCH(depth, ray).x);
         sum = WeightedSum(sum.light + one.light, sum.metres + one.metres, sum.weight + one.weight);
     }
     const float metres = sum.weight > 0.0 ? sum.metres / sum.weight : uintBitsToFloat(0x7f800000u);

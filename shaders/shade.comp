@@ -4,15 +4,16 @@
 // indirectly. Bound by memory: 8·(n_max+1)² + 20 bytes per entry.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/slice_tree.h"
 
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
-layout(binding = kShadeEntries) uniform utextureBuffer entries;
-layout(binding = kShadeLeaves) uniform utextureBuffer entry_leaf;
-layout(binding = kShadePositions) uniform utextureBuffer leaf_positions;
+READ_ARRAY(uvec2, kShadeEntries, entries);
+READ_ARRAY(uint, kShadeLeaves, entry_leaf);
+READ_ARRAY(uvec2, kShadePositions, leaf_positions);
 layout(binding = kShadeCount, std430) readonly buffer Count { LiveCount counts[]; };
-layout(binding = kShadeOut, rg32ui) writeonly uniform uimageBuffer shaded;
+WRITE_ARRAY(uvec2, kShadeOut, shaded);
 layout(push_constant) uniform Push { ShadePush push; };
 #include "leaf_middle.glsl"
 #include "sh.glsl"
@@ -27,15 +28,15 @@ void main() {
     if (gl_GlobalInvocationID.x >= min(counts[push.slice].slots, push.capacity)) return;
     const uint entry = push.slice * push.capacity + gl_GlobalInvocationID.x;
     const int first = int(entry * sh_count(kHhDegree));
-    const uvec2 words = texelFetch(entries, first).xy;
-    const uint leaf = texelFetch(entry_leaf, int(entry)).x;
-    const float sh_y[kMaxShCount] = sh_basis(direction_of(texelFetch(leaf_positions, int(leaf == kNoLeaf ? 0u : leaf)).xy));
+    const uvec2 words = FETCH(entries, first).xy;
+    const uint leaf = FETCH(entry_leaf, int(entry)).x;
+    const float sh_y[kMaxShCount] = sh_basis(direction_of(FETCH(leaf_positions, int(leaf == kNoLeaf ? 0u : leaf)).xy));
     vec3 raw = sh_y[0] * vec3(unpackHalf2x16(words.x).y, unpackHalf2x16(words.y));
     for (uint j = 1u; j < sh_count(kHhDegree); j++) {
-        const uvec2 more = texelFetch(entries, first + int(j)).xy;
+        const uvec2 more = FETCH(entries, first + int(j)).xy;
         raw += sh_y[j] * vec3(unpackHalf2x16(more.x).y, unpackHalf2x16(more.y));
     }
     const vec3 colour = 1.0 / (1.0 + exp(-raw));  // errata 8
     const uvec2 leaf_words = uvec2((words.x & 0xffffu) | packHalf2x16(vec2(0.0, colour.r)), packHalf2x16(colour.gb));
-    imageStore(shaded, int(push.view * push.capacity + gl_GlobalInvocationID.x), uvec4(leaf == kNoLeaf ? words : leaf_words, 0u, 0u));
+    STORE(shaded, int(push.view * push.capacity + gl_GlobalInvocationID.x), uvec4(leaf == kNoLeaf ? words : leaf_words, 0u, 0u));
 }

@@ -1,11 +1,12 @@
 // How much of a light reaches a position, by the shadow maps of the set and the soft ones of the performers. The
 // includer declares
 //   uniform Lights { ShaderLights lights; };
-//   uniform textureBuffer set_shadow_maps;    // r32f, kSetShadowSide² reversed depths a shadow, rows
+//   READ_ARRAY(float, …, set_shadow_maps);    // kSetShadowSide² reversed depths a shadow, rows
 //   uniform textureBuffer performer_shadows;  // rg32f, kPerformerShadowSide² a shadow: alpha, metres from its eye
 // `light` is an index of lights.light. A light without shadow maps, as every point light, casts no shadows.
 #ifndef NEUVV_SHADOW_GLSL
 #define NEUVV_SHADOW_GLSL
+#include "arrays.glsl"
 #include "shared/lights.h"
 
 // 0 where the map's texel has something before `depth`, else 1; 1 outside of the map.
@@ -13,7 +14,7 @@ float shadow_texel(uint shadow, ivec2 texel, float depth) {
     const int side = int(kSetShadowSide);
     if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(side)))) return 1.0;
     const int at = (int(shadow) * side + texel.y) * side + texel.x;
-    return texelFetch(set_shadow_maps, at).x > depth ? 0.0 : 1.0;
+    return FETCH(set_shadow_maps, at).x > depth ? 0.0 : 1.0;
 }
 
 // 1 where a position is lit, 0 in the set's shadow: the mean of 3×3 bilinear comparisons, which use 4×4 texels.

@@ -4,13 +4,14 @@
 // alpha and metres. One thread per texel. Bound by its 11 fetches; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/shadow_blur.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const bool kSecond = false;
-layout(binding = kBlurRadiance) uniform textureBuffer radiance;
-layout(binding = kBlurDepth) uniform textureBuffer depth;
+READ_ARRAY(vec4, kBlurRadiance, radiance);
+READ_ARRAY(float, kBlurDepth, depth);
 layout(binding = kBlurFrom) uniform textureBuffer rows;
 layout(binding = kBlurTo, rg32f) writeonly uniform imageBuffer map;
 layout(push_constant) uniform Push { ShadowBlurPush push; };
@@ -24,8 +25,8 @@ vec2 source_texel(ivec2 texel) {
     const uvec2 tile = uvec2(texel) / kTile, inner = uvec2(texel) % kTile;
     const uint tiles = kPerformerShadowSide / kTile;
     const int ray = int(((push.view * tiles + tile.y) * tiles + tile.x) * kTilePixels + inner.y * kTile + inner.x);
-    const float alpha = texelFetch(radiance, ray).a;
-    return alpha > 0.0 ? vec2(alpha, alpha * texelFetch(depth, ray).x) : vec2(0.0);
+    const float alpha = FETCH(radiance, ray).a;
+    return alpha > 0.0 ? vec2(alpha, alpha * FETCH(depth, ray).x) : vec2(0.0);
 }
 
 void main() {

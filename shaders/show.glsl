@@ -1,8 +1,9 @@
 // Blends rays with the set and stores pixels; resolve.comp and upscale.comp share it. The includer has a ResolvePush as
-// `push`, says by kSet whether there is a set, and binds uimageBuffer `image` and textureBuffers `cameras`,
-// `set_colour`, `set_front` and `set_depth`.
+// `push`, says by kSet whether there is a set, binds textureBuffer `cameras`, and declares the arrays
+// `image`, `set_colour`, `set_front` and `set_depth`.
 #ifndef NEUVV_SHOW_GLSL
 #define NEUVV_SHOW_GLSL
+#include "arrays.glsl"
 #include "grid.glsl"
 #include "image_pixel.glsl"
 #include "srgb.glsl"
@@ -29,13 +30,13 @@ WeightedSum with_set(uint view, uvec2 texel, vec4 light, float metres) {
     WeightedSum sum = WeightedSum(light, light.a > 0.0 ? light.a * metres : 0.0, light.a);
     if (!kSet) return sum;
     const int at = int((view * push.samples * push.height + texel.y) * push.samples * push.width + texel.x);
-    const float set_metres = texelFetch(set_depth, at).x;
+    const float set_metres = FETCH(set_depth, at).x;
     if (!isinf(set_metres)) {
         sum.metres += (1.0 - light.a) * set_metres * length(camera_line(view, vec2(texel) + 0.5));
         sum.weight += 1.0 - light.a;
     }
-    const vec4 front = texelFetch(set_front, at);
-    sum.light = front + (1.0 - front.a) * (light + (1.0 - light.a) * texelFetch(set_colour, at));
+    const vec4 front = FETCH(set_front, at);
+    sum.light = front + (1.0 - front.a) * (light + (1.0 - light.a) * FETCH(set_colour, at));
     return sum;
 }
 
@@ -44,7 +45,7 @@ void store_pixel(uint view, uvec2 pixel, vec4 light, float metres) {
     vec4 colour = show_colour(light);
     if (push.show == kShowAlpha) colour = vec4(light.aaa, 1.0);
     if (push.show == kShowDepth) colour = show_depth(metres);
-    imageStore(image, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(colour)));
+    STORE(image, int((view * push.height + pixel.y) * push.width + pixel.x), uvec4(packUnorm4x8(colour)));
 }
 
 #endif

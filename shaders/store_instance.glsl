@@ -1,10 +1,11 @@
 // Stores a ray's result where a frame has several instances (trace_rays.glsl), as kRayOutput says: as a layer over or
 // under what earlier instances stored, as segments for merge.comp, as statistics of the walk, or alone. An instance of
-// opacity o lets 1 − o (1 − T) of the light through where one of opacity 1 lets T through. The includer binds
-// imageBuffers `radiance` and `depth`, storage buffers `pages` and `heads`, utextureBuffer `sharing`, and what
+// opacity o lets 1 − o (1 − T) of the light through where one of opacity 1 lets T through. The includer declares
+// the arrays `radiance` and `depth`, storage buffers `pages` and `heads`, utextureBuffer `sharing`, and what
 // shadow.glsl needs.
 #ifndef NEUVV_STORE_INSTANCE_GLSL
 #define NEUVV_STORE_INSTANCE_GLSL
+#include "arrays.glsl"
 #include "layers.glsl"
 #include "light_bits.glsl"
 #include "lights.glsl"
@@ -18,8 +19,8 @@ const float kSelfShadowLift = 0.08;         // metres, performer_shadow's `lift`
 // early termination.
 bool is_hidden(Ray ray) {
     if (kRayOutput == kOutputRay) return false;
-    const bool solid = imageLoad(radiance, int(ray.index)).a > 1.0 - push.box_min.w;
-    return solid && ((kRayOutput != kOutputLayerByDepth && kRayOutput != kOutputInspect) || imageLoad(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
+    const bool solid = LOAD(radiance, int(ray.index)).a > 1.0 - push.box_min.w;
+    return solid && ((kRayOutput != kOutputLayerByDepth && kRayOutput != kOutputInspect) || LOAD(depth, int(ray.index)).x < ray.range.x * ray.world_metres);
 }
 
 uint first_page = 0u, page = 0u, in_page = 0u;
@@ -85,8 +86,8 @@ vec3 light_on(Ray ray, float world_metres) {
 
 void store_ray(Ray ray, vec4 light, float metres, uint steps) {
     if (kRayOutput == kOutputRay) {
-        imageStore(radiance, int(ray.index), light);
-        imageStore(depth, int(ray.index), vec4(metres));
+        STORE(radiance, int(ray.index), light);
+        STORE(depth, int(ray.index), vec4(metres));
         return;
     }
     if (kRayOutput == kOutputInspect) {

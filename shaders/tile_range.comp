@@ -6,12 +6,13 @@
 // live node and view, and, where the eye is near, by these reads.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/slice_tree.h"
 
 layout(local_size_x = kSliceGroup) in;
-layout(binding = kRangeNodes) uniform utextureBuffer nodes;
-layout(binding = kRangeInner) uniform utextureBuffer inner_cells;
-layout(binding = kRangePositions) uniform utextureBuffer node_positions;
+READ_ARRAY(uvec4, kRangeNodes, nodes);
+READ_ARRAY(uvec2, kRangeInner, inner_cells);
+READ_ARRAY(uvec2, kRangePositions, node_positions);
 // All lanes read the same view at a time.
 layout(binding = kRangeViews, std430) readonly buffer Views { RangeView range_views[]; };
 layout(binding = kRangeTiles, std430) buffer Tiles { uint tile_ranges[]; };
@@ -79,10 +80,10 @@ void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     const uint node = group * kSliceGroup + gl_LocalInvocationID.x;
     if (node >= push.nodes) return;
-    const uvec2 live = texelFetch(nodes, int(push.node_base + node)).xy;
-    const uvec2 leaves = node < push.whole_from ? live & ~texelFetch(inner_cells, int(node)).xy : live;
+    const uvec2 live = FETCH(nodes, int(push.node_base + node)).xy;
+    const uvec2 leaves = node < push.whole_from ? live & ~FETCH(inner_cells, int(node)).xy : live;
     if (leaves == uvec2(0u)) return;
-    const uvec2 position = texelFetch(node_positions, int(node)).xy;
+    const uvec2 position = FETCH(node_positions, int(node)).xy;
     const vec3 corner = 4.0 * vec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu);
     const vec3 cell = push.box_size.xyz / float(4u << (2u * (position.y >> 16u)));
     const Box cells = cells_box(leaves);

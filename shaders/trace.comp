@@ -3,6 +3,7 @@
 // per ray. Bound by the dependent fetches of the walk, then by (n_max+1)² texels of SH per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -11,16 +12,16 @@ layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 const bool kRestart = false, kFromRoot = false, kCoalesce = true;
 const uint kSampleCost = kSampleBelowDescent;
-layout(binding = kTraceTop) uniform utextureBuffer tree_top;
-layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
-layout(binding = kTraceChildren) uniform utextureBuffer tree_children;
-layout(binding = kTraceNodeLive) uniform utextureBuffer node_live;
-layout(binding = kTraceHead) uniform utextureBuffer head;
-layout(binding = kTraceSh) uniform textureBuffer slice_sh;
+READ_ARRAY(uint, kTraceTop, tree_top);
+READ_ARRAY(uvec4, kTraceNodes, tree_nodes);
+READ_ARRAY(uint, kTraceChildren, tree_children);
+READ_ARRAY(uvec2, kTraceNodeLive, node_live);
+READ_ARRAY(uvec2, kTraceHead, head);
+READ_ARRAY(vec4, kTraceSh, slice_sh);
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
-layout(binding = kTraceRadiance, rgba32f) uniform imageBuffer radiance;
-layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
+UPDATE_ARRAY(vec4, kTraceRadiance, radiance);
+UPDATE_ARRAY(float, kTraceDepth, depth);
 layout(push_constant) uniform Push { TracePush push; };
 #include "slice_sample.glsl"
 #include "every_tile.glsl"

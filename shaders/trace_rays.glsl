@@ -3,6 +3,7 @@
 // sample costs (shared/trace.h). One workgroup per tile, one thread per ray. The ray's premultiplied linear RGB, alpha
 // and depth are stored by store_ray.glsl or store_instance.glsl, which the includer includes after composite.glsl and
 // ray.glsl.
+#include "arrays.glsl"
 
 // Goes on within the node, or with kSampleAboveDescent within the tree. Returns false where nothing is left there.
 // `found`: whether it came to a leaf to sample.
@@ -17,7 +18,7 @@ bool march_on(inout March march, out MarchSegment part, out bool found) {
 }
 
 void main() {
-    if (tile_group() * kTilePixels >= uint(imageSize(radiance))) return;
+    if (tile_group() * kTilePixels >= uint(ELEMENTS(radiance))) return;
     const Ray ray = tile_ray();
     sample_begin(ray.direction, ray.view);
     Composite sum = composite_begin();

@@ -3,6 +3,7 @@
 // dispatched indirectly. Bound by the walk: two dependent fetches per node and one per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/lights.h"
 #include "shared/segments.h"
 #include "shared/slice_tree.h"
@@ -18,20 +19,20 @@ layout(constant_id = 6) const bool kCoalesce = true;
 layout(constant_id = 7) const uint kRayOutput = kOutputLayer;
 layout(constant_id = 8) const bool kColourless = false;
 const uint kSampleCost = kShaded || kColourless ? kSampleLikeStep : kSampleBelowDescent;
-layout(binding = kTraceTop) uniform utextureBuffer tree_top;
-layout(binding = kTraceNodes) uniform utextureBuffer nodes;
-layout(binding = kTraceEntries) uniform utextureBuffer entries;
+READ_ARRAY(uint, kTraceTop, tree_top);
+READ_ARRAY(uvec4, kTraceNodes, nodes);
+READ_ARRAY(uvec2, kTraceEntries, entries);
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
 layout(binding = kTraceTileList) uniform utextureBuffer tile_list;
 layout(binding = kTraceTileRanges) uniform utextureBuffer tile_ranges;
-layout(binding = kTraceRadiance, rgba32f) uniform imageBuffer radiance;
-layout(binding = kTraceDepth, r32f) uniform imageBuffer depth;
+UPDATE_ARRAY(vec4, kTraceRadiance, radiance);
+UPDATE_ARRAY(float, kTraceDepth, depth);
 layout(binding = kTracePages, std430) buffer Pages { uvec4 pages[]; };
 layout(binding = kTraceHeads, std430) buffer Heads { uint heads[]; };
-layout(binding = kTraceSetDepth) uniform textureBuffer set_depth;
+READ_ARRAY(float, kTraceSetDepth, set_depth);
 layout(binding = kTraceLights, std140) uniform Lights { ShaderLights lights; };
-layout(binding = kTraceSetShadows) uniform textureBuffer set_shadow_maps;
+READ_ARRAY(float, kTraceSetShadows, set_shadow_maps);
 layout(binding = kTraceSharing) uniform utextureBuffer sharing;
 layout(binding = kTracePerformerShadows) uniform textureBuffer performer_shadows;
 layout(push_constant) uniform Push { TracePush push; };

@@ -1,8 +1,9 @@
 // Samples of a slice tree (shared/slice_tree.h): sample_colour is the colour of the leaf along the ray, with kShaded
-// the one that its entry has, and with kColourless 0. The includer binds utextureBuffers `nodes` and `entries`, and
+// the one that its entry has, and with kColourless 0. The includer declares the arrays `nodes` and `entries`, and
 // calls sample_begin for its ray.
 #ifndef NEUVV_TREE_SAMPLE_GLSL
 #define NEUVV_TREE_SAMPLE_GLSL
+#include "arrays.glsl"
 #include "march.glsl"
 #include "sh.glsl"
 
@@ -18,13 +19,13 @@ void sample_begin(vec3 direction, uint view) {
 }
 
 Node march_node(uint node) {
-    const uvec4 words = texelFetch(nodes, int(push.node_base + node));
+    const uvec4 words = FETCH(nodes, int(push.node_base + node));
     return make_node(words.xy, words.xy, words.z, words.w);
 }
 
 uint march_child(uint index) {
     entry = kShaded ? index + view_entries : index * sh_count(kHhDegree);
-    entry_words = texelFetch(entries, int(entry)).xy;
+    entry_words = FETCH(entries, int(entry)).xy;
     return (entry_words.x & kEntryIsNode) != 0u ? entry_words.y : kLeafBit;
 }
 
@@ -40,7 +41,7 @@ vec3 sample_colour() {
     if (kShaded) return entry_colour(entry_words);
     vec3 raw = sh_y[0] * entry_colour(entry_words);
     for (uint j = 1u; j < sh_count(kHhDegree); j++)
-        raw += sh_y[j] * entry_colour(texelFetch(entries, int(entry + j)).xy);
+        raw += sh_y[j] * entry_colour(FETCH(entries, int(entry + j)).xy);
     return 1.0 / (1.0 + exp(-raw));  // errata 8
 }
 

@@ -6,20 +6,21 @@
 // cache.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/resolve.h"
 #include "shared/trace.h"
 
 layout(local_size_x = kTilePixels) in;
 layout(constant_id = 0) const bool kListed = true;
 layout(constant_id = 1) const bool kSet = false;
-layout(binding = kResolveRadiance) uniform textureBuffer radiance;
-layout(binding = kResolveDepth) uniform textureBuffer depth;
-layout(binding = kResolveImage, r32ui) writeonly uniform uimageBuffer image;
+READ_ARRAY(vec4, kResolveRadiance, radiance);
+READ_ARRAY(float, kResolveDepth, depth);
+WRITE_ARRAY(uint, kResolveImage, image);
 layout(binding = kResolveTiles) uniform utextureBuffer image_tiles;
 layout(binding = kResolveCameras) uniform textureBuffer cameras;
-layout(binding = kResolveSetColour) uniform textureBuffer set_colour;
-layout(binding = kResolveSetFront) uniform textureBuffer set_front;
-layout(binding = kResolveSetDepth) uniform textureBuffer set_depth;
+READ_ARRAY(half4, kResolveSetColour, set_colour);
+READ_ARRAY(half4, kResolveSetFront, set_front);
+READ_ARRAY(float, kResolveSetDepth, set_depth);
 layout(push_constant) uniform Push { ResolvePush push; };
 #include "show.glsl"
 
@@ -50,10 +51,10 @@ Filtered filtered_at(uint view, vec2 position, ivec2 last) {
         vec4 row[4];
         for (int x = 0; x < 4; x++) {
             const int ray = ray_at(view, uvec2(clamp(first + ivec2(x, y) - 1, ivec2(0), last)));
-            row[x] = texelFetch(radiance, ray);
+            row[x] = FETCH(radiance, ray);
             if (x == 0 || x == 3 || y == 0 || y == 3) continue;
             const float share = row[x].a * (x == 1 ? 1.0 - part.x : part.x) * (y == 1 ? 1.0 - part.y : part.y);
-            if (share > 0.0) metres += share * texelFetch(depth, ray).x;
+            if (share > 0.0) metres += share * FETCH(depth, ray).x;
             weight += share;
         }
         rows[y] = between(across, row[0], row[1], row[2], row[3]);

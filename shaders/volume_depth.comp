@@ -4,14 +4,15 @@
 // texel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/trace.h"
 #include "shared/volume_depth.h"
 
 layout(local_size_x = kTilePixels) in;
-layout(binding = kVolumeRadiance) uniform textureBuffer radiance;
-layout(binding = kVolumeDepth) uniform textureBuffer depth;
+READ_ARRAY(vec4, kVolumeRadiance, radiance);
+READ_ARRAY(float, kVolumeDepth, depth);
 layout(binding = kVolumeCameras) uniform textureBuffer cameras;
-layout(binding = kVolumeOut, r32f) writeonly uniform imageBuffer volume_depth;
+WRITE_ARRAY(float, kVolumeOut, volume_depth);
 layout(push_constant) uniform Push { VolumeDepthPush push; };
 #include "grid.glsl"
 
@@ -26,6 +27,6 @@ void main() {
     const uvec2 tile = cell / kTile, inner = cell % kTile;
     const int ray = int(((view * push.tiles_down + tile.y) * push.tiles_across + tile.x) * kTilePixels + inner.y * kTile + inner.x);
     float metres = uintBitsToFloat(0x7f800000u);
-    if (texelFetch(radiance, ray).a > 0.0) metres = texelFetch(depth, ray).x / length(camera_line(view, at));
-    imageStore(volume_depth, int(thread), vec4(metres));
+    if (FETCH(radiance, ray).a > 0.0) metres = FETCH(depth, ray).x / length(camera_line(view, at));
+    STORE(volume_depth, int(thread), vec4(metres));
 }

@@ -10,7 +10,7 @@ namespace neuvv::render {
 RayClearer::RayClearer(const gpu::Device& device, const RayTarget& given_target)
     : target(given_target),
       list(device, "covered list", covered_list_comp),
-      clear(device, "clear rays", clear_rays_comp),
+      clear(device, "clear rays", device.buffers().fitting(clear_rays_comp, clear_rays_comp_storage)),
       list_set(list, {{kClearCovered, &target.ranges.covered},
                       {kClearList, &target.ranges.list},
                       {kClearCount, &target.ranges.count}}),

@@ -16,7 +16,7 @@ BoneBinder::BoneBinder(const gpu::Device& device, const Field& given_field, cons
       bones(device, "bones", sizeof(ShaderBones), gpu::MemoryKind::kDevice),
       entry_bones(device, "bones of entries", uint64_t{4} * bone_words * trees.slices, gpu::MemoryKind::kDevice,
                   VK_FORMAT_R32_UINT),
-      pass(device, "bind bones", bind_bones_comp),
+      pass(device, "bind bones", device.buffers().fitting(bind_bones_comp, bind_bones_comp_storage)),
       set(pass, {{kBindBones, &bones},
                  {kBindLeaves, &trees.entry_leaf},
                  {kBindPositions, &field.leaf_positions},
@@ -46,7 +46,7 @@ void record_bind_bones(gpu::Commands& commands, BoneBinder& binder, uint32_t sli
 
 Highlighter::Highlighter(const gpu::Device& device, const BoneBinder& given_binder, const gpu::Buffer& shaded)
     : binder(given_binder),
-      pass(device, "highlight", highlight_comp),
+      pass(device, "highlight", device.buffers().fitting(highlight_comp, highlight_comp_storage)),
       set(pass,
           {{kHighlightBones, &binder.entry_bones}, {kHighlightShaded, &shaded}, {kBindCount, &binder.trees.counts}}) {}
 

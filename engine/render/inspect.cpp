@@ -11,7 +11,7 @@ Inspector::Inspector(const gpu::Device& device, const RayBatch& rays, const gpu:
                      std::span<const Field* const> fields)
     : coarsest(2 * kMaxNodeLevels),
       finest(1),
-      pass(device, "inspect", inspect_comp, {}),
+      pass(device, "inspect", device.buffers().fitting(inspect_comp, inspect_comp_storage), {}),
       set(pass, {{kInspectRays, &rays.radiance},
                  {kInspectDepth, &rays.depth},
                  {kInspectCameras, &rays.cameras},

@@ -99,8 +99,9 @@ Painter::Painter(const gpu::Device& device, const Field& given_field, const Live
     : field(given_field),
       live(given_live),
       trees(given_trees),
-      density(device, "paint density", paint_density_comp),
-      colour(device, "paint colour", paint_colour_comp, {field.hh_degree}) {}
+      density(device, "paint density", device.buffers().fitting(paint_density_comp, paint_density_comp_storage)),
+      colour(device, "paint colour", device.buffers().fitting(paint_colour_comp, paint_colour_comp_storage),
+             {field.hh_degree}) {}
 
 SlicePaint::SlicePaint(const Painter& passes, const Paint& layers)
     : painter(passes),

@@ -11,7 +11,7 @@ RayTarget::RayTarget(const gpu::Device& device, uint32_t cameras, uint32_t ray_t
     if (!set_buffers.set_depth) set_buffers.set_depth = &rays.depth;
     if (!set_buffers.lights) set_buffers.lights = &no_lights;
     if (!set_buffers.set_shadows) set_buffers.set_shadows = &rays.depth;
-    if (!set_buffers.performer_shadows) set_buffers.performer_shadows = &rays.depth;
+    if (!set_buffers.performer_shadows) set_buffers.performer_shadows = &rays.cameras;
 }
 
 }  // namespace neuvv::render

@@ -12,7 +12,8 @@ Resolver::Resolver(const gpu::Device& device, RaysPerPixel rays_per_pixel, const
                    const gpu::Buffer& image, const TileRanges* given_listed, const SetRaster* given_set)
     : listed(given_listed),
       pass(device, rays_per_pixel == RaysPerPixel::kFewer ? "upscale" : "resolve",
-           rays_per_pixel == RaysPerPixel::kFewer ? std::span<const uint32_t>(upscale_comp) : resolve_comp,
+           rays_per_pixel == RaysPerPixel::kFewer ? device.buffers().fitting(upscale_comp, upscale_comp_storage)
+                                                  : device.buffers().fitting(resolve_comp, resolve_comp_storage),
            {listed ? 1u : 0u, given_set ? 1u : 0u}),
       set(pass, {{kResolveRadiance, &rays.radiance},
                  {kResolveDepth, &rays.depth},

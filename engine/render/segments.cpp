@@ -30,7 +30,7 @@ Segments::Segments(const gpu::Device& device, const RayTarget& target, uint32_t 
       heads_(device, "heads of segments", 4 * (kFirstHead + uint64_t{kTilePixels} * target.rays.tile_capacity),
              gpu::MemoryKind::kDevice),
       used_pages_(device, "used pages", uint64_t{4} * merges, gpu::MemoryKind::kReadback),
-      pass_(device, "merge", merge_comp) {
+      pass_(device, "merge", device.buffers().fitting(merge_comp, merge_comp_storage)) {
     make_pages(std::min(kFirstPages, max_pages_));
     gpu::run_once(device, "heads of segments", [this](gpu::Commands& commands) { gpu::fill(commands, heads_, 0); });
 }

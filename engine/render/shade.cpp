@@ -13,7 +13,7 @@ Shader::Shader(const gpu::Device& device, const Field& given_field, const SliceT
                const gpu::Buffer& shaded)
     : field(given_field),
       trees(given_trees),
-      pass(device, "shade", shade_comp, {field.hh_degree}),
+      pass(device, "shade", device.buffers().fitting(shade_comp, shade_comp_storage), {field.hh_degree}),
       set(pass, {{kShadeEntries, &trees.entries},
                  {kShadeLeaves, &trees.entry_leaf},
                  {kShadePositions, &field.leaf_positions},

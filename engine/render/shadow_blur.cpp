@@ -13,8 +13,8 @@ constexpr uint32_t kMapTexels = kPerformerShadowSide * kPerformerShadowSide;
 
 ShadowBlur::ShadowBlur(const gpu::Device& device, const RayBatch& rays, const gpu::Buffer& maps)
     : rows(device, "shadow rows", uint64_t{8} * kMapTexels, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_SFLOAT),
-      along_rows(device, "shadow blur", shadow_blur_comp, {0}),
-      along_columns(device, "shadow blur", shadow_blur_comp, {1}),
+      along_rows(device, "shadow blur", device.buffers().fitting(shadow_blur_comp, shadow_blur_comp_storage), {0}),
+      along_columns(device, "shadow blur", device.buffers().fitting(shadow_blur_comp, shadow_blur_comp_storage), {1}),
       rows_set(along_rows, {{kBlurRadiance, &rays.radiance},
                             {kBlurDepth, &rays.depth},
                             {kBlurFrom, &maps},  // bound but not read

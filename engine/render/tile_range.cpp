@@ -84,7 +84,7 @@ TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, cons
     : field(given_field),
       trees(given_trees),
       ranges(given_ranges),
-      range(device, "tile ranges", tile_range_comp),
+      range(device, "tile ranges", device.buffers().fitting(tile_range_comp, tile_range_comp_storage)),
       list(device, "tile list", tile_list_comp),
       range_set(range, {{kRangeNodes, trees ? &trees->nodes : &field.nodes},
                         {kRangeInner, &field.inner_cells},

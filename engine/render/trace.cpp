@@ -101,7 +101,8 @@ gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Ray
 
 Tracer::Tracer(const gpu::Device& device, const Field& given_field, const Slice& slice, const RayBatch& rays)
     : field(given_field),
-      pass(device, "trace", trace_comp, {field.hh_degree, field.node_levels, field.top_levels}),
+      pass(device, "trace", device.buffers().fitting(trace_comp, trace_comp_storage),
+           {field.hh_degree, field.node_levels, field.top_levels}),
       set(pass, gpu::joined(trace_bindings(field, rays),
                             {{kTraceNodeLive, &slice.node_live}, {kTraceHead, &slice.head}, {kTraceSh, &slice.sh}})) {}
 
@@ -116,10 +117,11 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
                            const RayBatch& rays, Walk walk)
     : field(given_field),
       no_lights(device, "no lights", sizeof(ShaderLights), gpu::MemoryKind::kDevice),
-      pass(device, walk == Walk::kFromRoot ? "paper" : "direct", direct_comp,
+      pass(device, walk == Walk::kFromRoot ? "paper" : "direct",
+           device.buffers().fitting(direct_comp, direct_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
             walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
-            kOutputRay}),
+            kOutputRay, field.half_weights ? 1u : 0u}),
       set(pass, gpu::joined(trace_bindings(field, rays), {{kTraceWeights, &field.weights},
                                                           {kTraceRows, &live.rows},
                                                           {kTraceTileList, &rays.tiles},
@@ -130,15 +132,15 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
                                                           {kTraceSetDepth, &rays.depth},
                                                           {kTraceLights, &no_lights},
                                                           {kTraceSetShadows, &rays.depth},
-                                                          {kTracePerformerShadows, &rays.depth}})) {}
+                                                          {kTracePerformerShadows, &rays.cameras}})) {}
 
 DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, const LiveLeaves& live,
                            const RayTarget& target, RayOutput output, const Segments* segments)
     : field(given_field),
       tile_count(&target.ranges.count),
-      pass(device, "direct", direct_comp,
+      pass(device, "direct", device.buffers().fitting(direct_comp, direct_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
-            static_cast<uint32_t>(output)}),
+            static_cast<uint32_t>(output), field.half_weights ? 1u : 0u}),
       set(pass, gpu::joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
                             instance_bindings(field, target, output, segments))) {}
 

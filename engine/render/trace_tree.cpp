@@ -12,7 +12,7 @@ TreeTracer::TreeTracer(const gpu::Device& device, const Field& given_field, cons
     : field(given_field),
       trees(given_trees),
       target(given_target),
-      pass(device, "trace tree", trace_tree_comp,
+      pass(device, "trace tree", device.buffers().fitting(trace_tree_comp, trace_tree_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
             steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(output),
             shading == Shading::kNone ? 1u : 0u}),

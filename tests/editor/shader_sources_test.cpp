@@ -44,8 +44,9 @@ TEST_F(Shaders, AreCompiledAsTheBuildDoes) {
     const editor::ShaderSources::Change change = sources.compile_changes();
     EXPECT_EQ(change.problem, "");
     EXPECT_EQ(change.compiled, std::vector<std::string>{"resolve.comp"});
-    ASSERT_EQ(sources.replacements().size(), 1u);
+    ASSERT_EQ(sources.replacements().size(), 2u);
     EXPECT_EQ(sources.replacements().at(words_of(resolve_comp)), words_of(resolve_comp));
+    EXPECT_EQ(sources.replacements().at(words_of(resolve_comp_storage)), words_of(resolve_comp_storage));
     EXPECT_TRUE(sources.compile_changes().compiled.empty()) << "once is enough";
 }
 
