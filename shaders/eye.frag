@@ -5,14 +5,15 @@
 // pixel of both eyes. Bound by memory: 28 bytes per pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/eye.h"
 #include "shared/trace.h"
 
-layout(binding = kEyeImage) uniform utextureBuffer image;
-layout(binding = kEyeRadiance) uniform textureBuffer radiance;
-layout(binding = kEyeDepth) uniform textureBuffer depth;
+READ_ARRAY(uint, kEyeImage, image);
+READ_ARRAY(vec4, kEyeRadiance, radiance);
+READ_ARRAY(float, kEyeDepth, depth);
 layout(binding = kEyeCameras) uniform textureBuffer cameras;
-layout(binding = kEyeSetDepth) uniform textureBuffer set_depth;
+READ_ARRAY(float, kEyeSetDepth, set_depth);
 layout(location = 0) flat in uint view;
 layout(push_constant) uniform Push { EyePush push; };
 layout(location = 0) out vec4 light;
@@ -27,8 +28,8 @@ float metres_at(uvec2 pixel, int texel) {
     const uvec2 tile = cell / kTile, inner = cell % kTile;
     const int ray =
         int(((view * push.tiles_down + tile.y) * push.tiles_across + tile.x) * kTilePixels + inner.y * kTile + inner.x);
-    if (texelFetch(radiance, ray).a < 0.5) return texelFetch(set_depth, texel).x;
-    return texelFetch(depth, ray).x / length(camera_line(view, at));
+    if (FETCH(radiance, ray).a < 0.5) return FETCH(set_depth, texel).x;
+    return FETCH(depth, ray).x / length(camera_line(view, at));
 }
 
 // The darkness of the vignette at a position of the image, 0 to 1; it grows from the middle to the edge.
@@ -40,7 +41,7 @@ float vignette(vec2 at) {
 void main() {
     const uvec2 pixel = uvec2(gl_FragCoord.xy);
     const int texel = int((view * push.height + pixel.y) * push.width + pixel.x);
-    const vec4 colour = unpackUnorm4x8(texelFetch(image, texel).x);
+    const vec4 colour = unpackUnorm4x8(FETCH(image, texel).x);
     light = vec4(srgb_decode(colour.rgb) * colour.a, colour.a);
     if (push.vignette > 0.0) light = mix(light, vec4(0.0, 0.0, 0.0, 1.0), vignette(gl_FragCoord.xy));
     gl_FragDepth = clamp(push.near_m / metres_at(pixel, texel), 0.0, 1.0);

@@ -3,6 +3,7 @@
 // shadow maps.
 #ifndef NEUVV_SET_SURFACE_GLSL
 #define NEUVV_SET_SURFACE_GLSL
+#include "arrays.glsl"
 #include "shared/set.h"
 
 layout(location = 0) in vec3 shaded_position;
@@ -20,7 +21,7 @@ layout(binding = kSetMapTextures + 3u) uniform sampler2D emissive_map;
 layout(binding = kSetEnvironment) uniform sampler2D environment;
 layout(binding = kSetMaterials) uniform textureBuffer materials;
 layout(binding = kSetLights) uniform Lights { ShaderLights lights; };
-layout(binding = kSetShadowMaps) uniform textureBuffer set_shadow_maps;
+READ_ARRAY(float, kSetShadowMaps, set_shadow_maps);
 layout(binding = kSetPerformerShadows) uniform textureBuffer performer_shadows;
 layout(push_constant) uniform Push { SetPush push; };
 

@@ -4,9 +4,10 @@
 // which blending then does not change.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "set_surface.glsl"
 
-layout(binding = kSetVolumeDepth) uniform textureBuffer volume_depth;
+READ_ARRAY(float, kSetVolumeDepth, volume_depth);
 layout(location = 0) out vec4 behind;
 layout(location = 1) out vec4 front;
 
@@ -14,7 +15,7 @@ void main() {
     const SetMaterial material = fetch_material(push.material);
     const vec4 light = shade_fragment(material, base_colour(material));
     const uvec2 texel = uvec2(gl_FragCoord.xy);
-    const float volume = texelFetch(volume_depth, int(push.first_texel + texel.y * push.width + texel.x)).x;
+    const float volume = FETCH(volume_depth, int(push.first_texel + texel.y * push.width + texel.x)).x;
     const bool before = 1.0 / gl_FragCoord.w < volume && !isinf(volume);
     behind = before ? vec4(0.0) : light;
     front = before ? light : vec4(0.0);

@@ -24,10 +24,10 @@ const gpu::Device& require_output_layer(const gpu::Device& device) {
         fmt::format("device \"{}\" cannot draw both eyes at once: it lacks shaderOutputLayer", device.summary().name));
 }
 
-gpu::GraphicsShape image_shape(VkFormat colour, VkFormat depth) {
+gpu::GraphicsShape image_shape(const gpu::Device& device, VkFormat colour, VkFormat depth) {
     gpu::GraphicsShape shape;
     shape.vertex_spirv = eye_vert;
-    shape.fragment_spirv = eye_frag;
+    shape.fragment_spirv = device.buffers().fitting(eye_frag, eye_frag_storage);
     shape.colours = {colour};
     shape.blend = false;
     shape.depth = depth;
@@ -35,8 +35,9 @@ gpu::GraphicsShape image_shape(VkFormat colour, VkFormat depth) {
     return shape;
 }
 
-gpu::GraphicsShape shape_of(VkFormat colour, VkFormat depth, bool blend, VkCompareOp nearer = VK_COMPARE_OP_GREATER) {
-    gpu::GraphicsShape shape = image_shape(colour, depth);
+gpu::GraphicsShape shape_of(const gpu::Device& device, VkFormat colour, VkFormat depth, bool blend,
+                            VkCompareOp nearer = VK_COMPARE_OP_GREATER) {
+    gpu::GraphicsShape shape = image_shape(device, colour, depth);
     shape.vertex_spirv = eye_shape_vert;
     shape.fragment_spirv = eye_shape_frag;
     shape.streams = {{0, sizeof(ShapeVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
@@ -76,10 +77,10 @@ const std::vector<VkFormat>& eye_depth_formats() {
 
 EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
     : device_(require_output_layer(device)),
-      image_(device, "eye", image_shape(colour, depth)),
-      solid_(device, "eye shape", shape_of(colour, depth, false)),
-      translucent_(device, "eye translucent shape", shape_of(colour, depth, true)),
-      on_top_(device, "eye on-top shape", shape_of(colour, depth, true, VK_COMPARE_OP_ALWAYS)),
+      image_(device, "eye", image_shape(device, colour, depth)),
+      solid_(device, "eye shape", shape_of(device, colour, depth, false)),
+      translucent_(device, "eye translucent shape", shape_of(device, colour, depth, true)),
+      on_top_(device, "eye on-top shape", shape_of(device, colour, depth, true, VK_COMPARE_OP_ALWAYS)),
       vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload) {}
 
 void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& images) {

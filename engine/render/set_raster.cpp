@@ -125,9 +125,14 @@ SetRaster::SetRaster(const gpu::Device& device, const stage::GltfScene& scene, u
       width_(width),
       height_(height),
       geometry_(device, scene, SceneDetail::kSurface),
-      solid_(device, "set", surface_shape(set_frag, {kColour, kMetres}, false)),
-      masked_(device, "set masked", surface_shape(set_masked_frag, {kColour, kMetres}, false)),
-      blended_(device, "set transparent", surface_shape(set_transparent_frag, {kColour, kColour}, true)),
+      solid_(device, "set",
+             surface_shape(device.buffers().fitting(set_frag, set_frag_storage), {kColour, kMetres}, false)),
+      masked_(
+          device, "set masked",
+          surface_shape(device.buffers().fitting(set_masked_frag, set_masked_frag_storage), {kColour, kMetres}, false)),
+      blended_(device, "set transparent",
+               surface_shape(device.buffers().fitting(set_transparent_frag, set_transparent_frag_storage),
+                             {kColour, kColour}, true)),
       shadow_(device, "set shadow", shadow_shape()),
       background_(device, "set background", background_shape()),
       environment_(std::move(environment)) {

@@ -1,16 +1,23 @@
-// How passes bind long arrays: the choice by a device's limits.
+// How passes bind long arrays: the choice by a device's limits, and what shaders of each profile may use.
 #include "gpu/buffer_profile.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <optional>
 #include <string>
 
+#include "gpu/pass_layout.h"
+#include "spirv/neuvv_render_shaders.h"
+#include "spirv/neuvv_xr_shaders.h"
 #include "support/input_error.h"
 
 namespace neuvv::test {
 namespace {
+
+constexpr uint32_t kPortableStorageBuffers = 8;  // of a shader, as other graphics interfaces guarantee them
 
 // NEUVV_BUFFERS with another value while it exists.
 struct Forced {
@@ -53,6 +60,80 @@ TEST(BufferProfile, CanBeForced) {
 TEST(BufferProfile, BoundsTheElementsOfArrays) {
     EXPECT_EQ(chosen(65536, 1 << 27, 32, "texel").max_elements(16), 65536u);
     EXPECT_EQ(chosen(65536, 1 << 27, 32, "storage").max_elements(16), 1u << 23);
+}
+
+// Whether a shader declares a capability of SPIR-V: OpCapability is operation 17, of two words.
+bool has_capability(std::span<const uint32_t> spirv, uint32_t capability) {
+    for (size_t at = 5; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16)
+        if (spirv[at] == (2u << 16 | 17u) && spirv[at + 1] == capability) return true;
+    return false;
+}
+
+constexpr uint32_t kInt64 = 11, kFloat64 = 10, kShader = 1;
+
+uint32_t storage_buffers(std::span<const uint32_t> spirv, const char* file) {
+    const gpu::ShaderInterface interface = gpu::reflect(spirv, file);
+    return static_cast<uint32_t>(
+        std::count_if(interface.bindings.begin(), interface.bindings.end(),
+                      [](const auto& slot) { return slot.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER; }));
+}
+
+// Calls visit(file, SPIR-V, whether it is of the storage profile) for each shader that playing uses.
+template <typename Visit>
+void for_each_shader(const Visit& visit) {
+    for (const auto& [file, words, storage] : neuvv_render_shaders) visit(file, words, storage);
+    for (const auto& [file, words, storage] : neuvv_xr_shaders) visit(file, words, storage);
+}
+
+TEST(PlayersShaders, UseNoNumbersOf64Bits) {
+    size_t shaders = 0;
+    for_each_shader([&](const char* file, std::span<const uint32_t> words, bool) {
+        EXPECT_TRUE(has_capability(words, kShader)) << file;  // so it is seen where it is there
+        EXPECT_FALSE(has_capability(words, kInt64)) << file;
+        EXPECT_FALSE(has_capability(words, kFloat64)) << file;
+        ++shaders;
+    });
+    EXPECT_GT(shaders, 40u);
+}
+
+TEST(PlayersShaders, BindFewStorageBuffers) {
+    const std::map<std::string, uint32_t> more = {{"slice_nodes.comp", 9}, {"trace_tree.comp", 9}, {"direct.comp", 10}};
+    uint32_t most = 0;
+    for_each_shader([&](const std::string& file, std::span<const uint32_t> words, bool storage) {
+        const uint32_t count = storage_buffers(words, file.c_str());
+        most = std::max(most, count);
+        if (storage && more.contains(file))
+            EXPECT_EQ(count, more.at(file)) << file;
+        else
+            EXPECT_LE(count, kPortableStorageBuffers) << file;
+    });
+    EXPECT_EQ(most, gpu::kMostStorageBuffers);
+}
+
+// Texel buffers that the storage profile keeps have few elements, whatever the clip.
+TEST(PlayersShaders, BindTheSameInBothProfiles) {
+    std::map<std::string, gpu::ShaderInterface> texel;
+    size_t pairs = 0;
+    for_each_shader([&](const std::string& file, std::span<const uint32_t> words, bool storage) {
+        if (!storage) {
+            texel[file] = gpu::reflect(words, file);
+            return;
+        }
+        const gpu::ShaderInterface& one = texel.at(file);
+        const gpu::ShaderInterface other = gpu::reflect(words, file);
+        ASSERT_EQ(one.bindings.size(), other.bindings.size()) << file;
+        size_t changed = 0;
+        for (size_t i = 0; i < one.bindings.size(); i++) {
+            EXPECT_EQ(one.bindings[i].binding, other.bindings[i].binding) << file;
+            if (one.bindings[i].type == other.bindings[i].type) continue;
+            EXPECT_EQ(other.bindings[i].type, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) << file;
+            ++changed;
+        }
+        EXPECT_GT(changed, 0u) << file << " needs no second form";
+        EXPECT_EQ(one.push_bytes, other.push_bytes) << file;
+        ++pairs;
+    });
+    EXPECT_GT(pairs, 20u);
 }
 
 }  // namespace
