@@ -19,6 +19,24 @@ std::string version_text(uint32_t version) {
                        VK_API_VERSION_PATCH(version));
 }
 
+const char* name_of(gpu::BufferProfile profile) {
+    return profile == gpu::BufferProfile::kTexel ? "texel" : "storage";
+}
+
+bool has_room_for_storage(const gpu::BufferLimits& limits) {
+    return limits.storage_buffers >= gpu::kMostStorageBuffers;
+}
+
+nlohmann::ordered_json json_of(const gpu::BufferLimits& limits) {
+    auto profiles = nlohmann::ordered_json::array({"texel"});
+    if (has_room_for_storage(limits)) profiles.push_back("storage");
+    return {{"profile", name_of(limits.profile)},
+            {"profiles", profiles},
+            {"max_texels", limits.texels},
+            {"max_storage_bytes", limits.storage_bytes},
+            {"max_storage_buffers", limits.storage_buffers}};
+}
+
 nlohmann::ordered_json json_of(const std::vector<gpu::DeviceSummary>& devices) {
     auto list = nlohmann::ordered_json::array();
     for (const gpu::DeviceSummary& device : devices)
@@ -28,10 +46,23 @@ nlohmann::ordered_json json_of(const std::vector<gpu::DeviceSummary>& devices) {
                         {"driver", device.driver},
                         {"vulkan", version_text(device.api_version)},
                         {"memory_bytes", device.memory_bytes},
+                        {"buffers", json_of(device.buffers)},
                         {"usable", device.missing.empty()},
                         {"missing", device.missing},
                         {"lacks", device.missing_optional}});
     return list;
+}
+
+void print(const gpu::BufferLimits& limits) {
+    const std::string texel = fmt::format("texel buffers of up to {} elements", limits.texels);
+    const std::string storage = fmt::format("storage buffers of up to {}", size_text(limits.storage_bytes));
+    if (limits.profile == gpu::BufferProfile::kStorage)
+        fmt::print("   arrays in {} (NEUVV_BUFFERS=texel: in {})\n", storage, texel);
+    else if (has_room_for_storage(limits))
+        fmt::print("   arrays in {} (NEUVV_BUFFERS=storage: in {})\n", texel, storage);
+    else
+        fmt::print("   arrays in {} (shaders bind at most {} storage buffers, {} would be needed)\n", texel,
+                   limits.storage_buffers, gpu::kMostStorageBuffers);
 }
 
 void print(const std::vector<gpu::DeviceSummary>& devices) {
@@ -40,6 +71,7 @@ void print(const std::vector<gpu::DeviceSummary>& devices) {
         fmt::print("   {}, Vulkan {}, {}, {}\n", device.kind, version_text(device.api_version),
                    size_text(device.memory_bytes), device.driver);
         fmt::print("   {}\n", device.missing.empty() ? "usable" : "not usable");
+        print(device.buffers);
         for (const std::string& feature : device.missing) fmt::print("   missing: {}\n", feature);
         for (const std::string& feature : device.missing_optional) fmt::print("   does without: {}\n", feature);
     }
@@ -61,10 +93,12 @@ void add_devices(Command app, CommonOptions&) {
     Command verb = app.add_verb("devices", "List the Vulkan devices of this machine and what each lacks");
     const auto json = std::make_shared<bool>(false);
     verb.add_flag("--json", *json,
-                  "Print JSON: index, name, kind, driver, vulkan, memory_bytes, usable, missing, lacks");
+                  "Print JSON: index, name, kind, driver, vulkan, memory_bytes, buffers, usable, missing, lacks");
     verb.footer(
         {"Other verbs take the best usable device: discrete, integrated, virtual, then CPU. --device or NEUVV_DEVICE\n"
-         "chooses another by its index or a part of its name.\n\n"
+         "chooses another by its index or a part of its name. Passes bind long arrays as texel buffers or as storage\n"
+         "buffers, whichever may be longer there; NEUVV_BUFFERS=texel or storage decides. Training needs texel "
+         "buffers.\n\n"
          "Examples:\n"
          "  neuvv devices\n"
          "  neuvv devices --json\n"

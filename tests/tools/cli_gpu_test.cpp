@@ -31,6 +31,8 @@ TEST_F(CliGpu, DevicesAreListed) {
         EXPECT_FALSE(device.at("name").get<std::string>().empty());
         EXPECT_EQ(device.at("usable").get<bool>(), device.at("missing").empty());
         usable |= device.at("usable").get<bool>();
+        EXPECT_EQ(device.at("buffers").at("profiles").at(0), "texel");
+        EXPECT_GE(device.at("buffers").at("max_texels").get<uint64_t>(), 65536u);
     }
     EXPECT_TRUE(usable);
     EXPECT_NE(run_neuvv({"devices"}).out.find(devices[0].at("name").get<std::string>()), std::string::npos);
@@ -338,6 +340,26 @@ TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
         expect_refused({"eval", scene, file("data"), option, file("wall/out")}, 2, {option, "wall"});
     const ProgramResult per_frame = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--per", "frame"});
     EXPECT_EQ(count_of(per_frame.out, "\n"), 1u + 3u + 1u + 1u) << "frames, their mean, flicker: " << per_frame.out;
+}
+
+// Texel buffers of fp16 convert as unpackHalf2x16 does, so not a bit may differ.
+TEST_F(CliGpu, ArraysInStorageBuffersGiveTheSameImages) {
+    const auto image = [&](const std::string& profile, const std::vector<std::string>& options) {
+        const std::string out = file(options.empty() ? "out.exr" : "out.png");
+        std::vector<std::string> arguments = {"render", scene, "-o", out, "--size", "64x48", "--frames", "1.5"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        const ProgramResult result = run_neuvv(arguments, "NEUVV_BUFFERS=" + profile);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return read_text(out);
+    };
+    for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
+             {}, {"--direct"}, {"--slice-budget", "0"}, {"--scale", "0.5"}, {"--level"}})
+        EXPECT_TRUE(image("texel", options) == image("storage", options)) << (options.empty() ? "" : options[0]);
+    const ProgramResult listed = run_neuvv({"devices"}, "NEUVV_BUFFERS=storage");
+    EXPECT_NE(listed.out.find("arrays in storage buffers"), std::string::npos) << listed.out;
+    const ProgramResult refused = run_neuvv({"devices"}, "NEUVV_BUFFERS=neither");
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.err.find("give texel or storage"), std::string::npos) << refused.err;
 }
 
 TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {
