@@ -11,6 +11,8 @@
 #include "spirv/set.vert.h"
 #include "spirv/set_background.frag.h"
 #include "spirv/set_background.vert.h"
+#include "spirv/set_catcher.frag.h"
+#include "spirv/set_catcher.vert.h"
 #include "spirv/set_hidden.frag.h"
 #include "spirv/set_hidden.vert.h"
 #include "spirv/set_masked.frag.h"
@@ -62,6 +64,15 @@ gpu::GraphicsShape hidden_shape() {
     shape.fragment_spirv = set_hidden_frag;
     shape.streams = {{0, sizeof(glm::vec2), VK_VERTEX_INPUT_RATE_VERTEX}};
     shape.attributes = {{0, 0, VK_FORMAT_R32G32_SFLOAT, 0}};
+    shape.colours = {kColour, kMetres};
+    shape.blend = false;
+    return shape;
+}
+
+gpu::GraphicsShape catcher_shape(const gpu::Device& device) {
+    gpu::GraphicsShape shape;
+    shape.vertex_spirv = set_catcher_vert;
+    shape.fragment_spirv = device.buffers().fitting(set_catcher_frag, set_catcher_frag_storage);
     shape.colours = {kColour, kMetres};
     shape.blend = false;
     return shape;
@@ -263,6 +274,20 @@ void SetRaster::find_transparent() {
     for (const SceneDraw& draw : geometry_.draws)
         has_transparent_ |= material_at(*scene_, draw.material).alpha == stage::GltfAlpha::kBlend;
     order_.reserve(geometry_.draws.size());
+}
+
+void SetRaster::catch_shadows(std::optional<double> floor_m) {
+    const bool had_transparent = has_transparent();
+    catcher_floor_m_ = floor_m;
+    if (floor_m && !catcher_) {
+        catcher_.reset(new Catcher{{device_, "set shadow catcher", catcher_shape(device_)}, {}});
+        catcher_->bound = gpu::TextureSet(catcher_->pass, {},
+                                          {{kSetLights, &lights_buffer},
+                                           {kSetShadowMaps, &set_shadow_maps},
+                                           {kSetPerformerShadows, &performer_shadows}});
+    }
+    if (had_transparent && !has_transparent())
+        gpu::run_once(device_, "set front", [&](gpu::Commands& commands) { gpu::fill(commands, front, 0); });
 }
 
 WorldBox SetRaster::box() const {

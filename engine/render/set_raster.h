@@ -65,6 +65,11 @@ class SetRaster {
     // there at once, and nothing is shaded. There must be a list for each view, or none (assert).
     void hide(std::span<const std::vector<glm::vec2>> corners);
 
+    // Where a height is given (world, metres), draws neither scene nor environment until the next call, but what
+    // performers' shadows take of the light on a horizontal floor at this height: black, with alpha below 1. Without
+    // shadow, `colour` is 0 there. Rays end at the floor.
+    void catch_shadows(std::optional<double> floor_m);
+
     // Draws the shadow maps of the set. Records nothing where neither the set nor the lights with shadows have changed.
     void record_shadows(gpu::Commands& commands);
     // Draws opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera per
@@ -81,8 +86,8 @@ class SetRaster {
     std::span<const SetLight> given_lights() const { return given_lights_; }
     // The lights as shaders take them: light[i].shadow is the index of a light's map in both kinds of shadow maps.
     const ShaderLights& lights() const { return packed_; }
-    // Whether the scene has blended pieces. If not, record_transparent does nothing and `front` stays 0.
-    bool has_transparent() const { return has_transparent_; }
+    // Whether blended pieces are drawn. If not, record_transparent does nothing and `front` stays 0.
+    bool has_transparent() const { return has_transparent_ && !catcher_floor_m_; }
     // The bounds of all posed vertices: world, metres.
     WorldBox box() const;
     uint32_t width() const { return width_; }
@@ -122,6 +127,7 @@ class SetRaster {
     void record_shadow(gpu::Commands& commands, const ShaderLight& light);
     void draw_hidden(gpu::Commands& commands, uint32_t view) const;
     void draw_background(gpu::Commands& commands, const stage::Camera& camera) const;
+    void draw_catcher(gpu::Commands& commands, SetPush push) const;
     void sort_far_to_near(const glm::vec3& eye);
     void draw_solid(gpu::Commands& commands, const SetPush& push);
     void draw_blended(gpu::Commands& commands, const SetPush& push);
@@ -154,6 +160,12 @@ class SetRaster {
             of_view;  // (first corner, number of corners); empty: none are hidden
     };
     std::unique_ptr<Hidden> hidden_;  // null until hide() was called
+    struct Catcher {
+        gpu::GraphicsPass pass;
+        gpu::TextureSet bound;
+    };
+    std::unique_ptr<Catcher> catcher_;  // null until shadows were caught
+    std::optional<double> catcher_floor_m_;
 };
 
 }  // namespace neuvv::render

@@ -75,7 +75,7 @@ void store(gpu::Commands& commands, const gpu::DeviceImage& image, const VkRect2
 }  // namespace
 
 void SetRaster::record_shadows(gpu::Commands& commands) {
-    if (!shadows_outdated_) return;
+    if (!shadows_outdated_ || catcher_floor_m_) return;
     shadows_outdated_ = false;
     for (uint32_t i = 0; i < packed_.count; i++)
         if (packed_.light[i].shadow != kNoShadow) record_shadow(commands, packed_.light[i]);
@@ -90,7 +90,7 @@ void SetRaster::record_solid(gpu::Commands& commands, std::span<const stage::Cam
 }
 
 void SetRaster::record_transparent(gpu::Commands& commands, std::span<const stage::Camera> cameras) {
-    if (!has_transparent_) return;
+    if (!has_transparent()) return;
     assert(cameras.size() <= views() && "one camera a view");
     gpu::draw_barrier(commands);
     for (uint32_t view = 0; view < cameras.size(); view++) record_blended_view(commands, cameras[view], view);
@@ -103,8 +103,12 @@ void SetRaster::record_view(gpu::Commands& commands, const stage::Camera& camera
     const std::array targets{colour_attachment(colours_[view], false), colour_attachment(metres_, false, INFINITY)};
     begin(commands, targets, depth_attachment(depths_[view], false), area_of(camera));
     if (hidden_ && !hidden_->of_view.empty()) draw_hidden(commands, view);
-    draw_solid(commands, push_of(camera, view));
-    if (environment_->has_image && ambient_.show_environment) draw_background(commands, camera);
+    if (catcher_floor_m_) {
+        draw_catcher(commands, push_of(camera, view));
+    } else {
+        draw_solid(commands, push_of(camera, view));
+        if (environment_->has_image && ambient_.show_environment) draw_background(commands, camera);
+    }
     vkCmdEndRendering(commands.handle());
     store(commands, colours_[view], area_of(camera), colour, view);
     store(commands, metres_, area_of(camera), depth, view);
@@ -156,6 +160,20 @@ void SetRaster::draw_background(gpu::Commands& commands, const stage::Camera& ca
     vkCmdSetCullMode(to, VK_CULL_MODE_NONE);
     vkCmdSetFrontFace(to, VK_FRONT_FACE_COUNTER_CLOCKWISE);
     vkCmdSetDepthWriteEnable(to, VK_FALSE);
+    vkCmdDraw(to, 3, 1, 0, 0);
+}
+
+void SetRaster::draw_catcher(gpu::Commands& commands, SetPush push) const {
+    push.eye.y = static_cast<float>(*catcher_floor_m_);
+    VkCommandBuffer to = commands.handle();
+    const gpu::GraphicsPass& pass = catcher_->pass;
+    const VkDescriptorSet set = catcher_->bound.handle();
+    vkCmdBindPipeline(to, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline());
+    vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.layout(), 0, 1, &set, 0, nullptr);
+    vkCmdPushConstants(to, pass.layout(), gpu::kDrawStages, 0, pass.interface().push_bytes, &push);
+    vkCmdSetCullMode(to, VK_CULL_MODE_NONE);
+    vkCmdSetFrontFace(to, VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    vkCmdSetDepthWriteEnable(to, VK_TRUE);
     vkCmdDraw(to, 3, 1, 0, 0);
 }
 

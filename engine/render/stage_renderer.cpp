@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "base/error.h"
@@ -37,6 +38,16 @@ std::vector<glm::vec4> download_halves(const gpu::Device& device, const gpu::Buf
     for (size_t i = 0; i < halves.size(); i++)
         colours[i / 4][static_cast<int>(i % 4)] = voctree::float_from_half(halves[i]);
     return colours;
+}
+
+// A light from above that a white surface facing it returns as `returned`.
+SetLight room_lamp(const glm::dvec3& returned) {
+    SetLight lamp;
+    lamp.kind = SetLightKind::kDirectional;
+    lamp.direction = glm::normalize(glm::dvec3(0.1, -1, -0.1));
+    lamp.colour = returned * std::numbers::pi;
+    lamp.casts_shadow = true;
+    return lamp;
 }
 
 }  // namespace
@@ -237,7 +248,13 @@ void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_envir
         ambient.show_environment = show_environment;
     }
     set_->pose(evaluated.pose);
-    set_->light(lights, ambient, {stage_->settings.shadows, stage_->settings.shadows});
+    has_room_lamp_ = room_floor_m_ && lights.empty();
+    if (has_room_lamp_) {
+        ambient.light *= 0.5;
+        lights.push_back(room_lamp(ambient.light));
+    }
+    const bool shadows = stage_->settings.shadows;
+    set_->light(lights, ambient, {shadows && !room_floor_m_, shadows});
 }
 
 // Composites as with_set of show.glsl does.
@@ -271,7 +288,7 @@ Instance StageRenderer::instance_at(const stage::EvaluatedPerformer& performer, 
                     performer.opacity,
                     place.share,
                     performer.casts_shadow,
-                    performer.receives_shadow,
+                    performer.receives_shadow && !has_room_lamp_,
                     nullptr};
 }
 

@@ -46,6 +46,16 @@ class StageRenderer {
     // Throws RuntimeFailure where the device has no memory.
     void show(const stage::EvaluatedStage& evaluated, bool show_environment = true,
               MissingSegments missing = MissingSegments::kWait);
+    // Where a height is given (world, metres), show() leaves out set and environment until the next call, and
+    // performers cast their shadows on a floor at this height (SetRaster::catch_shadows): for headsets that show the
+    // user's own room. The environment still gives light. The set casts no shadows on performers then. Where the stage
+    // has no lights, half of its ambient light comes from above, so that there is a shadow; performers look as without
+    // it.
+    void show_room(std::optional<double> floor_m) {
+        frames_->finish();
+        set_->catch_shadows(floor_m);
+        room_floor_m_ = floor_m;
+    }
     // The settings of a frame at that time: the visible performers, and the blending, lights and background of the
     // stage. One that fades from a segment of its clip to the next is two instances, where it is
     // opaque, the stage's blending is exact, and all have room. Performers of which the segment is not on the device
@@ -142,6 +152,8 @@ class StageRenderer {
     };
     std::map<std::shared_ptr<const Paint>, NumberedPaint> segment_paints_;
     std::unique_ptr<SetRaster> set_;
+    std::optional<double> room_floor_m_;
+    bool has_room_lamp_ = false;  // light from above, in a stage without lights
     std::unique_ptr<FrameRenderer> frames_;
 };
 

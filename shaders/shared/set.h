@@ -30,7 +30,7 @@ struct SetMaterial {
 
 struct SetPush {
     mat4 clip_from_world;  // for the background: world from clip
-    vec4 eye;              // world, metres
+    vec4 eye;              // world, metres; for the shadow catcher: the floor below the eye
     uint material;
     uint first_texel;  // the view's first texel in the buffer of volume depths
     uint width;        // texels of a row in that buffer

@@ -1,4 +1,6 @@
 // Shadows of the set and of performers, against analytic rays to the lights.
+#include <glm/gtc/constants.hpp>
+
 #include "gpu/commands.h"
 #include "render/light_probe.h"
 #include "render/set_raster.h"
@@ -214,6 +216,50 @@ TEST_F(SetShadowTest, PerformersShadowWhatLiesBehindThem) {
         gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
         EXPECT_LT(worst(unshadowed), kColourTolerance);
     }
+}
+
+TEST_F(SetShadowTest, ACatcherShowsPerformersShadowsAlone) {
+    constexpr double kFloor_m = -0.1, kAlpha = 0.75;
+    const stage::GltfScene scene = scene_of(plate_over_floor(pbr_material(glm::vec4(1), 0, 1)));
+    render::SetRaster set(device(), scene, kSide, kSide, 1);
+    set.pose(stage::pose_scene(scene, stage::kNoAnimation, 0));
+    const std::vector<render::SetLight> lights{sun(), spot_above(), point()};
+    render::SetAmbient ambient;
+    ambient.light = glm::dvec3(0.1, 0.2, 0.3);
+    set.light(lights, ambient);
+    set.set_shadow_casters(render::WorldBox{glm::dvec3(-0.7, 0, -0.7), glm::dvec3(0.7, 0.9, 0.7)});
+    // The whole map of the spot has a performer 1 m before it.
+    const size_t texels = kPerformerShadowSide * kPerformerShadowSide;
+    std::vector<glm::vec2> maps(kMaxShadows * texels, glm::vec2(0));
+    std::fill_n(maps.begin() + static_cast<ptrdiff_t>(texels), texels, glm::vec2(kAlpha, 1));
+    gpu::upload(device(), set.performer_shadows, maps.data(), maps.size() * sizeof(glm::vec2));
+
+    const SetImages with_set = draw_set(device(), set, {camera_above()});
+    set.catch_shadows(kFloor_m);
+    const SetImages caught = draw_set(device(), set, {camera_above()});
+    const auto luminance = [](glm::dvec3 light) { return glm::dot(light, glm::dvec3(0.2126, 0.7152, 0.0722)); };
+    double darkest = 0;
+    for (uint32_t y = 0; y < kSide; y++)
+        for (uint32_t x = 0; x < kSide; x++) {
+            const reference::Ray ray = reference::camera_ray(camera_above(), x, y);
+            const double t = (kFloor_m - ray.origin.y) / ray.direction.y;
+            const glm::dvec4 seen = caught.colour[y * kSide + x];
+            ASSERT_EQ(glm::dvec3(seen), glm::dvec3(0)) << "neither floor nor plate";
+            if (t <= 0) continue;
+            double lit = luminance(ambient.light), taken = 0;
+            for (size_t i = 0; i < lights.size(); i++) {
+                glm::dvec3 to_light;
+                const glm::dvec3 arriving = reference::light_at(lights[i], ray.origin + t * ray.direction, to_light);
+                const double reflected = luminance(arriving) * std::max(to_light.y, 0.0) / glm::pi<double>();
+                lit += reflected;
+                if (i == 1) taken += kAlpha * reflected;
+            }
+            ASSERT_NEAR(seen.a, taken / lit, 2e-3) << x << " " << y;
+            darkest = std::max(darkest, taken / lit);
+        }
+    EXPECT_GT(darkest, 0.3) << "there is a shadow";
+    set.catch_shadows({});
+    EXPECT_EQ(draw_set(device(), set, {camera_above()}).colour, with_set.colour) << "the set is back";
 }
 
 TEST_F(SetShadowTest, ComputeShadersLightAlike) {
