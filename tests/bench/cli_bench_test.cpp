@@ -100,12 +100,30 @@ TEST_F(CliGpu, BenchRenderComparesWithThePaper) {
     expect_refused({"render", file("none.nvv")}, 2, {"none.nvv"});
 }
 
+// The latency is as long as the device's time, and the 99th percentile at least the median.
+void expect_frame_times(const nlohmann::json& json) {
+    for (const char* time : {"cpu_ms", "gpu_ms", "latency_ms"}) {
+        EXPECT_GT(json[time]["p50"], 0.0) << time;
+        EXPECT_GE(json[time]["p99"], json[time]["p50"]) << time;
+    }
+    EXPECT_GE(json["latency_ms"]["p50"], json["gpu_ms"]["p50"]);
+}
+
+TEST_F(CliGpu, BenchXrMeasuresLatency) {
+    const std::vector<std::string> command = {"xr", scene, "--size", "64x64", "--frames", "4"};
+    expect_words(command, {"CPU ms a frame", "GPU ms a frame", "latency", "p99"});
+    expect_frame_times(json_of(command));
+    expect_refused({"xr", scene, "--frames", "0"}, 2, {"--frames"});
+}
+
 TEST_F(CliGpu, BenchPlayCountsFramesAndSeeks) {
     write_segmented_copy(tree, {1, 1, 2}, file("parts.nvv"));
     const std::vector<std::string> command = {"play", file("parts.nvv"), "--size", "64x48", "--seconds",
                                               "1",    "--seek-every",    "0.25"};
-    expect_words(command, {"were missed", "was held", "after a seek", "in the second"});
+    expect_words(command, {"were missed", "was held", "after a seek", "in the second", "CPU ms a frame",
+                           "GPU ms a frame", "latency"});
     const nlohmann::json json = json_of(command);
+    expect_frame_times(json);
     EXPECT_GT(json["images"], 3);
     EXPECT_GT(json["frames"], 0);
     EXPECT_GT(json["seek_ms"], 0.0);

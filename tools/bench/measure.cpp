@@ -215,4 +215,17 @@ nlohmann::ordered_json passes_json(const std::vector<PassSum>& sums) {
     return json;
 }
 
+std::string frame_times_text(const FrameTimes& times) {
+    const auto line = [](const char* what, const std::vector<double>& ms) {
+        return fmt::format("{}: {} p50, {} p99\n", what, ms_text(median(ms)), ms_text(quantile(ms, 0.99)));
+    };
+    return line("CPU ms a frame", times.cpu) + line("GPU ms a frame", times.gpu) + line("latency, ms", times.latency);
+}
+
+void add_frame_times(const FrameTimes& times, nlohmann::ordered_json& facts) {
+    for (const auto& [name, ms] :
+         {std::pair{"cpu_ms", &times.cpu}, std::pair{"gpu_ms", &times.gpu}, std::pair{"latency_ms", &times.latency}})
+        facts[name] = {{"p50", median(*ms)}, {"p99", quantile(*ms, 0.99)}};
+}
+
 }  // namespace neuvv::bench

@@ -106,6 +106,17 @@ void add_image(std::vector<PassSum>& sums, const std::vector<gpu::PassTime>& pas
 std::string passes_text(const std::vector<PassSum>& sums);
 nlohmann::ordered_json passes_json(const std::vector<PassSum>& sums);
 
+// The times of images that are shown one after the other, in milliseconds.
+struct FrameTimes {
+    std::vector<double> cpu;      // the host's work for an image, until it is submitted
+    std::vector<double> gpu;      // FrameRenderer::device_milliseconds
+    std::vector<double> latency;  // from when the poses, or the time, of the image were taken until it is complete
+};
+// A line of text for each of them, with the median and the 99th percentile.
+std::string frame_times_text(const FrameTimes& times);
+// Adds "cpu_ms", "gpu_ms" and "latency_ms", each with "p50" and "p99".
+void add_frame_times(const FrameTimes& times, nlohmann::ordered_json& facts);
+
 void add_open(tools::Command app, const tools::CommonOptions& common);
 void add_render(tools::Command app, const tools::CommonOptions& common);
 void add_slice(tools::Command app, const tools::CommonOptions& common);

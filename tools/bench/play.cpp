@@ -29,8 +29,8 @@ double milliseconds_since(Clock::time_point begin) {
 }
 
 struct Result {
-    std::vector<double> image_ms;  // from the clock to the image, of each image
-    std::vector<double> seek_ms;   // from a seek to the first image that shows the performer at its time
+    FrameTimes times;             // latency: from the clock to the image
+    std::vector<double> seek_ms;  // from a seek to the first image that shows the performer at its time
     uint64_t frames = 0, missed = 0, held_images = 0;
     uint64_t partial_images = 0;               // that show less of a stream's frame than there is
     uint64_t early_bytes = 0, late_bytes = 0;  // the most buffers on the device in either half
@@ -52,8 +52,12 @@ void play_from(double from_s, double until_s, const stage::Stage& stage, const s
         const stage::EvaluatedStage evaluated = stage::stage_at(stage, from_s + played_s);
         renderer.show(evaluated, true, render::MissingSegments::kHold);
         const bool held = renderer.holds(evaluated);
-        renderer.frames().draw({&camera, 1}, renderer.settings_at(evaluated));
-        result.image_ms.push_back(milliseconds_since(image_begin));
+        const render::FrameSettings settings = renderer.settings_at(evaluated);
+        renderer.frames().submit({&camera, 1}, settings);
+        result.times.cpu.push_back(milliseconds_since(image_begin));
+        if (!renderer.frames().finish()) renderer.frames().draw({&camera, 1}, settings);
+        result.times.gpu.push_back(renderer.frames().device_milliseconds());
+        result.times.latency.push_back(milliseconds_since(image_begin));
         result.held_images += held ? 1 : 0;
         result.partial_images += !held && !renderer.shows_all(evaluated) ? 1 : 0;
         if (waiting && !held) result.seek_ms.push_back(milliseconds_since(begin));
@@ -97,9 +101,9 @@ void print(const Result& result, const gpu::Device& device, const PlayOptions& o
     fmt::print(
         "{} frames, of which {} were missed; in {} of {} images the performer was held, in {} not all of it was "
         "there\n",
-        result.frames, result.missed, result.held_images, result.image_ms.size(), result.partial_images);
-    fmt::print("an image: {:.1f} ms median, {:.1f} ms p99, {:.1f} ms at most\n", median(result.image_ms),
-               quantile(result.image_ms, 0.99), quantile(result.image_ms, 1));
+        result.frames, result.missed, result.held_images, result.times.latency.size(), result.partial_images);
+    fmt::print("{}", frame_times_text(result.times));
+    fmt::print("an image: {:.1f} ms at most\n", quantile(result.times.latency, 1));
     fmt::print("after a seek: {:.1f} ms median, {:.1f} ms at most, to the performer at its time\n",
                median(result.seek_ms), quantile(result.seek_ms, 1));
     fmt::print(
@@ -109,18 +113,20 @@ void print(const Result& result, const gpu::Device& device, const PlayOptions& o
 }
 
 nlohmann::ordered_json json_of(const Result& result) {
-    return {{"frames", result.frames},
-            {"missed", result.missed},
-            {"images", result.image_ms.size()},
-            {"held_images", result.held_images},
-            {"partial_images", result.partial_images},
-            {"ms", median(result.image_ms)},
-            {"p99_ms", quantile(result.image_ms, 0.99)},
-            {"most_ms", quantile(result.image_ms, 1)},
-            {"seek_ms", median(result.seek_ms)},
-            {"most_seek_ms", quantile(result.seek_ms, 1)},
-            {"early_bytes", result.early_bytes},
-            {"late_bytes", result.late_bytes}};
+    nlohmann::ordered_json facts{{"frames", result.frames},
+                                 {"missed", result.missed},
+                                 {"images", result.times.latency.size()},
+                                 {"held_images", result.held_images},
+                                 {"partial_images", result.partial_images},
+                                 {"ms", median(result.times.latency)},
+                                 {"p99_ms", quantile(result.times.latency, 0.99)},
+                                 {"most_ms", quantile(result.times.latency, 1)},
+                                 {"seek_ms", median(result.seek_ms)},
+                                 {"most_seek_ms", quantile(result.seek_ms, 1)},
+                                 {"early_bytes", result.early_bytes},
+                                 {"late_bytes", result.late_bytes}};
+    add_frame_times(result.times, facts);
+    return facts;
 }
 
 void run(const PlayOptions& options, const tools::CommonOptions& common) {

@@ -61,12 +61,13 @@ struct EyeTargets {
 };
 
 struct Result {
+    // Latency is that from the poses to the images. The host's work, from showing the stage to the submission, is done
+    // while the device has nothing to do: so much of a frame could be saved at most by doing it while the device draws
+    // the one before.
+    FrameTimes times;
     // Of each frame; left_share is the time of the left eye alone divided by that of both.
-    std::vector<double> both_ms, left_share, eye_pass_ms;
+    std::vector<double> left_share, eye_pass_ms;
     std::vector<PassSum> passes;  // of both eyes
-    // What the host does for a frame, from showing the stage to the submission, while the device has nothing to do: so
-    // much of a frame could be saved at most by doing it while the device draws the one before.
-    std::vector<double> host_ms;
 };
 
 // Draws frames of a stage as a headset shows them.
@@ -80,7 +81,7 @@ class XrFrames {
           targets_(device, size_),
           pass_(device, targets_.colour.shape.format, targets_.depth.shape.format) {}
 
-    // Shows the stage at the time of a frame, and takes the frame's settings and cameras.
+    // Shows the stage at the time of a frame, and takes the frame's settings.
     void begin(uint32_t frame) {
         const double time_s = frame / options_.hz;
         const double frame_s = std::floor(time_s * stage_.fps) / stage_.fps;
@@ -92,7 +93,10 @@ class XrFrames {
         settings_.mode = render::TraceMode::kPlay;
         settings_.scale = options_.scale;
         settings_.next_instances = renderer_.settings_at(stage::stage_at(stage_, frame_s + 1 / stage_.fps)).instances;
-        const xr::EyeViews eyes = eyes_at(stage_, time_s);
+    }
+    // Takes the poses of the eyes, as late as a headset's frame does.
+    void take_poses(uint32_t frame) {
+        const xr::EyeViews eyes = eyes_at(stage_, frame / options_.hz);
         for (uint32_t eye = 0; eye < xr::kEyes; eye++)
             cameras_[eye] = xr::eye_camera(eyes.eye[eye], {}, {size_.width, size_.height});
     }
@@ -141,20 +145,23 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
     for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); i++) {
         const double begin_s = seconds_now();
         frames.begin(i);
+        const double poses_s = seconds_now();
+        frames.take_poses(i);
         frames.submit();
-        const double host_s = seconds_now() - begin_s;
+        const double submitted_s = seconds_now();
         if (!frames.frames().finish()) frames.draw();
-        const double both = frames.frames().device_milliseconds();
+        const double complete_s = seconds_now(), both = frames.frames().device_milliseconds();
         const std::vector<gpu::PassTime> passes = frames.frames().pass_times();
         // Both again and the left eye alone, with slices that are there now, so that the difference is the second eye
         // alone.
         const double again = frames.milliseconds_of(xr::kEyes), left = frames.milliseconds_of(1);
         if (i < kWarmUp) continue;
-        result.both_ms.push_back(both);
+        result.times.cpu.push_back(1000 * (submitted_s - begin_s));
+        result.times.gpu.push_back(both);
+        result.times.latency.push_back(1000 * (complete_s - poses_s));
         result.eye_pass_ms.push_back(eyes_ms(passes));
         result.left_share.push_back(left / again);
         add_image(result.passes, passes);
-        result.host_ms.push_back(1000 * host_s);
         progress.update(i - kWarmUp + 1);
     }
     return result;
@@ -169,26 +176,26 @@ double second_eye(const Result& result) {
 void print(const Result& result, const gpu::Device& device, const XrOptions& options) {
     const double budget_ms = 1000 / options.hz;
     fmt::print("{}, {} on {}\n", options.scene, options.size, device.summary().name);
-    fmt::print("a frame of both eyes: {:.1f} ms median, {:.1f} ms p99, {:.0f} % of {:.0f} Hz\n", median(result.both_ms),
-               quantile(result.both_ms, 0.99), 100 * quantile(result.both_ms, 0.99) / budget_ms, options.hz);
+    fmt::print("{}", frame_times_text(result.times));
+    fmt::print("a frame of both eyes takes {:.0f} % of the device's time at {:.0f} Hz (p99)\n",
+               100 * quantile(result.times.gpu, 0.99) / budget_ms, options.hz);
     fmt::print("of which bringing them to the headset's images: {:.1f} ms\n", median(result.eye_pass_ms));
     const double second = second_eye(result);
     if (second > 0)
         fmt::print("the second eye costs {:.2f} times the first\n", second);
     else
         fmt::print("what the second eye costs is less than these frames vary by: more --frames, or a larger --size\n");
-    fmt::print("the host's work for a frame: {:.2f} ms median, {:.2f} ms p99\n", median(result.host_ms),
-               quantile(result.host_ms, 0.99));
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 
 nlohmann::ordered_json json_of(const Result& result) {
-    return {{"ms", median(result.both_ms)},
-            {"p99_ms", quantile(result.both_ms, 0.99)},
-            {"eye_pass_ms", median(result.eye_pass_ms)},
-            {"second_eye", second_eye(result)},
-            {"host_ms", median(result.host_ms)},
-            {"passes_ms", passes_json(result.passes)}};
+    nlohmann::ordered_json facts{{"ms", median(result.times.gpu)},
+                                 {"p99_ms", quantile(result.times.gpu, 0.99)},
+                                 {"eye_pass_ms", median(result.eye_pass_ms)},
+                                 {"second_eye", second_eye(result)},
+                                 {"passes_ms", passes_json(result.passes)}};
+    add_frame_times(result.times, facts);
+    return facts;
 }
 
 void run(const XrOptions& options, const tools::CommonOptions& common) {
@@ -203,14 +210,15 @@ void run(const XrOptions& options, const tools::CommonOptions& common) {
 }  // namespace
 
 void add_xr(tools::Command app, const tools::CommonOptions& common) {
-    auto [verb, options] = add_verb(app, common,
-                                    {"xr",
-                                     "A frame in a headset, of a stage",
-                                     "Plays the stage before a head that sways, with slices made ahead, and prints the "
-                                     "device's time of each frame.\nNo headset and no OpenXR runtime are needed.\n",
-                                     {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
-                                     "A stage, or a .nvv that is put on one"},
-                                    run);
+    auto [verb, options] = add_verb(
+        app, common,
+        {"xr",
+         "A frame in a headset, of a stage",
+         "Plays the stage before a head that sways, with slices made ahead, and prints "
+         "the times of a frame on host and device, and the latency.\nNo headset and no OpenXR runtime are needed.\n",
+         {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
+         "A stage, or a .nvv that is put on one"},
+        run);
     add_size_option(verb, options, "WIDTHxHEIGHT of an eye");
     verb.add_option("--frames", options.frames, "Frames that are drawn").in_range(1, 100000).show_default();
     verb.add_option("--hz", options.hz, "Of the display").number_between(1, 1000).show_default();
