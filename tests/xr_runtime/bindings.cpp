@@ -147,7 +147,7 @@ XrResult get_source_name(XrSession handle, const XrInputSourceLocalizedNameGetIn
 std::vector<Source> sources_of(const Session& session, const Action& action, XrPath subaction_path) {
     std::vector<Source> sources;
     const std::string below = subaction_path == XR_NULL_PATH ? "/user/" : text_of(subaction_path) + "/";
-    for (const std::string& path : {session.current_profile, std::string(kTrackerProfile)}) {
+    for (const std::string& path : {session.current_profile, std::string(kTrackerProfile), std::string(kGazeProfile)}) {
         const Profile* profile = find_profile(path);
         const auto suggested = session.instance->suggested.find(path);
         if (!profile || suggested == session.instance->suggested.end()) continue;

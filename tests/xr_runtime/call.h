@@ -244,6 +244,7 @@ std::vector<EntryPoint> binding_entries();
 std::vector<EntryPoint> input_entries();
 std::vector<EntryPoint> hand_entries();
 std::vector<EntryPoint> body_entries();
+std::vector<EntryPoint> passthrough_entries();
 std::vector<EntryPoint> debug_entries();
 
 }  // namespace neuvv::xr_runtime

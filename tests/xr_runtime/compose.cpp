@@ -59,32 +59,60 @@ Hit hit_quad(const Layer& layer, const LinearImage& image, const XrPosef& eye_in
     return {is_inside, u * static_cast<float>(image.width), v * static_cast<float>(image.height)};
 }
 
+// The user's room along a ray of an eye: grey walls, and a floor of tiles of half a metre, at the height of STAGE.
+Colour room(const XrPosef& head, XrVector3f ray) {
+    const XrVector3f along = rotate(head.orientation, ray);
+    if (along.y >= -1e-3f) return {{0.3f, 0.3f, 0.35f, 1}};
+    const XrVector3f at = head.position + along * (-head.position.y / along.y);
+    const auto tile = static_cast<int64_t>(std::floor(2 * at.x) + std::floor(2 * at.z));
+    const float grey = tile % 2 == 0 ? 0.5f : 0.4f;
+    return {{grey, grey, grey, 1}};
+}
+
 }  // namespace
 
-LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images, uint32_t eye,
-                    XrTime time) {
+LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images, uint32_t eye, XrTime time,
+                    XrEnvironmentBlendMode mode) {
     const Script& script = runtime().script;
     LinearImage seen = {script.width, script.height, std::vector<float>(size_t{script.width} * script.height * 4)};
-    for (size_t i = 3; i < seen.rgba.size(); i += 4) seen.rgba[i] = 1;
     const XrFovf& fov = script.fov[eye];
     const float left = std::tan(fov.angleLeft), right = std::tan(fov.angleRight);
     const float up = std::tan(fov.angleUp), down = std::tan(fov.angleDown);
-
-    for (size_t i = 0; i < layers.size(); ++i) {
-        const Layer& layer = layers[i];
-        if (layer.is_quad && !is_for(layer, eye)) continue;
-        const LinearImage& image = images[i];
-        const XrPosef eye_in_quad = inverse(layer.pose) * view_in(*layer.space, eye, time).pose;
+    const XrPosef head = head_in_world(time).pose;
+    // Calls `change` with each pixel, its position in the image, 0..1, and its ray.
+    const auto for_each = [&](const auto& change) {
         for (uint32_t y = 0; y < seen.height; ++y)
             for (uint32_t x = 0; x < seen.width; ++x) {
                 const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(seen.width);
                 const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(seen.height);
-                Hit hit = {true, u * static_cast<float>(image.width), v * static_cast<float>(image.height)};
-                if (layer.is_quad)
-                    hit = hit_quad(layer, image, eye_in_quad, {left + (right - left) * u, up + (down - up) * v, -1});
-                if (hit.is_hit) blend(seen.at(x, y), sampled(image, hit.x, hit.y), layer.flags);
+                change(seen.at(x, y), u, v, XrVector3f{left + (right - left) * u, up + (down - up) * v, -1});
             }
+    };
+
+    const bool begins_with_room = mode == XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND;
+    for_each([&](float* pixel, float, float, XrVector3f ray) {
+        const Colour first = begins_with_room ? room(head, ray) : Colour{{0, 0, 0, 1}};
+        std::copy_n(first.rgba, 4, pixel);
+    });
+    for (size_t i = 0; i < layers.size(); ++i) {
+        const Layer& layer = layers[i];
+        if (layer.is_quad() && !is_for(layer, eye)) continue;
+        const LinearImage& image = images[i];
+        const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
+        const XrPosef eye_in_quad =
+            layer.is_quad() ? inverse(layer.pose) * view_in(*layer.space, eye, time).pose : kIdentityPose;
+        for_each([&](float* pixel, float u, float v, XrVector3f ray) {
+            if (layer.kind == LayerKind::kPassthrough) return blend(pixel, room(head, ray), layer.flags);
+            const Hit hit =
+                layer.is_quad() ? hit_quad(layer, image, eye_in_quad, ray) : Hit{true, u * width, v * height};
+            if (hit.is_hit) blend(pixel, sampled(image, hit.x, hit.y), layer.flags);
+        });
     }
+    if (mode == XR_ENVIRONMENT_BLEND_MODE_ADDITIVE)
+        for_each([&](float* pixel, float, float, XrVector3f ray) {
+            const Colour added = room(head, ray);
+            for (int c = 0; c < 3; ++c) pixel[c] += added.rgba[c];
+        });
     return seen;
 }
 

@@ -133,21 +133,25 @@ bool is_saved(int64_t frame) {
            (state.script.save_every > 0 && frame % state.script.save_every == 0);
 }
 
-void keep_images(const Session& session, const Frame& frame, const std::vector<Layer>& layers) {
-    SavedLayers saved = {frame.index, {}, false, frame.display_time};
+void keep_images(const Session& session, const Frame& frame, const std::vector<Layer>& layers,
+                 XrEnvironmentBlendMode blend) {
+    SavedLayers saved = {frame.index, {}, false, frame.display_time, 0, {0, 0}, blend_name(blend)};
     for (const Layer& layer : layers) {
-        saved.types.push_back(layer.is_quad ? "quad" : "projection");
+        saved.types.push_back(layer.is_quad() ? "quad" : layer.is_projection() ? "projection" : "passthrough");
         saved.has_depth = saved.has_depth || layer.has_depth();
+        if (!layer.is_projection()) continue;
+        saved.format = layer.views[0].colour.swapchain->info.format;
+        saved.size = layer.views[0].colour.rect.extent;
     }
     runtime().report.layers.push_back(saved);
-    save_images(session.vulkan, frame, layers);
+    save_images(session.vulkan, frame, layers, blend);
     runtime().report.write();
 }
 
 void mark_shown(const std::vector<Layer>& layers) {
     auto mark = [](const SubImage& image) { image.swapchain->shown_count = image.swapchain->released_count; };
     for (const Layer& layer : layers) {
-        if (layer.is_quad) mark(layer.image);
+        if (layer.is_quad()) mark(layer.image);
         for (const ProjectionView& view : layer.views) {
             if (view.colour.swapchain) mark(view.colour);
             if (view.depth) mark(*view.depth);
@@ -172,7 +176,7 @@ XrResult end_frame(XrSession handle, const XrFrameEndInfo* end_info) {
     const std::vector<Layer> layers = checked_layers(info, frame);
     mark_shown(layers);
     if (!layers.empty()) ++runtime().report.frames_with_layers;
-    if (is_saved(frame.index)) keep_images(session, frame, layers);
+    if (is_saved(frame.index)) keep_images(session, frame, layers, info.environmentBlendMode);
     session.begun.reset();
     ++session.ended_frames;
     approach_target(session);

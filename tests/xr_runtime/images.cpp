@@ -135,28 +135,33 @@ LinearImage linear_image(const std::vector<uint8_t>& texels, int64_t format, uin
     return image;
 }
 
-void save_images(const VulkanDevice& vulkan, const Frame& frame, const std::vector<Layer>& layers) {
+void save_images(const VulkanDevice& vulkan, const Frame& frame, const std::vector<Layer>& layers,
+                 XrEnvironmentBlendMode blend) {
     const std::filesystem::path folder = runtime().report.folder;
     const char* const kEyes[] = {"left", "right"};
     for (uint32_t eye = 0; eye < 2; ++eye) {
         std::vector<LinearImage> images;
         int quads = 0, projections = 0;
         for (const Layer& layer : layers) {
-            const SubImage& image = layer.is_quad ? layer.image : layer.views[eye].colour;
+            if (layer.kind == LayerKind::kPassthrough) {
+                images.emplace_back();
+                continue;
+            }
+            const SubImage& image = layer.is_quad() ? layer.image : layer.views[eye].colour;
             const Texels texels = texels_of(vulkan, image);
             images.push_back(texels.linear());
             std::string name = fmt::format("frame_{:04}_quad{}.png", frame.index, quads);
             // A second projection layer must not overwrite the files of the first.
-            if (!layer.is_quad)
+            if (!layer.is_quad())
                 name = fmt::format("frame_{:04}_{}{}.png", frame.index, kEyes[eye],
                                    projections ? fmt::format("_layer{}", projections) : "");
-            if (!layer.is_quad || eye == 0) write_colour(folder / name, texels);
-            if (!layer.is_quad && layer.views[eye].depth)
+            if (!layer.is_quad() || eye == 0) write_colour(folder / name, texels);
+            if (!layer.is_quad() && layer.views[eye].depth)
                 write_depth(folder / fmt::format("frame_{:04}_{}_depth", frame.index, kEyes[eye]),
                             texels_of(vulkan, *layer.views[eye].depth));
-            ++(layer.is_quad ? quads : projections);
+            ++(layer.is_quad() ? quads : projections);
         }
-        const LinearImage seen = compose(layers, images, eye, frame.display_time);
+        const LinearImage seen = compose(layers, images, eye, frame.display_time, blend);
         write_png(folder / fmt::format("frame_{:04}_{}_seen.png", frame.index, kEyes[eye]), seen.width, seen.height,
                   PNG_FORMAT_RGBA, srgb_bytes(seen));
     }

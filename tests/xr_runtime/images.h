@@ -22,9 +22,10 @@ LinearImage linear_image(const std::vector<uint8_t>& texels, int64_t format, uin
 uint8_t srgb_byte(float linear);
 
 // What an eye sees of the layers. `images` has the eye's image of each layer, in the order of the layers.
-LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images, uint32_t eye,
-                    XrTime time);
+LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images, uint32_t eye, XrTime time,
+                    XrEnvironmentBlendMode blend);
 
-void save_images(const VulkanDevice& vulkan, const Frame& frame, const std::vector<Layer>& layers);
+void save_images(const VulkanDevice& vulkan, const Frame& frame, const std::vector<Layer>& layers,
+                 XrEnvironmentBlendMode blend);
 
 }  // namespace neuvv::xr_runtime

@@ -124,7 +124,7 @@ Layer checked_projection(const XrCompositionLayerProjection& info, const Frame& 
 
 Layer checked_quad(const XrCompositionLayerQuad& info, const std::string& what) {
     Layer layer;
-    layer.is_quad = true;
+    layer.kind = LayerKind::kQuad;
     layer.space = &object<Space>(info.space);
     layer.image = checked_sub_image(info.subImage, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT, what);
     check_pose(info.pose, (what + " pose").c_str());
@@ -138,6 +138,20 @@ Layer checked_quad(const XrCompositionLayerQuad& info, const std::string& what) 
     return layer;
 }
 
+// The room may be shown only while both the passthrough and the layer run; an application that pauses one of them shows
+// nothing there.
+Layer checked_passthrough(const XrCompositionLayerPassthroughFB& info, const std::string& what) {
+    require(runtime().instance->has(XR_FB_PASSTHROUGH_EXTENSION_NAME), XR_ERROR_LAYER_INVALID, "extension",
+            what + ": XR_FB_passthrough is not enabled");
+    const PassthroughLayer& images = object<PassthroughLayer>(info.layerHandle);
+    const bool is_over = images.passthrough->last_frame < runtime().progress.frame();
+    if (!images.is_running || !images.passthrough->is_running || is_over)
+        violate("passthrough", what + ": the passthrough or its layer does not run");
+    Layer layer;
+    layer.kind = LayerKind::kPassthrough;
+    return layer;
+}
+
 Layer checked_layer(const XrCompositionLayerBaseHeader* header, const Frame& frame, uint32_t index) {
     require(header, XR_ERROR_LAYER_INVALID, "layer", fmt::format("layer {} is null", index));
     Layer layer;
@@ -147,6 +161,9 @@ Layer checked_layer(const XrCompositionLayerBaseHeader* header, const Frame& fra
     } else if (header->type == XR_TYPE_COMPOSITION_LAYER_QUAD) {
         layer = checked_quad(checked(reinterpret_cast<const XrCompositionLayerQuad*>(header)),
                              fmt::format("quad layer {}", index));
+    } else if (header->type == XR_TYPE_COMPOSITION_LAYER_PASSTHROUGH_FB) {
+        layer = checked_passthrough(checked(reinterpret_cast<const XrCompositionLayerPassthroughFB*>(header)),
+                                    fmt::format("passthrough layer {}", index));
     } else {
         refuse(XR_ERROR_LAYER_INVALID, "layer",
                fmt::format("layer {} is of the type {}, whose extension is not enabled", index, name_of(header->type)));

@@ -18,8 +18,10 @@ struct ProjectionView {
     std::optional<SubImage> depth;
 };
 
+enum class LayerKind { kProjection, kQuad, kPassthrough };
+
 struct Layer {
-    bool is_quad = false;
+    LayerKind kind = LayerKind::kProjection;
     XrCompositionLayerFlags flags = 0;
     const Space* space = nullptr;
     std::array<ProjectionView, 2> views;  // of a projection layer
@@ -28,7 +30,9 @@ struct Layer {
     XrExtent2Df size = {0, 0};
     XrEyeVisibility eyes = XR_EYE_VISIBILITY_BOTH;
 
-    bool has_depth() const { return !is_quad && views[0].depth && views[1].depth; }
+    bool is_projection() const { return kind == LayerKind::kProjection; }
+    bool is_quad() const { return kind == LayerKind::kQuad; }
+    bool has_depth() const { return is_projection() && views[0].depth && views[1].depth; }
 };
 
 // Refuses violations for which the specification defines an error, and only reports the others.

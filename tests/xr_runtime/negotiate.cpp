@@ -37,7 +37,7 @@ const std::vector<EntryPoint>& all_entries() {
         for (const auto& table :
              {instance_entries(), system_entries(), graphics_entries(), session_entries(), frame_entries(),
               swapchain_entries(), space_entries(), view_entries(), action_entries(), binding_entries(),
-              input_entries(), hand_entries(), body_entries(), debug_entries()})
+              input_entries(), hand_entries(), body_entries(), passthrough_entries(), debug_entries()})
             list.insert(list.end(), table.begin(), table.end());
         return list;
     }();

@@ -47,9 +47,11 @@ const Inputs kTouchInputs = floats({"/input/squeeze/value", "/input/trigger/valu
                             booleans({"/input/trigger/touch", "/input/thumbstick/touch", "/input/thumbrest/touch"}) +
                             kPoses + kBuzz;
 
-// The index of the hand to which a path belongs, 2 for a worn tracker; -1 for none that the profile has.
+// The index of the hand to which a path belongs, 2 for a worn tracker and for the eyes; -1 for none that the profile
+// has.
 int side_of(const Profile& profile, const std::string& binding) {
     if (profile.path == std::string_view(kTrackerProfile)) return binding.starts_with(kTrackerRoot) ? 2 : -1;
+    if (profile.path == std::string_view(kGazeProfile)) return user_of(binding) == kGazeUser ? 2 : -1;
     if (binding.starts_with("/user/hand/left/")) return 0;
     return binding.starts_with("/user/hand/right/") ? 1 : -1;
 }
@@ -97,6 +99,10 @@ const std::vector<Profile>& known_profiles() {
          "Vive Tracker",
          XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME,
          {{"/input/grip/pose", kPose, ProfileInput::kBoth}}},
+        {kGazeProfile,
+         "Gaze",
+         XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,
+         {{"/input/gaze_ext/pose", kPose, ProfileInput::kBoth}}},
         {"/interaction_profiles/facebook/touch_controller_pro", "Touch Pro Controller", "XR_FB_touch_controller_pro",
          kTouchButtons + kTouchInputs},
         {"/interaction_profiles/meta/touch_controller_plus", "Touch Plus Controller", "XR_META_touch_controller_plus",

@@ -26,6 +26,9 @@ struct Profile {
 // Trackers that are worn have user paths by role: "/user/vive_tracker_htcx/role/waist".
 inline constexpr const char* kTrackerProfile = "/interaction_profiles/htc/vive_tracker_htcx";
 inline constexpr const char* kTrackerRoot = "/user/vive_tracker_htcx/role/";
+// Where the eyes look, with a user path of its own.
+inline constexpr const char* kGazeProfile = "/interaction_profiles/ext/eye_gaze_interaction";
+inline constexpr const char* kGazeUser = "/user/eyes_ext";
 // "/user/hand/left" of "/user/hand/left/input/grip/pose".
 std::string user_of(const std::string& binding);
 

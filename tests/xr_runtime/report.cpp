@@ -6,6 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "script.h"
+
 namespace neuvv::xr_runtime {
 
 namespace {
@@ -51,7 +53,10 @@ OrderedJson json_of(const Report& report) {
         json["layers"].push_back({{"frame", layers.frame},
                                   {"types", layers.types},
                                   {"depth", layers.has_depth},
-                                  {"display_time", layers.display_time}});
+                                  {"display_time", layers.display_time},
+                                  {"format", name_of_format(layers.format)},
+                                  {"blend", layers.blend},
+                                  {"size", {layers.size.width, layers.size.height}}});
     json["actions"] = report.actions;
     json["bindings"] = OrderedJson::object();
     for (const auto& [profile, bindings] : report.bindings) {

@@ -84,9 +84,9 @@ constexpr Named<XrReferenceSpaceType> kSpaces[] = {{"view", XR_REFERENCE_SPACE_T
 #define NEUVV_XR_RESULT(name, value) {#name, name},
 constexpr Named<XrResult> kResults[] = {XR_LIST_ENUM_XrResult(NEUVV_XR_RESULT)};
 #undef NEUVV_XR_RESULT
-constexpr const char* kEvents[] = {"visible",      "synchronized",  "focus",       "stop",    "exit",
-                                   "lose_session", "lose_instance", "recentre",    "slow",    "profile",
-                                   "mask_changed", "refresh",       "no_tracking", "presence"};
+constexpr const char* kEvents[] = {"visible",      "synchronized",  "focus",       "stop",     "exit",
+                                   "lose_session", "lose_instance", "recentre",    "slow",     "profile",
+                                   "mask_changed", "refresh",       "no_tracking", "presence", "passthrough_lost"};
 
 template <typename T, size_t kCount>
 void read_names(Fields& fields, const std::string& key, const Named<T> (&table)[kCount], std::vector<T>& values) {
@@ -197,6 +197,12 @@ void read_timeline(const Json& timeline, Script& script) {
             read_hand(Fields(*hand, fields.at("left")), frame, script.hands[kLeft]);
         if (const Json* hand = fields.find("right"))
             read_hand(Fields(*hand, fields.at("right")), frame, script.hands[kRight]);
+        if (const Json* gaze = fields.find("gaze")) {
+            script.gaze.tracked.push_back({frame, !gaze->is_null()});
+            if (!gaze->is_null())
+                read_pose(Fields(*gaze, fields.at("gaze")),
+                          script.gaze.pose.emplace_back(Key<XrPosef>{frame, {}}).value);
+        }
         if (const Json* body = fields.find("body")) read_body(Fields(*body, fields.at("body")), frame, script.body);
         if (const Json* trackers = fields.find("trackers"))
             for (const auto& [role, tracker] : trackers->items())
@@ -274,6 +280,8 @@ std::vector<std::string> default_extensions(const Script& script) {
     for (const XrExtensionProperties& extension : implemented_extensions()) {
         const std::string name = extension.extensionName;
         if (name == xr::kUserPresenceExtension) continue;
+        if (name == XR_FB_PASSTHROUGH_EXTENSION_NAME && !script.has_passthrough) continue;
+        if (name == XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME && !script.has_gaze) continue;
         if (!script.bodies.empty() || name.find("body_tracking") == std::string::npos) names.push_back(name);
     }
     return names;
@@ -285,6 +293,8 @@ void read_system(Fields& fields, Script& script) {
     fields.read("floor_m", script.floor_m);
     fields.read("mask", script.has_mask);
     fields.read("hand_joints", script.has_hand_joints);
+    fields.read("passthrough", script.has_passthrough);
+    fields.read("gaze", script.has_gaze);
     fields.read("bodies", script.bodies);
     for (const std::string& body : script.bodies)
         if (body != "fb" && body != "full_body" && body != "bd") fail("/bodies", "unknown name '" + body + "'");
@@ -310,6 +320,18 @@ void read_system(Fields& fields, Script& script) {
 
 }  // namespace
 
+std::string name_of_format(int64_t format) {
+    for (const Named<VkFormat>& known : kFormats)
+        if (known.value == format) return known.name;
+    return "";
+}
+
+std::string blend_name(XrEnvironmentBlendMode mode) {
+    for (const Named<XrEnvironmentBlendMode>& known : kBlendModes)
+        if (known.value == mode) return known.name;
+    return "";
+}
+
 const std::vector<XrExtensionProperties>& implemented_extensions() {
     static const std::vector<XrExtensionProperties> all = [] {
         std::vector<XrExtensionProperties> list;
@@ -328,6 +350,8 @@ const std::vector<XrExtensionProperties>& implemented_extensions() {
         add("XR_EXT_hand_interaction", 1);
         add(xr::kLocalFloorExtension, 1);
         add(xr::kUserPresenceExtension, 1);
+        add(XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME, XR_EXT_eye_gaze_interaction_SPEC_VERSION);
+        add(XR_FB_PASSTHROUGH_EXTENSION_NAME, XR_FB_passthrough_SPEC_VERSION);
         for (const char* controllers : {"XR_FB_touch_controller_pro", "XR_META_touch_controller_plus",
                                         "XR_BD_controller_interaction", "XR_HTC_vive_focus3_controller_interaction",
                                         "XR_EXT_hp_mixed_reality_controller", "XR_ML_ml2_controller_interaction"})

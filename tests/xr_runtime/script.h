@@ -27,6 +27,11 @@ struct HandTracks {
     Track<bool> tracked;
 };
 
+struct GazeTracks {
+    Track<XrPosef> pose;  // in STAGE
+    Track<bool> tracked;
+};
+
 struct BodyJoint {
     XrVector3f at = {0, 0, 0};  // in STAGE
     XrSpaceLocationFlags flags = 0;
@@ -59,7 +64,8 @@ struct Script {
     XrFovf fov[2] = {};
     float eye_distance_m = 0.064f, floor_m = -1.6f, refresh_hz = 90;
     std::vector<float> rates_hz = {72, 90};
-    bool is_real_time = false, has_mask = true, has_hand_joints = false, is_system_available = true;
+    bool is_real_time = false, has_mask = true, has_hand_joints = false, has_passthrough = false,
+         is_system_available = true;
     std::set<std::string> bodies;  // which body tracking the system has: "fb", "full_body", "bd"
     std::vector<std::string> extensions;
     std::vector<VkFormat> formats;
@@ -71,6 +77,8 @@ struct Script {
     Track<XrPosef> head;
     HandTracks hands[2];
     BodyTracks body;
+    bool has_gaze = false;  // whether the system tracks eyes
+    GazeTracks gaze;
     std::map<std::string, Track<XrPosef>> trackers;   // by role: "left_foot"
     std::map<std::string, Track<XrVector2f>> inputs;  // by full path; scalars in x
     std::vector<ScriptEvent> events;                  // by frame
@@ -82,6 +90,10 @@ struct Script {
 
 // All extensions that the runtime implements, with their versions.
 const std::vector<XrExtensionProperties>& implemented_extensions();
+
+// The name that a script has for a format; empty for formats that it has none for.
+std::string name_of_format(int64_t format);
+std::string blend_name(XrEnvironmentBlendMode mode);
 
 // Whether the runtime has a function of this name.
 bool has_function(const std::string& name);

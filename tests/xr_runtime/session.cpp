@@ -189,6 +189,12 @@ void play(Session& session, const ScriptEvent& event) {
         queue_event(*session.instance,
                     xr::XrEventDataUserPresenceChangedEXT{xr::kUserPresenceChanged, nullptr, session.handle,
                                                           XrBool32{event.worn ? 1u : 0u}});
+    if (event.what == "passthrough_lost" && session.instance->has(XR_FB_PASSTHROUGH_EXTENSION_NAME)) {
+        for (const auto& passthrough : all_of<Passthrough>()) passthrough->last_frame = frame;
+        queue_event(*session.instance,
+                    XrEventDataPassthroughStateChangedFB{XR_TYPE_EVENT_DATA_PASSTHROUGH_STATE_CHANGED_FB, nullptr,
+                                                         XR_PASSTHROUGH_STATE_CHANGED_REINIT_REQUIRED_BIT_FB});
+    }
     if (event.what == "mask_changed") change_mask(session);
     if (event.what == "refresh") set_refresh_rate(session, event.hz);
     if (event.what == "no_tracking") progress.untracked_until = frame + event.frames;
@@ -253,6 +259,8 @@ void destroy_session_now(Session& session) {
     for (const auto& space : all_of<Space>()) forget(bits(space->handle));
     for (const auto& tracker : all_of<HandTracker>()) forget(bits(tracker->handle));
     forget_body_trackers();
+    for (const auto& layer : all_of<PassthroughLayer>()) forget(bits(layer->handle));
+    for (const auto& passthrough : all_of<Passthrough>()) forget(bits(passthrough->handle));
     close_device(session.vulkan);
     session.is_lost = true;  // for threads that are waiting in an entry point
     runtime().frame_begun.notify_all();

@@ -25,11 +25,19 @@ Located tracker_in_world(const std::string& role, XrTime time) {
     return {pose_at(track->second, frame_at(time), kIdentityPose), true};
 }
 
+Located gaze_in_world(XrTime time) {
+    const GazeTracks& gaze = runtime().script.gaze;
+    const double frame = frame_at(time);
+    const bool is_tracked = value_at(gaze.tracked, static_cast<int64_t>(std::floor(frame + 1e-6)), false);
+    return {pose_at(gaze.pose, frame, kIdentityPose), is_tracked};
+}
+
 Located action_in_world(const Space& space, XrTime time) {
     const auto& states = space.session->action_states;
     const auto found = states.find({space.action->handle, space.subaction_path});
     if (found == states.end() || !found->second.is_active) return {kIdentityPose, false};
     const std::string& source = found->second.source;
+    if (user_of(source) == kGazeUser) return gaze_in_world(time);
     if (source.starts_with(kTrackerRoot))
         return tracker_in_world(user_of(source).substr(std::string(kTrackerRoot).size()), time);
     return hand_in_world(hand_of(source), source.find("/input/aim") != std::string::npos, time);

@@ -29,6 +29,8 @@ enum class Kind : uint8_t {
     kHandTracker,
     kBodyTrackerFb,
     kBodyTrackerBd,
+    kPassthrough,
+    kPassthroughLayer,
     kMessenger
 };
 
@@ -135,6 +137,26 @@ struct BodyTrackerBd {
     Handle handle = XR_NULL_HANDLE;
     Session* session = nullptr;
     uint32_t joint_count = 0;
+};
+
+struct Passthrough {
+    static constexpr Kind kKind = Kind::kPassthrough;
+    static constexpr const char* kName = "XrPassthroughFB";
+    using Handle = XrPassthroughFB;
+    Handle handle = XR_NULL_HANDLE;
+    Session* session = nullptr;
+    bool is_running = false;
+    int64_t last_frame = INT64_MAX;  // after it, the application must have created another one
+};
+
+struct PassthroughLayer {
+    static constexpr Kind kKind = Kind::kPassthroughLayer;
+    static constexpr const char* kName = "XrPassthroughLayerFB";
+    using Handle = XrPassthroughLayerFB;
+    Handle handle = XR_NULL_HANDLE;
+    Session* session = nullptr;
+    std::shared_ptr<Passthrough> passthrough;
+    bool is_running = false;
 };
 
 struct Messenger {

@@ -32,6 +32,11 @@ XrResult get_system_properties(XrInstance handle, XrSystemId system, XrSystemPro
     properties.trackingProperties = {XR_TRUE, XR_TRUE};
     auto* hands = const_cast<XrSystemHandTrackingPropertiesEXT*>(chained<XrSystemHandTrackingPropertiesEXT>(out));
     if (hands) hands->supportsHandTracking = runtime().script.has_hand_joints ? XR_TRUE : XR_FALSE;
+    auto* gaze =
+        const_cast<XrSystemEyeGazeInteractionPropertiesEXT*>(chained<XrSystemEyeGazeInteractionPropertiesEXT>(out));
+    if (gaze) gaze->supportsEyeGazeInteraction = runtime().script.has_gaze ? XR_TRUE : XR_FALSE;
+    auto* room = const_cast<XrSystemPassthroughPropertiesFB*>(chained<XrSystemPassthroughPropertiesFB>(out));
+    if (room) room->supportsPassthrough = runtime().script.has_passthrough ? XR_TRUE : XR_FALSE;
     fill_body_properties(properties);
     for (auto* link = static_cast<XrBaseOutStructure*>(properties.next); link; link = link->next)
         if (link->type == xr::kUserPresenceProperties)

@@ -184,6 +184,38 @@ XrResult body_tracker_outlives_session(Application& app) {
     return result;
 }
 
+XrResult room_that_nobody_sees(Application& app) {
+    app.script["extensions"] = {"XR_KHR_vulkan_enable2", XR_FB_PASSTHROUGH_EXTENSION_NAME};
+    app.extensions = {"XR_KHR_vulkan_enable2", XR_FB_PASSTHROUGH_EXTENSION_NAME};
+    app.make_session();
+    const XrPassthroughCreateInfoFB info = {XR_TYPE_PASSTHROUGH_CREATE_INFO_FB, nullptr, 0};
+    XrPassthroughFB passthrough = XR_NULL_HANDLE;
+    return app.function<PFN_xrCreatePassthroughFB>("xrCreatePassthroughFB")(app.session, &info, &passthrough);
+}
+
+// A layer of a passthrough that was never started.
+XrResult room_behind_shutters(Application& app) {
+    app.script["passthrough"] = true;
+    app.extensions.push_back(XR_FB_PASSTHROUGH_EXTENSION_NAME);
+    app.begin_session();
+    const XrPassthroughCreateInfoFB info = {XR_TYPE_PASSTHROUGH_CREATE_INFO_FB, nullptr, 0};
+    XrPassthroughFB passthrough = XR_NULL_HANDLE;
+    check(app.function<PFN_xrCreatePassthroughFB>("xrCreatePassthroughFB")(app.session, &info, &passthrough),
+          "xrCreatePassthroughFB");
+    const XrPassthroughLayerCreateInfoFB images = {XR_TYPE_PASSTHROUGH_LAYER_CREATE_INFO_FB, nullptr, passthrough,
+                                                   XR_PASSTHROUGH_IS_RUNNING_AT_CREATION_BIT_FB,
+                                                   XR_PASSTHROUGH_LAYER_PURPOSE_RECONSTRUCTION_FB};
+    XrCompositionLayerPassthroughFB layer = {XR_TYPE_COMPOSITION_LAYER_PASSTHROUGH_FB};
+    check(app.function<PFN_xrCreatePassthroughLayerFB>("xrCreatePassthroughLayerFB")(app.session, &images,
+                                                                                     &layer.layerHandle),
+          "xrCreatePassthroughLayerFB");
+    app.prepare_visible_frame();
+    app.frame.layers.insert(app.frame.layers.begin(), reinterpret_cast<XrCompositionLayerBaseHeader*>(&layer));
+    app.frame.end.layers = app.frame.layers.data();
+    app.frame.end.layerCount++;
+    return app.end_frame();
+}
+
 }  // namespace
 
 std::vector<Violation> session_violations() {
@@ -219,6 +251,9 @@ std::vector<Violation> session_violations() {
         {"LegsThatNobodyTracks", "body-tracking", "xrCreateBodyTrackerFB", invalid, legs_that_nobody_tracks},
         {"PicosBodyThatNobodyTracks", "body-tracking", "xrCreateBodyTrackerBD", XR_ERROR_FEATURE_UNSUPPORTED,
          picos_body_that_nobody_tracks},
+        {"RoomThatNobodySees", "passthrough", "xrCreatePassthroughFB", XR_ERROR_FEATURE_UNSUPPORTED,
+         room_that_nobody_sees},
+        {"RoomBehindShutters", "passthrough", "xrEndFrame", XR_SUCCESS, room_behind_shutters},
         {"TooManyJoints", "joint-count", "xrLocateBodyJointsFB", invalid, too_many_joints},
         {"BodyTrackerThatOutlivesTheSession", "session", "xrDestroySession", XR_SUCCESS, body_tracker_outlives_session,
          Severity::kWarning},
