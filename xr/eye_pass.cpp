@@ -65,8 +65,7 @@ void push(gpu::Commands& commands, const gpu::GraphicsPass& pass, const Push& va
 }  // namespace
 
 const std::vector<VkFormat>& eye_colour_formats() {
-    static const std::vector<VkFormat> kFormats{VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB,
-                                                VK_FORMAT_R16G16B16A16_SFLOAT};
+    static const std::vector<VkFormat> kFormats{VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB};
     return kFormats;
 }
 

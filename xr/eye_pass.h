@@ -13,14 +13,15 @@
 
 namespace neuvv::xr {
 
-// The formats that the pass can draw to.
+// The formats that the pass can draw to. Colour is that of 8-bit images: floats, which some runtimes prefer, would take
+// twice the memory and show no more.
 const std::vector<VkFormat>& eye_colour_formats();
 const std::vector<VkFormat>& eye_depth_formats();
 
 struct EyeTarget {
     VkImage colour = VK_NULL_HANDLE, depth = VK_NULL_HANDLE;  // a layer for each eye
     VkImageView colour_view = VK_NULL_HANDLE, depth_view = VK_NULL_HANDLE;
-    VkExtent2D size{};
+    VkExtent2D size{};  // of the part that is drawn, from the upper left
 };
 
 class EyePass {

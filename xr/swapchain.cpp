@@ -76,9 +76,8 @@ void SwapchainImages::release() {
     check(xrReleaseSwapchainImage(handle(), nullptr), "xrReleaseSwapchainImage", name_);
 }
 
-XrSwapchainSubImage SwapchainImages::sub_image(uint32_t layer) const {
-    return {
-        handle(), {{0, 0}, {static_cast<int32_t>(shape_.size.width), static_cast<int32_t>(shape_.size.height)}}, layer};
+XrSwapchainSubImage SwapchainImages::sub_image(uint32_t layer, VkExtent2D part) const {
+    return {handle(), {{0, 0}, {static_cast<int32_t>(part.width), static_cast<int32_t>(part.height)}}, layer};
 }
 
 }  // namespace neuvv::xr

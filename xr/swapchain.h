@@ -38,8 +38,9 @@ class SwapchainImages {
     void release();
     VkImage image(uint32_t index) const { return images_[index]; }
     VkImageView view(uint32_t index) const { return views_[index]; }  // of all layers of the image
-    // One layer of the swapchain's images, whole, for a composition layer.
-    XrSwapchainSubImage sub_image(uint32_t layer) const;
+    // One layer of the swapchain's images for a composition layer: whole, or the upper left part of this size.
+    XrSwapchainSubImage sub_image(uint32_t layer) const { return sub_image(layer, shape_.size); }
+    XrSwapchainSubImage sub_image(uint32_t layer, VkExtent2D part) const;
 
   private:
     bool create(const Session& session, VkFormat format);

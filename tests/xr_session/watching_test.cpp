@@ -65,20 +65,6 @@ TEST_F(Watching, EachEyeIsTheRenderersPictureToOneStep) {
     }
 }
 
-TEST_F(Watching, OtherFormatsShowTheSame) {
-    XrScript script;
-    script.save(4);
-    script.end(6);
-    const XrRun plain = run(script);
-    for (const char* format : {"B8G8R8A8_SRGB", "R16G16B16A16_SFLOAT"}) {
-        script.json["formats"] = {format, "R8G8B8A8_SRGB", "D32_SFLOAT"};
-        const XrRun other = run(script);
-        expect_clean(other);
-        // Half floats blend translucent shapes without rounding between them.
-        EXPECT_TRUE(same_pixels(plain.image(4, "left_seen"), other.image(4, "left_seen"), 2)) << format;
-    }
-}
-
 TEST_F(Watching, CoarseDepthWillDo) {
     XrScript script;
     script.json["formats"] = {"R8G8B8A8_SRGB", "D16_UNORM"};

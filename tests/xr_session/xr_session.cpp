@@ -144,9 +144,8 @@ XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& mor
         stage.string(),
         "--report",
         (run.out / "seen.json").string(),
-        "--validate",
-        "--scale",
-        "1"};
+        "--validate"};
+    if (!scale.empty()) arguments.insert(arguments.end(), {"--scale", scale});
     arguments.insert(arguments.end(), more.begin(), more.end());
     ChildProcess program(arguments, log);
     const auto end = std::chrono::steady_clock::now() + kTimeout;

@@ -81,8 +81,9 @@ class XrSession : public testing::Test {
     static glm::dvec3 position(const nlohmann::json& node);
     static glm::dvec3 item_position(const nlohmann::json& item);  // of the panel
 
-    int signal = 0;          // run() sends it to the program once a controller is there; 0: none
-    bool with_layer = true;  // OpenXR's core validation layer; that of Debian 12 does not know bodies
+    int signal = 0;           // run() sends it to the program once a controller is there; 0: none
+    std::string scale = "1";  // --scale of run(); empty: as the display's period allows
+    bool with_layer = true;   // OpenXR's core validation layer; that of Debian 12 does not know bodies
     TemporaryFolder folder;
     std::filesystem::path stage = folder.path / "stage.gltf", clip = folder.path / "figure.nvv";
 

@@ -1,5 +1,6 @@
 #include "tools/headset/eye_images.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace neuvv::headset {
@@ -75,14 +76,24 @@ render::FrameCapacity EyeImages::capacity() const {
 }
 
 const char* EyeImages::format_name() const {
-    switch (colour_->format()) {
-        case VK_FORMAT_R8G8B8A8_SRGB:
-            return "R8G8B8A8 sRGB";
-        case VK_FORMAT_B8G8R8A8_SRGB:
-            return "B8G8R8A8 sRGB";
-        default:
-            return "16-bit float";
-    }
+    return colour_->format() == VK_FORMAT_R8G8B8A8_SRGB ? "R8G8B8A8 sRGB" : "B8G8R8A8 sRGB";
+}
+
+// Chooses the part of the image that is drawn, and its rays. `last_ms` is the time of the last image; 0: there is none.
+void EyeImages::choose_size(double budget_ms, double last_ms) {
+    constexpr double kNearlyWhole = 0.97;
+    dynamic_scale_.set_target(budget_ms);
+    dynamic_scale_.drawn(drawn_scale_, last_ms);
+    const double scale = quality_.scale > 0 ? quality_.scale : dynamic_scale_.scale();
+    const double share = quality_.scale > 0 ? 1 : share_.update(scale > kNearlyWhole ? 1 : scale);
+    const auto part = [&](uint32_t side) {  // whole tiles of rays
+        const double tiles = std::ceil(share * side / kTile);
+        return std::min(side, static_cast<uint32_t>(tiles) * kTile);
+    };
+    drawn_size_ = {part(size().width), part(size().height)};
+    ray_scale_ = std::min(scale / share, 1.0);
+    if (ray_scale_ > kNearlyWhole) ray_scale_ = 1;
+    drawn_scale_ = share * ray_scale_;
 }
 
 // The mesh is given on a plane before the eye, so its position in the image changes with the field of view, too.
@@ -104,11 +115,10 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
                                              const render::PerformerHighlight& highlight,
                                              std::span<const render::Instance> next) const {
     render::FrameSettings settings = renderer.settings_at(evaluated, highlight);
-    settings.width = size().width;
-    settings.height = size().height;
+    settings.width = drawn_size_.width;
+    settings.height = drawn_size_.height;
     settings.mode = render::TraceMode::kPlay;
-    settings.scale = quality_.scale > 0 ? quality_.scale : dynamic_scale_.scale();
-    if (settings.scale > 0.97) settings.scale = 1;
+    settings.scale = ray_scale_;
     settings.far_levels = quality_.far_levels;
     settings.next_instances.assign(next.begin(), next.end());
     if (quality_.inset)
@@ -123,16 +133,15 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
                      const xr::Pose& world_from_tracking, std::span<const render::Instance> next,
                      const xr::EyeShapes& shapes, double vignette, double budget_ms) {
     update_hidden_triangles(renderer, eyes);
-    for (uint32_t eye = 0; eye < xr::kEyes; eye++)
-        cameras_[eye] = xr::eye_camera(eyes.eye[eye], world_from_tracking, size());
-    dynamic_scale_.set_target(budget_ms);
     renderer.frames().finish();
-    if (has_drawn_) dynamic_scale_.drawn(drawn_scale_, renderer.frames().device_milliseconds());
+    choose_size(budget_ms, has_drawn_ ? renderer.frames().device_milliseconds() : 0);
+    for (uint32_t eye = 0; eye < xr::kEyes; eye++)
+        cameras_[eye] = xr::eye_camera(eyes.eye[eye], world_from_tracking, drawn_size_);
     const render::FrameSettings settings = settings_of(renderer, evaluated, highlight, next);
 
     const uint32_t index = colour_->acquire(), depth = depth_ ? depth_->acquire() : 0;
     const xr::EyeTarget target{colour_->image(index), depth_ ? depth_->image(depth) : fallback_depth_.image,
-                               colour_->view(index), depth_ ? depth_->view(depth) : fallback_depth_.view, size()};
+                               colour_->view(index), depth_ ? depth_->view(depth) : fallback_depth_.view, drawn_size_};
     const auto record = [&](gpu::Commands& commands, const gpu::Buffer& images) {
         pass_.record(commands, renderer, images, cameras_, shapes, vignette, target);
         if (left_) record_left(commands, target.colour);
@@ -145,7 +154,6 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
     colour_->release();
     if (depth_) depth_->release();
     drawn_eyes_ = eyes;
-    drawn_scale_ = settings.scale;
     has_drawn_ = true;
 }
 
@@ -155,12 +163,12 @@ void EyeImages::record_left(gpu::Commands& commands, VkImage image) {
     gpu::move_layout(commands, image, kLayers, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                      VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     gpu::move_layout(commands, *left_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    VkImageBlit part{};  // a blit converts between formats, a copy does not
+    VkImageBlit part{};  // a blit converts between formats and sizes, a copy does not
     part.srcSubresource = part.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    part.srcOffsets[1] =
-        part.dstOffsets[1] = {static_cast<int32_t>(size().width), static_cast<int32_t>(size().height), 1};
+    part.srcOffsets[1] = {static_cast<int32_t>(drawn_size_.width), static_cast<int32_t>(drawn_size_.height), 1};
+    part.dstOffsets[1] = {static_cast<int32_t>(size().width), static_cast<int32_t>(size().height), 1};
     vkCmdBlitImage(commands.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, left_->image,
-                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part, VK_FILTER_NEAREST);
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part, VK_FILTER_LINEAR);
     gpu::move_layout(commands, *left_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     gpu::move_layout(commands, image, kLayers, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
@@ -171,10 +179,10 @@ const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session,
         views_[eye] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW};
         views_[eye].pose = xr::xr_pose(drawn_eyes_.eye[eye].pose);
         views_[eye].fov = drawn_eyes_.eye[eye].fov;
-        views_[eye].subImage = colour_->sub_image(eye);
+        views_[eye].subImage = colour_->sub_image(eye, drawn_size_);
         if (!depth_) continue;
         depths_[eye] = {XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR};
-        depths_[eye].subImage = depth_->sub_image(eye);
+        depths_[eye].subImage = depth_->sub_image(eye, drawn_size_);
         depths_[eye].minDepth = 0;
         depths_[eye].maxDepth = 1;
         depths_[eye].nearZ = INFINITY;  // reversed: depth 0 is infinitely far

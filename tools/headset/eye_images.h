@@ -6,13 +6,16 @@
 #include <optional>
 
 #include "editor/dynamic_scale.h"
+#include "tools/headset/drawn_share.h"
 #include "xr/eye_camera.h"
 #include "xr/eye_pass.h"
 
 namespace neuvv::headset {
 
 struct EyeQuality {
-    double scale = 0;             // rays per pixel along each side; 0: as many as the refresh rate allows
+    // Rays per pixel along each side; 0: as many as the refresh rate allows. Where that is fewer than one, a smaller
+    // rectangle of the image is drawn (DrawnShare).
+    double scale = 0;
     std::optional<double> inset;  // the share of an image's side that gets all rays; the rest gets half as many
     bool far_levels = true;       // FrameSettings::far_levels
     bool mask = true;             // leave out what lenses hide, where the runtime has a visibility mask
@@ -51,11 +54,13 @@ class EyeImages {
 
     // The angle of a pixel in the middle of the last image.
     double pixel_rad() const { return 1 / cameras_[0].fx; }
+    // Rays per pixel of the whole image along each side, in the last image.
     double scale() const { return drawn_scale_; }
     // A copy of the left eye's last image (layout TRANSFER_SRC); null where there is none or images are not kept.
     const gpu::DeviceImage* left() const { return has_left_ ? &*left_ : nullptr; }
 
   private:
+    void choose_size(double budget_ms, double last_ms);
     void update_hidden_triangles(render::StageRenderer& renderer, const xr::EyeViews& eyes);
     render::FrameSettings settings_of(const render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
                                       const render::PerformerHighlight& highlight,
@@ -72,6 +77,9 @@ class EyeImages {
     std::array<XrFovf, xr::kEyes> mask_fov_{};
     std::array<std::vector<glm::vec2>, xr::kEyes> hidden_;
     editor::DynamicScale dynamic_scale_;
+    DrawnShare share_;
+    VkExtent2D drawn_size_{};  // of the part of the swapchain's image that is drawn
+    double ray_scale_ = 1;     // rays per pixel of that part along each side
     double drawn_scale_ = 1;
     xr::EyeViews drawn_eyes_;
     std::optional<gpu::DeviceImage> left_;
