@@ -7,6 +7,7 @@
 #include "xr/actions.h"
 #include "xr/bindings.h"
 #include "xr/body_tracking.h"
+#include "xr/room.h"
 
 namespace neuvv::tools {
 
@@ -59,7 +60,8 @@ void check_headset(const std::string& choice) {
                most.width, most.height);
     std::vector<std::string> modes;
     for (const XrEnvironmentBlendMode mode : runtime.blend_modes()) modes.emplace_back(xr::blend_mode_name(mode));
-    fmt::print("surroundings: {} (the first is used)\n", fmt::join(modes, ", "));
+    fmt::print("blend modes: {}\nyour own room: {}\n", fmt::join(modes, ", "),
+               xr::title_of(xr::best_room_view(runtime)));
     fmt::print("body: {}\n", xr::title_of(xr::best_body_source(runtime)));
     print_extensions(runtime);
     const gpu::Device device(choice, gpu::Validation::kOff, runtime.device_extensions(), runtime.device_maker());
@@ -80,6 +82,9 @@ void add_xr(Command app, CommonOptions& common) {
                   "Say what the runtime and its headset offer, and what is missing; no file is looked at");
     verb.add_flag("--mirror", headset.mirror, "A window that shows what the left eye sees");
     verb.add_flag("--play", headset.play, "Play from the start");
+    verb.add_flag(
+        "--room", headset.room,
+        "Show your own room in place of the set, where the headset can; performers' shadows fall on its floor");
     verb.add_option("--trainee", headset.trainee,
                     "Train with the first performer that has a skeleton, by this motion instead of the wearer's: "
                     "vmc[:[HOST:]PORT], udp:[HOST:]PORT, or a recorded file");

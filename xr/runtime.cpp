@@ -65,6 +65,8 @@ std::vector<OptionalExtension> optional_extensions() {
         {XR_BD_BODY_TRACKING_EXTENSION_NAME, "the whole body is tracked", "the body is taken from another source"},
         {XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME, "trackers that are worn say where joints are",
          "the body is taken from another source"},
+        {XR_FB_PASSTHROUGH_EXTENSION_NAME, "your own room can be seen (--room)",
+         "your own room is seen only by a blend mode, see above"},
         {kUserPresenceExtension, "the stage pauses while nobody wears the headset", "the stage goes on"},
     };
     for (const ControllerProfile& profile : controller_profiles()) {
@@ -156,6 +158,9 @@ void Runtime::find_properties() {
          &XrSystemHandTrackingPropertiesEXT::supportsHandTracking);
     find(kUserPresenceExtension, XrSystemUserPresencePropertiesEXT{kUserPresenceProperties, nullptr, XR_FALSE},
          &XrSystemUserPresencePropertiesEXT::supportsUserPresence);
+    find(XR_FB_PASSTHROUGH_EXTENSION_NAME,
+         XrSystemPassthroughPropertiesFB{XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB, nullptr, XR_FALSE},
+         &XrSystemPassthroughPropertiesFB::supportsPassthrough);
     find(XR_FB_BODY_TRACKING_EXTENSION_NAME,
          XrSystemBodyTrackingPropertiesFB{XR_TYPE_SYSTEM_BODY_TRACKING_PROPERTIES_FB, nullptr, XR_FALSE},
          &XrSystemBodyTrackingPropertiesFB::supportsBodyTracking);

@@ -49,7 +49,7 @@ class Runtime {
     // largest size that it takes.
     VkExtent2D eye_size() const;
     VkExtent2D max_eye_size() const;
-    XrEnvironmentBlendMode blend_mode() const { return blend_modes_[0]; }  // the one that the runtime prefers
+    // At least one; the runtime prefers the first.
     const std::vector<XrEnvironmentBlendMode>& blend_modes() const { return blend_modes_; }
     XrViewConfigurationType view_configuration() const { return XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO; }
 

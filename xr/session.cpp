@@ -131,6 +131,13 @@ SessionStatus Session::poll(SessionEvents& events) {
                     events.tracking_change = tracking_change(pending);
                 break;
             }
+            case XR_TYPE_EVENT_DATA_PASSTHROUGH_STATE_CHANGED_FB: {
+                constexpr XrPassthroughStateChangedFlagsFB kLost =
+                    XR_PASSTHROUGH_STATE_CHANGED_REINIT_REQUIRED_BIT_FB |
+                    XR_PASSTHROUGH_STATE_CHANGED_NON_RECOVERABLE_ERROR_BIT_FB;
+                events.passthrough_lost |= (as(XrEventDataPassthroughStateChangedFB{}).flags & kLost) != 0;
+                break;
+            }
             case kUserPresenceChanged:
                 if (const auto& change = as(XrEventDataUserPresenceChangedEXT{}); change.session == handle())
                     events.is_worn = change.isUserPresent == XR_TRUE;
@@ -166,10 +173,11 @@ void Session::begin_frame() {
     check(xrBeginFrame(handle(), nullptr), "xrBeginFrame", runtime_.headset());
 }
 
-void Session::end_frame(const FrameTime& time, std::span<const XrCompositionLayerBaseHeader* const> layers) {
+void Session::end_frame(const FrameTime& time, XrEnvironmentBlendMode blend,
+                        std::span<const XrCompositionLayerBaseHeader* const> layers) {
     XrFrameEndInfo info{XR_TYPE_FRAME_END_INFO};
     info.displayTime = time.display;
-    info.environmentBlendMode = runtime_.blend_mode();
+    info.environmentBlendMode = blend;
     info.layerCount = static_cast<uint32_t>(layers.size());
     info.layers = layers.data();
     const std::lock_guard lock(device_.queue_mutex());

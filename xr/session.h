@@ -38,6 +38,7 @@ struct TrackingChange {
 struct SessionEvents {
     std::optional<TrackingChange> tracking_change;  // the last one
     std::optional<bool> is_worn;                    // whether somebody wears the headset, where that has changed
+    bool passthrough_lost = false;                  // call Room::restart
     bool controllers_changed = false;        // the user holds other controllers: call Actions::update_controllers
     std::array<bool, kEyes> mask_changed{};  // the lens of this eye hides another part of the image
 };
@@ -87,7 +88,9 @@ class Session {
     FrameTime wait_frame();
     void begin_frame();
     // Submits the layers of the frame; a later layer covers the earlier ones. Without layers the frame shows nothing.
-    void end_frame(const FrameTime& time, std::span<const XrCompositionLayerBaseHeader* const> layers);
+    // `blend` must be one of Runtime::blend_modes().
+    void end_frame(const FrameTime& time, XrEnvironmentBlendMode blend,
+                   std::span<const XrCompositionLayerBaseHeader* const> layers);
 
     // The predicted poses (tracking space) and fields of view of the eyes. While the head is not tracked, or where a
     // field of view spans no image, the last good ones; empty where there are none yet.

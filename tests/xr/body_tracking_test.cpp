@@ -92,7 +92,7 @@ class BodyTracking : public testing::Test {
             for (int hand = 0; hand < xr::kHands; hand++) points.wrists[hand] = xr::wrist_of(hands[hand], {});
             points.trackers = actions.locate_trackers(time.display);
             seen.poses.push_back(body.locate(points, time.display));
-            session.end_frame(time, {});
+            session.end_frame(time, XR_ENVIRONMENT_BLEND_MODE_OPAQUE, {});
         }
     }
 };

@@ -1,4 +1,5 @@
-// The images of the eyes: their format and size.
+// The images of the eyes: their format and size, and what is behind the stage.
+#include "edit/operations.h"
 #include "xr_session/xr_session.h"
 
 namespace neuvv::test {
@@ -50,6 +51,128 @@ TEST_F(Eyes, DrawASmallerRectangleWhereTimeIsShort) {
         EXPECT_LT(mean_difference(slow.image(kSaved, eye), fast.image(kSaved, eye)), 6) << eye;
     const media::Image depth = fast.image(kSaved, "left_depth");
     EXPECT_EQ(depth.width, 96u);
+}
+
+// The share of a part of an image whose alpha is above `alpha`.
+double covered(const media::Image& image, uint32_t left, uint32_t top, uint32_t right, uint32_t bottom, int alpha) {
+    uint32_t count = 0;
+    for (uint32_t y = top; y < bottom; y++)
+        for (uint32_t x = left; x < right; x++) count += image.at(x, y)[3] > alpha;
+    return count / double((right - left) * (bottom - top));
+}
+
+struct Room : Eyes {
+    Room() {
+        script.json["profile"] = "";
+        script.save(6);
+        script.end(8);
+        stage::StageFile file = stage::read_stage_file(stage);
+        edit::StageEdit edit;
+        edit.background = glm::dvec3(0.2, 0.5, 0.9);
+        edit::set_stage(file, edit);
+        stage::save_stage_file(file, stage);
+    }
+    XrScript script;
+};
+
+// Below anna, who stands 2 m away, the floor is dark; the rest of it, the disk that is the set, and the background are
+// not there.
+void expect_only_anna_and_her_shadow(const media::Image& seen) {
+    EXPECT_GT(covered(seen, 86, 80, 102, 110, 250), 0.5) << "anna";
+    EXPECT_EQ(covered(seen, 0, 0, 192, 30, 0), 0) << "no background";
+    EXPECT_EQ(covered(seen, 60, 175, 130, 192, 0), 0) << "no floor";
+    uint32_t shadow = 0;
+    for (size_t i = 0; i < seen.rgba.size(); i += 4) {
+        const uint8_t* pixel = &seen.rgba[i];
+        shadow += pixel[3] > 40 && pixel[3] < 250 && pixel[0] + pixel[1] + pixel[2] == 0;
+    }
+    EXPECT_GT(shadow, 150u);
+}
+
+TEST_F(Room, IsSeenByAlphaBlendEvenIfThatIsNotPreferred) {
+    const XrRun plain = run(script, {"--no-mask"});
+    EXPECT_EQ(covered(plain.image(6, "left"), 0, 0, 192, 192, 254), 1);
+    EXPECT_EQ(plain.seen["room"], "hidden");
+    script.json["blend_modes"] = {"opaque", "alpha_blend"};
+    EXPECT_EQ(run(script).report["layers"][0]["blend"], "opaque") << "the user did not ask for it";
+    const XrRun room = run(script, {"--no-mask", "--room"});
+    expect_clean(room);
+    EXPECT_EQ(room.report["layers"][0]["blend"], "alpha_blend");
+    expect_only_anna_and_her_shadow(room.image(6, "left"));
+}
+
+TEST_F(Room, IsSeenFromTheStartWhereTheRuntimePrefersIt) {
+    script.json["blend_modes"] = {"alpha_blend", "opaque"};
+    const XrRun room = run(script, {"--no-mask"});
+    expect_clean(room);
+    EXPECT_EQ(room.report["layers"][0]["blend"], "alpha_blend");
+    expect_only_anna_and_her_shadow(room.image(6, "left"));
+}
+
+TEST_F(Room, IsSeenByPassthrough) {
+    with_layer = false;  // that of Debian 12 does not know the layer of the passthrough
+    script.json["passthrough"] = true;
+    EXPECT_EQ(run(script).report["layers"][0]["types"], json({"projection"})) << "the user did not ask for it";
+    const XrRun room = run(script, {"--no-mask", "--room"});
+    expect_clean(room);
+    EXPECT_EQ(room.report["layers"][0]["types"], json({"passthrough", "projection"}));
+    EXPECT_EQ(room.report["layers"][0]["blend"], "opaque");
+    EXPECT_EQ(room.seen["room"], "XR_FB_passthrough");
+    EXPECT_NE(run(script, {"--check"}).log.find("your own room: XR_FB_passthrough"), std::string::npos);
+    expect_only_anna_and_her_shadow(room.image(6, "left"));
+    script.json["passthrough"] = false;
+    script.json["blend_modes"] = {"alpha_blend", "opaque"};
+    EXPECT_TRUE(same_pixels(run(script, {"--no-mask"}).image(6, "left_seen"), room.image(6, "left_seen")))
+        << "both ways show the same";
+}
+
+TEST_F(Room, HasAShadowEvenWithoutLights) {
+    stage = clip;  // on a stage of its own, without set and lights
+    script.json["blend_modes"] = {"opaque", "alpha_blend"};
+    const media::Image alone = run(script, {"--no-mask"}).image(6, "left");
+    const XrRun room = run(script, {"--no-mask", "--room"});
+    expect_clean(room);
+    const media::Image seen = room.image(6, "left");
+    uint32_t shadow = 0, figure = 0, changed = 0;
+    for (size_t i = 0; i < seen.rgba.size(); i += 4) {
+        const bool black = seen.rgba[i] + seen.rgba[i + 1] + seen.rgba[i + 2] == 0;
+        shadow += black && seen.rgba[i + 3] > 10 && seen.rgba[i + 3] < 200;
+        if (seen.rgba[i + 3] != 255) continue;
+        figure++;
+        for (size_t c = 0; c < 3; c++) changed += std::abs(seen.rgba[i + c] - alone.rgba[i + c]) > 1;
+    }
+    EXPECT_GT(shadow, 15u);
+    EXPECT_GT(figure, 200u);
+    EXPECT_EQ(changed, 0u) << "the performer has the light that it has without the room";
+}
+
+TEST_F(Room, ComesBackWhereThePassthroughWasLost) {
+    with_layer = false;  // that of Debian 12 does not know the layer of the passthrough
+    script.json["passthrough"] = true;
+    script.event(4, "passthrough_lost");
+    const XrRun room = run(script, {"--room"});
+    expect_clean(room);
+    EXPECT_EQ(room.report["layers"][0]["types"], json({"passthrough", "projection"}));
+}
+
+TEST_F(Room, GoesOnWhereThePassthroughIsRefused) {
+    with_layer = false;  // that of Debian 12 does not know the layer of the passthrough
+    script.json["passthrough"] = true;
+    for (const char* function : {"xrCreatePassthroughFB", "xrCreatePassthroughLayerFB"}) {
+        script.json["fail"] = {{{"function", function}, {"result", "XR_ERROR_FEATURE_UNSUPPORTED"}}};
+        const XrRun room = run(script, {"--room"});
+        expect_clean(room);
+        EXPECT_EQ(room.report["layers"][0]["types"], json({"projection"}));
+        EXPECT_NE(room.log.find("cannot show your room"), std::string::npos) << room.log;
+    }
+}
+
+TEST_F(Room, SaysWhereTheHeadsetCannotShowIt) {
+    const XrRun room = run(script, {"--room"});
+    expect_clean(room);
+    EXPECT_EQ(room.seen["room"], "hidden");
+    EXPECT_NE(room.log.find("cannot show your room"), std::string::npos) << room.log;
+    EXPECT_NE(run(script, {"--check"}).log.find("your own room: not possible"), std::string::npos);
 }
 
 }  // namespace

@@ -103,26 +103,6 @@ TEST_F(Watching, AStickTeleportsAndTurns) {
     EXPECT_EQ(check_golden("xr_teleport", run.image(8, "left")), "");
 }
 
-TEST_F(Watching, WhereTheRoomIsSeenTheStageHasNoBackground) {
-    stage::StageFile file = stage::read_stage_file(stage);
-    edit::StageEdit edit;
-    edit.background = glm::dvec3(0.2, 0.5, 0.9);
-    edit::set_stage(file, edit);
-    stage::save_stage_file(file, stage);
-    XrScript script;
-    script.json["profile"] = "";
-    script.save(6);
-    script.end(8);
-    const XrRun opaque = run(script, {"--no-mask"});
-    script.json["blend_modes"] = {"alpha_blend", "opaque"};
-    const XrRun mixed = run(script, {"--no-mask"});
-    expect_clean(mixed);
-    const size_t above = 4 * 96, floor = 4 * (170 * 192 + 96);
-    EXPECT_EQ(opaque.image(6, "left").rgba[above + 3], 255);
-    EXPECT_EQ(mixed.image(6, "left").rgba[above + 3], 0);
-    EXPECT_EQ(mixed.image(6, "left").rgba[floor + 3], 255);
-}
-
 TEST_F(Watching, BareHandsAreSeen) {
     XrScript script;
     script.json["profile"] = "";

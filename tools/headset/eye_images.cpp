@@ -124,7 +124,7 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
     if (quality_.inset)
         for (const stage::Camera& camera : cameras_)
             settings.foveae.push_back(xr::fovea_of(camera, *quality_.inset, kBeside));
-    if (session_.runtime().blend_mode() != XR_ENVIRONMENT_BLEND_MODE_OPAQUE) settings.resolve.background = glm::vec4(0);
+    if (shows_room_) settings.resolve.background = glm::vec4(0);
     return settings;
 }
 
@@ -174,7 +174,7 @@ void EyeImages::record_left(gpu::Commands& commands, VkImage image) {
                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 }
 
-const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session, bool over_holes) {
+const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session, bool over_layers) {
     for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
         views_[eye] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW};
         views_[eye].pose = xr::xr_pose(drawn_eyes_.eye[eye].pose);
@@ -189,8 +189,7 @@ const XrCompositionLayerBaseHeader* EyeImages::layer(const xr::Session& session,
         depths_[eye].farZ = static_cast<float>(render::kSetNear_m);
         views_[eye].next = &depths_[eye];
     }
-    const bool blends = session.runtime().blend_mode() == XR_ENVIRONMENT_BLEND_MODE_ALPHA_BLEND;
-    projection_.layerFlags = over_holes || blends ? XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT : 0;
+    projection_.layerFlags = over_layers ? XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT : 0;
     projection_.space = session.tracking_space();
     projection_.viewCount = xr::kEyes;
     projection_.views = views_.data();

@@ -40,6 +40,8 @@ class EyeImages {
     // To be called when a lens hides another part of the image than before.
     void invalidate_mask(uint32_t eye) { mask_outdated_[eye] = true; }
 
+    // Whether the user's own room is seen where the stage is not, from the next image on: there is no background then.
+    void show_room(bool shown) { shows_room_ = shown; }
     // Draws what the renderer shows (StageRenderer::show) for both eyes, and prefetches the slices in `next`, all in
     // one submission, for which nobody waits but on software devices. `highlight` says which parts of a performer are
     // red. `eyes` are in the tracking space. `vignette` says how dark the edges are, 0..1. `budget_ms` is the time that
@@ -48,9 +50,9 @@ class EyeImages {
               const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
               const xr::Pose& world_from_tracking, std::span<const render::Instance> next, const xr::EyeShapes& shapes,
               double vignette, double budget_ms);
-    // The layer with the images that were drawn last; it is valid until the next call. With `over_holes`, the layers
-    // beneath are seen through holes.
-    const XrCompositionLayerBaseHeader* layer(const xr::Session& session, bool over_holes);
+    // The layer with the images that were drawn last; it is valid until the next call. With `over_layers`, what is
+    // beneath is seen where their alpha is below 1: panels through holes, and the room.
+    const XrCompositionLayerBaseHeader* layer(const xr::Session& session, bool over_layers);
 
     // The angle of a pixel in the middle of the last image.
     double pixel_rad() const { return 1 / cameras_[0].fx; }
@@ -85,6 +87,7 @@ class EyeImages {
     std::optional<gpu::DeviceImage> left_;
     bool has_left_ = false;  // left_ has been drawn to
     bool has_drawn_ = false;
+    bool shows_room_ = false;
     XrCompositionLayerProjection projection_{XR_TYPE_COMPOSITION_LAYER_PROJECTION};
     std::array<XrCompositionLayerProjectionView, xr::kEyes> views_{};
     std::array<XrCompositionLayerDepthInfoKHR, xr::kEyes> depths_{};

@@ -37,6 +37,7 @@ struct HeadsetState : editor::StageState {
     HandTool tool = HandTool::kArrange;
     Comfort comfort;
     HandBrush brush;
+    std::optional<bool> wants_room;  // to see the user's own room; nothing: as the headset's runtime prefers
     bool panel_visible = false, panel_on_wrist = false;
 };
 

@@ -40,6 +40,7 @@ void Program::open() {
     state.follow_document();
     settings.load(state, interaction.grab.settings);
     state.clock.playing = options.play;
+    if (options.room) state.wants_room = true;
     if (!options.trainee.empty())
         training.begin(state, coach::read_trainer(*state.stage, ""), motion::open_pose_source(options.trainee));
     state.evaluate();
@@ -95,6 +96,7 @@ void write_report(const Program& program) {
         report["head"] = {{"at", {head.position.x, head.position.y, head.position.z}},
                           {"heading_deg", glm::degrees(xr::yaw_of(head.rotation))}};
     }
+    report["room"] = program.room == xr::RoomView::kNone ? "hidden" : xr::title_of(program.room);
     report["train"] = program.training.facts();
     if (const auto performer = program.state.selected_performer())
         report["selected"] = program.state.stage->performers[*performer].name;

@@ -17,6 +17,7 @@
 #include "tools/headset/standing.h"
 #include "tools/headset/training.h"
 #include "tools/ui/window.h"
+#include "xr/room.h"
 
 namespace neuvv::headset {
 
@@ -41,11 +42,12 @@ struct Program {
     std::vector<editor::Notice> notices;
     std::unique_ptr<ui::Window> window;  // of the mirror; null without --mirror
     Clock::time_point began = Clock::now();
-    std::optional<StandingPlace> start;  // where the user began; empty: the user has no position on the stage yet
-    bool leaving = false;                // the user wants to leave
-    bool paused_unworn = false;          // the stage played when the headset was taken off
-    std::optional<xr::Pose> head;        // tracking space; the last tracked pose
-    uint64_t frames = 0;                 // drawn since the program began
+    std::optional<StandingPlace> start;       // where the user began; empty: the user has no position on the stage yet
+    bool leaving = false;                     // the user wants to leave
+    bool paused_unworn = false;               // the stage played when the headset was taken off
+    std::optional<xr::Pose> head;             // tracking space; the last tracked pose
+    xr::RoomView room = xr::RoomView::kNone;  // how the user's own room is seen; kNone: it is not
+    uint64_t frames = 0;                      // drawn since the program began
     std::map<std::string, glm::dvec2> panel_items;
 
     double confirm_until_s = 0;  // until then, Leave leaves although there are unsaved edits

@@ -109,13 +109,28 @@ void update_panel(Program& program, SessionContext& session, double dt_s) {
     }
 }
 
+// Shows or hides the user's own room, as the user wants it; where that was not said yet, as the runtime prefers it.
+void update_room(Program& program, RuntimeContext& context, SessionContext& session) {
+    std::optional<bool>& wanted = program.state.wants_room;
+    if (!wanted) wanted = context.runtime.blend_modes()[0] != XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+    session.room.show(*wanted);
+    program.room = session.room.is_shown() ? session.room.view() : xr::RoomView::kNone;
+    if (!*wanted || session.room.is_shown()) return;
+    program.state.editor.notify(
+        "this headset cannot show your room: its runtime offers neither XR_FB_passthrough nor "
+        "a blend mode for that");
+    wanted = false;
+}
+
 // Draws the stage for both eyes. Returns false while the poses of the eyes are not known.
 bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time) {
     HeadsetState& state = program.state;
-    const bool hides_room = context.runtime.blend_mode() == XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+    const xr::Pose world = xr::world_from_tracking(state.rig);
+    const bool hides_room = !session.room.is_shown();
+    session.eyes.show_room(!hides_room);
+    context.renderer->show_room(hides_room ? std::nullopt : std::optional(world.position.y));
     context.renderer->show(state.evaluated, hides_room, render::MissingSegments::kHold);
     for (const std::string& problem : context.renderer->take_problems()) print_line("not shown: " + problem);
-    const xr::Pose world = xr::world_from_tracking(state.rig);
     const auto head = session.xr_session.locate(session.xr_session.head_space(), time.display);
     session.shapes.begin(world * (head ? head->position : glm::dvec3(0)), session.eyes.pixel_rad());
     if (hides_room) draw_floor(session.shapes, state);
@@ -138,6 +153,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
 
 void handle_events(const xr::SessionEvents& events, Program& program, SessionContext& session) {
     if (events.is_worn) pause_unworn(program, *events.is_worn);
+    if (events.passthrough_lost) session.room.restart();
     if (events.tracking_change) session.tracking_change = events.tracking_change;
     if (events.controllers_changed) {
         session.actions.update_controllers();
@@ -160,18 +176,20 @@ void frame(Program& program, RuntimeContext& context, SessionContext& session) {
     session.xr_session.begin_frame();
     update_stage(program, context, session, time, dt_s);
     std::vector<const XrCompositionLayerBaseHeader*> layers;
+    update_room(program, context, session);
     if (time.should_render) {
         update_panel(program, session, dt_s);
         if (draw_eyes(program, context, session, time)) {
             const auto& panel = program.interaction.panel;
+            if (const auto* room = session.room.layer()) layers.push_back(room);
             if (panel)
                 layers.push_back(session.panel.layer(
                     session.xr_session,
                     xr::inverse(xr::world_from_tracking(program.state.rig)) * panel->world_from_panel, panel->size_m));
-            layers.push_back(session.eyes.layer(session.xr_session, panel.has_value()));
+            layers.push_back(session.eyes.layer(session.xr_session, panel || session.room.is_shown()));
         }
     }
-    session.xr_session.end_frame(time, layers);
+    session.xr_session.end_frame(time, session.room.blend_mode(), layers);
     program.frames += !layers.empty();
     if (session.mirror && !session.mirror->show(session.eyes.left())) program.leaving = true;
 }

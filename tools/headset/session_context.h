@@ -9,6 +9,7 @@
 #include "tools/headset/runtime_context.h"
 #include "tools/headset/wearer.h"
 #include "xr/actions.h"
+#include "xr/room.h"
 
 namespace neuvv::headset {
 
@@ -17,12 +18,14 @@ struct SessionContext {
         : xr_session(context.runtime, context.device),
           actions(xr_session),
           hand_tracking(xr_session),
+          room(xr_session),
           eyes(context.device, xr_session, program.options.quality),
           panel(context.device, xr_session) {}
     xr::Session xr_session;
     xr::Actions actions;
     xr::HandTracking hand_tracking;
     std::optional<WearerBody> body;  // once it is needed
+    xr::Room room;
     EyeImages eyes;
     PanelSurface panel;
     std::unique_ptr<Mirror> mirror;
