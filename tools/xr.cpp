@@ -92,7 +92,8 @@ void add_xr(Command app, CommonOptions& common) {
                     "Rays a pixel along each side; otherwise as many as the refresh rate allows")
         .number_between(0.2, 1);
     verb.add_option("--inset", options->inset,
-                    "The middle of each eye gets all rays, this share of its side; beside it half of them")
+                    "Only this share of each eye's side gets all rays, where you look (or in the middle, where the "
+                    "headset does not say); beside it half of them")
         .number_between(0.1, 0.95);
     verb.add_option("--refresh", options->refresh_hz, "Hz of the display, or the nearest rate that it knows")
         .number_between(1, 1000);

@@ -34,6 +34,7 @@ bool is_bound(BoundHands hands, int hand) {
 Actions::Actions(const Session& session) : session_(session) {
     create_actions();
     create_tracker_action();
+    create_gaze_action();
     suggest_bindings();
     const XrActionSet set = set_.get();
     const XrSessionActionSetsAttachInfo info{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 1, &set};
@@ -75,6 +76,16 @@ void Actions::create_tracker_action() {
         tracker_ = XR_NULL_HANDLE;
 }
 
+void Actions::create_gaze_action() {
+    if (!session_.runtime().supports(XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME)) return;
+    XrActionCreateInfo info{XR_TYPE_ACTION_CREATE_INFO};
+    std::strcpy(info.actionName, "gaze");
+    std::strcpy(info.localizedActionName, "Gaze");
+    info.actionType = XR_ACTION_TYPE_POSE_INPUT;
+    if (!succeeded(xrCreateAction(set_.get(), &info, &gaze_), "xrCreateAction", info.actionName))
+        gaze_ = XR_NULL_HANDLE;
+}
+
 std::vector<XrActionSuggestedBinding> Actions::tracker_bindings() const {
     std::vector<XrActionSuggestedBinding> bindings;
     for (const TrackerRole& role : kTrackerRoles)
@@ -106,6 +117,7 @@ void Actions::suggest_bindings() const {
         suggest(profile.path, profile.title, bindings);
     }
     if (tracker_ != XR_NULL_HANDLE) suggest(kTrackerProfile, "trackers", tracker_bindings());
+    if (gaze_ != XR_NULL_HANDLE) suggest(kGazeProfile, "gaze", {{gaze_, runtime.path(kGazePose)}});
 }
 
 void Actions::create_spaces() {
@@ -119,6 +131,7 @@ void Actions::create_spaces() {
     for (int hand = 0; hand < kHands; hand++)
         for (const auto& [which, spaces] : {std::pair{HandAction::kAim, &aim_}, std::pair{HandAction::kGrip, &grip_}})
             create(action(which), paths_[hand], (*spaces)[hand], name_of(which).name);
+    if (gaze_ != XR_NULL_HANDLE) create(gaze_, XR_NULL_PATH, gaze_space_, "gaze");
     if (tracker_ == XR_NULL_HANDLE) return;
     for (size_t i = 0; i < kTrackers; i++) create(tracker_, tracker_paths_[i], trackers_[i], "tracker");
 }
@@ -197,6 +210,11 @@ TrackerPositions Actions::locate_trackers(XrTime time) const {
     for (size_t i = 0; i < kTrackers; i++)
         if (const auto pose = session_.locate(trackers_[i].get(), time)) positions[i] = pose->position;
     return positions;
+}
+
+std::optional<Pose> Actions::locate_gaze(XrTime time) const {
+    if (gaze_ == XR_NULL_HANDLE) return std::nullopt;
+    return session_.locate(gaze_space_.get(), time);
 }
 
 void Actions::vibrate(int hand, double amplitude, double seconds) {

@@ -23,6 +23,9 @@ class Actions {
     // Where worn trackers are, in the tracking space, as of the last sample(); none while the session does not have the
     // input focus.
     TrackerPositions locate_trackers(XrTime time) const;
+    // Where the eyes look, as kGazePose, in the tracking space, as of the last sample(); nothing where the runtime does
+    // not know it or has lost the eyes, and while the session does not have the input focus.
+    std::optional<Pose> locate_gaze(XrTime time) const;
     // Vibrates a controller; `amplitude` is clamped to 0..1. Where the runtime refuses, nothing happens.
     void vibrate(int hand, double amplitude, double seconds);
     // Finds out which controllers the user holds; to be called when SessionEvents::controllers_changed says so.
@@ -33,6 +36,7 @@ class Actions {
   private:
     void create_actions();
     void create_tracker_action();
+    void create_gaze_action();
     void suggest_bindings() const;
     void suggest(const char* profile, const char* title, const std::vector<XrActionSuggestedBinding>& bindings) const;
     std::vector<XrActionSuggestedBinding> tracker_bindings() const;
@@ -51,6 +55,8 @@ class Actions {
     XrAction tracker_ = XR_NULL_HANDLE;  // the pose of a worn tracker; none where the runtime knows no trackers
     std::array<XrPath, kTrackers> tracker_paths_{};
     std::array<XrOwnedSpace, kTrackers> trackers_;
+    XrAction gaze_ = XR_NULL_HANDLE;  // none where the runtime knows no gaze
+    XrOwnedSpace gaze_space_;
     std::array<const ControllerProfile*, kHands> profiles_{};
 };
 

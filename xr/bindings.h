@@ -69,6 +69,10 @@ extern const std::array<TrackerRole, kTrackers> kTrackerRoles;
 constexpr const char* kTrackerProfile = "/interaction_profiles/htc/vive_tracker_htcx";
 constexpr const char* kTrackerPose = "/input/grip/pose";  // below the path of the role
 
+// Where the eyes look (XR_EXT_eye_gaze_interaction): a pose with its origin between the eyes, whose −Z is the gaze.
+constexpr const char* kGazeProfile = "/interaction_profiles/ext/eye_gaze_interaction";
+constexpr const char* kGazePose = "/user/eyes_ext/input/gaze_ext/pose";
+
 // The profile with this path; null where the table has none.
 const ControllerProfile* find_profile(std::string_view path);
 

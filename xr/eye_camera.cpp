@@ -56,9 +56,14 @@ std::vector<glm::vec2> corners_in_image(std::span<const XrVector2f> vertices, st
     return corners;
 }
 
-render::Fovea fovea_of(const stage::Camera& eye, double share, double beside) {
-    const glm::dvec2 middle =
-        glm::clamp(glm::dvec2(eye.cx / eye.width, eye.cy / eye.height), 0.5 * share, 1 - 0.5 * share);
+render::Fovea fovea_of(const stage::Camera& eye, double share, double beside,
+                       const std::optional<glm::dvec3>& looks_at_world) {
+    glm::dvec2 pixel(eye.cx, eye.cy);
+    if (looks_at_world) {
+        const glm::dvec3 at(glm::inverse(eye.world_from_camera) * glm::dvec4(*looks_at_world, 1));
+        if (at.z < 0) pixel += glm::dvec2(eye.fx * at.x, -eye.fy * at.y) / -at.z;
+    }
+    const glm::dvec2 middle = glm::clamp(pixel / glm::dvec2(eye.width, eye.height), 0.5 * share, 1 - 0.5 * share);
     return {middle - 0.5 * share, middle + 0.5 * share, beside};
 }
 

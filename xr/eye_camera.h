@@ -1,6 +1,7 @@
 // A headset's eyes as cameras of this program, the parts of their images that the lenses hide, and the inset.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,10 @@ std::vector<glm::vec2> hidden_triangles(const Session& session, uint32_t eye, co
 std::vector<glm::vec2> corners_in_image(std::span<const XrVector2f> vertices, std::span<const uint32_t> indices,
                                         const XrFovf& fov);
 
-// The inset that gets all rays: a rectangle around the eye's axis that takes `share` of the image's width and height,
-// moved where it would leave the image. Outside it, a pixel gets `beside` as many rays along each side.
-render::Fovea fovea_of(const stage::Camera& eye, double share, double beside);
+// The inset that gets all rays: a rectangle that takes `share` of the image's width and height, around the image of
+// `looks_at_world`, or around the eye's axis where that is not known or lies behind the eye. It is moved where it would
+// leave the image. Outside it, a pixel gets `beside` as many rays along each side.
+render::Fovea fovea_of(const stage::Camera& eye, double share, double beside,
+                       const std::optional<glm::dvec3>& looks_at_world = {});
 
 }  // namespace neuvv::xr

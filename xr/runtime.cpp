@@ -67,6 +67,8 @@ std::vector<OptionalExtension> optional_extensions() {
          "the body is taken from another source"},
         {XR_FB_PASSTHROUGH_EXTENSION_NAME, "your own room can be seen (--room)",
          "your own room is seen only by a blend mode, see above"},
+        {XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME, "the inset is where you look (--inset)",
+         "the inset is in the middle of each eye's image"},
         {kUserPresenceExtension, "the stage pauses while nobody wears the headset", "the stage goes on"},
     };
     for (const ControllerProfile& profile : controller_profiles()) {
@@ -158,6 +160,9 @@ void Runtime::find_properties() {
          &XrSystemHandTrackingPropertiesEXT::supportsHandTracking);
     find(kUserPresenceExtension, XrSystemUserPresencePropertiesEXT{kUserPresenceProperties, nullptr, XR_FALSE},
          &XrSystemUserPresencePropertiesEXT::supportsUserPresence);
+    find(XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,
+         XrSystemEyeGazeInteractionPropertiesEXT{XR_TYPE_SYSTEM_EYE_GAZE_INTERACTION_PROPERTIES_EXT, nullptr, XR_FALSE},
+         &XrSystemEyeGazeInteractionPropertiesEXT::supportsEyeGazeInteraction);
     find(XR_FB_PASSTHROUGH_EXTENSION_NAME,
          XrSystemPassthroughPropertiesFB{XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB, nullptr, XR_FALSE},
          &XrSystemPassthroughPropertiesFB::supportsPassthrough);

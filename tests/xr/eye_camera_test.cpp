@@ -91,5 +91,17 @@ TEST(EyeCamera, TheInsetLiesAroundTheAxisAndInsideThePicture) {
     EXPECT_LT(glm::distance(pushed.last, glm::dvec2(1, 0.5)), 1e-12);
 }
 
+TEST(EyeCamera, TheInsetFollowsTheGaze) {
+    stage::Camera eye{.fx = 100, .fy = 100, .cx = 150, .cy = 100, .width = 300, .height = 200};
+    eye.world_from_camera[3] = glm::dvec4(1, 2, 3, 1);
+    // Half a metre to the right and a quarter up, at a distance of one metre: 50 and 25 pixels from the axis.
+    const render::Fovea there = xr::fovea_of(eye, 0.5, 0.4, glm::dvec3(1.5, 2.25, 2));
+    EXPECT_LT(glm::distance(there.first, glm::dvec2(200.0 / 300 - 0.25, 75.0 / 200 - 0.25)), 1e-12);
+    EXPECT_LT(glm::distance(there.last, glm::dvec2(200.0 / 300 + 0.25, 75.0 / 200 + 0.25)), 1e-12);
+    const render::Fovea pushed = xr::fovea_of(eye, 0.5, 0.4, glm::dvec3(-9, 2, 2.9));
+    EXPECT_LT(glm::distance(pushed.first, glm::dvec2(0, 0.25)), 1e-12) << "it stays in the image";
+    EXPECT_EQ(xr::fovea_of(eye, 0.5, 0.4, glm::dvec3(1, 2, 4)), xr::fovea_of(eye, 0.5, 0.4)) << "behind the eye";
+}
+
 }  // namespace
 }  // namespace neuvv::test

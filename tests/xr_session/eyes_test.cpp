@@ -1,4 +1,4 @@
-// The images of the eyes: their format and size, and what is behind the stage.
+// The images of the eyes: their format and size, where they are sharp, and what is behind the stage.
 #include "edit/operations.h"
 #include "xr_session/xr_session.h"
 
@@ -51,6 +51,47 @@ TEST_F(Eyes, DrawASmallerRectangleWhereTimeIsShort) {
         EXPECT_LT(mean_difference(slow.image(kSaved, eye), fast.image(kSaved, eye)), 6) << eye;
     const media::Image depth = fast.image(kSaved, "left_depth");
     EXPECT_EQ(depth.width, 96u);
+}
+
+// Pixels of a part of an image, within `radius` of (x, y), that differ clearly.
+uint32_t differing(const media::Image& a, const media::Image& b, int x, int y, int radius) {
+    uint32_t count = 0;
+    for (int v = y - radius; v <= y + radius; v++)
+        for (int u = x - radius; u <= x + radius; u++)
+            for (int c = 0; c < 3; c++)
+                if (std::abs(a.at(u, v)[c] - b.at(u, v)[c]) > 8) {
+                    count++;
+                    break;
+                }
+    return count;
+}
+
+// An inset that takes a quarter of the side has all rays; beside it there are half as many per side.
+TEST_F(Eyes, AreSharpWhereTheyLook) {
+    constexpr int kAtFeet = 8, kLost = 12, kRadius = 18;
+    XrScript script;
+    script.json["profile"] = "";
+    script.json["gaze"] = true;
+    script.gaze(0, {0, 1.5, 0}, {0, 0.1, -2});
+    script.lose_gaze(kAtFeet + 2);
+    for (const int frame : {kAtFeet, kLost}) script.save(frame);
+    script.end(kLost + 2);
+    const XrRun whole = run(script), inset = run(script, {"--inset", "0.25"});
+    expect_clean(inset);
+    for (const auto& [frame, sharp_y, blurred_y] : {std::tuple{kAtFeet, 142, 89}, std::tuple{kLost, 89, 142}}) {
+        SCOPED_TRACE(frame);
+        for (const auto& [eye, x] : {std::pair{"left", 104}, std::pair{"right", 87}}) {
+            const media::Image a = whole.image(frame, eye), b = inset.image(frame, eye);
+            EXPECT_LT(differing(a, b, x, sharp_y, kRadius), 5u) << eye;
+            EXPECT_GT(differing(a, b, x, blurred_y, kRadius), 20u) << eye;
+        }
+    }
+    // Without the extension, and with it on a headset that does not track eyes, it is in the middle from the start.
+    script.json["gaze"] = false;
+    const media::Image lost = inset.image(kLost, "left");
+    EXPECT_TRUE(same_pixels(run(script, {"--inset", "0.25"}).image(kAtFeet, "left"), lost));
+    script.json["extensions"] = {"XR_KHR_vulkan_enable2", "XR_KHR_visibility_mask", "XR_EXT_eye_gaze_interaction"};
+    EXPECT_TRUE(same_pixels(run(script, {"--inset", "0.25"}).image(kAtFeet, "left"), lost));
 }
 
 // The share of a part of an image whose alpha is above `alpha`.

@@ -116,27 +116,6 @@ TEST_F(Watching, BareHandsAreSeen) {
     EXPECT_EQ(check_golden("xr_fingers", run.image(6, "left")), "");
 }
 
-TEST_F(Watching, AnInsetIsSharpWhereOneLooks) {
-    XrScript script;
-    script.json["profile"] = "";
-    script.save(6);
-    script.end(8);
-    const XrRun whole = run(script), inset = run(script, {"--inset", "0.5"});
-    expect_clean(inset);
-    const media::Image a = whole.image(6, "left"), b = inset.image(6, "left");
-    // The inset is around the eye's axis; beside it there are half as many rays per side.
-    uint32_t inside = 0, beside = 0;
-    for (uint32_t y = 0; y < a.height; y++)
-        for (uint32_t x = 0; x < a.width; x++) {
-            const size_t i = 4 * (size_t{y} * a.width + x);
-            const bool other = std::abs(a.rgba[i] - b.rgba[i]) > 8;
-            const bool middle = x > 60 && x < 140 && y > 54 && y < 130;
-            (middle ? inside : beside) += other;
-        }
-    EXPECT_LT(inside, 20u);
-    EXPECT_GT(beside, 20u) << "the inset does something";
-}
-
 TEST_F(Watching, WalkingSmoothlyDarkensTheEdges) {
     XrScript to_panel;
     to_panel.hand(0, "left", kLeftHand, {-3, 1, -4});

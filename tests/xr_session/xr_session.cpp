@@ -69,6 +69,10 @@ void XrScript::move_to(int frame, const std::string& hand, glm::dvec3 position, 
     last_[hand] = timeline_[frame][hand];
 }
 
+void XrScript::gaze(int frame, glm::dvec3 position, glm::dvec3 looks_at) {
+    timeline_[frame]["gaze"] = pose(position, looks_at);
+}
+
 void XrScript::lose(int frame, const std::string& hand) {
     timeline_[frame][hand] = {{"tracked", false}};
 }

@@ -31,6 +31,9 @@ struct XrScript {
     void move_to(int frame, const std::string& hand, glm::dvec3 at, glm::dvec3 points_at);
     void input(int frame, const std::string& hand, const std::string& what, double value);
     void stick(int frame, const std::string& hand, glm::dvec2 value);
+    // From this frame on, the eyes look there, from between them; or they are not tracked.
+    void gaze(int frame, glm::dvec3 at, glm::dvec3 looks_at);
+    void lose_gaze(int frame) { timeline_[frame]["gaze"] = nullptr; }
     void lose(int frame, const std::string& hand);
     // The system tracks this body from the frame on (`body` of the script's timeline).
     void body(int frame, nlohmann::json body) { timeline_[frame]["body"] = std::move(body); }

@@ -123,7 +123,7 @@ render::FrameSettings EyeImages::settings_of(const render::StageRenderer& render
     settings.next_instances.assign(next.begin(), next.end());
     if (quality_.inset)
         for (const stage::Camera& camera : cameras_)
-            settings.foveae.push_back(xr::fovea_of(camera, *quality_.inset, kBeside));
+            settings.foveae.push_back(xr::fovea_of(camera, *quality_.inset, kBeside, looks_at_));
     if (shows_room_) settings.resolve.background = glm::vec4(0);
     return settings;
 }

@@ -16,11 +16,12 @@ struct EyeQuality {
     // Rays per pixel along each side; 0: as many as the refresh rate allows. Where that is fewer than one, a smaller
     // rectangle of the image is drawn (DrawnShare).
     double scale = 0;
-    std::optional<double> inset;  // the share of an image's side that gets all rays; the rest gets half as many
-    bool far_levels = true;       // FrameSettings::far_levels
-    bool mask = true;             // leave out what lenses hide, where the runtime has a visibility mask
-    bool depth = true;            // give depth to the compositor, where the runtime takes it
-    bool keep_images = false;     // for left()
+    // The share of an image's side that gets all rays, where the eyes look; the rest gets half as many.
+    std::optional<double> inset;
+    bool far_levels = true;    // FrameSettings::far_levels
+    bool mask = true;          // leave out what lenses hide, where the runtime has a visibility mask
+    bool depth = true;         // give depth to the compositor, where the runtime takes it
+    bool keep_images = false;  // for left()
 };
 
 class EyeImages {
@@ -42,6 +43,8 @@ class EyeImages {
 
     // Whether the user's own room is seen where the stage is not, from the next image on: there is no background then.
     void show_room(bool shown) { shows_room_ = shown; }
+    // Where the inset is from the next image on: around a point (world), or in the middle where none is known.
+    void look_at(const std::optional<glm::dvec3>& point_world) { looks_at_ = point_world; }
     // Draws what the renderer shows (StageRenderer::show) for both eyes, and prefetches the slices in `next`, all in
     // one submission, for which nobody waits but on software devices. `highlight` says which parts of a performer are
     // red. `eyes` are in the tracking space. `vignette` says how dark the edges are, 0..1. `budget_ms` is the time that
@@ -88,6 +91,7 @@ class EyeImages {
     bool has_left_ = false;  // left_ has been drawn to
     bool has_drawn_ = false;
     bool shows_room_ = false;
+    std::optional<glm::dvec3> looks_at_;
     XrCompositionLayerProjection projection_{XR_TYPE_COMPOSITION_LAYER_PROJECTION};
     std::array<XrCompositionLayerProjectionView, xr::kEyes> views_{};
     std::array<XrCompositionLayerDepthInfoKHR, xr::kEyes> depths_{};

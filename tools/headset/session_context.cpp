@@ -122,6 +122,15 @@ void update_room(Program& program, RuntimeContext& context, SessionContext& sess
     wanted = false;
 }
 
+// The point at which the eyes look; nothing where that is not known. How far away it is makes little difference to
+// where it is in their images.
+std::optional<glm::dvec3> find_gaze(const SessionContext& session, const xr::Pose& world, const xr::FrameTime& time) {
+    constexpr double kDistance_m = 2;
+    const auto gaze = session.actions.locate_gaze(time.display);
+    if (!gaze) return std::nullopt;
+    return world * (*gaze * glm::dvec3(0, 0, -kDistance_m));
+}
+
 // Draws the stage for both eyes. Returns false while the poses of the eyes are not known.
 bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time) {
     HeadsetState& state = program.state;
@@ -143,6 +152,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     // As late as possible, for the newest prediction: all that does not depend on the head has been done before.
     const auto eyes = session.xr_session.locate_eyes(time.display);
     if (!eyes) return false;
+    session.eyes.look_at(find_gaze(session, world, time));
     session.eyes.draw(*context.renderer, state.evaluated, program.training.session().highlight(), *eyes, world, next,
                       session.shapes, program.interaction.locomotion.vignette(),
                       kDrawShare * static_cast<double>(time.period) / 1e6);
