@@ -167,6 +167,26 @@ TEST_F(Room, IsSeenByPassthrough) {
         << "both ways show the same";
 }
 
+TEST_F(Room, IsShownAndHiddenByThePanel) {
+    with_layer = false;  // that of Debian 12 does not know the layer of the passthrough
+    XrScript to_panel;
+    to_panel.json["passthrough"] = true;
+    to_panel.hand(0, "left", kLeftHand, {-3, 1, -4});
+    to_panel.hand(0, "right", kRightHand, kAnna);
+    to_panel.click(kReady, "left", "y/click");
+    const json items = panel_after(to_panel, 14);
+    XrScript pressed = to_panel;
+    for (const int frame : {10, 20}) {
+        press(pressed, frame, items, "room");
+        pressed.save(frame + kPress);
+    }
+    pressed.end(30);
+    const XrRun run = this->run(pressed);
+    expect_clean(run);
+    EXPECT_EQ(run.report["layers"][0]["types"], json({"passthrough", "quad", "projection"}));
+    EXPECT_EQ(run.report["layers"][1]["types"], json({"quad", "projection"}));
+}
+
 TEST_F(Room, HasAShadowEvenWithoutLights) {
     stage = clip;  // on a stage of its own, without set and lights
     script.json["blend_modes"] = {"opaque", "alpha_blend"};

@@ -219,6 +219,8 @@ void comfort_rows(Rows& rows) {
     rows.checkbox("vignette", "Dark edges", &comfort.vignette);
     ImGui::SameLine();
     rows.checkbox("wrist", "Panel on the left wrist", &rows.state.panel_on_wrist);
+    bool room = rows.state.wants_room.value_or(false);
+    if (rows.checkbox("room", "Show your own room", &room)) rows.state.wants_room = room;
 }
 
 void file_row(Rows& rows) {
