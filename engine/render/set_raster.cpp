@@ -172,8 +172,10 @@ void SetRaster::change(const stage::GltfScene& scene, std::shared_ptr<const SetE
     scene_ = &scene;
     environment_ = std::move(environment);
     shadows_outdated_ |= !same_shapes || !same_surfaces;
+    const bool had_transparent = has_transparent();
     find_transparent();
     pack();
+    clear_front(had_transparent);
 }
 
 void SetRaster::resize(uint32_t width, uint32_t height) {
@@ -286,6 +288,10 @@ void SetRaster::catch_shadows(std::optional<double> floor_m) {
                                            {kSetShadowMaps, &set_shadow_maps},
                                            {kSetPerformerShadows, &performer_shadows}});
     }
+    clear_front(had_transparent);
+}
+
+void SetRaster::clear_front(bool had_transparent) {
     if (had_transparent && !has_transparent())
         gpu::run_once(device_, "set front", [&](gpu::Commands& commands) { gpu::fill(commands, front, 0); });
 }

@@ -120,6 +120,8 @@ class SetRaster {
     Surfaces make_surfaces(const stage::GltfScene& scene, const SetEnvironment& environment,
                            std::shared_ptr<SceneTextures> textures) const;
     void find_transparent();
+    // Removes blended pieces that were drawn and no longer are.
+    void clear_front(bool had_transparent);
     void pack();
     SetPush push_of(const stage::Camera& camera, uint32_t view) const;
     void record_view(gpu::Commands& commands, const stage::Camera& camera, uint32_t view);

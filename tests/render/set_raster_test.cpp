@@ -305,5 +305,28 @@ TEST_F(SetRasterTest, PanesAreBlendedFarToNearInTwoLayers) {
     expect_colour(behind.colour[kSide * 10 + 10], glm::dvec4(0), "from behind");
 }
 
+TEST_F(SetRasterTest, NothingStaysOfPanesThatAreNotDrawnAnyMore) {
+    GlbBuilder glass, wall;
+    add_mesh(glass, rectangle({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), unlit({1, 0, 0, 0.5f}, "BLEND"));
+    add_mesh(wall, rectangle({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), unlit({1, 0, 0, 1}));
+    const stage::GltfScene pane = scene_of(glass), opaque = scene_of(wall);
+    const stage::Camera camera = look_at({0, 0, 2}, {0, 0, 0}, kSide, kSide, 1);
+    const auto environment = std::make_shared<render::SetEnvironment>(device(), nullptr);
+    render::SetRaster set(device(), pane, kSide, kSide, 1, environment);
+    set.pose(stage::pose_scene(pane, stage::kNoAnimation, 0));
+    std::vector<float> behind_it(kSide * kSide, 2.5f);
+    gpu::upload(device(), set.volume_depth, behind_it.data(), behind_it.size() * sizeof(float));
+    const size_t middle = kSide * kSide / 2 + kSide / 2;
+    const auto front = [&] { return draw_set(device(), set, {camera}).front[middle]; };
+    expect_colour(front(), {0.5, 0, 0, 0.5}, "a pane before the volume");
+    set.catch_shadows(-1.0);
+    expect_colour(front(), glm::dvec4(0), "where only shadows are drawn");
+    set.catch_shadows({});
+    expect_colour(front(), {0.5, 0, 0, 0.5}, "it is back");
+    set.change(opaque, environment);
+    set.pose(stage::pose_scene(opaque, stage::kNoAnimation, 0));
+    expect_colour(front(), glm::dvec4(0), "in a scene without panes");
+}
+
 }  // namespace
 }  // namespace neuvv::test
