@@ -37,6 +37,17 @@ nlohmann::ordered_json json_of(const gpu::BufferLimits& limits) {
             {"max_storage_buffers", limits.storage_buffers}};
 }
 
+nlohmann::ordered_json budget_of(const gpu::DeviceSummary& device) {
+    if (!device.memory.budget) return nullptr;
+    return *device.memory.budget;
+}
+
+std::string memory_text(const gpu::HeapMemory& memory) {
+    if (!memory.budget) return fmt::format("{} (does not tell how much of it is free)", size_text(memory.size));
+    return fmt::format("{}, of which a program may take {} now and this one takes {}", size_text(memory.size),
+                       size_text(*memory.budget), size_text(memory.used));
+}
+
 nlohmann::ordered_json json_of(const std::vector<gpu::DeviceSummary>& devices) {
     auto list = nlohmann::ordered_json::array();
     for (const gpu::DeviceSummary& device : devices)
@@ -45,7 +56,9 @@ nlohmann::ordered_json json_of(const std::vector<gpu::DeviceSummary>& devices) {
                         {"kind", device.kind},
                         {"driver", device.driver},
                         {"vulkan", version_text(device.api_version)},
-                        {"memory_bytes", device.memory_bytes},
+                        {"memory_bytes", device.memory.size},
+                        {"memory_budget_bytes", budget_of(device)},
+                        {"memory_used_bytes", device.memory.used},
                         {"buffers", json_of(device.buffers)},
                         {"usable", device.missing.empty()},
                         {"missing", device.missing},
@@ -68,8 +81,8 @@ void print(const gpu::BufferLimits& limits) {
 void print(const std::vector<gpu::DeviceSummary>& devices) {
     for (const gpu::DeviceSummary& device : devices) {
         fmt::print("{}  {}\n", device.index, device.name);
-        fmt::print("   {}, Vulkan {}, {}, {}\n", device.kind, version_text(device.api_version),
-                   size_text(device.memory_bytes), device.driver);
+        fmt::print("   {}, Vulkan {}, {}\n", device.kind, version_text(device.api_version), device.driver);
+        fmt::print("   memory: {}\n", memory_text(device.memory));
         fmt::print("   {}\n", device.missing.empty() ? "usable" : "not usable");
         print(device.buffers);
         for (const std::string& feature : device.missing) fmt::print("   missing: {}\n", feature);
@@ -93,12 +106,13 @@ void add_devices(Command app, CommonOptions&) {
     Command verb = app.add_verb("devices", "List the Vulkan devices of this machine and what each lacks");
     const auto json = std::make_shared<bool>(false);
     verb.add_flag("--json", *json,
-                  "Print JSON: index, name, kind, driver, vulkan, memory_bytes, buffers, usable, missing, lacks");
+                  "Print JSON: index, name, kind, driver, vulkan, memory_bytes, memory_budget_bytes (null: the device "
+                  "does not tell), memory_used_bytes, buffers, usable, missing, lacks");
     verb.footer(
         {"Other verbs take the best usable device: discrete, integrated, virtual, then CPU. --device or NEUVV_DEVICE\n"
          "chooses another by its index or a part of its name. Passes bind long arrays as texel buffers or as storage\n"
          "buffers, whichever may be longer there; NEUVV_BUFFERS=texel or storage decides. Training needs texel "
-         "buffers.\n\n"
+         "buffers.\nNEUVV_DEVICE_MEMORY sets how many MiB of its memory a program takes at most.\n\n"
          "Examples:\n"
          "  neuvv devices\n"
          "  neuvv devices --json\n"

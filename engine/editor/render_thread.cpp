@@ -270,7 +270,8 @@ void RenderThread::load(const std::shared_ptr<const edit::Document>& document, u
     try {
         auto stage = std::make_shared<const stage::Stage>(stage::make_stage(document->file, stage_.get()));
         if (renderer_) {
-            renderer_->change(*stage, loader_->load(*stage, progress));
+            renderer_->change(*stage, render::with_memory_of_slices(renderer_->frames(),
+                                                                    [&] { return loader_->load(*stage, progress); }));
         } else {
             progress(0, stage->clips.size());
             make_renderer(*stage, progress);
@@ -339,11 +340,11 @@ void RenderThread::fit(VkExtent2D size) {
         renderer_->resize(capacity_.width, capacity_.height);
     }
     if (image_ && image_->shape.width == capacity_.width && image_->shape.height == capacity_.height) return;
-    auto created = std::make_shared<gpu::DeviceImage>(
-        device_, "displayed image",
-        gpu::ImageShape{
-            capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
-            VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    const gpu::ImageShape shape{
+        capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
+        VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+    auto created = render::with_memory_of_slices(
+        renderer_->frames(), [&] { return std::make_shared<gpu::DeviceImage>(device_, "displayed image", shape); });
     gpu::run_once(device_, "displayed image", [&](gpu::Commands& commands) {
         gpu::move_layout(commands, *created, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     });

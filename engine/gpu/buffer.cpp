@@ -85,8 +85,9 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
 
     const MemoryFlags flags = flags_of(kind);
     const uint32_t type = owner.memory_type(requirements.memoryTypeBits, flags.preferred, flags.required);
-    check(owner.memory_pool().take(owner.handle(), requirements.size, type, kind != MemoryKind::kDevice, memory),
-          "vkAllocateMemory, vkMapMemory", name);
+    owner.check_memory(
+        owner.memory_pool().take(owner.handle(), requirements.size, type, kind != MemoryKind::kDevice, memory), name,
+        requirements.size);
     mapped = memory.mapped;
     owner.count_buffer_bytes(bytes, 0);
     check(vkBindBufferMemory(owner.handle(), buffer, memory.memory, 0), "vkBindBufferMemory", name);

@@ -84,13 +84,31 @@ void Commands::wait() {
     if (!in_flight_) return;
     {
         const TraceSpan span("wait for the device");
-        check(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences", name_);
+        const VkResult result = vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX);
+        const std::string pass = result == VK_ERROR_DEVICE_LOST ? unfinished_pass() : "";
+        check(result, "vkWaitForFences", pass.empty() ? name_ : name_ + ", pass " + pass);
     }
     milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - submitted_).count();
     check(vkResetFences(device_.handle(), 1, &fence_), "vkResetFences", name_);
     in_flight_ = false;
     if (is_tracing()) trace_passes();
     if (DebugBuffer* debug = device_.used_debug_buffer()) debug->report();
+}
+
+// Of a submission in which the device was lost: the last pass that had begun and not ended; empty: it is not known.
+std::string Commands::unfinished_pass() const {
+    struct Timestamp {
+        uint64_t tick = 0, is_there = 0;
+    };
+    std::vector<Timestamp> all(2 * scopes_.size());
+    if (all.empty()) return "";
+    const VkResult result = vkGetQueryPoolResults(device_.handle(), timestamps_, 0, static_cast<uint32_t>(all.size()),
+                                                  all.size() * sizeof(Timestamp), all.data(), sizeof(Timestamp),
+                                                  VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WITH_AVAILABILITY_BIT);
+    if (result != VK_SUCCESS && result != VK_NOT_READY) return "";
+    for (size_t i = scopes_.size(); i-- > 0;)
+        if (all[2 * i].is_there && !all[2 * i + 1].is_there) return scopes_[i];
+    return "";
 }
 
 // Those of the begin and the end of each timed scope.

@@ -36,7 +36,7 @@ class Commands {
     // Whether wait() would return at once.
     bool is_done() const;
     // Blocks until the submitted work is done. Returns at once when nothing was submitted. Throws VulkanError on device
-    // loss.
+    // loss; it names the pass that had begun and not ended, where that is known.
     void wait();
 
     VkCommandBuffer handle() const { return buffer_; }
@@ -58,6 +58,7 @@ class Commands {
     Commands(const Device& device, uint32_t max_scopes, std::string name);  // without Vulkan objects
     std::vector<uint64_t> timestamps() const;
     void trace_passes() const;
+    std::string unfinished_pass() const;
     const Device& device_;
     std::string name_;
     uint32_t max_scopes_;

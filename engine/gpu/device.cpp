@@ -22,6 +22,10 @@ namespace neuvv::gpu {
 VulkanError::VulkanError(VkResult failed, const char* call, const std::string& object)
     : RuntimeFailure(fmt::format("{} failed for \"{}\": {}", call, object, result_name(failed))), result(failed) {}
 
+bool VulkanError::out_of_memory() const {
+    return is_out_of_memory(result);
+}
+
 void check(VkResult result, const char* call, const std::string& object) {
     if (result != VK_SUCCESS) throw VulkanError(result, call, object);
 }
@@ -109,8 +113,6 @@ DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
     VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver, {}};
     vkGetPhysicalDeviceProperties2(physical, &properties);
-    VkPhysicalDeviceMemoryProperties memory{};
-    vkGetPhysicalDeviceMemoryProperties(physical, &memory);
 
     DeviceSummary summary;
     summary.index = index;
@@ -118,9 +120,7 @@ DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
     summary.kind = kind_of(properties.properties.deviceType);
     summary.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
     summary.api_version = properties.properties.apiVersion;
-    for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
-        if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
-            summary.memory_bytes = std::max<uint64_t>(summary.memory_bytes, memory.memoryHeaps[i].size);
+    summary.memory = heap_memory(physical);
     summary.buffers = buffer_limits(properties.properties.limits);
     find_lacking_features(physical, summary.missing, summary.missing_optional);
     return summary;
@@ -198,6 +198,7 @@ Device::Device(const std::string& choice, Validation validation, const DeviceExt
     create_instance(validation, extensions, maker);
     choose_physical(choice, maker);
     create_device(extensions, maker);
+    limit_memory(memory_limit_of_environment());
     open_pipeline_cache();
 }
 
@@ -350,6 +351,32 @@ uint32_t Device::memory_type(uint32_t type_bits, VkMemoryPropertyFlags preferred
         for (uint32_t i = 0; i < memory.memoryTypeCount; i++)
             if ((type_bits >> i & 1) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
     throw RuntimeFailure(fmt::format("device \"{}\" has no memory type with flags {:#x}", summary_.name, required));
+}
+
+void Device::limit_memory(std::optional<uint64_t> bytes) const {
+    memory_pool_.set_limit(summary_.memory.types, bytes);
+}
+
+HeapMemory Device::memory() const {
+    HeapMemory now = heap_memory(physical_);
+    const std::optional<uint64_t> limit = memory_pool_.limit();
+    if (limit || !now.budget) now.used = memory_pool_.allocated();
+    if (!limit) return now;
+    now.size = std::min(now.size, *limit);
+    now.budget = std::min(now.budget.value_or(*limit), *limit);
+    return now;
+}
+
+void Device::check_memory(VkResult result, const std::string& object, uint64_t bytes) const {
+    if (!is_out_of_memory(result)) return check(result, "vkAllocateMemory", object);
+    const HeapMemory now = memory();
+    throw VulkanError(
+        result,
+        fmt::format("device \"{}\" has no memory left for \"{}\", which needs {:.1f} MiB: of {} MiB, this program "
+                    "takes {} ({}); choose a smaller --size or --slice-budget, --far-levels off, or another "
+                    "device (`neuvv devices` lists them)",
+                    summary_.name, object, static_cast<double>(bytes) / 1048576, now.budget.value_or(now.size) >> 20,
+                    now.used >> 20, result_name(result)));
 }
 
 void Device::name_object(VkObjectType type, uint64_t object, const std::string& name) const {

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "gpu/buffer_profile.h"
 #include "gpu/device_clock.h"
+#include "gpu/heap_memory.h"
 #include "gpu/memory_pool.h"
 #include "gpu/shader_table.h"
 
@@ -23,11 +24,13 @@ namespace neuvv::gpu {
 class ComputePrograms;
 class DebugBuffer;
 
-// A Vulkan call failed. After the loss of a device nothing of the device can be used any more; other failures, such as
-// a lack of memory, leave it usable.
+// A Vulkan call failed. After the loss of a device nothing of the device can be used any more, and all that is made of
+// it can only be destroyed; other failures, such as a lack of memory, leave it usable.
 struct VulkanError : RuntimeFailure {
     VulkanError(VkResult result, const char* call, const std::string& object);
+    VulkanError(VkResult failed, const std::string& text) : RuntimeFailure(text), result(failed) {}
     bool device_lost() const { return result == VK_ERROR_DEVICE_LOST; }
+    bool out_of_memory() const;
     VkResult result;
 };
 
@@ -42,7 +45,7 @@ struct DeviceSummary {
     std::string kind;    // "discrete", "integrated", "virtual", "cpu", "other"
     std::string driver;  // "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"
     uint32_t api_version = 0;
-    uint64_t memory_bytes = 0;  // the largest device-local heap
+    HeapMemory memory;
     BufferLimits buffers;
     std::vector<std::string> missing;  // required features that it lacks, as the table names them; empty: usable
     std::vector<std::string> missing_optional;  // optional features that it lacks, each with its substitute
@@ -73,9 +76,9 @@ struct DeviceMaker {
 class Device {
   public:
     // `choice` is an index or a part of a name (case-insensitive). Where it is empty, NEUVV_DEVICE of the environment
-    // counts, else the best usable device is taken, in the order discrete, integrated, virtual, other, cpu. Throws
-    // InputError for a choice that fits no device, RuntimeFailure for a device that lacks a required feature or one of
-    // `extensions`.
+    // counts, else the best usable device is taken, in the order discrete, integrated, virtual, other, cpu. Takes no
+    // more memory than memory_limit_of_environment(). Throws InputError for a choice that fits no device and for a
+    // wrong limit, RuntimeFailure for a device that lacks a required feature or one of `extensions`.
     explicit Device(const std::string& choice = "", Validation validation = Validation::kOff,
                     const DeviceExtensions& extensions = {}, const DeviceMaker& maker = {});
     ~Device();
@@ -106,6 +109,13 @@ class Device {
     void count_buffer_bytes(uint64_t more, uint64_t less) const { buffer_bytes_ += more - less; }
 
     MemoryPool& memory_pool() const { return memory_pool_; }
+    // The memory now. With a limit (limit_memory), budget and size are at most that.
+    HeapMemory memory() const;
+    // From now on, allocations beyond so many bytes fail; nothing: only where the device has no more.
+    void limit_memory(std::optional<uint64_t> bytes) const;
+    // Throws VulkanError, unless the result of an allocation is VK_SUCCESS. Where the device has no memory, it says how
+    // much was asked for and what for, how much the device has, and what to do.
+    void check_memory(VkResult result, const std::string& object, uint64_t bytes) const;
     DeviceClock& clock() const { return clock_; }
 
     // The first memory type of `type_bits` with the flags `preferred`, else the first one with the flags `required`.

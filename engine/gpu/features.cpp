@@ -70,6 +70,8 @@ FeatureChain features_to_enable(VkPhysicalDevice physical) {
         float_atomic_add(enable) = VK_TRUE;
         enable.extensions.push_back(VK_EXT_SHADER_ATOMIC_FLOAT_EXTENSION_NAME);
     }
+    if (has_extension(physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME))
+        enable.extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
     if (has_extension(physical, "VK_KHR_portability_subset")) enable.extensions.push_back("VK_KHR_portability_subset");
     return enable;
 }

@@ -31,16 +31,10 @@ void create_image(DeviceImage& to) {
     check(vkCreateImage(device.handle(), &info, nullptr, &to.image), "vkCreateImage", to.name);
     VkMemoryRequirements requirements{};
     vkGetImageMemoryRequirements(device.handle(), to.image, &requirements);
-    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    allocate.allocationSize = requirements.size;
-    allocate.memoryTypeIndex = device.memory_type(requirements.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0);
-    VkResult result = vkAllocateMemory(device.handle(), &allocate, nullptr, &to.memory);
-    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) {
-        device.memory_pool().clear(device.handle());
-        result = vkAllocateMemory(device.handle(), &allocate, nullptr, &to.memory);
-    }
-    check(result, "vkAllocateMemory", to.name);
-    check(vkBindImageMemory(device.handle(), to.image, to.memory, 0), "vkBindImageMemory", to.name);
+    const uint32_t type = device.memory_type(requirements.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0);
+    device.check_memory(device.memory_pool().take(device.handle(), requirements.size, type, false, to.memory), to.name,
+                        requirements.size);
+    check(vkBindImageMemory(device.handle(), to.image, to.memory.memory, 0), "vkBindImageMemory", to.name);
 }
 
 }  // namespace
@@ -62,7 +56,7 @@ DeviceImage::DeviceImage(const Device& owner, std::string label, const ImageShap
     info.subresourceRange = {aspect_of(shape.format), 0, shape.mip_levels, 0, shape.layers};
     check(vkCreateImageView(owner.handle(), &info, nullptr, &view), "vkCreateImageView", name);
     owner.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image), name);
-    owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory), name);
+    owner.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, reinterpret_cast<uint64_t>(memory.memory), name);
     owner.name_object(VK_OBJECT_TYPE_IMAGE_VIEW, reinterpret_cast<uint64_t>(view), name);
 }
 
@@ -70,7 +64,7 @@ DeviceImage::~DeviceImage() {
     if (!device) return;
     vkDestroyImageView(device->handle(), view, nullptr);
     vkDestroyImage(device->handle(), image, nullptr);
-    vkFreeMemory(device->handle(), memory, nullptr);
+    device->memory_pool().give(device->handle(), memory);
 }
 
 DeviceImage::DeviceImage(DeviceImage&& other) noexcept {

@@ -32,7 +32,7 @@ struct DeviceImage {
     std::string name;
     ImageShape shape;
     VkImage image = VK_NULL_HANDLE;
-    VkDeviceMemory memory = VK_NULL_HANDLE;
+    DeviceMemory memory;
     VkImageView view = VK_NULL_HANDLE;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "gpu/result_name.h"
+
 namespace neuvv::gpu {
 
 namespace {
@@ -33,21 +35,42 @@ bool MemoryPool::find(VkDeviceSize bytes, uint32_t type, bool mapped, DeviceMemo
     return true;
 }
 
+// Of its size and type.
+VkResult MemoryPool::allocate(VkDevice device, DeviceMemory& memory) {
+    const VkDeviceSize counted = counts(memory.type) ? memory.bytes : 0;
+    {
+        const std::lock_guard lock(mutex_);
+        if (counted > 0 && limit_ && allocated_ + counted > *limit_) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+        allocated_ += counted;
+    }
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.allocationSize = memory.bytes;
+    info.memoryTypeIndex = memory.type;
+    const VkResult result = vkAllocateMemory(device, &info, nullptr, &memory.memory);
+    if (result == VK_SUCCESS) return result;
+    const std::lock_guard lock(mutex_);
+    allocated_ -= counted;
+    return result;
+}
+
+void MemoryPool::free_locked(VkDevice device, const DeviceMemory& memory) {
+    vkFreeMemory(device, memory.memory, nullptr);
+    if (counts(memory.type)) allocated_ -= memory.bytes;
+}
+
 VkResult MemoryPool::take(VkDevice device, VkDeviceSize bytes, uint32_t type, bool mapped, DeviceMemory& memory) {
     bytes = rounded(bytes);
     if (find(bytes, type, mapped, memory)) return VK_SUCCESS;
-    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    info.allocationSize = bytes;
-    info.memoryTypeIndex = type;
     DeviceMemory made{VK_NULL_HANDLE, bytes, type};
-    VkResult result = vkAllocateMemory(device, &info, nullptr, &made.memory);
-    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) {
+    VkResult result = allocate(device, made);
+    if (is_out_of_memory(result)) {
         clear(device);
-        result = vkAllocateMemory(device, &info, nullptr, &made.memory);
+        result = allocate(device, made);
     }
     if (result == VK_SUCCESS && mapped) {
         result = vkMapMemory(device, made.memory, 0, VK_WHOLE_SIZE, 0, &made.mapped);
-        if (result != VK_SUCCESS) vkFreeMemory(device, made.memory, nullptr);
+        const std::lock_guard lock(mutex_);
+        if (result != VK_SUCCESS) free_locked(device, made);
     }
     if (result == VK_SUCCESS) memory = made;
     return result;
@@ -55,12 +78,12 @@ VkResult MemoryPool::take(VkDevice device, VkDeviceSize bytes, uint32_t type, bo
 
 void MemoryPool::give(VkDevice device, const DeviceMemory& memory) {
     if (!memory.memory) return;
-    if (memory.bytes > kLargestKept) return vkFreeMemory(device, memory.memory, nullptr);
     const std::lock_guard lock(mutex_);
+    if (memory.bytes > kLargestKept) return free_locked(device, memory);
     kept_.push_back(memory);
     kept_bytes_ += memory.bytes;
     while (kept_bytes_ > kMostKept || kept_.size() > kMostPieces) {
-        vkFreeMemory(device, kept_.front().memory, nullptr);
+        free_locked(device, kept_.front());
         kept_bytes_ -= kept_.front().bytes;
         kept_.pop_front();
     }
@@ -68,9 +91,25 @@ void MemoryPool::give(VkDevice device, const DeviceMemory& memory) {
 
 void MemoryPool::clear(VkDevice device) {
     const std::lock_guard lock(mutex_);
-    for (const DeviceMemory& memory : kept_) vkFreeMemory(device, memory.memory, nullptr);
+    for (const DeviceMemory& memory : kept_) free_locked(device, memory);
     kept_.clear();
     kept_bytes_ = 0;
+}
+
+void MemoryPool::set_limit(uint32_t types, std::optional<VkDeviceSize> limit) {
+    const std::lock_guard lock(mutex_);
+    counted_types_ = types;
+    limit_ = limit;
+}
+
+std::optional<VkDeviceSize> MemoryPool::limit() const {
+    const std::lock_guard lock(mutex_);
+    return limit_;
+}
+
+VkDeviceSize MemoryPool::allocated() const {
+    const std::lock_guard lock(mutex_);
+    return allocated_;
 }
 
 }  // namespace neuvv::gpu

@@ -1,11 +1,12 @@
-// Device memory of buffers that are gone, kept for buffers to come: a driver may take long to allocate and to free
-// memory, and whoever plays a stream needs some dozens of buffers for each frame.
+// Device memory of buffers and images: what those that are gone had is kept for others to come, because a driver may
+// take long to allocate and to free memory, and whoever plays a stream needs some dozens of buffers for each frame.
 #pragma once
 
 #include <volk.h>
 
 #include <deque>
 #include <mutex>
+#include <optional>
 
 namespace neuvv::gpu {
 
@@ -27,11 +28,24 @@ class MemoryPool {
     // Frees all that is kept.
     void clear(VkDevice device);
 
+    // Memory of these types (a bit mask) counts as allocated(). Beyond the limit, take() returns
+    // VK_ERROR_OUT_OF_DEVICE_MEMORY.
+    void set_limit(uint32_t types, std::optional<VkDeviceSize> limit);
+    std::optional<VkDeviceSize> limit() const;
+    // Bytes, with what is kept.
+    VkDeviceSize allocated() const;
+
   private:
     bool find(VkDeviceSize bytes, uint32_t type, bool mapped, DeviceMemory& memory);
-    std::mutex mutex_;
+    VkResult allocate(VkDevice device, DeviceMemory& memory);
+    void free_locked(VkDevice device, const DeviceMemory& memory);
+    bool counts(uint32_t type) const { return counted_types_ >> type & 1; }
+    mutable std::mutex mutex_;
     std::deque<DeviceMemory> kept_;  // the oldest first
     VkDeviceSize kept_bytes_ = 0;
+    uint32_t counted_types_ = 0;
+    std::optional<VkDeviceSize> limit_;
+    VkDeviceSize allocated_ = 0;
 };
 
 }  // namespace neuvv::gpu

@@ -1,9 +1,15 @@
-// Names of VkResult values for messages.
+// Names of VkResult values for messages, and what they mean.
 #pragma once
 
 #include <volk.h>
 
 namespace neuvv::gpu {
+
+// Whether an allocation failed because there is no memory, or because the driver has no room for one more.
+inline bool is_out_of_memory(VkResult result) {
+    return result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY ||
+           result == VK_ERROR_TOO_MANY_OBJECTS;
+}
 
 inline const char* result_name(VkResult result) {
     switch (result) {

@@ -205,7 +205,9 @@ void ClipFiles::read_one_ahead(const Wanted& wanted) {
     } catch (const InputError& problem) {
         add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}});
     } catch (const std::exception& problem) {  // no memory: there may be some later
-        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true});
+        const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&problem);
+        const bool lacks_memory = vulkan && vulkan->out_of_memory();
+        add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true, lacks_memory});
         pause();
     }
 }

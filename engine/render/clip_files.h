@@ -77,6 +77,7 @@ class ClipFiles {
         bool is_coarse = false;  // this is its coarse tree; or of a frame of a stream, what came in time
         Paints paints{};         // for the lists of layers that were wanted; none of a coarse tree
         bool may_come = false;   // it could not be read because a server does not answer, or for want of memory
+        bool lacks_memory = false;
     };
     // The results since the last call. Until then, they keep what was read on the device.
     std::vector<Result> take_results();

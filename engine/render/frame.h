@@ -58,14 +58,16 @@ struct FrameCapacity {
     uint32_t width = 0, height = 0;
     uint32_t samples = 1;
     uint32_t views = 1;
-    // Bytes of slices, in equal shares for all fields (or as FrameRenderer::change_fields says). With
-    // FrameSettings::far_levels their coarser levels take as much for each leaf, which is about a third more in all. 0:
-    // no slices; the direct path draws all that is not painted.
+    // Bytes of slices, or less where the device has not so much left (slice_budget), in equal shares for all fields (or
+    // as FrameRenderer::change_fields says). With FrameSettings::far_levels their coarser levels take as much for each
+    // leaf, which is about a third more in all. 0: no slices; the direct path draws all that is not painted.
     uint64_t slice_budget = kSliceBudget;
     uint64_t segment_budget = UINT64_MAX;  // bytes of segments that are merged at once
 };
 
-// Everything that a frame needs on the device, created once.
+// Everything that a frame needs on the device, created once. Where an image needs more memory than the device has left,
+// slices are dropped, and from then on fewer are kept; then far levels. Where even that is not enough, what draws the
+// image throws VulkanError, and later images may be drawn again.
 class FrameRenderer {
   public:
     // `set` is drawn with the performers. It must have at least samples · width × samples · height texels and as many
@@ -116,6 +118,12 @@ class FrameRenderer {
 
     // Drops all slices, so that the next image builds them again (for measuring).
     void forget_slices();
+    // Frees all slices, so that there is memory for something else. The next image builds those again that it needs;
+    // from then on, slices may take half as much memory as before, or that of one slice of each field. Returns whether
+    // there were any.
+    bool drop_slices();
+    // The bytes that slices may take now; 1: one slice of each field.
+    uint64_t slice_budget() const { return capacity_.slice_budget; }
 
     // The rays of a view of the last image, in rows of layout().rays_across(): premultiplied linear RGB and alpha;
     // depth along the ray in metres. After an inspection they hold what shared/inspect.h says.
@@ -159,7 +167,10 @@ class FrameRenderer {
     void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
                  const Then& then);
     FrameSettings begin(std::span<const stage::Camera> cameras, const FrameSettings& settings);
-    void submit_to(Destination to, const FrameSettings& settings, const Then& then);
+    FrameSettings begin_with_memory_left(std::span<const stage::Camera> cameras, const FrameSettings& settings);
+    void drop_slices_or_rethrow(const gpu::VulkanError& error);
+    void submit_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
+                   const Then& then);
     void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
     void make_grids(const FrameSettings& settings, uint32_t views);
     TargetViews views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
@@ -199,5 +210,17 @@ class FrameRenderer {
     bool under_way_ = false;                         // an image that nobody has waited for
     gpu::Commands commands_;
 };
+
+// Does something beside a renderer that needs memory on its device. Where there is none left, it is done again without
+// the renderer's slices.
+template <typename Work>
+auto with_memory_of_slices(FrameRenderer& renderer, const Work& work) {
+    try {
+        return work();
+    } catch (const gpu::VulkanError& error) {
+        if (!error.out_of_memory() || !renderer.drop_slices()) throw;
+    }
+    return work();
+}
 
 }  // namespace neuvv::render

@@ -59,6 +59,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, set),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges),
       commands_(device, "frame", kMaxScopes) {
+    capacity_.slice_budget = render::slice_budget(device.memory(), capacity.slice_budget);
     for (const Field* field : levels_.all) paints_.push_back(std::make_unique<Paints>(device, *field));
     if (!set) return;
     assert(set->views() >= capacity.views);
@@ -71,6 +72,7 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
                     capacity, other.set_) {
     other.finish();
     slice_shares_ = other.slice_shares_;
+    capacity_.slice_budget = other.capacity_.slice_budget;  // its slices are taken over
     paints_ = std::move(other.paints_);
     shadows_ = std::move(other.shadows_);
     performers_ = std::move(other.performers_);
@@ -231,7 +233,8 @@ std::unique_ptr<Performer> FrameRenderer::make_performer(uint32_t index) const {
 }
 
 // Creates the performers that do not exist yet: those of the given fields, and of all of their coarser levels, so that
-// no later frame waits for one. Where memory is short, the given fields alone have performers.
+// no later frame waits for one. Where memory is short although each has but one slice, the given fields alone have
+// performers.
 void FrameRenderer::make_performers(bool far_levels) {
     performers_.resize(levels_.all.size());
     for (uint32_t i = 0; i < levels_.given(); i++)
@@ -241,7 +244,9 @@ void FrameRenderer::make_performers(bool far_levels) {
         for (uint32_t i = levels_.given(); i < levels_.all.size(); i++)
             if (!performers_[i]) performers_[i] = make_performer(i);
         far_levels_fit_ = true;
-    } catch (const RuntimeFailure&) {
+    } catch (const RuntimeFailure& error) {
+        const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&error);
+        if (vulkan && (vulkan->device_lost() || capacity_.slice_budget > 1)) throw;
         far_levels_fit_ = false;
         for (uint32_t i = levels_.given(); i < levels_.all.size(); i++) performers_[i].reset();
     }
@@ -273,17 +278,48 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
     }
 }
 
-// Returns whether the image needed more room on the device than there was. Then there is more room now.
+// Returns whether the image needed more room on the device than there was. Then there is more room now, or the image
+// must at least be begun again.
 bool FrameRenderer::enlarge() {
     bool any = false;
-    for (const auto& performer : performers_) any |= performer && performer->enlarge_slices();
-    if (segments_ && segments_->overflowed()) {
-        for (const auto& performer : performers_)
-            if (performer) performer->forget_segments();
-        segments_->enlarge();
-        any = true;
+    try {
+        for (const auto& performer : performers_) any |= performer && performer->enlarge_slices();
+        if (segments_ && segments_->overflowed()) {
+            for (const auto& performer : performers_)
+                if (performer) performer->forget_segments();
+            segments_->enlarge();
+            any = true;
+        }
+    } catch (const gpu::VulkanError& error) {
+        segments_.reset();
+        drop_slices_or_rethrow(error);
+        return true;
     }
     return any;
+}
+
+bool FrameRenderer::drop_slices() {
+    commands_.wait();
+    under_way_ = false;
+    uint64_t taken = 0;
+    for (const auto& performer : performers_) {
+        const SliceCache* slices = performer ? performer->slices() : nullptr;
+        if (slices) taken += slices->trees().slices * slice_bytes(performer->field(), slices->trees().capacity);
+    }
+    if (taken > 0 && capacity_.slice_budget > 1)
+        capacity_.slice_budget = std::max<uint64_t>(std::min(taken, capacity_.slice_budget) / 2, 1);
+    performers_.clear();
+    if (far_levels_fit_.value_or(false)) far_levels_fit_.reset();  // where they did not fit, they stay out
+    return taken > 0;
+}
+
+// For a handler of the error: performers may be incomplete, or none may exist because the first did not fit.
+void FrameRenderer::drop_slices_or_rethrow(const gpu::VulkanError& error) {
+    if (error.device_lost()) throw;
+    const uint64_t before = capacity_.slice_budget;
+    drop_slices();
+    if (!error.out_of_memory() || before <= 1) throw;
+    if (capacity_.slice_budget == before) capacity_.slice_budget = before / 2;
 }
 
 std::optional<std::vector<Picked>> FrameRenderer::pick(const Instance& instance, std::span<const PickRay> rays,
@@ -333,21 +369,35 @@ void FrameRenderer::choose_far_levels(std::span<const stage::Camera> cameras, Fr
         }
 }
 
-// Writes what the host writes for an image, and returns its settings with the levels at which instances are drawn.
+// Writes what the host writes for an image, creates what it needs on the device, and returns its settings with the
+// levels at which instances are drawn.
 FrameSettings FrameRenderer::begin(std::span<const stage::Camera> cameras, const FrameSettings& given) {
-    check_settings(cameras, given);
-    finish();
     make_performers(given.far_levels);
     FrameSettings settings = given;
     choose_far_levels(cameras, settings);
     write_rays(cameras, settings);
     write_instances(cameras, settings);
+    prepare(settings);
     return settings;
 }
 
-void FrameRenderer::submit_to(Destination to, const FrameSettings& settings, const Then& then) {
+FrameSettings FrameRenderer::begin_with_memory_left(std::span<const stage::Camera> cameras,
+                                                    const FrameSettings& settings) {
+    for (;;) {
+        try {
+            return begin(cameras, settings);
+        } catch (const gpu::VulkanError& error) {
+            drop_slices_or_rethrow(error);
+        }
+    }
+}
+
+void FrameRenderer::submit_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given,
+                              const Then& then) {
+    check_settings(cameras, given);
+    finish();
     const TraceSpan span("record a frame");
-    prepare(settings);
+    const FrameSettings settings = begin_with_memory_left(cameras, given);
     if (segments_) segments_->begin_frame();
     commands_.begin();
     record_frame(settings);
@@ -363,13 +413,12 @@ bool FrameRenderer::finish() {
 }
 
 void FrameRenderer::submit(std::span<const stage::Camera> cameras, const FrameSettings& settings, const Then& then) {
-    submit_to(Destination::kDevice, begin(cameras, settings), then);
+    submit_to(Destination::kDevice, cameras, settings, then);
 }
 
-void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given,
+void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
                             const Then& then) {
-    const FrameSettings settings = begin(cameras, given);
-    do submit_to(to, settings, then);
+    do submit_to(to, cameras, settings, then);
     while (!finish());
 }
 

@@ -26,6 +26,13 @@ uint32_t slice_count(const gpu::Device& device, const Field& field, size_t paint
 
 }  // namespace
 
+uint64_t slice_budget(const gpu::HeapMemory& memory, uint64_t wanted) {
+    if (wanted == 0) return 0;
+    const uint64_t room =
+        memory.budget ? (*memory.budget - std::min(*memory.budget, memory.used)) / 2 : memory.size / 8;
+    return std::max<uint64_t>(std::min(wanted, room), 1);
+}
+
 SliceCache::SliceCache(const gpu::Device& device, const Field& field, const LiveLeaves& live, const Paints& paints,
                        uint32_t entries, uint64_t budget_bytes)
     : device_(device),

@@ -13,6 +13,11 @@ namespace neuvv::render {
 // The default budget: bytes that slices may take on the device, however many instances and times there are.
 constexpr uint64_t kSliceBudget = uint64_t{256} << 20;
 
+// What slices may take of a device with this memory, where `wanted` bytes are asked for: at most half of what the
+// process may still take, as clips, images and other passes need memory, too; of a device that does not tell how much
+// that is, at most an eighth. But never 0, which would mean no slices, unless that is wanted.
+uint64_t slice_budget(const gpu::HeapMemory& memory, uint64_t wanted);
+
 // The content of a slice: a time of the clip in frames, and a paint (its number in Paints; 0: none).
 struct SliceKey {
     float frame = 0;

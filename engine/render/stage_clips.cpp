@@ -172,7 +172,10 @@ void StageClips::take_results() {
             ClipOnDevice::Segment& segment = at(id);
             if (segment.loaded) continue;
             if (!result.clip && result.may_come) {  // it is wanted again
-                tell(result.problem);
+                if (result.lacks_memory)
+                    lack_of_memory_ = result.problem;
+                else
+                    tell(result.problem);
                 continue;
             }
             if (!result.clip) {

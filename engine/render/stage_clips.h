@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "render/stage_assets.h"
 #include "stage/evaluated_stage.h"
@@ -72,6 +73,10 @@ class StageClips {
     // A line for each segment of which it is known that it cannot be read; at its times, the performer is not there.
     // And one for paint of a segment that cannot be read and does not show.
     const std::vector<std::string>& problems() const { return problems_; }
+    void tell(const std::string& problem);
+    // Why a segment could not be read for want of memory since the last call; empty: there was memory for all. It is
+    // none of the problems: whoever can free memory does so, and else calls tell().
+    std::string take_lack_of_memory() { return std::exchange(lack_of_memory_, {}); }
 
   private:
     struct Id {
@@ -90,7 +95,6 @@ class StageClips {
     std::vector<Id> segments_of(const stage::EvaluatedPerformer& performer) const;
     bool is_missing(const Id& id) const { return at(id).readable && !at(id).loaded; }
     void take_results();
-    void tell(const std::string& problem);
     void fail(const Id& id, const std::string& problem);
     void take(const Id& id, std::shared_ptr<const LoadedClip> loaded, ClipFiles::Paints paints);
     std::vector<Id> needed_at(const stage::EvaluatedStage& evaluated) const;
@@ -106,6 +110,7 @@ class StageClips {
     std::vector<uint32_t> layers_;  // by performer: an index into ClipOnDevice::layers (StageAssets)
     std::shared_ptr<ClipFiles> files_;
     std::vector<std::string> problems_;
+    std::string lack_of_memory_;
     // Of segmented clips only:
     std::map<std::filesystem::path, std::vector<Id>> ids_;  // by file
     std::set<Id> first_;                                    // the segment of each that stays on the device

@@ -78,9 +78,12 @@ StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stag
 }
 
 void StageRenderer::change(const stage::Stage& stage, const StageAssets& assets) {
-    NextPaints paints = make_paints(stage, assets);
     frames_->finish();
-    set_->change(stage.scene, assets.environment);
+    NextPaints paints = with_memory_of_slices(*frames_, [&] {
+        NextPaints made = make_paints(stage, assets);
+        set_->change(stage.scene, assets.environment);
+        return made;
+    });
     // Nothing may fail from here on.
     StageClips next(assets);
     next.go_on_from(clips_);
@@ -205,7 +208,8 @@ void StageRenderer::resize(uint32_t width, uint32_t height) {
     const uint32_t has_width = set_->width() / capacity_.samples, has_height = set_->height() / capacity_.samples;
     if (width > has_width || height > has_height) {
         try {
-            make_targets(std::max(width, has_width), std::max(height, has_height));
+            with_memory_of_slices(*frames_,
+                                  [&] { make_targets(std::max(width, has_width), std::max(height, has_height)); });
         } catch (const RuntimeFailure&) {
             make_targets(has_width, has_height);
             throw;
@@ -224,11 +228,15 @@ void StageRenderer::make_targets(uint32_t width, uint32_t height) {
     frames_ = std::make_unique<FrameRenderer>(std::move(*frames_), capacity);
 }
 
-void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment, MissingSegments missing) {
-    frames_->finish();
-    const TraceSpan span("show the stage");
+void StageRenderer::bring_to_device(const stage::EvaluatedStage& evaluated, MissingSegments missing) {
     clips_.follow(*stage_, evaluated, missing);
     update_fields();
+    if (const std::string problem = clips_.take_lack_of_memory(); !problem.empty()) {
+        if (frames_->slice_budget() > 1)
+            frames_->drop_slices();  // the thread tries again
+        else
+            clips_.tell(problem);
+    }
     if (missing == MissingSegments::kWait) {
         try {
             clips_.read_missing(evaluated);
@@ -238,6 +246,12 @@ void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_envir
         }
         update_fields();
     }
+}
+
+void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment, MissingSegments missing) {
+    frames_->finish();
+    const TraceSpan span("show the stage");
+    with_memory_of_slices(*frames_, [&] { bring_to_device(evaluated, missing); });
     std::vector<SetLight> lights;
     for (const stage::EvaluatedLight& light : evaluated.lights) lights.push_back(set_light(light));
     SetAmbient ambient;

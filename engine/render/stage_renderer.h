@@ -135,6 +135,7 @@ class StageRenderer {
     uint32_t number_of(const Field& field) const;
     NextPaints make_paints(const stage::Stage& stage, const StageAssets& assets) const;
     void apply_paints(const stage::Stage& stage, NextPaints next);
+    void bring_to_device(const stage::EvaluatedStage& evaluated, MissingSegments missing);
     void make_targets(uint32_t width, uint32_t height);
     const gpu::Device& device_;
     const stage::Stage* stage_;

@@ -220,13 +220,32 @@ VkResult VKAPI_CALL no_memory(VkDevice, const VkMemoryAllocateInfo*, const VkAll
 
 TEST_F(FieldLevelsTest, WithoutMemoryForLevelsTheFinestLeavesAreDrawn) {
     const stage::Camera far = camera_at(field, 5 * kLeafM);
-    const media::Image finest = image(far, false);
+    render::FrameRenderer one_slice(device(), field, {.width = kSide, .height = kSide, .slice_budget = 1});
+    settings.far_levels = false;
+    const media::Image finest = one_slice.render(far, settings);
     device().memory_pool().clear(device().handle());
     const PFN_vkAllocateMemory allocate = std::exchange(vkAllocateMemory, &no_memory);
-    const media::Image without_memory = image(far, true);
+    settings.far_levels = true;
+    const media::Image without_memory = one_slice.render(far, settings);
     vkAllocateMemory = allocate;
     EXPECT_EQ(without_memory.rgba, finest.rgba);
-    EXPECT_EQ(image(far, true).rgba, finest.rgba) << "images do not switch where there is memory later";
+    EXPECT_EQ(one_slice.render(far, settings).rgba, finest.rgba) << "images do not switch where there is memory later";
+}
+
+TEST_F(FieldLevelsTest, LevelsStayWhereFewerSlicesGiveThemMemory) {
+    const stage::Camera far = camera_at(field, 5 * kLeafM);
+    const media::Image coarse = image(far, true), finest = image(far, false);
+    EXPECT_NE(coarse.rgba, finest.rgba);
+    render::FrameRenderer limited(device(), field, {kSide, kSide});
+    settings.far_levels = false;
+    limited.render(far, settings);
+    ASSERT_GT(limited.performer()->slices()->trees().slices, 1u);
+    device().memory_pool().clear(device().handle());
+    device().limit_memory(device().memory_pool().allocated());
+    settings.far_levels = true;
+    EXPECT_EQ(limited.render(far, settings).rgba, coarse.rgba);
+    device().limit_memory(std::nullopt);
+    EXPECT_EQ(limited.drawn()[0][0].field, 2u);
 }
 
 // A switch of levels then takes memory for a few passes alone, not for slices.

@@ -39,8 +39,9 @@ struct StageClipsTest : GpuTest {
         GpuTest::SetUp();
         write_clip(0);
     }
-    void write_clip(uint32_t overlap) {
-        voctree::VOctree tree = random_tree({.leaves = 300, .bases = 24, .frames = 2 * kSegments});
+    void write_clip(uint32_t overlap,
+                    const RandomTreeOptions& options = {.leaves = 300, .bases = 24, .frames = 2 * kSegments}) {
+        voctree::VOctree tree = random_tree(options);
         tree.fps = 4;
         std::filesystem::remove_all(clip);
         write_segmented_copy(tree, std::vector<uint32_t>(kSegments, 2), clip, overlap);
@@ -141,6 +142,38 @@ TEST_F(StageClipsTest, MemoryDoesNotGrowWithTheClip) {
         follower.at(middle_of(number), MissingSegments::kWait);
         EXPECT_LE(follower.clips.fields().size(), render::kSegmentsOnDevice);
         EXPECT_NE(follower.field_of(number), nullptr);
+    }
+}
+
+// With less and less memory, until a segment is read only because slices go.
+TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
+    write_clip(0, {.node_levels = 3, .leaves = 3000, .bases = 4, .hh_degree = 2, .frames = 2 * kSegments});
+    const double time_s = middle_of(kSegments - 1);
+    const stage::EvaluatedStage evaluated = stage::stage_at(*stage, time_s);
+    for (const MissingSegments missing : {MissingSegments::kWait, MissingSegments::kHold}) {
+        media::Image expected;
+        for (uint64_t more_bytes = uint64_t{2} << 20; more_bytes > 0; more_bytes = more_bytes * 4 / 5) {
+            render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+            if (expected.rgba.empty()) expected = image_at(renderer, *stage, time_s);
+            image_at(renderer, *stage, middle_of(0));
+            const uint64_t budget = renderer.frames().slice_budget();
+            device().memory_pool().clear(device().handle());
+            device().limit_memory(device().memory_pool().allocated() + more_bytes);
+            const auto shown_within = [&](int steps) {
+                renderer.show(evaluated, true, missing);
+                for (int i = 0; i < steps && !renderer.shows_all(evaluated); i++) {
+                    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                    renderer.show(evaluated, true, missing);
+                }
+                return renderer.shows_all(evaluated);
+            };
+            EXPECT_NO_THROW(EXPECT_TRUE(shown_within(2000)));
+            EXPECT_EQ(renderer.take_problems(), std::vector<std::string>());
+            device().limit_memory(std::nullopt);
+            EXPECT_EQ(image_at(renderer, *stage, time_s).rgba, expected.rgba);
+            if (renderer.frames().slice_budget() < budget || HasFailure()) break;
+            ASSERT_GT(more_bytes, 1000u);
+        }
     }
 }
 

@@ -30,6 +30,9 @@ TEST_F(CliGpu, DevicesAreListed) {
     for (const auto& device : devices) {
         EXPECT_FALSE(device.at("name").get<std::string>().empty());
         EXPECT_EQ(device.at("usable").get<bool>(), device.at("missing").empty());
+        EXPECT_GT(device.at("memory_bytes"), 0);
+        EXPECT_TRUE(device.at("memory_budget_bytes").is_null() || device.at("memory_budget_bytes") > 0);
+        EXPECT_GE(device.at("memory_used_bytes"), 0);
         usable |= device.at("usable").get<bool>();
         EXPECT_EQ(device.at("buffers").at("profiles").at(0), "texel");
         EXPECT_GE(device.at("buffers").at("max_texels").get<uint64_t>(), 65536u);
@@ -365,6 +368,37 @@ TEST_F(CliGpu, ArraysInStorageBuffersGiveTheSameImages) {
 TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {
     expect_refused({"render", scene, "-o", file("x.mp4"), "--device", "no such card"}, 2,
                    {"no such card", "neuvv devices"});
+}
+
+// With less and less memory: the same images, and in the end one line.
+TEST_F(CliGpu, RenderTakesNoMoreMemoryThanItMay) {
+    voctree::write_nvv(file("many.nvv"),
+                       test::random_tree({.node_levels = 3, .leaves = 8000, .hh_degree = 2, .frames = 3}));
+    const auto rendered = [&](const std::string& environment) {
+        const ProgramResult result =
+            run_neuvv({"render", file("many.nvv"), "-o", file("many_%d.png"), "--size", "40x24"}, environment);
+        return std::pair(result, result.code == 0 ? read_text(file("many_1.png")) : "");
+    };
+    const std::string image = rendered("").second;
+    ASSERT_FALSE(image.empty());
+    uint32_t mebibytes = 64, same = 0;
+    for (; mebibytes > 0; mebibytes /= 2) {
+        std::filesystem::remove(file("many_1.png"));
+        const auto [result, found] = rendered("NEUVV_DEVICE_MEMORY=" + std::to_string(mebibytes));
+        if (result.code == 0) {
+            same += found == image;
+            EXPECT_EQ(found, image) << mebibytes;
+            continue;
+        }
+        EXPECT_EQ(result.code, 1);
+        EXPECT_EQ(count_of(result.err, "has no memory left for"), 1u) << result.err;
+        EXPECT_NE(result.err.find("of " + std::to_string(mebibytes) + " MiB"), std::string::npos) << result.err;
+        EXPECT_NE(result.err.find("choose a smaller --size or --slice-budget"), std::string::npos) << result.err;
+        break;
+    }
+    EXPECT_GE(same, 1u);
+    EXPECT_GT(mebibytes, 0u) << "there is a limit below which it cannot be drawn";
+    EXPECT_EQ(rendered("NEUVV_DEVICE_MEMORY=much").first.code, 2);
 }
 
 TEST_F(CliGpu, SkeletonViewsAreADataSetOfTheWholeClip) {

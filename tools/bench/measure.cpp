@@ -158,7 +158,7 @@ double recorded_ms(gpu::Commands& commands, const std::function<void()>& record)
 double copied_bytes_per_second(const gpu::Device& device) {
     // Larger than any cache, but a small part of what software devices offer.
     const uint64_t bytes = std::min(
-        {uint64_t{256} << 20, device.summary().memory_bytes / 16, uint64_t{device.limits().maxStorageBufferRange}});
+        {uint64_t{256} << 20, device.summary().memory.size / 16, uint64_t{device.limits().maxStorageBufferRange}});
     const gpu::Buffer from(device, "copy from", bytes, gpu::MemoryKind::kDevice);
     const gpu::Buffer to(device, "copy to", bytes, gpu::MemoryKind::kDevice);
     const gpu::ComputePass pass(device, "copy", copy_comp);

@@ -33,7 +33,9 @@ void RuntimeContext::follow(Program& program) {
     program.state.follow_document();
     if (drawn_stage == program.state.stage) return;
     try {
-        renderer->change(*program.state.stage, loader->load(*program.state.stage));
+        renderer->change(*program.state.stage, render::with_memory_of_slices(renderer->frames(), [&] {
+            return loader->load(*program.state.stage);
+        }));
     } catch (const InputError& error) {  // a clip or a layer is missing: the last edit cannot be shown
         program.state.stage = drawn_stage;
         return program.state.editor.take_back(error.what());
