@@ -31,9 +31,11 @@ class OnDevice {
         if (!device_) device_.emplace(common_.device);
         if (!surface_) surface_.emplace(*device_);
         surface_->clear();
-        editor::PaintSubject subject = segment.subject();
-        subject.field = std::make_shared<const render::Field>(
+        field_.reset();
+        field_ = std::make_shared<const render::Field>(
             render::upload_field(*device_, segment.clip->tree, render::WeightPrecision::kHalf));
+        editor::PaintSubject subject = segment.subject();
+        subject.field = field_;
         return {std::move(subject), std::move(before), std::move(operation), std::move(area)};
     }
     editor::PaintSurface& surface() { return *surface_; }
@@ -41,6 +43,7 @@ class OnDevice {
   private:
     const CommonOptions& common_;
     std::optional<gpu::Device> device_;
+    std::shared_ptr<const render::Field> field_;  // what the last session paints on
     std::optional<editor::PaintSurface> surface_;
 };
 

@@ -275,6 +275,23 @@ RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part,
     return {part.end() - part.first(), 0, video ? encoded : size, fps};
 }
 
+namespace {
+
+// Draws the image; where the device is lost, the error says which image it was.
+FrameTimes named_loss(uint32_t i, const std::function<FrameTimes(uint32_t)>& render) {
+    try {
+        return render(i);
+    } catch (const gpu::VulkanError& error) {
+        if (!error.device_lost()) throw;
+        throw gpu::VulkanError(error.result,
+                               fmt::format("image {}: {}; look at the driver's messages (dmesg), or choose "
+                                           "another device by --device",
+                                           i, error.what()));
+    }
+}
+
+}  // namespace
+
 RenderTotals render_images(const RenderOptions& options, media::ImageSize size, double fps, const RenderPart& part,
                            media::ImageSink& sink, const gpu::Device& device,
                            const std::function<FrameTimes(uint32_t)>& render) {
@@ -291,7 +308,7 @@ RenderTotals render_images(const RenderOptions& options, media::ImageSize size, 
         if (!sink.has(i)) {
             std::optional<gpu::FrameCapture> capture;
             if (options.capture && rendered == 0) capture.emplace(device);
-            const FrameTimes times = render(i);
+            const FrameTimes times = named_loss(i, render);
             if (capture) fmt::print(stderr, "captured image {}: {}\n", i, capture->finish());
             ++rendered;
             seconds += times.milliseconds / 1000;

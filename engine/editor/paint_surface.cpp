@@ -1,5 +1,7 @@
 #include "editor/paint_surface.h"
 
+#include "base/error.h"
+
 namespace neuvv::editor {
 
 namespace {
@@ -16,10 +18,11 @@ std::vector<render::PaintUse> uses_of(const PaintSubject& subject) {
 
 void PaintSurface::show(const PaintSubject& subject) {
     if (picker_ && subject == subject_) return;
-    const bool other_field = !picker_ || subject.field != subject_.field;
-    if (other_field) {
-        picker_.reset();
-        picker_ = std::make_unique<render::Picker>(device_, *subject.field);
+    if (!picker_ || !subject.has_field_of(subject_)) {
+        clear();
+        field_ = subject.field.lock();
+        if (!field_) throw RuntimeFailure("what is painted on is not on the device any more; paint again");
+        picker_ = std::make_unique<render::Picker>(device_, *field_);
     }
     subject_ = subject;
     try {
@@ -34,6 +37,7 @@ void PaintSurface::show(const PaintSubject& subject) {
 
 void PaintSurface::clear() {
     picker_.reset();
+    field_.reset();
     subject_ = {};
     sigma_ = {};
 }

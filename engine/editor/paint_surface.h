@@ -33,10 +33,16 @@ struct VisibleLayer {
 // What is painted on. Touches and projections, which need to see the surface, need `field`; regions do not.
 struct PaintSubject {
     std::shared_ptr<const PaintClip> clip;
-    std::shared_ptr<const render::Field> field;  // the clip on the device
+    // The clip on the device. Others own it: tasks that wait with their subject may outlive the device.
+    std::weak_ptr<const render::Field> field;
     float frame = 0;
     std::vector<VisibleLayer> paint;  // the visible layers, the lowest first
-    bool operator==(const PaintSubject&) const = default;
+    bool has_field_of(const PaintSubject& other) const {
+        return !field.owner_before(other.field) && !other.field.owner_before(field);
+    }
+    bool operator==(const PaintSubject& other) const {
+        return clip == other.clip && has_field_of(other) && frame == other.frame && paint == other.paint;
+    }
 };
 
 class PaintSurface {
@@ -44,7 +50,7 @@ class PaintSurface {
     explicit PaintSurface(const gpu::Device& device) : device_(device) {}
 
     // Prepares the surface for this subject, until the next call; does nothing where the subject is the same. Throws
-    // RuntimeFailure where the device has no memory left.
+    // RuntimeFailure where the device has no memory left, or the subject's field is gone.
     void show(const PaintSubject& subject);
     // Frees everything that show() prepared.
     void clear();
@@ -59,6 +65,7 @@ class PaintSurface {
   private:
     const gpu::Device& device_;
     PaintSubject subject_;
+    std::shared_ptr<const render::Field> field_;  // that of the subject
     std::vector<float> sigma_;
     std::unique_ptr<render::Picker> picker_;  // of subject_.field
 };

@@ -53,6 +53,10 @@ struct RenderThread::Job {
 
 RenderThread::RenderThread(const gpu::Device& device, std::function<void()> wake)
     : device_(device), wake_(std::move(wake)), scale_(kMovingTarget_ms), grid_(kMovingTarget_ms) {
+    begin();
+}
+
+void RenderThread::begin() {
     thread_ = std::thread([this] {
         try {
             run();
@@ -75,6 +79,27 @@ void RenderThread::stop() {
     }
     changed_.notify_all();
     if (thread_.joinable()) thread_.join();
+}
+
+void RenderThread::release() {
+    stop();
+    refinement_.reset();
+    look_at_.reset();
+    view_.reset();
+    renderer_.reset();
+    loader_.reset();
+    image_.reset();
+    stage_.reset();  // tasks wait until there is one again
+    const std::lock_guard lock(mutex_);
+    state_.displayed.image.reset();
+    state_.displayed.finished = false;
+    state_.waits_since.reset();
+}
+
+void RenderThread::restart() {
+    stop_ = false;
+    failure_ = nullptr;
+    begin();
 }
 
 void RenderThread::show(std::shared_ptr<const edit::Document> stage, uint64_t id) {

@@ -86,6 +86,12 @@ class RenderThread {
     ~RenderThread();
     // Waits until the current image is drawn, then ends the thread.
     void stop();
+    // For a device that was lost: ends the thread and frees all that it has on the device, the displayed image
+    // included, so that the device can be destroyed. Tasks and requests that wait stay.
+    void release();
+    // Begins the thread again, on a device that was made anew in the place of the one of the constructor. The stage and
+    // the view must be sent again.
+    void restart();
     RenderThread(const RenderThread&) = delete;
     RenderThread& operator=(const RenderThread&) = delete;
 
@@ -126,6 +132,7 @@ class RenderThread {
         std::function<void(const std::string&)> done;
     };
     struct Job;
+    void begin();
     void run();
     void do_job(Job& job);
     void replace_shaders_now(const Replacement& replacement);

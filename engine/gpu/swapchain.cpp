@@ -87,7 +87,7 @@ void Swapchain::choose_mode() {
 }
 
 void Swapchain::destroy_images() {
-    device_.wait_idle();
+    device_.wait_idle_or_lost();
     for (VkImageView view : views_) vkDestroyImageView(device_.handle(), view, nullptr);
     for (auto* semaphores : {&acquired_, &drawn_}) {
         for (VkSemaphore semaphore : *semaphores) vkDestroySemaphore(device_.handle(), semaphore, nullptr);

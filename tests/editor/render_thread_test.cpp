@@ -53,6 +53,38 @@ TEST_F(RenderThreads, EndWithALostDevice) {
     EXPECT_THROW(wait_for([](const auto&) { return false; }), gpu::VulkanError);
 }
 
+// The device is not really lost here: it takes its own place.
+TEST_F(RenderThreads, BeginAgainOnAnotherDevice) {
+    editor::ViewRequest view;
+    view.id = 1;
+    view.camera = look_at({0, 0.5, 3}, {0, 0.5, 0}, 48, 36, 1);
+    const auto is_drawn = [&](const auto& state) {
+        return state.displayed.finished && state.displayed.view == view.id;
+    };
+    thread.request(view);
+    ASSERT_TRUE(wait_for(is_drawn));
+    const uint64_t bytes = device().buffer_bytes();
+    thread.post([](editor::OnDevice&) { throw gpu::VulkanError(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2", "frame"); });
+    EXPECT_THROW(wait_for([](const auto&) { return false; }), gpu::VulkanError);
+    bool ran = false;
+    thread.post(
+        [&](editor::OnDevice& on) { ran = &on.device == &device() && on.renderer.frames().slice_budget() > 0; });
+    thread.release();
+    EXPECT_LT(device().buffer_bytes(), bytes / 4) << "what it had on the device is gone";
+    thread.restart();
+    EXPECT_EQ(thread.state().displayed.image, nullptr);
+    EXPECT_FALSE(thread.state().displayed.finished);
+    edit::Document document;
+    document.file = edit::new_stage(folder.path / "stage.gltf");
+    thread.show(std::make_shared<const edit::Document>(std::move(document)), 2);
+    view.id = 2;
+    thread.request(view);
+    EXPECT_TRUE(wait_for(is_drawn)) << thread.state().problem;
+    EXPECT_NE(thread.state().displayed.image, nullptr);
+    thread.stop();
+    EXPECT_TRUE(ran) << "tasks that waited run on the new one";
+}
+
 // A server that does not answer holds up neither tasks nor other views.
 TEST_F(RenderThreads, ShowWhatTheyHaveUntilAServerSendsTheRest) {
     ServedStream served;

@@ -86,7 +86,8 @@ constexpr Named<XrResult> kResults[] = {XR_LIST_ENUM_XrResult(NEUVV_XR_RESULT)};
 #undef NEUVV_XR_RESULT
 constexpr const char* kEvents[] = {"visible",      "synchronized",  "focus",       "stop",     "exit",
                                    "lose_session", "lose_instance", "recentre",    "slow",     "profile",
-                                   "mask_changed", "refresh",       "no_tracking", "presence", "passthrough_lost"};
+                                   "mask_changed", "refresh",       "no_tracking", "presence", "passthrough_lost",
+                                   "lose_device"};
 
 template <typename T, size_t kCount>
 void read_names(Fields& fields, const std::string& key, const Named<T> (&table)[kCount], std::vector<T>& values) {
@@ -224,6 +225,7 @@ void read_events(const Json& events, Script& script) {
         fields.read("frames", event.frames);
         fields.read("periods", event.periods);
         fields.read("calls", event.calls);
+        fields.read("times", event.times);
         fields.read("for", event.wait_calls);
         fields.read("restart", event.restart);
         fields.read("hz", event.hz);

@@ -45,7 +45,7 @@ struct BodyTracks {
 struct ScriptEvent {
     int64_t frame = 0;
     std::string what;  // "do" in the file
-    int64_t frames = 1, periods = 3, calls = 0, wait_calls = 10;
+    int64_t frames = 1, periods = 3, calls = 0, wait_calls = 10, times = 1;
     bool restart = false, worn = true;
     XrPosef shift = {{0, 0, 0, 1}, {0, 0, 0}};
     std::string profile;

@@ -1,5 +1,8 @@
 #include "session.h"
 
+#include <cstdlib>
+#include <fstream>
+
 #include "call.h"
 
 namespace neuvv::xr_runtime {
@@ -136,6 +139,11 @@ void lose_instance(Instance& instance, const ScriptEvent& event) {
     instance.calls_until_loss = event.calls;
 }
 
+// Asks the layer of tests/support/lose_device.cpp for it, with which the application runs.
+void lose_device(const ScriptEvent& event) {
+    if (const char* file = std::getenv("NEUVV_LOSE_DEVICE")) std::ofstream(file) << event.times;
+}
+
 // The new origin applies from a time at which the application has had the event.
 void recentre(Session& session, const ScriptEvent& event) {
     Progress& progress = runtime().progress;
@@ -179,6 +187,7 @@ void play(Session& session, const ScriptEvent& event) {
     if (event.what == "exit") stop_session(session, AfterStop::kExit);
     if (event.what == "lose_session") lose_session(session);
     if (event.what == "lose_instance") lose_instance(*session.instance, event);
+    if (event.what == "lose_device") lose_device(event);
     if (event.what == "recentre") recentre(session, event);
     if (event.what == "slow") {
         progress.slow_until = frame + event.frames;

@@ -1,5 +1,6 @@
 // Faults: each ends in recovery or in a message of one line, and no edit is lost.
 #include "edit/recovery.h"
+#include "support/losable_device.h"
 #include "xr_session/xr_session.h"
 
 namespace neuvv::test {
@@ -62,6 +63,32 @@ TEST_F(Faults, ALostRuntimeIsWaitedFor) {
     EXPECT_EQ(count(run.log, "waiting for it"), 1u) << run.log;
     EXPECT_TRUE(same_pixels(run.image(24, "left"), calm.image(24, "left"))) << "it is shown again";
     expect_copy_is_kept(2);
+}
+
+TEST_F(Faults, ALostDeviceIsMadeAnew) {
+    const LosableDevice device(folder.path);
+    XrScript script = editing();
+    script.save(24);
+    script.end(28);
+    const XrRun calm = run(script);
+    script.event(14, "lose_device");
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 0) << run.log;
+    expect_no_violations(run);
+    EXPECT_EQ(count(run.log, "the device was lost, and is made anew"), 1u) << run.log;
+    EXPECT_TRUE(same_pixels(run.image(24, "left"), calm.image(24, "left"))) << "it is shown again";
+    expect_copy_is_kept(2);
+}
+
+TEST_F(Faults, ADeviceThatIsLostAgainAndAgainIsOneLineAndEditsAreKept) {
+    const LosableDevice device(folder.path);
+    XrScript script = editing();
+    script.event(14, "lose_device", {{"times", 99}});
+    script.end(40);
+    const XrRun run = this->run(script);
+    EXPECT_EQ(run.code, 1);
+    EXPECT_EQ(count(run.log, "the device was lost 4 times within 60 s"), 1u) << run.log;
+    expect_copy_is_kept();
 }
 
 TEST_F(Faults, WhatWasKeptIsRecovered) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "editor/device_losses.h"
 #include "tools/headset/session_context.h"
 #include "tools/headset/sound.h"
 #include "tools/options.h"
@@ -100,6 +101,7 @@ void run_sessions(Program& program, RuntimeContext& context) {
 }
 
 void run_runtimes(Program& program) {
+    editor::DeviceLosses losses;
     for (RetryLimit retries(program);;) {
         std::string why;
         try {
@@ -111,6 +113,15 @@ void run_runtimes(Program& program) {
             if (!failure.instance_lost() || !retries.has_run()) throw;
             why = failure.what();
             print_line("the headset's runtime was lost; waiting for it");
+        } catch (const gpu::VulkanError& failure) {
+            program.interaction.grab.release(program.state);
+            if (failure.out_of_memory() || !retries.has_run()) throw;
+            why = failure.what();
+            if (failure.device_lost()) {
+                losses.note(why, program.now_s());
+                program.state.editor.notify(fmt::format("the device was lost, and is made anew: {}", why), true);
+                program.notify();
+            }
         } catch (const RuntimeFailure& failure) {
             if (!retries.has_run()) throw;
             why = failure.what();

@@ -1,8 +1,8 @@
-// A stage in a headset: the frame loop, and recovery where a session or the runtime is lost.
+// A stage in a headset: the frame loop, and recovery where a session, the runtime or the device is lost.
 //
 //     Runtime ─► Device ─► StageRenderer ─► Session ─► frame: wait ─► hands ─► stage ─► eyes ─► end
 //        ▲                                     ▲                                              │
-//        └────────── instance lost ────────────┴─────────────── session lost ─────────────────┘
+//        └───── instance or device lost ───────┴─────────────── session lost ─────────────────┘
 //
 // Document, history, time and the user's position outlive both.
 #pragma once

@@ -32,10 +32,19 @@ PanelDrawing::PanelDrawing(const gpu::Device& device, VkFormat format, uint32_t 
     ImGui::CreateContext();
     ImGui::GetIO().ConfigDragClickToInputText = true;
     ImGui::GetIO().IniFilename = nullptr;  // the viewer's preferences keep the layout instead
-    start_backend();
+    try {
+        start_backend();
+    } catch (...) {  // the device is lost: there may be another one, with a context of its own
+        end();
+        throw;
+    }
 }
 
 PanelDrawing::~PanelDrawing() {
+    end();
+}
+
+void PanelDrawing::end() {
     device_.wait_idle_or_lost();
     ImGui_ImplVulkan_Shutdown();
     ImGui::DestroyContext();

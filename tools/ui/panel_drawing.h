@@ -29,6 +29,7 @@ class PanelDrawing {
   private:
     void make_render_pass();
     void start_backend();
+    void end();
     void make_fonts();
     const gpu::Device& device_;
     VkFormat format_;

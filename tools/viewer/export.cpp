@@ -66,6 +66,11 @@ bool Export::step(editor::OnDevice& on_device) {
     } catch (const InputError& problem) {
         return stop(problem.what(), true);
     } catch (const RuntimeFailure& problem) {
+        const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&problem);
+        if (vulkan && vulkan->device_lost()) {
+            block_ = 0;  // this image begins anew on the device that takes its place
+            throw;
+        }
         return stop(problem.what(), true);
     }
     return stop(fmt::format("exported {}", settings_.output.path.string()), false);

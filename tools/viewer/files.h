@@ -79,6 +79,8 @@ class Files {
 
     // To be called once a frame. Stores unsaved edits for recovery, and reads clips again whose files have changed.
     void tick();
+    // For an error that ends the program, after the job queue was stopped: stores unsaved edits for recovery at once.
+    void keep_unsaved_edits() { saver_.autosave.store_now(); }
     // Draws the open question, and acts on its answer.
     void panel();
 

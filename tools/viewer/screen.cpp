@@ -45,12 +45,12 @@ Screen::Screen(const gpu::Device& device, ui::Window& window, float scale)
     for (auto& frame : frames_) frame = std::make_unique<Frame>(device);
     swapchain_.resize(window.framebuffer());
     drawing_ = std::make_unique<ui::PanelDrawing>(device, swapchain_.format(), swapchain_.image_count(), scale);
-    ImGui_ImplGlfw_InitForVulkan(window_.handle(), false);
     make_framebuffers();
+    ImGui_ImplGlfw_InitForVulkan(window_.handle(), false);  // the last, as nothing undoes it where more fails
 }
 
 Screen::~Screen() {
-    device_.wait_idle();
+    device_.wait_idle_or_lost();
     ImGui_ImplGlfw_Shutdown();
     for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device_.handle(), framebuffer, nullptr);
 }

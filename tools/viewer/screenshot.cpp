@@ -70,8 +70,10 @@ void Screenshots::take(Context& context, Screen& screen, bool is_sharp) {
     }
     if (image_ && is_sharp) {
         image_ = false;
-        context.render_thread.post([&context, folder = folder_,
-                                    displayed = context.frame.rendered.displayed](editor::OnDevice& on_device) {
+        context.render_thread.post([&context, folder = folder_](editor::OnDevice& on_device) {
+            // Not an image of the frame: tasks that wait may not keep anything on the device (RenderThread::release).
+            const editor::DisplayedImage displayed = context.render_thread.state().displayed;
+            if (!displayed.image) return;
             write(context, folder,
                   std::make_shared<const media::Image>(read_back(on_device.device, *displayed.image, displayed.size)));
         });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <utility>
 
 #include "tools/viewer/context.h"
 #include "tools/viewer/screen.h"
@@ -17,6 +18,9 @@ class Screenshots {
     void request_image() { image_ = true; }
     // Requests the window with its panels, as it is.
     void request_window() { window_ = true; }
+
+    // For a screen that was made anew: it has forgotten what it was to capture.
+    void request_again() { window_ |= std::exchange(window_capture_pending_, false); }
 
     // To be called once a frame. Takes the requested screenshots that can be taken now. The job queue writes the files,
     // and a notice names each. `is_sharp`: the displayed image is final.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "base/platform.h"
 #include "media/colour.h"
@@ -74,12 +75,14 @@ void close_popup_by_escape(const FrameInput& input) {
 Viewer::Viewer(const Options& options, const std::string& device)
     : preferences_(preferences_for(options, preferences_message_)),
       window_("NeuVV", preferences_.window),
-      device_(device, options.validate ? gpu::Validation::kOn : gpu::Validation::kOff, window_.extensions()),
-      screen_(device_, window_,
+      device_choice_(device),
+      validation_(options.validate ? gpu::Validation::kOn : gpu::Validation::kOff),
+      device_(std::in_place, device_choice_, validation_, window_.extensions()),
+      screen_(std::in_place, *device_, window_,
               options.ui_scale.value_or(static_cast<float>(preferences_.ui_scale) * window_.content_scale())),
       report_(options.report),
       jobs_([this](const std::string& problem) { editor_.notify(problem, true); }, ui::Window::wake),
-      render_thread_(device_, ui::Window::wake),
+      render_thread_(*device_, ui::Window::wake),
       files_(context_, preferences_, exporter_,
              {[this] {
                   tools_.document_opened();
@@ -88,7 +91,7 @@ Viewer::Viewer(const Options& options, const std::string& device)
               [this](std::set<std::filesystem::path> layers) { paint_.protect_layers(std::move(layers)); }}),
       screenshots_(options.screenshots),
       shader_watch_(context_.parts(), options.shaders),
-      paint_(device_),
+      paint_(*device_),
       begin_(std::chrono::steady_clock::now()) {
     view_.mode = &tools_.first_mode();
     view_.image.max_scale = static_cast<float>(preferences_.preview.resolution);
@@ -131,25 +134,72 @@ void Viewer::store_preferences() {
 }
 
 void Viewer::run() {
-    while (!window_.close_requested()) {
-        wait();
-        read_input();
-        frame();
-        const bool displays = input_.rendered.displayed.view > 0;
-        meter_.add_frame(seconds() - input_.now_s, displays);
-        if (!input_.rendered.loading.empty() || !input_.rendered.problem.empty()) meter_.forget_requests();
-        meter_.displayed({input_.rendered.displayed.view, input_.rendered.displayed.stage}, seconds());
-        requests_.frames = std::max(0, requests_.frames - 1);
-        if (window_.close_requested() && !may_close_) {
-            window_.keep_open();
-            context_.redraw();
-            files_.when_saved_or_discarded([this] {
-                may_close_ = true;
-                window_.close();
-            });
+    try {
+        while (!window_.close_requested()) {
+            try {
+                round();
+            } catch (const gpu::VulkanError& error) {
+                if (!error.device_lost()) throw;
+                recover_device(error.what());
+            }
         }
+    } catch (...) {
+        jobs_.stop();
+        files_.keep_unsaved_edits();
+        throw;
     }
     store_preferences();
+}
+
+// Makes the device anew, and what the window and the render thread have on it. All else stays as it is; what was drawn
+// is drawn again.
+void Viewer::recover_device(std::string why) {
+    const float scale = screen_->scale();
+    const gpu::ShaderReplacements shaders = device_->shaders().replacements();
+    render_thread_.release();
+    paint_.free_surface();
+    input_.rendered = {};
+    for (bool is_there = false; !is_there;) {
+        screen_.reset();
+        device_.reset();
+        losses_.note(why, seconds());
+        try {
+            device_.emplace(device_choice_, validation_, window_.extensions());
+            screen_.emplace(*device_, window_, scale);
+            is_there = true;
+        } catch (const RuntimeFailure& failure) {
+            why = failure.what();
+            std::this_thread::sleep_for(std::chrono::seconds(1));
+        }
+    }
+    device_->shaders().set(shaders);
+    screenshots_.request_again();
+    render_thread_.restart();
+    requests_.reload_document = true;
+    if (view_request_) {
+        view_request_->id++;
+        render_thread_.request(*view_request_);
+    }
+    editor_.notify("the device was lost, and has been made anew", true);
+    context_.redraw();
+}
+
+void Viewer::round() {
+    wait();
+    read_input();
+    frame();
+    const bool displays = input_.rendered.displayed.view > 0;
+    meter_.add_frame(seconds() - input_.now_s, displays);
+    if (!input_.rendered.loading.empty() || !input_.rendered.problem.empty()) meter_.forget_requests();
+    meter_.displayed({input_.rendered.displayed.view, input_.rendered.displayed.stage}, seconds());
+    requests_.frames = std::max(0, requests_.frames - 1);
+    if (!window_.close_requested() || may_close_) return;
+    window_.keep_open();
+    context_.redraw();
+    files_.when_saved_or_discarded([this] {
+        may_close_ = true;
+        window_.close();
+    });
 }
 
 // Waits until there is something to draw. A new image of the render thread, or the result of a job, ends the wait at
@@ -214,10 +264,10 @@ void Viewer::frame() {
     for (const std::filesystem::path& path : window_.dropped()) files_.open_or_add(path);
     apply_ui_scale();
     report_.begin_frame();
-    screen_.begin();
+    screen_->begin();
     view_.clock.tick(input_.dt_s);  // before the keys: they may start the clock, which has not run since the last frame
     handle_keys();
-    screenshots_.take(context_, screen_, image_is_sharp());
+    screenshots_.take(context_, *screen_, image_is_sharp());
     const FrameMeter::Ids before = requested();
     move_eye();
     coaching_.tick(context_);
@@ -231,7 +281,7 @@ void Viewer::frame() {
     const Area& area = input_.image_area;
     const VkRect2D image_area{{static_cast<int32_t>(area.left), static_cast<int32_t>(area.top)},
                               {static_cast<uint32_t>(area.width), static_cast<uint32_t>(area.height)}};
-    if (!screen_.end({input_.rendered.displayed.image, input_.rendered.displayed.size, image_area})) context_.redraw();
+    if (!screen_->end({input_.rendered.displayed.image, input_.rendered.displayed.size, image_area})) context_.redraw();
     render_thread_.presented(input_.rendered.displayed.number);
 }
 
@@ -274,10 +324,10 @@ void Viewer::apply_ui_scale() {
         const float scale = *std::exchange(requests_.ui_scale, std::nullopt);
         preferences_.ui_scale =
             std::clamp(static_cast<double>(scale) / static_cast<double>(window_.content_scale()), 0.5, 4.0);
-        screen_.set_scale(scale);
+        screen_->set_scale(scale);
         context_.redraw();
     }
-    input_.ui_scale = screen_.scale();
+    input_.ui_scale = screen_->scale();
 }
 
 void Viewer::handle_keys() {
@@ -392,7 +442,7 @@ void Viewer::draw_panels() {
                          {tree_, paint_, files_, exporter_, coaching_});
         timeline_panel(context_, below, timeline_, waveforms_);
     }
-    if (panels.speed) speed_panel(context_, device_, meter_);
+    if (panels.speed) speed_panel(context_, *device_, meter_);
     if (panels.help) help_panel(context_);
     notices_panel(context_, notices_);
     files_.panel();
@@ -447,7 +497,7 @@ void Viewer::meter_latency(const FrameMeter::Ids& before) {
 
 void Viewer::write_report() {
     if (!report_.enabled()) return;
-    for (std::string& message : device_.drain_validation_messages())
+    for (std::string& message : device_->drain_validation_messages())
         if (validation_messages_.size() < kMaxMessages) validation_messages_.push_back(std::move(message));
     const bool still = view_request_ && !view_request_->moving;
     report_facts(context_,

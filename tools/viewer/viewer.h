@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "editor/device_losses.h"
 #include "editor/shader_watch.h"
 #include "editor/sound_player.h"
 #include "editor/waveforms.h"
@@ -44,10 +45,13 @@ class Viewer {
     Viewer& operator=(const Viewer&) = delete;
     ~Viewer();
 
-    // Runs frames until the window is closed, then saves the preferences. What it throws ends the program.
+    // Runs frames until the window is closed, then saves the preferences. What it throws ends the program; unsaved
+    // edits have been stored for recovery by then.
     void run();
 
   private:
+    void recover_device(std::string why);
+    void round();
     void wait();
     void frame();
     void read_input();
@@ -74,8 +78,12 @@ class Viewer {
     std::string preferences_message_;
     Preferences preferences_;
     ui::Window window_;
-    gpu::Device device_;
-    Screen screen_;
+    std::string device_choice_;
+    gpu::Validation validation_;
+    // These two are made anew, in the same place, where the device is lost.
+    std::optional<gpu::Device> device_;
+    std::optional<Screen> screen_;
+    editor::DeviceLosses losses_;
     Report report_;
     JobQueue jobs_;
     editor::RenderThread render_thread_;

@@ -61,6 +61,8 @@ class PaintTool : public Tool {
     bool captures_pointer() const override { return stroke_ || box_drag_; }
     bool is_editing() const override { return stroke_ != nullptr; }
     void document_opened() override { protect_layers({}); }
+    // Frees what painting has on the device. The render thread must not run.
+    void free_surface() { surface_->clear(); }
 
     PaintSettings settings;
 
