@@ -25,8 +25,11 @@ class NpzReader {
 
   private:
     struct Entry {
-        uint64_t index, bytes;
+        uint64_t index, bytes, packed_bytes;
+        uint32_t checksum;
+        bool deflated;  // and not encrypted
     };
+    std::vector<uint8_t> inflated(const Entry& entry, const std::string& name) const;
     std::string file_;
     std::unique_ptr<zip, void (*)(zip*)> zip_;
     std::map<std::string, Entry> entries_;
