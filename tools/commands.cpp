@@ -1,6 +1,8 @@
 #include "tools/commands.h"
 
+#include "base/error.h"
 #include "training/formats.h"
+#include "voctree/clip.h"
 
 namespace neuvv::tools {
 
@@ -34,6 +36,19 @@ void add_format_option(Command verb, std::string& format) {
     verb.add_option("--format", format, "The data set's layout; auto: by the files in it")
         .one_of(training::format_names())
         .show_default();
+}
+
+void add_up_option(Command verb, std::optional<voctree::UpAxis>& up) {
+    static constexpr const char* kNames[] = {"z", "y"};  // of UpAxis
+    add_choice(verb, "--up", up, kNames,
+               "Of a PlenOctree: its axis that is up, which its file does not say (default: z, as in volrend and the "
+               "NeRF scenes). It is turned so that y is, as the cameras of such scenes are");
+}
+
+voctree::UpAxis up_of(const std::filesystem::path& clip, std::optional<voctree::UpAxis> up) {
+    if (up && !voctree::is_plenoctree(clip))
+        throw InputError("--up", clip.string(), "is no PlenOctree, and its y is up", "leave it out");
+    return up.value_or(voctree::UpAxis::kZ);
 }
 
 }  // namespace neuvv::tools

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/command_line.h"
+#include "voctree/plenoctree.h"
 
 namespace neuvv::tools {
 
@@ -46,6 +47,11 @@ inline uint64_t bytes_of_mebibytes(double mebibytes) {
 
 // --format, for the verbs that read data sets.
 void add_format_option(Command verb, std::string& format);
+
+// --up, for the verbs that take a PlenOctree.
+void add_up_option(Command verb, std::optional<voctree::UpAxis>& up);
+// The axis, or what is usual where none is given. Throws InputError where one is given and the clip is no PlenOctree.
+voctree::UpAxis up_of(const std::filesystem::path& clip, std::optional<voctree::UpAxis> up);
 
 void add_devices(Command app, CommonOptions& common);
 void add_info(Command app, CommonOptions& common);

@@ -33,6 +33,7 @@ struct ConvertOptions {
     uint32_t views = 6;
     int compression = 9;
     bool json = false;
+    std::optional<voctree::UpAxis> up;
 };
 
 // The error that rounding may make in a leaf grows with its strength: four more double it.
@@ -137,7 +138,8 @@ Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
     catch_stop_signals();
     if (segmented) return convert_segments(device, options);
     Outcome outcome;
-    convert_file(device, voctree::read_clip_index(options.scene).segments[0], options.output, options, outcome);
+    const voctree::ClipIndex index = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
+    convert_file(device, index.segments[0], options.output, options, outcome);
     return outcome;
 }
 
@@ -169,6 +171,7 @@ void add_convert(Command app, CommonOptions& common) {
     const auto options = std::make_shared<ConvertOptions>();
     verb.add_option("scene", options->scene, "The .nvv, in segments or not, or the .npz of a PlenOctree").required();
     verb.add_option("-o,--output", options->output, "The .nvv to write").required();
+    add_up_option(verb, options->up);
     verb.add_option("--quality", options->quality,
                     "PSNR in dB that each image keeps at least, against the scene's own image")
         .number_between(10, 90)

@@ -43,6 +43,7 @@ struct EvalOptions {
                                 lpips;
     uint32_t samples = kMeasureSamples;
     bool align = false;
+    std::optional<voctree::UpAxis> up;
 };
 
 nlohmann::ordered_json json_of(const training::Quality& quality) {
@@ -209,7 +210,7 @@ void prepare_outputs(const EvalOptions& options) {
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {
-    const voctree::ClipIndex clip = voctree::read_clip_index(options.scene);
+    const voctree::ClipIndex clip = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
     training::Dataset dataset =
         training::load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     prepare_outputs(options);
@@ -265,11 +266,12 @@ void run(const EvalOptions& options, const CommonOptions& common) {
 void add_eval(Command app, CommonOptions& common) {
     Command verb = app.add_verb("eval", "Measure a scene against the images of a data set");
     const auto options = std::make_shared<EvalOptions>();
-    verb.add_option("scene", options->scene, "The .nvv file, or the folder of a segmented clip").required();
+    verb.add_option("scene", options->scene, "The .nvv, in segments or not, or the .npz of a PlenOctree").required();
     verb.add_option("dataset", options->dataset, "The data set's folder").required();
     add_format_option(verb, options->format);
     verb.add_option("--split", options->split, "Which of its images").one_of({"test", "train", "val"}).show_default();
     add_samples_option(verb, options->samples);
+    add_up_option(verb, options->up);
     verb.add_option("--json", options->json, "Write the numbers to this file (-: print them instead of the table)");
     verb.add_option("--images", options->images,
                     "Write NAME_truth.png, NAME_render.png, NAME_error.png of each image NAME, and contact_sheet.png "

@@ -17,6 +17,7 @@
 #include "training/claim.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
+#include "voctree/half.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::tools {
@@ -38,7 +39,11 @@ double clip_seconds(const voctree::NvvHead& head) {
 
 // A PlenOctree as the clip that it is played as; it has no version and no chunks.
 voctree::NvvSummary summary_of_plenoctree(const std::string& file) {
-    const voctree::VOctree tree = voctree::read_clip(file);
+    const voctree::VOctree tree = voctree::read_clip(file, voctree::PlenoctreeColours::kAsStored);
+    uint32_t infinite = 0;
+    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) infinite += *tree.leaf(leaf) == voctree::kMaxHalf ? 1 : 0;
+    if (infinite > 0)
+        fmt::print(stderr, "neuvv: leaves whose density is limited to {} per metre: {}\n", voctree::kMaxHalf, infinite);
     voctree::NvvSummary summary;
     summary.file_bytes = std::filesystem::file_size(file);
     summary.head = voctree::head_of(tree);

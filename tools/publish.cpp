@@ -34,6 +34,7 @@ struct PublishOptions {
     std::optional<double> rate_mbps;
     uint32_t views = 6;
     bool json = false;
+    std::optional<voctree::UpAxis> up;
 };
 
 // How coarsely the coefficients are rounded: 4 more double the steps. At kUsualSteps, images of held-out cameras lose
@@ -208,7 +209,7 @@ void run(const PublishOptions& options, const CommonOptions& common) {
     if (std::filesystem::path(options.output).extension() != ".nvs")
         throw InputError("--output", options.output, "does not end with .nvs", "name it so");
     prepare_output_file("--output", options.output);
-    const PublishedScene scene = read_published_scene(options.scene, options.performer);
+    const PublishedScene scene = read_published_scene(options.scene, options.performer, options.up);
     voctree::expect_no_stream(scene.clip);
     const Published published = Publisher(options, scene, common).publish();
     copy_sound(scene.clip, options.output);
@@ -246,6 +247,7 @@ void add_publish(Command app, CommonOptions& common) {
     verb.add_option("--performer", options->performer,
                     "Of a stage: which, by its name or index; may be left out where there is one");
     verb.add_option("-o,--output", options->output, "The .nvs to write").required();
+    add_up_option(verb, options->up);
     Option rate = verb.add_option("--rate", options->rate_mbps, "Mbit/s, which every group of frames keeps to")
                       .number_between(0.01, 1e5);
     verb.add_option("--quality", options->quality,

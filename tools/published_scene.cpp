@@ -31,7 +31,8 @@ bool has_folders(const PublishedScene& scene) {
 
 }  // namespace
 
-PublishedScene read_published_scene(const std::string& path, const std::string& performer) {
+PublishedScene read_published_scene(const std::string& path, const std::string& performer,
+                                    std::optional<voctree::UpAxis> up) {
     PublishedScene scene{voctree::clip_path(path), {}, {}};
     if (editor::has_stage_ending(path)) {
         const stage::Stage stage = stage::load_stage(path);
@@ -41,7 +42,7 @@ PublishedScene read_published_scene(const std::string& path, const std::string& 
     } else if (!performer.empty()) {
         throw InputError("--performer", performer, "is for stages", "leave it out: a clip is one performer");
     }
-    scene.index = voctree::read_clip_index(scene.clip);
+    scene.index = voctree::read_clip_index(scene.clip, up_of(path, up));
     if (!scene.layers.empty()) voctree::expect_no_stream(scene.clip);
     if (has_folders(scene))
         for (const render::LayerFolder& layer : scene.layers) voctree::expect_paint_folder(layer.folder);

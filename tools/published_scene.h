@@ -21,7 +21,8 @@ struct PublishedScene {
 // `performer`: the node of a stage, by its name or index; empty for the only performer of a stage, and for a clip.
 // Throws InputError where there is no such performer, for a stream that is painted, and where a layer's folder is
 // missing.
-PublishedScene read_published_scene(const std::string& scene, const std::string& performer);
+PublishedScene read_published_scene(const std::string& scene, const std::string& performer,
+                                    std::optional<voctree::UpAxis> up);
 
 // The paint of one segment.
 struct SegmentLayers {

@@ -74,6 +74,7 @@ void add_run_options(Command verb, RenderOptions& options) {
     add_switch(verb, "--shadows", options.shadows, "Of a stage: whether lights cast shadows");
     add_switch(verb, "--falloff", options.falloff, "Of a stage: whether lights shine on performers");
     add_far_levels_option(verb, options.far_levels);
+    add_up_option(verb, options.up);
     verb.add_option("--part", options.part,
                     "2/8: render the second of eight parts of the images, as other processes render the others. The "
                     "process that finds all parts of a video joins them. All need the same options. The ranks of "

@@ -18,7 +18,8 @@ struct RenderOptions {
     std::string part;                // "2/8": the second of eight parts of the images; empty: all, or by the ranks
     std::string pass;                // the intermediate buffer to show, of frame_passes(); empty: the frame itself
     std::vector<std::string> paint;  // layers, of a clip
-    std::optional<double> fps;       // nothing: the camera path's, the clip's or the stage's
+    std::optional<voctree::UpAxis> up;
+    std::optional<double> fps;  // nothing: the camera path's, the clip's or the stage's
     uint32_t samples = kDefaultSamples;
     double scale = 1;
     double slice_budget_mb = static_cast<double>(render::kSliceBudget >> 20);

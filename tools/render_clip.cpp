@@ -126,10 +126,10 @@ std::vector<ViewStep> view_path(const RenderOptions& options, const RenderPlan& 
 
 // Reads what is known of a clip before any of its segments is on the device.
 void read_scene(const RenderOptions& options, RenderPlan& plan) {
-    plan.clip = voctree::read_clip_index(options.scene);
+    plan.clip = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
     plan.paint.names = parse_paint(options.paint);
     if (plan.clip.segments.size() == 1) {
-        const voctree::VOctree tree = voctree::read_segment(plan.clip.segments[0]);
+        const voctree::VOctree tree = voctree::read_shown_segment(plan.clip.segments[0]);
         plan.box = voctree::occupied_box(tree);
         const voctree::PaintedField field = voctree::painted_field(tree);
         for (const render::LayerFolder& one : plan.paint.names)
@@ -306,6 +306,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     facts["--frames"] = fmt::format("{}:{}", plan.playback.range.first, plan.playback.range.last);
     for (size_t i = 0; i < plan.paint.names.size(); i++)
         add_layer_facts(facts, "--paint " + options.paint[i], plan.paint.names[i].folder);
+    if (options.up) facts["--up"] = *options.up == voctree::UpAxis::kY ? "y" : "z";
     facts["--direct"] = fmt::format("{}", options.direct);
     const RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, images,
                           options.resume);

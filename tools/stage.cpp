@@ -82,7 +82,16 @@ struct AddOptions : StageTarget {
     std::string clip, name;
     edit::Placement placement;
     edit::PerformerEdit performer;
+    std::optional<voctree::UpAxis> up;
 };
+
+// A stage takes every PlenOctree to have +Z up, so one with +Y up is turned by its node.
+void place_upright(const AddOptions& options, edit::Placement& placement) {
+    if (up_of(options.clip, options.up) == voctree::UpAxis::kZ) return;
+    if (placement.turn_deg)
+        throw InputError("--up", "y", "turns the performer by 90,0,0, and --turn turns it, too", "give --turn alone");
+    placement.turn_deg = {90, 0, 0};
+}
 
 std::string add_performer(stage::StageFile& file, const AddOptions& options) {
     const std::filesystem::path clip = voctree::clip_path(options.clip);
@@ -90,7 +99,9 @@ std::string add_performer(stage::StageFile& file, const AddOptions& options) {
     edit::PerformerEdit performer = options.performer;
     performer.clip = clip;
     if (performer.time) expect_fitting_time(*performer.time, clip);
-    return edit::add_performer(file, options.name, performer, options.placement);
+    edit::Placement placement = options.placement;
+    place_upright(options, placement);
+    return edit::add_performer(file, options.name, performer, placement);
 }
 
 void add_add(Command stage) {
@@ -100,6 +111,7 @@ void add_add(Command stage) {
         .required();
     verb.add_option("--name", options.name, "Its node's; default: the file's");
     add_placement_options(verb, options.placement);
+    add_up_option(verb, options.up);
     add_performer_options(verb, options.performer);
     verb.footer(
         {kExamplesHead,

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/trace_file.h"
-#include "voctree/plenoctree.h"
 #include "voctree/slice.h"
 
 namespace neuvv::voctree {
@@ -31,12 +30,12 @@ bool is_plenoctree(const std::filesystem::path& path) {
     return std::memcmp(magic, "PK\3\4", sizeof(magic)) == 0;
 }
 
-VOctree read_clip(const std::filesystem::path& path) {
+VOctree read_clip(const std::filesystem::path& path, PlenoctreeColours colours, UpAxis up) {
     if (is_segmented(path))
         throw InputError(path.string(), "", "is a clip in segments, which this cannot take as a whole",
                          fmt::format("name one of its segments, such as {}", (path / segment_file_name(0)).string()));
     expect_no_stream(path);
-    return is_plenoctree(path) ? read_plenoctree(path) : read_nvv(path);
+    return is_plenoctree(path) ? read_plenoctree(path, colours, up) : read_nvv(path);
 }
 
 namespace {
@@ -77,14 +76,14 @@ NvvHead head_of_frame(const ClipSegment& segment) {
 
 }  // namespace
 
-VOctree read_segment(const ClipSegment& segment, stream::Part last) {
+VOctree read_segment(const ClipSegment& segment, stream::Part last, PlenoctreeColours colours) {
     if (segment.stream) {
         const auto slice = segment.stream->frame(segment.first, last);
         const TraceSpan span("make the tree of frame", segment.first);
         return tree_of(*slice, vector_of(group_of(segment).box_min), vector_of(group_of(segment).box_size),
                        segment.stream->index().fps);
     }
-    VOctree tree = read_clip(segment.file);
+    VOctree tree = read_clip(segment.file, colours, segment.up);
     require_frames(segment, tree.frames);
     return tree;
 }
@@ -122,11 +121,11 @@ ClipHead read_segmented_head(const std::filesystem::path& path) {
 
 }  // namespace
 
-ClipHead read_clip_head(const std::filesystem::path& path) {
+ClipHead read_clip_head(const std::filesystem::path& path, UpAxis up) {
     if (is_segmented(path) || stream::is_stream(path)) return read_segmented_head(path);
     if (is_plenoctree(path)) {
-        const PlenoctreeBox box = read_plenoctree_box(path);
-        return {1, VOctree{}.fps, box.min, box.size};
+        const auto [box_min, box_size] = read_plenoctree_box(path, up);
+        return {1, VOctree{}.fps, box_min, box_size};
     }
     const NvvHead head = summarise_nvv(path).head;
     return {head.frames, head.fps, head.box_min, head.box_size};

@@ -7,17 +7,23 @@
 
 #include "voctree/clip_index.h"
 #include "voctree/nvv.h"
+#include "voctree/plenoctree.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {
 
 // Reads a clip that is one file. Throws InputError where read_nvv or read_plenoctree does, and for a segmented clip
 // (clip_index.h) and a stream, whose segments are read one by one.
-VOctree read_clip(const std::filesystem::path& path);
+VOctree read_clip(const std::filesystem::path& path, PlenoctreeColours colours = PlenoctreeColours::kLinear,
+                  UpAxis up = UpAxis::kZ);
 
-// Reads a segment of a clip. Throws InputError as read_clip, and where the file has not as many frames as the index
-// says.
-VOctree read_segment(const ClipSegment& segment, stream::Part last = stream::kShFine);
+// Reads a segment of a clip. Who draws it on the device takes the colours of a PlenOctree as they are stored. Throws
+// InputError as read_clip, and where the file has not as many frames as the index says.
+VOctree read_segment(const ClipSegment& segment, stream::Part last = stream::kShFine,
+                     PlenoctreeColours colours = PlenoctreeColours::kLinear);
+inline VOctree read_shown_segment(const ClipSegment& segment, stream::Part last = stream::kShFine) {
+    return read_segment(segment, last, PlenoctreeColours::kAsStored);
+}
 
 // The head of a segment of a segmented clip, without its leaves. Throws InputError where the file's headers are
 // damaged, and where it has not as many frames as the index says.
@@ -31,7 +37,7 @@ struct ClipHead {
 
 // Reads a clip's head without its leaves. The box of a segmented clip holds the boxes of all of its segments that can
 // be read and have leaves. Throws InputError where the file's headers are damaged, or where no segment can be read.
-ClipHead read_clip_head(const std::filesystem::path& path);
+ClipHead read_clip_head(const std::filesystem::path& path, UpAxis up = UpAxis::kZ);
 
 // Throws InputError where the file is a stream.
 void expect_no_stream(const std::filesystem::path& path);

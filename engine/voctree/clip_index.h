@@ -8,6 +8,7 @@
 
 #include "base/file_stamp.h"
 #include "stream/nvs_reader.h"
+#include "voctree/plenoctree.h"
 
 namespace neuvv::voctree {
 
@@ -22,6 +23,7 @@ struct ClipSegment {
     // them, and players fade over them from this segment to the next (segment_shares).
     uint32_t overlap = 0;
     std::shared_ptr<stream::Reader> stream{};  // of which this is a frame; null: this is a file
+    UpAxis up = UpAxis::kZ;                    // of a PlenOctree's file
     uint32_t end() const { return first + frames; }
     uint32_t frames_of_file() const { return frames + overlap; }
 };
@@ -52,7 +54,7 @@ std::filesystem::path clip_path(const std::filesystem::path& given);
 // Reads the index of a clip of any kind; of a clip that is one file, its head is read. Throws InputError with file,
 // place and fix for what is damaged or out of bounds, and for a file that is named twice. Segments are not opened, so
 // that a clip with a damaged segment can be played but for that segment.
-ClipIndex read_clip_index(const std::filesystem::path& clip);
+ClipIndex read_clip_index(const std::filesystem::path& clip, UpAxis up = UpAxis::kZ);
 
 // The indices of so many segments, those nearest to the clip's middle first.
 std::vector<size_t> segments_from_middle(size_t segments);

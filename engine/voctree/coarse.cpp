@@ -145,6 +145,7 @@ VOctree clip_without_leaves(const VOctree& tree) {
     clip.hh_degree = tree.hh_degree;
     clip.frames = tree.frames;
     clip.fps = tree.fps;
+    clip.has_srgb_colours = tree.has_srgb_colours;
     clip.sigma_basis = tree.sigma_basis;
     clip.gamma_basis = tree.gamma_basis;
     return clip;

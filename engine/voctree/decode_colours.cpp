@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/glm.hpp>
-#include <numbers>
 
 #include "media/image.h"
+#include "voctree/sh_weights.h"
 
 namespace neuvv::voctree {
 
@@ -20,25 +19,6 @@ double sigmoid(double logit) {
     return 1 / (1 + std::exp(-logit));
 }
 
-ChannelSh sh_basis(glm::dvec3 d) {
-    return {0.28209479177387814,
-            0.4886025119029199 * d.y,
-            0.4886025119029199 * d.z,
-            0.4886025119029199 * d.x,
-            1.0925484305920792 * d.x * d.y,
-            1.0925484305920792 * d.y * d.z,
-            0.31539156525252005 * (3 * d.z * d.z - 1),
-            1.0925484305920792 * d.x * d.z,
-            0.5462742152960396 * (d.x * d.x - d.y * d.y),
-            0.5900435899266435 * d.y * (3 * d.x * d.x - d.y * d.y),
-            2.890611442640554 * d.x * d.y * d.z,
-            0.4570457994644658 * d.y * (5 * d.z * d.z - 1),
-            0.3731763325901154 * d.z * (5 * d.z * d.z - 3),
-            0.4570457994644658 * d.x * (5 * d.z * d.z - 1),
-            1.445305721320277 * d.z * (d.x * d.x - d.y * d.y),
-            0.5900435899266435 * d.x * (d.x * d.x - 3 * d.y * d.y)};
-}
-
 }  // namespace
 
 ColourDecoder::ColourDecoder(uint32_t degree) : functions_(sh_count(degree)) {
@@ -46,12 +26,9 @@ ColourDecoder::ColourDecoder(uint32_t degree) : functions_(sh_count(degree)) {
         const double linear = media::linear_from_srgb(sigmoid(static_cast<double>(i) / kStepsPerLogit - kLastLogit));
         curve_.push_back(std::log(linear / (1 - linear)));
     }
-    for (int i = 0; i < 27; ++i) {
-        const glm::dvec3 cell(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-        const double squared = glm::dot(cell, cell);  // 1: along an axis, 2: to an edge, 3: to a corner of the cube
-        if (squared == 0) continue;
-        basis_.push_back(sh_basis(cell / std::sqrt(squared)));
-        weights_.push_back(4 * std::numbers::pi * (squared == 1 ? 1.0 / 21 : squared == 2 ? 4.0 / 105 : 9.0 / 280));
+    for (const ShDirection& direction : sh_directions()) {
+        basis_.push_back(sh_basis(direction.d));
+        weights_.push_back(direction.weight);
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstring>
 
 #include "base/error.h"
@@ -216,6 +217,7 @@ NvvHead head_of(const VOctree& tree) {
 
 void write_nvv(const std::filesystem::path& path, const VOctree& tree, const std::vector<NvvChunkView>& extra,
                int compression, const std::optional<VOctree>& coarse) {
+    assert(!tree.has_srgb_colours && "a .nvv has linear colours");
     const std::string defect = defect_of_file(tree, extra, coarse);
     if (!defect.empty()) throw RuntimeFailure(fmt::format("{}: not written: {}", path.string(), defect));
     write_file_atomically(path, [&](const ByteSink& sink) {

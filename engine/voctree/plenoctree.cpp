@@ -2,16 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
-#include <numbers>
+#include <future>
+#include <tuple>
 
 #include "base/error.h"
-#include "base/npy.h"
-#include "base/npz.h"
 #include "base/parallel.h"
 #include "voctree/decode_colours.h"
 #include "voctree/half.h"
+#include "voctree/plenoctree_file.h"
 #include "voctree/sh_weights.h"
 
 namespace neuvv::voctree {
@@ -19,148 +20,82 @@ namespace neuvv::voctree {
 namespace {
 
 constexpr uint32_t kMaxDepth = 2 * kMaxNodeLevels;
-constexpr double kY00 = 0.28209479177387814;
-constexpr const char* kFix = "write it with N3Tree.save of svox";
 
-// An array of the file, with its header.
-struct RawArray {
-    NpyHeader header;
-    std::vector<uint8_t> bytes;
-
-    template <typename T>
-    T at(uint64_t index) const {
-        T value;
-        std::memcpy(&value, &bytes[header.begin + index * sizeof(T)], sizeof(T));
-        return value;
-    }
-};
-
-RawArray read_array(const NpzReader& npz, const std::string& file, const char* name) {
-    if (!npz.has(name)) throw InputError(file, name, "is missing: this is no PlenOctree", kFix);
-    RawArray array;
-    array.bytes = npz.bytes(name);
-    array.header = parse_npy_header(array.bytes, file, name);
-    return array;
+// From the axes of a clip, +Y up, to those of the file.
+glm::dvec3 in_file(glm::dvec3 d, UpAxis up) {
+    return up == UpAxis::kZ ? glm::dvec3(d.x, -d.z, d.y) : d;
 }
 
-glm::vec3 read_vec3(const NpzReader& npz, const std::string& file, const char* name) {
-    const RawArray array = read_array(npz, file, name);
-    if (array.header.type != "<f4" || array.header.count != 3)
-        throw InputError(file, name, "is not three numbers of type <f4", kFix);
-    return {array.at<float>(0), array.at<float>(1), array.at<float>(2)};
+// The box in the axes of a clip.
+std::pair<glm::vec3, glm::vec3> turned(const PlenoctreeBox& box, UpAxis up) {
+    if (up == UpAxis::kY) return {box.min, box.size};
+    return {{box.min.x, box.min.z, -(box.min.y + box.size.y)}, {box.size.x, box.size.z, box.size.y}};
 }
 
-// svox: tree = offset + invradius3 · world.
-PlenoctreeBox read_box(const NpzReader& npz, const std::string& file) {
-    const glm::vec3 per_metre = read_vec3(npz, file, "invradius3"), offset = read_vec3(npz, file, "offset");
-    const PlenoctreeBox box{-offset / per_metre, 1.0f / per_metre};
-    for (int axis = 0; axis < 3; ++axis)
-        if (!(per_metre[axis] > 0) || !std::isnormal(box.size[axis]) || !std::isfinite(box.min[axis]) ||
-            !std::isfinite(box.min[axis] + box.size[axis]))
-            throw InputError(file, "invradius3", "with offset it makes no box of finite size", kFix);
-    return box;
-}
-
-// The format of a leaf's numbers: those of R, then G, then B, then σ.
-struct Format {
-    uint32_t numbers = 0;  // of each channel
-    uint32_t degree = 0;   // of SH
-    double scale = 1;      // from a number to an SH coefficient
-};
-
-Format format_of(const std::string& name, const std::string& file) {
-    if (name == "RGBA") return {1, 0, 1 / kY00};
-    for (uint32_t degree = 0; degree <= kMaxHhDegree; ++degree)
-        if (name == fmt::format("SH{}", sh_count(degree))) return {sh_count(degree), degree, 1};
-    throw InputError(file, "data_format", fmt::format("is {}, not RGBA, SH1, SH4, SH9 or SH16", name),
-                     "convert it with svox, or extract the tree anew");
-}
-
-// The name of the format. Files of svox' first versions do not have it, so it is derived from the numbers of a leaf.
-std::string format_name(const NpzReader& npz, const std::string& file, uint64_t data_dim) {
-    if (!npz.has("data_format")) return data_dim == 4 ? "RGBA" : fmt::format("SH{}", (data_dim - 1) / 3);
-    const RawArray text = read_array(npz, file, "data_format");
-    if (!text.header.type.starts_with("<U") || text.header.count != 1)
-        throw InputError(file, "data_format", "is no text", kFix);
-    std::string name;
-    for (size_t at = text.header.begin; at + 4 <= text.bytes.size() && name.size() < 8; at += 4) {
-        uint32_t letter = 0;
-        std::memcpy(&letter, &text.bytes[at], 4);
-        if (letter != 0) name += letter > ' ' && letter < 127 ? static_cast<char>(letter) : '?';
-    }
-    return name;
-}
-
-class Plenoctree {
+// From the numbers of a channel to its SH coefficients: in the clip's axes, and without the Condon-Shortley phase,
+// which svox has. A turn by a right angle mixes few coefficients, so only the factors that are not 0 are kept.
+class ShTurn {
   public:
-    Plenoctree(const NpzReader& npz, const std::string& file) : file_(file) {
-        if (npz.has("quant_colors"))
-            throw InputError(file, "quant_colors", "its colours are quantised", "use the tree from before compression");
-        child_ = read_array(npz, file, "child");
-        data_ = read_array(npz, file, "data");
-        const auto& of_child = child_.header.shape;
-        const auto& of_data = data_.header.shape;
-        if (child_.header.type != "<i4" || of_child.size() != 4 || of_child[0] == 0 || of_child[1] != 2 ||
-            of_child[2] != 2 || of_child[3] != 2)
-            throw InputError(file, "child", "is not of type <i4 and shape (nodes, 2, 2, 2)", kFix);
-        halves_ = data_.header.type == "<f2";
-        if ((!halves_ && data_.header.type != "<f4") || of_data.size() != 5 ||
-            !std::equal(of_child.begin(), of_child.end(), of_data.begin()) || of_data[4] < 4)
-            throw InputError(file, "data", "is not of type <f2 or <f4 and shape (nodes, 2, 2, 2, numbers)", kFix);
-        numbers_ = of_data[4];
-        format_ = format_of(format_name(npz, file, numbers_), file);
-        if (numbers_ != 3 * format_.numbers + 1)
-            throw InputError(file, "data_format", fmt::format("does not fit {} numbers a leaf", numbers_), kFix);
-        reached_.resize(of_child[0]);
-        reached_[0] = true;
-        visit(0, {0, 0, 0, 0});
-        if (positions_.empty()) throw InputError(file, "data", "is empty everywhere", "extract the tree anew");
+    ShTurn(const PlenoctreeFormat& format, UpAxis up) : functions_(sh_count(format.degree)) {
+        for (uint32_t l = 0; l <= format.degree; ++l)
+            for (uint32_t to = l * l; to < (l + 1) * (l + 1); ++to)
+                for (uint32_t from = l * l; from < (l + 1) * (l + 1); ++from) add(to, from, l, format.scale, up);
     }
 
-    VOctree tree(PlenoctreeColours colours) const {
-        VOctree tree;
-        tree.node_levels = (deepest_ + 1) / 2;
-        make_still(tree, format_.degree);
-        build_topology(tree, positions_);
-        const ColourDecoder decoder(format_.degree);
-        parallel_for(positions_.size(), 4096, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; ++i) fill_leaf(tree, i, colours, decoder);
-        });
-        return tree;
+    // `numbers` and `k` have functions_ elements each.
+    void turn(const float* numbers, float* k) const {
+        std::fill_n(k, functions_, 0.0f);
+        for (const Factor& one : factors_) k[one.to] += one.factor * numbers[one.from];
     }
 
   private:
-    std::string file_;
-    RawArray child_, data_;
-    bool halves_ = true;
-    uint64_t numbers_ = 0;  // of a leaf
-    Format format_;
-    std::vector<bool> reached_;            // nodes that the walk has reached
-    std::vector<LeafPosition> positions_;  // of leaves with σ > 0
-    std::vector<uint64_t> cells_;          // the indices of these leaves in `data`
-    uint32_t deepest_ = 1;
+    struct Factor {
+        uint32_t to, from;
+        float factor;
+    };
+    uint32_t functions_;
+    std::vector<Factor> factors_;
 
-    std::string name_of(const char* array, uint64_t cell) const {
-        return fmt::format("{}[{}, {}, {}, {}]", array, cell / 8, cell >> 2 & 1, cell >> 1 & 1, cell & 1);
+    // ∫ Y_to(d) Y_from(in_file(d)) over the sphere, times the phase of Y_from. The quadrature is exact.
+    void add(uint32_t to, uint32_t from, uint32_t l, double scale, UpAxis up) {
+        double sum = 0;
+        for (const ShDirection& one : sh_directions())
+            sum += one.weight * sh_basis(one.d)[to] * sh_basis(in_file(one.d, up))[from];
+        const uint32_t m_plus_l = from - l * l;
+        const double phase = (m_plus_l + l) % 2 == 0 ? 1 : -1;
+        if (std::abs(sum) > 1e-9) factors_.push_back({to, from, static_cast<float>(scale * phase * sum)});
     }
+};
 
-    float number(uint64_t cell, uint64_t i) const {
-        const uint64_t index = cell * numbers_ + i;
-        const float value = halves_ ? float_from_half(data_.at<uint16_t>(index)) : data_.at<float>(index);
-        if (!std::isfinite(value))
-            throw InputError(file_, name_of("data", cell), fmt::format("number {} is not finite", i),
-                             "extract the tree anew");
-        return value;
-    }
-
-    // Adds the leaves below a node in the order of a VOctree's cells, where z is the highest bit of a cell's number; in
-    // the file it is the lowest. The recursion is at most kMaxDepth deep, because child_of refuses deeper nodes.
-    void visit(uint64_t node, const LeafPosition& position) {
+// The leaves with σ > 0, in the order of a VOctree's cells.
+class LeafWalk {
+  public:
+    LeafWalk(const PlenoctreeFile& file, UpAxis up) : file_(file), reached_(file.nodes()) {
         for (uint32_t i = 0; i < 8; ++i) {
             const uint32_t x = i & 1, y = i >> 1 & 1, z = i >> 2;
-            const uint64_t cell = 8 * node + 4 * x + 2 * y + z;
-            const LeafPosition at{2 * position.x + x, 2 * position.y + y, 2 * position.z + z, position.depth + 1};
-            if (child_.at<int32_t>(cell) == 0)
+            cell_in_file_[i] = up == UpAxis::kZ ? 4 * x + 2 * (1 - z) + y : 4 * x + 2 * y + z;
+        }
+        reached_[0] = true;
+        visit(0, {0, 0, 0, 0});
+        if (positions.empty()) throw InputError(file.name(), "data", "is empty everywhere", "extract the tree anew");
+    }
+
+    std::vector<LeafPosition> positions;
+    std::vector<uint64_t> cells;  // of the file
+    uint32_t deepest = 1;
+
+  private:
+    const PlenoctreeFile& file_;
+    uint32_t cell_in_file_[8];   // by the number of a cell of a node in the clip's axes, where z is the highest bit
+    std::vector<bool> reached_;  // nodes
+
+    // The recursion is at most kMaxDepth deep, because child_of refuses deeper nodes.
+    void visit(uint64_t node, const LeafPosition& position) {
+        for (uint32_t i = 0; i < 8; ++i) {
+            const uint64_t cell = 8 * node + cell_in_file_[i];
+            const LeafPosition at{2 * position.x + (i & 1), 2 * position.y + (i >> 1 & 1), 2 * position.z + (i >> 2),
+                                  position.depth + 1};
+            if (file_.child(cell) == 0)
                 add_leaf(cell, at);
             else
                 visit(child_of(node, cell, at.depth), at);
@@ -168,10 +103,10 @@ class Plenoctree {
     }
 
     uint64_t child_of(uint64_t node, uint64_t cell, uint32_t depth) {
-        const auto fail = [&](const std::string& problem, const char* fix = kFix) {
-            throw InputError(file_, name_of("child", cell), problem, fix);
+        const auto fail = [&](const std::string& problem, const char* fix = "write it with N3Tree.save of svox") {
+            throw InputError(file_.name(), PlenoctreeFile::place("child", cell), problem, fix);
         };
-        const int64_t child = static_cast<int64_t>(node) + child_.at<int32_t>(cell);
+        const int64_t child = static_cast<int64_t>(node) + file_.child(cell);
         if (child < 0 || child >= static_cast<int64_t>(reached_.size()))
             fail(fmt::format("node {} does not exist ({} do)", child, reached_.size()));
         const auto index = static_cast<uint64_t>(child);
@@ -183,55 +118,69 @@ class Plenoctree {
     }
 
     void add_leaf(uint64_t cell, const LeafPosition& position) {
-        if (number(cell, numbers_ - 1) <= 0) return;
-        if (positions_.size() == kMaxLeaves)
-            throw InputError(file_, "child", fmt::format("has more than {} leaves", kMaxLeaves),
+        if (file_.sigma(cell) <= 0) return;
+        if (positions.size() == kMaxLeaves)
+            throw InputError(file_.name(), "child", fmt::format("has more than {} leaves", kMaxLeaves),
                              "extract a coarser tree");
-        deepest_ = std::max(deepest_, position.depth);
-        positions_.push_back(position);
-        cells_.push_back(cell);
-    }
-
-    void fill_leaf(VOctree& tree, size_t leaf, PlenoctreeColours colours, const ColourDecoder& decoder) const {
-        float* weights = tree.leaf(static_cast<uint32_t>(leaf));
-        *weights++ = number(cells_[leaf], numbers_ - 1);
-        *weights++ = 0;  // γ = π sigmoid(0)
-        for (uint32_t channel = 0; channel < 3; ++channel) {
-            ChannelSh k{};
-            for (uint32_t i = 0; i < format_.numbers; ++i)
-                k[i] = format_.scale * double{number(cells_[leaf], uint64_t{channel} * format_.numbers + i)};
-            turn_signs(k);
-            if (colours == PlenoctreeColours::kLinear) k = decoder.decode(k);
-            const std::vector<float> numbers(k.begin(), k.end());
-            write_sh(weights, format_.degree, numbers.data());
-            weights += hh_count(format_.degree);
-        }
-    }
-
-    // Converts coefficients to SH without the Condon-Shortley phase.
-    static void turn_signs(ChannelSh& k) {
-        for (int l = 0; l <= static_cast<int>(kMaxHhDegree); ++l)
-            for (int m = -l; m <= l; ++m)
-                if (m % 2 != 0) k[static_cast<size_t>(l * l + l + m)] *= -1;
+        deepest = std::max(deepest, position.depth);
+        positions.push_back(position);
+        cells.push_back(cell);
     }
 };
 
+void decode(const ColourDecoder& decoder, float* k, uint32_t functions) {
+    ChannelSh numbers{};
+    std::copy_n(k, functions, numbers.begin());
+    numbers = decoder.decode(numbers);
+    std::transform(numbers.begin(), numbers.begin() + functions, k, [](double x) { return static_cast<float>(x); });
+}
+
+void fill_leaves(VOctree& tree, const PlenoctreeFile& file, const LeafWalk& leaves, PlenoctreeColours colours,
+                 UpAxis up) {
+    const PlenoctreeFormat& format = file.format();
+    const ShTurn turn(format, up);
+    const ColourDecoder decoder(format.degree);
+    const uint32_t functions = sh_count(format.degree);
+    parallel_for(leaves.cells.size(), 4096, [&](size_t begin, size_t end) {
+        std::array<float, 3 * kMaxShCount> numbers;
+        std::array<float, kMaxShCount> k;
+        for (size_t i = begin; i < end; ++i) {
+            float* weights = tree.leaf(static_cast<uint32_t>(i));
+            *weights = std::min(file.sigma(leaves.cells[i]), kMaxHalf);
+            weights += 2;  // γ = π sigmoid(0)
+            file.colours(leaves.cells[i], numbers.data());
+            for (uint32_t channel = 0; channel < 3; ++channel, weights += hh_count(format.degree)) {
+                turn.turn(&numbers[size_t{channel} * format.numbers], k.data());
+                if (colours == PlenoctreeColours::kLinear) decode(decoder, k.data(), functions);
+                write_sh(weights, format.degree, k.data());
+            }
+        }
+    });
+}
+
 }  // namespace
 
-VOctree read_plenoctree(const std::filesystem::path& path, PlenoctreeColours colours) {
-    const std::string file = path.string();
-    const NpzReader npz(path);
-    const PlenoctreeBox box = read_box(npz, file);
-    VOctree tree = Plenoctree(npz, file).tree(colours);
-    tree.box_min = box.min;
-    tree.box_size = box.size;
-    if (const std::string defect = defect_of(tree); !defect.empty())
-        throw InputError(file, "data", defect, "extract the tree anew");
+VOctree read_plenoctree(const std::filesystem::path& path, PlenoctreeColours colours, UpAxis up) {
+    const PlenoctreeFile file(path);
+    const LeafWalk leaves(file, up);
+    VOctree tree;
+    std::tie(tree.box_min, tree.box_size) = turned(file.box(), up);
+    make_still(tree, file.format().degree);
+    tree.node_levels = (leaves.deepest + 1) / 2;
+    tree.has_srgb_colours = colours == PlenoctreeColours::kAsStored;
+    // The weights are filled while the nodes are built, which read nothing of each other.
+    std::future<void> nodes = std::async(std::launch::async, [&] { build_nodes(tree, leaves.positions); });
+    tree.weights.resize(leaves.cells.size() * tree.weights_per_leaf());
+    fill_leaves(tree, file, leaves, colours, up);
+    nodes.get();
+    if (tree.nodes.size() > kMaxNodes)
+        throw InputError(file.name(), "child", fmt::format("needs more than {} nodes", kMaxNodes),
+                         "extract a coarser tree");
     return tree;
 }
 
-PlenoctreeBox read_plenoctree_box(const std::filesystem::path& path) {
-    return read_box(NpzReader(path), path.string());
+std::pair<glm::vec3, glm::vec3> read_plenoctree_box(const std::filesystem::path& path, UpAxis up) {
+    return turned(read_box_of_file(path), up);
 }
 
 }  // namespace neuvv::voctree

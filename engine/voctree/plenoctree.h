@@ -8,24 +8,29 @@
 namespace neuvv::voctree {
 
 enum class PlenoctreeColours {
-    kLinear,    // colours are decoded to linear light (decode_colours.h), as a VOctree has them
-    kAsStored,  // the file's SH, up to rounding; their sigmoid is sRGB
+    kLinear,    // decoded to linear light (decode_colours.h), as those of other clips are
+    kAsStored,  // the file's SH, up to rounding; their sigmoid is sRGB (VOctree::has_srgb_colours)
 };
 
-// Reads a PlenOctree as a clip of one frame. A = (1), and w^σ is the file's σ; its unit is 1/m, as the file's unit of
+// Which of a PlenOctree's axes is up, which its file does not say. volrend takes it to be +Z, as those of the NeRF
+// scenes are.
+enum class UpAxis { kZ, kY };
+
+// Reads a PlenOctree as a clip of one frame. With kZ it is turned to +Y up, (x, y, z) → (x, z, −y), as the poses of a
+// transforms.json are (training/transforms.h). A = (1), and w^σ is the file's σ; its unit is 1/m, as the file's unit of
 // length is taken to be metres. γ = π/2 in all leaves, and of the colour weights only w_llm = k_lm / R_ll(π/2) differ
-// from 0, so that k are the SH coefficients of the slice; svox' Y_lm are those of sh.glsl times (−1)^m. The box is the
-// file's, not rotated; often its +Z is up. Leaves of σ ≤ 0 are left out. Reading takes about six times the memory of
-// the array `data`.
+// from 0, so that k are the SH coefficients of the slice; svox' Y_lm are those of sh.glsl times (−1)^m. Leaves of σ ≤ 0
+// are left out; an infinite σ becomes kMaxHalf, which is as opaque. Reading takes about five times the memory of the
+// array `data`.
 //
-// Accepted formats are SH1, SH4, SH9, SH16 and RGBA, in fp16 or fp32. Throws InputError for other formats, quantised
-// trees, leaves deeper than 2·kMaxNodeLevels, trees of which all leaves are empty, and damaged files.
-VOctree read_plenoctree(const std::filesystem::path& path, PlenoctreeColours colours = PlenoctreeColours::kLinear);
+// Accepted formats are SH1, SH4, SH9, SH16 and RGBA, in fp16, in fp32, or quantised by volrend's compress_octree.py.
+// Throws InputError for other formats, trees in NDC, leaves deeper than 2·kMaxNodeLevels, trees of which all leaves are
+// empty, and damaged files.
+VOctree read_plenoctree(const std::filesystem::path& path, PlenoctreeColours colours = PlenoctreeColours::kLinear,
+                        UpAxis up = UpAxis::kZ);
 
-struct PlenoctreeBox {
-    glm::vec3 min, size;  // metres
-};
-// Reads the box alone. Throws InputError where the file or its box is damaged.
-PlenoctreeBox read_plenoctree_box(const std::filesystem::path& path);
+// Reads the box alone: its least corner and its size, in metres, turned as read_plenoctree does. Throws InputError
+// where the file or its box is damaged, or the tree is in NDC.
+std::pair<glm::vec3, glm::vec3> read_plenoctree_box(const std::filesystem::path& path, UpAxis up = UpAxis::kZ);
 
 }  // namespace neuvv::voctree

@@ -47,6 +47,43 @@ Radial radial_functions(double gamma) {
     return radial;
 }
 
+std::array<double, kMaxShCount> sh_basis(glm::dvec3 d) {
+    return {0.28209479177387814,
+            0.4886025119029199 * d.y,
+            0.4886025119029199 * d.z,
+            0.4886025119029199 * d.x,
+            1.0925484305920792 * d.x * d.y,
+            1.0925484305920792 * d.y * d.z,
+            0.31539156525252005 * (3 * d.z * d.z - 1),
+            1.0925484305920792 * d.x * d.z,
+            0.5462742152960396 * (d.x * d.x - d.y * d.y),
+            0.5900435899266435 * d.y * (3 * d.x * d.x - d.y * d.y),
+            2.890611442640554 * d.x * d.y * d.z,
+            0.4570457994644658 * d.y * (5 * d.z * d.z - 1),
+            0.3731763325901154 * d.z * (5 * d.z * d.z - 3),
+            0.4570457994644658 * d.x * (5 * d.z * d.z - 1),
+            1.445305721320277 * d.z * (d.x * d.x - d.y * d.y),
+            0.5900435899266435 * d.x * (d.x * d.x - 3 * d.y * d.y)};
+}
+
+const std::array<ShDirection, 26>& sh_directions() {
+    static const auto kDirections = [] {
+        std::array<ShDirection, 26> directions;
+        size_t count = 0;
+        for (int i = 0; i < 27; i++) {
+            const glm::dvec3 cell(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+            const double squared = glm::dot(cell, cell);  // 1: along an axis, 2: to an edge, 3: to a corner of the cube
+            if (squared == 0) continue;
+            directions[count++] = {cell / std::sqrt(squared), 4 * std::numbers::pi *
+                                                                  (squared == 1   ? 1.0 / 21
+                                                                   : squared == 2 ? 4.0 / 105
+                                                                                  : 9.0 / 280)};
+        }
+        return directions;
+    }();
+    return kDirections;
+}
+
 void make_still(VOctree& tree, uint32_t degree) {
     tree.bases = 1;
     tree.frames = 1;

@@ -11,6 +11,18 @@ namespace neuvv::voctree {
 using Radial = std::array<std::array<float, kMaxHhDegree + 1>, kMaxHhDegree + 1>;
 Radial radial_functions(double gamma);
 
+// Y_lm(d) of a unit direction without the Condon-Shortley phase, index l² + l + m (sh.glsl), all degrees.
+std::array<double, kMaxShCount> sh_basis(glm::dvec3 d);
+
+// A direction of a quadrature over the sphere.
+struct ShDirection {
+    glm::dvec3 d;
+    double weight;  // all sum to 4π
+};
+// The 26 directions from the middle of a cube to its faces, edges and corners. Exact for polynomials of degree 7
+// (Lebedev).
+const std::array<ShDirection, 26>& sh_directions();
+
 // Makes a tree one of a single frame and basis, at which γ is π/2 where w^γ is 0. Changes no leaves.
 void make_still(VOctree& tree, uint32_t degree);
 

@@ -3,7 +3,7 @@
 // At world position x inside leaf k, frame t (continuous, 0..frames-1) and unit direction d of the ray:
 //   σ = relu(A_t·w^σ_k)                               [1/m]            (errata 9)
 //   γ = π·sigmoid(B_t·w^γ_k)                          hyper angle      (errata 9)
-//   c = sigmoid(Σ_nlm w^HH_k,nlm H_nlm(d, γ))         linear RGB       (errata 7, 8)
+//   c = sigmoid(Σ_nlm w^HH_k,nlm H_nlm(d, γ))         linear RGB       (errata 7, 8), or sRGB (has_srgb_colours)
 // Rows A_t, B_t of fractional t are interpolated linearly (errata 9). Errata are listed in engine/ERRATA.md.
 #pragma once
 
@@ -36,6 +36,9 @@ struct VOctree {
     uint32_t hh_degree = 2;  // n_max
     uint32_t frames = 1;     // N: rows of A and B
     float fps = 25;          // frames per second of the recording
+    // Colours are sRGB and are composited as such along a ray, whose sum is decoded to linear light: PlenOctrees for
+    // players. No file has such a tree.
+    bool has_srgb_colours = false;
 
     std::vector<float> sigma_basis;  // A, frames × bases, row-major
     std::vector<float> gamma_basis;  // B, frames × bases
