@@ -9,6 +9,7 @@
 
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
+layout(constant_id = 1) const bool kSrgbColours = false;  // the entries'; paint is linear light
 READ_ARRAY(uvec2, kPaintLeaves, painted_leaves);
 READ_ARRAY(uvec4, kPaintEdits, edits);
 READ_ARRAY(uint, kPaintSigmas, edit_sigmas);
@@ -20,6 +21,7 @@ layout(push_constant) uniform Push { PaintPush push; };
 #include "node.glsl"
 #include "paint.glsl"
 #include "paint_edits.glsl"
+#include "srgb.glsl"
 
 // Finds the first texel of the leaf's entry; false where the leaf is not live.
 bool entry_of(uint leaf, out int first) {
@@ -49,6 +51,7 @@ void main() {
     if (!entry_of(painted.x, first)) return;
     const uvec2 mean = LOAD(entries, first).xy;
     Painted leaf = Painted(1.0 / (1.0 + exp(-kShConstant * coefficient(mean))), 1.0, 0.0);
+    if (kSrgbColours) leaf.colour = srgb_decode(leaf.colour);
     bool changed = false;
     for (uint i = painted.y; i < end; i++) {
         Edit edit;
@@ -57,6 +60,7 @@ void main() {
         changed = true;
     }
     if (!changed) return;
+    if (kSrgbColours) leaf.colour = srgb_encode(leaf.colour);
     store_coefficient(first, mean.x, painted_mean(leaf));
     for (int j = 1; j < int(sh_count(kHhDegree)); j++)
         store_coefficient(first + j, 0u, painted_coefficient(leaf, coefficient(LOAD(entries, first + j).xy)));

@@ -18,6 +18,7 @@ layout(constant_id = 5) const bool kFromRoot = false;
 layout(constant_id = 6) const bool kCoalesce = true;
 layout(constant_id = 7) const uint kRayOutput = kOutputLayer;
 layout(constant_id = 8) const bool kColourless = false;
+layout(constant_id = 9) const bool kSrgbColours = false;
 const uint kSampleCost = kShaded || kColourless ? kSampleLikeStep : kSampleBelowDescent;
 READ_ARRAY(uint, kTraceTop, tree_top);
 READ_ARRAY(uvec4, kTraceNodes, nodes);

@@ -48,7 +48,7 @@ std::vector<ClipMemory> measure_memory(const stage::Stage& stage, const StageInf
         ClipMemory memory;
         for (const voctree::ClipSegment& segment : voctree::read_clip_index(clip.path).segments) {
             const uint64_t before = device.buffer_bytes();
-            const render::Field field = render::upload_segment(device, segment, voctree::read_segment(segment));
+            const render::Field field = render::upload_segment(device, segment, voctree::read_shown_segment(segment));
             memory.field_bytes += device.buffer_bytes() - before;
             const uint64_t share = render::slice_share(budget, fields);
             memory.slice_bytes += slice_bytes_of(device, field, share);

@@ -79,7 +79,7 @@ Scene scene_of(const voctree::ClipIndex& clip, const Dataset& dataset) {
     const std::vector<std::vector<ViewFrame>> views = views_by_segment(clip, dataset);
     for (const size_t i : voctree::segments_from_middle(clip.segments.size())) {
         if (views[i].empty()) continue;
-        voctree::VOctree tree = voctree::read_segment(clip.segments[i]);
+        voctree::VOctree tree = voctree::read_shown_segment(clip.segments[i]);
         if (tree.leaf_count > 0) return {std::move(tree), selected_views(views[i], dataset)};
     }
     throw InputError(dataset.folder.string(), "", "has images only of times at which the scene shows nobody",

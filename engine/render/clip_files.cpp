@@ -79,7 +79,7 @@ std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& se
     if (auto known = begin_reading(segment, stamp)) return known;
     try {
         const TraceSpan span("read a segment of frame", segment.first);
-        const voctree::VOctree tree = voctree::read_segment(segment);
+        const voctree::VOctree tree = voctree::read_shown_segment(segment);
         auto clip =
             std::make_shared<const LoadedClip>(LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree),
                                                           voctree::painted_field(tree), solid_leaves(tree)});
@@ -180,7 +180,7 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
     }
     try {
         const TraceSpan span("read a part of frame", segment.first);
-        const voctree::VOctree tree = voctree::read_segment(segment, last);
+        const voctree::VOctree tree = voctree::read_shown_segment(segment, last);
         auto clip = std::make_shared<const LoadedClip>(
             LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), {}, solid_leaves(tree)});
         add_result({segment.file, stamp, std::move(clip), "", true, {}});

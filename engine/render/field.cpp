@@ -105,6 +105,7 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.hh_degree = tree.hh_degree;
     field.frames = tree.frames;
     field.half_weights = precision == WeightPrecision::kHalf;
+    field.has_srgb_colours = tree.has_srgb_colours;
     field.busy_planes = std::max(count_busy_planes(tree.sigma_basis, tree.frames, tree.bases),
                                  count_busy_planes(tree.gamma_basis, tree.frames, tree.bases));
     const WalkTree walk = [&] {

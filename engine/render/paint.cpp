@@ -101,7 +101,7 @@ Painter::Painter(const gpu::Device& device, const Field& given_field, const Live
       trees(given_trees),
       density(device, "paint density", device.buffers().fitting(paint_density_comp, paint_density_comp_storage)),
       colour(device, "paint colour", device.buffers().fitting(paint_colour_comp, paint_colour_comp_storage),
-             {field.hh_degree}) {}
+             {field.hh_degree, field.has_srgb_colours ? 1u : 0u}) {}
 
 SlicePaint::SlicePaint(const Painter& passes, const Paint& layers)
     : painter(passes),

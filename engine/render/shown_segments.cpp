@@ -26,7 +26,7 @@ std::vector<Instance> ShownSegments::show(const std::vector<voctree::SegmentShar
         }
         for (const uint32_t segment : missing)
             fields_[segment] =
-                std::make_unique<const Field>(upload_(voctree::read_segment(clip_.segments[segment]), segment));
+                std::make_unique<const Field>(upload_(voctree::read_shown_segment(clip_.segments[segment]), segment));
         changed(fields());
     }
     std::vector<Instance> instances;

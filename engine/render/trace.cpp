@@ -102,7 +102,7 @@ gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Ray
 Tracer::Tracer(const gpu::Device& device, const Field& given_field, const Slice& slice, const RayBatch& rays)
     : field(given_field),
       pass(device, "trace", device.buffers().fitting(trace_comp, trace_comp_storage),
-           {field.hh_degree, field.node_levels, field.top_levels}),
+           {field.hh_degree, field.node_levels, field.top_levels, field.has_srgb_colours ? 1u : 0u}),
       set(pass, gpu::joined(trace_bindings(field, rays),
                             {{kTraceNodeLive, &slice.node_live}, {kTraceHead, &slice.head}, {kTraceSh, &slice.sh}})) {}
 
@@ -121,7 +121,7 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
            device.buffers().fitting(direct_comp, direct_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(),
             walk == Walk::kFromRoot ? field.basis_planes() : field.busy_planes, walk == Walk::kFromRoot ? 1u : 0u,
-            kOutputRay, field.half_weights ? 1u : 0u}),
+            kOutputRay, field.half_weights ? 1u : 0u, field.has_srgb_colours ? 1u : 0u}),
       set(pass, gpu::joined(trace_bindings(field, rays), {{kTraceWeights, &field.weights},
                                                           {kTraceRows, &live.rows},
                                                           {kTraceTileList, &rays.tiles},
@@ -140,7 +140,7 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
       tile_count(&target.ranges.count),
       pass(device, "direct", device.buffers().fitting(direct_comp, direct_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes, 0,
-            static_cast<uint32_t>(output), field.half_weights ? 1u : 0u}),
+            static_cast<uint32_t>(output), field.half_weights ? 1u : 0u, field.has_srgb_colours ? 1u : 0u}),
       set(pass, gpu::joined({{kTraceWeights, &field.weights}, {kTraceRows, &live.rows}},
                             instance_bindings(field, target, output, segments))) {}
 

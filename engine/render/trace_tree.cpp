@@ -15,7 +15,7 @@ TreeTracer::TreeTracer(const gpu::Device& device, const Field& given_field, cons
       pass(device, "trace tree", device.buffers().fitting(trace_tree_comp, trace_tree_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels, shading == Shading::kPerLeaf ? 1u : 0u,
             steps.restart ? 1u : 0u, steps.from_root ? 1u : 0u, steps.coalesce ? 1u : 0u, static_cast<uint32_t>(output),
-            shading == Shading::kNone ? 1u : 0u}),
+            shading == Shading::kNone ? 1u : 0u, field.has_srgb_colours ? 1u : 0u}),
       set(pass, gpu::joined({{kTraceNodes, &trees.nodes}, {kTraceEntries, &entries}},
                             instance_bindings(field, target, output, segments))) {}
 
