@@ -28,7 +28,7 @@ struct VerbHelp {
     const char *name, *summary;
     std::string explanation;            // of what is measured
     std::vector<std::string> examples;  // what stands behind `neuvv-bench NAME`
-    const char* scene = "The .nvv file";
+    const char* scene = "The .nvv, or the .npz of a PlenOctree";
 };
 
 // Adds a verb with its scene and its help.

@@ -16,6 +16,7 @@
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
+#include "voctree/clip.h"
 #include "voctree/coarse.h"
 #include "voctree/half.h"
 #include "voctree/nvv.h"
@@ -190,20 +191,25 @@ void write_synthetic(const OpenOptions& options) {
     voctree::write_nvv(options.scene, tree, {}, 1, voctree::coarse_tree(tree));
 }
 
+bool has_coarse_tree(const std::string& scene) {
+    if (voctree::is_plenoctree(scene)) return false;
+    const voctree::NvvSummary summary = voctree::summarise_nvv(scene);
+    return summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
+}
+
 void run(const OpenOptions& options, const tools::CommonOptions& common) {
     const media::ImageSize size = tools::parse_size(options.size);
     if (!options.images.empty()) prepare_output_folder("--images", options.images);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
-    const voctree::NvvSummary summary = voctree::summarise_nvv(options.scene);
-    const bool has_coarse = summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
+    const bool has_coarse = has_coarse_tree(options.scene);
     const gpu::Device device(common.device);
     std::optional<tools::ViewStep> view;
-    Result result{summary.file_bytes, {}, {}};
+    Result result{std::filesystem::file_size(options.scene), {}, {}};
     if (has_coarse)
         result.first = open(
             device, [&] { return *voctree::read_nvv_coarse(options.scene); }, view, size);
     result.whole = open(
-        device, [&] { return voctree::read_nvv(options.scene); }, view, size);
+        device, [&] { return voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored); }, view, size);
     if (!options.images.empty()) {
         if (result.first) media::write_png(std::filesystem::path(options.images) / "coarse.png", result.first->image);
         media::write_png(std::filesystem::path(options.images) / "whole.png", result.whole.image);

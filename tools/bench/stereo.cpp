@@ -11,7 +11,7 @@
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/metrics.h"
-#include "voctree/nvv.h"
+#include "voctree/clip.h"
 #include "voctree/occupied_box.h"
 
 namespace neuvv::bench {
@@ -191,7 +191,7 @@ nlohmann::ordered_json json_of(const Result& result) {
 
 void run(const BenchOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    const voctree::VOctree tree = voctree::read_nvv(options.scene);
+    const voctree::VOctree tree = voctree::read_clip(options.scene);
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();

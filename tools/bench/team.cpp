@@ -17,7 +17,7 @@
 #include "training/formats.h"
 #include "training/schedule.h"
 #include "training/train.h"
-#include "voctree/nvv.h"
+#include "voctree/clip.h"
 
 namespace neuvv::bench {
 
@@ -241,7 +241,7 @@ void print(const std::vector<TeamStep>& steps, const gpu::Device& device, const 
 
 void run(const TeamOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    const voctree::VOctree tree = voctree::read_nvv(options.scene);
+    const voctree::VOctree tree = voctree::read_clip(options.scene);
     const training::Dataset dataset =
         training::load_dataset(options.dataset, training::Split::kTrain, {.format = options.format});
     const gpu::Device device(common.device);
