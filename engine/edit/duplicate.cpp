@@ -63,6 +63,12 @@ LocalTransform copy_transform(const LocalTransform& first, const CopySettings& s
     return turned_about(first, position_of(first) - settings.distance_m * front, angle_rad);
 }
 
+glm::dmat4 matrix_of(const LocalTransform& transform) {
+    if (transform.has_matrix) return transform.matrix;
+    return glm::translate(glm::dmat4(1), transform.translation) * glm::mat4_cast(transform.rotation) *
+           glm::scale(glm::dmat4(1), transform.scale);
+}
+
 // The performer's time map, resolved for its clip.
 stage::Timeline timeline_of(const stage::StageFile& file, uint32_t node) {
     const std::filesystem::path clip = clip_of(file, node);
@@ -141,11 +147,23 @@ std::string duplicate(stage::StageFile& file, uint32_t node, const CopySettings&
                        file.json["nodes"].size() - settings.count * family.size(), file.json["nodes"].size() - 1);
 }
 
+bool is_possible_count(uint32_t copies) {
+    return copies > 0 && copies <= kMaxCopies;
+}
+
 }  // namespace
+
+std::vector<glm::dmat4> copy_transforms(const stage::StageFile& file, uint32_t node, const CopySettings& settings) {
+    const LocalTransform first = local_transform_of(node_of(file, node));
+    std::vector<glm::dmat4> transforms;
+    for (uint32_t copy = 1; copy <= settings.count && is_possible_count(settings.count); ++copy)
+        transforms.push_back(matrix_of(copy_transform(first, settings, copy)));
+    return transforms;
+}
 
 std::string duplicate_node(stage::StageFile& file, uint32_t node, const CopySettings& settings) {
     node_of(file, node);
-    if (settings.count == 0 || settings.count > kMaxCopies)
+    if (!is_possible_count(settings.count))
         throw InputError(file.path.string(), "count", fmt::format("{} is no number of copies", settings.count),
                          fmt::format("choose from 1 to {}", kMaxCopies));
     if ((settings.stagger.value != 0 || settings.spin_step != 0) &&

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "edit/read.h"
 
@@ -82,6 +83,9 @@ struct CopySettings {
     double spin_step = 0;     // each copy spins faster by this, degrees per second
 };
 std::string duplicate_node(stage::StageFile& file, uint32_t node, const CopySettings& settings);
+// Where duplicate_node puts the copies: the transform of each in the space of the node's parent, metres. No copies
+// where it would refuse their number.
+std::vector<glm::dmat4> copy_transforms(const stage::StageFile& file, uint32_t node, const CopySettings& settings);
 
 // Removes a node, all nodes below it, and the meshes, skins, cameras, lights and animations that nothing else uses. All
 // indices that glTF and this project define are renumbered. Where other extensions may contain indices, the returned

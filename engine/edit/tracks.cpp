@@ -43,6 +43,10 @@ bool repeats(const stage::TimeOperator& op) {
     return op.verb == stage::TimeVerb::kLoop || op.verb == stage::TimeVerb::kPingPong;
 }
 
+bool freezes(const stage::TimeOperator& op) {
+    return op.verb == stage::TimeVerb::kFreeze;
+}
+
 // The index at which an operator is inserted whose effect must not depend on when the performer begins: before the last
 // offsets.
 size_t before_start(const stage::TimeMap& map) {
@@ -152,6 +156,15 @@ stage::TimeMap paused_at(stage::TimeMap map, const ClipRate& clip, double stage_
 
 stage::TimeMap frozen_at(stage::TimeMap map, const ClipRate& clip, double stage_s) {
     return with_stop(std::move(map), clip, stage::TimeVerb::kFreeze, stage_s, 0);
+}
+
+stage::TimeMap unfrozen(stage::TimeMap map) {
+    std::erase_if(map, freezes);
+    return map;
+}
+
+bool is_frozen(const stage::TimeMap& map) {
+    return std::any_of(map.begin(), map.end(), freezes);
 }
 
 }  // namespace neuvv::edit

@@ -48,8 +48,10 @@ Repeat repeat_of(const stage::TimeMap& map);
 stage::TimeMap repeated(stage::TimeMap map, Repeat repeat);
 
 // paused_at: from this stage time on, the map stands still at the displayed frame for so many seconds. frozen_at: the
-// map stands still for ever.
+// map stands still for ever. unfrozen: it plays again, as if it had never stood still for ever.
 stage::TimeMap paused_at(stage::TimeMap map, const ClipRate& clip, double stage_s, double seconds);
 stage::TimeMap frozen_at(stage::TimeMap map, const ClipRate& clip, double stage_s);
+stage::TimeMap unfrozen(stage::TimeMap map);
+bool is_frozen(const stage::TimeMap& map);
 
 }  // namespace neuvv::edit

@@ -234,6 +234,34 @@ TEST_F(Edits, RowsAndFansStandWhereTheySay) {
     expect_near(front(performer("eva 6").world_from_performer), {1, 0, 0}, 1e-5);
 }
 
+// What a program shows before copies are made is where they come to stand.
+TEST_F(Edits, CopiesStandWhereTheyWereForetold) {
+    edit::PerformerEdit edit;
+    edit.clip = at("anna.nvv");
+    edit::Placement placement;
+    placement.at = glm::dvec3(1, 0.5, 2);
+    placement.turn_deg = glm::dvec3(0, 40, 0);
+    placement.scale = glm::dvec3(1.5);
+    using enum edit::CopyPattern;
+    for (const edit::CopyPattern pattern : {kRow, kRing, kFan})
+        for (const bool has_matrix : {false, true}) {
+            SetUp();
+            placement.matrix = has_matrix ? std::optional(glm::dmat4(2)) : std::nullopt;
+            edit::add_performer(file, "eva", edit, placement);
+            const edit::CopySettings settings{.count = 3, .pattern = pattern, .distance_m = 2, .arc_deg = 120};
+            const std::vector<glm::dmat4> foretold =
+                edit::copy_transforms(file, edit::find_node(file, "eva"), settings);
+            ASSERT_EQ(foretold.size(), 3u);
+            edit::duplicate_node(file, edit::find_node(file, "eva"), settings);
+            for (int copy = 0; copy < 3; copy++) {
+                const glm::dmat4 stands = performer("eva " + std::to_string(copy + 2)).world_from_performer;
+                for (int column = 0; column < 4; column++)
+                    expect_near(glm::dvec3(stands[column]), glm::dvec3(foretold[copy][column]), 1e-6);
+            }
+        }
+    EXPECT_TRUE(edit::copy_transforms(file, 0, {.count = 4000000000u}).empty());
+}
+
 // Nodes below a copied node are copied with their animations; children stay children.
 TEST_F(Edits, FamiliesAreCopied) {
     file.json.edit("animations")[0]["channels"][0]["target"]["node"] = 5;

@@ -121,6 +121,9 @@ TEST(TimelineTracks, HoldsAndFreezesWhatIsShown) {
         for (const double later_s : {0.0, 0.3, 0.6}) EXPECT_EQ(frame(paused, 1.2 + later_s), frame(map, 1.2)) << text;
         EXPECT_EQ(frame(paused, 2), frame(map, 1.4)) << text;
         for (const double stage_s : {0.0, 1.2, 5.0}) EXPECT_EQ(frame(frozen, stage_s), frame(map, 1.2)) << text;
+        EXPECT_TRUE(edit::is_frozen(frozen));
+        EXPECT_FALSE(edit::is_frozen(paused));
+        EXPECT_EQ(edit::unfrozen(frozen), map) << text;
     }
 }
 
