@@ -176,7 +176,8 @@ bool Performer::enlarge_slices() {
 
 std::vector<Picked> Performer::pick(uint32_t slice, std::span<const PickRay> rays, float alpha) {
     constexpr uint32_t kRaysAtOnce = 64;
-    if (!picker_) picker_ = std::make_unique<SlicePicker>(device_, field_, slices_->trees(), kRaysAtOnce);
+    if (!picker_)
+        picker_ = std::make_unique<SlicePicker>(device_, field_, slices_->trees(), kRaysAtOnce, PickColours::kYes);
     return picker_->pick(slice, rays, alpha);
 }
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cassert>
 #include <cstring>
+#include <glm/gtc/packing.hpp>
 
 #include "spirv/pick.comp.h"
 
@@ -21,15 +22,16 @@ PickRay pick_ray(const stage::Camera& camera, glm::dvec2 pixel) {
     return {glm::vec4(glm::vec3(camera.world_from_camera[3]), 0), glm::vec4(glm::vec3(direction), 0)};
 }
 
-SlicePicker::SlicePicker(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t rays_at_once)
+SlicePicker::SlicePicker(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t rays_at_once,
+                         PickColours colours)
     : field_(field),
       trees_(trees),
       rays_at_once_(rays_at_once),
       rays_(device, "pick rays", sizeof(PickRay) * rays_at_once, gpu::MemoryKind::kUpload,
             VK_FORMAT_R32G32B32A32_SFLOAT),
-      picks_(device, "picks", sizeof(Pick) * rays_at_once, gpu::MemoryKind::kReadback, VK_FORMAT_R32G32_UINT),
+      picks_(device, "picks", sizeof(Pick) * rays_at_once, gpu::MemoryKind::kReadback, VK_FORMAT_R32G32B32A32_UINT),
       pass_(device, "pick", device.buffers().fitting(pick_comp, pick_comp_storage),
-            {field.hh_degree, field.node_levels, field.top_levels}),
+            {field.hh_degree, field.node_levels, field.top_levels, uint32_t{colours == PickColours::kYes}}),
       set_(pass_, {{kPickTop, &field.top},
                    {kPickNodes, &trees.nodes},
                    {kPickEntries, &trees.entries},
@@ -57,7 +59,9 @@ void SlicePicker::pick_batch(uint32_t slice, std::span<const PickRay> rays, floa
     commands_.submit();
     commands_.wait();
     const Pick* from = picks_.as<Pick>();
-    for (size_t i = 0; i < rays.size(); i++) picked.push_back({from[i].leaf, std::bit_cast<float>(from[i].metres)});
+    for (size_t i = 0; i < rays.size(); i++)
+        picked.push_back({from[i].leaf, std::bit_cast<float>(from[i].metres),
+                          glm::vec3(glm::unpackHalf2x16(from[i].red_green), glm::unpackHalf2x16(from[i].blue).x)});
 }
 
 std::vector<Picked> SlicePicker::pick(uint32_t slice, std::span<const PickRay> rays, float alpha) {
@@ -69,14 +73,14 @@ std::vector<Picked> SlicePicker::pick(uint32_t slice, std::span<const PickRay> r
     return picked;
 }
 
-Picker::Picker(const gpu::Device& device, const Field& field)
+Picker::Picker(const gpu::Device& device, const Field& field, PickColours colours)
     : device_(device),
       field_(field),
       live_(device, field, field.leaf_count),
       trees_(device, field, max_entries(field), 1),
       slicer_(device, field, live_, trees_),
       painter_(device, field, live_, trees_),
-      picker_(device, field, trees_, kRaysAtOnce) {}
+      picker_(device, field, trees_, kRaysAtOnce, colours) {}
 
 void Picker::show(float frame, std::span<const PaintUse> uses) {
     const Paint paint(device_, field_.leaf_count, uses);

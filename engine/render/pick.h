@@ -13,6 +13,7 @@ constexpr float kPickAlpha = 0.99f;  // a ray meets the surface where its alpha 
 struct Picked {
     uint32_t leaf = kNoLeaf;  // kNoLeaf: the ray does not reach the alpha
     float distance_m = 0;     // from the ray's origin
+    glm::vec3 colour{0};      // linear, of what the ray sees until it reaches the alpha; 0 where not asked for
     bool hit() const { return leaf != kNoLeaf; }
 };
 
@@ -21,10 +22,12 @@ struct Picked {
 PickRay pick_ray(const stage::Camera& camera, glm::dvec2 pixel);
 
 // Picks in slices that were built before. It waits for the device, but builds nothing.
+enum class PickColours { kNo, kYes };  // whether the colours of surfaces are computed, too, which costs more
 class SlicePicker {
   public:
     // Takes at most `rays_at_once` rays in one submission. Field and trees must outlive it.
-    SlicePicker(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t rays_at_once);
+    SlicePicker(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t rays_at_once,
+                PickColours colours);
 
     // Returns a result for each ray, in order. Rays that follow each other should be close in space, for speed. `slice`
     // is the number of a tree that has been built; `alpha` is above 0 and below 1 (assert).
@@ -45,7 +48,7 @@ class SlicePicker {
 class Picker {
   public:
     // The field must outlive it.
-    Picker(const gpu::Device& device, const Field& field);
+    Picker(const gpu::Device& device, const Field& field, PickColours colours = PickColours::kNo);
 
     // Sets the time of the clip (in frames) and the paint of the surface. The layers are not needed afterwards. Throws
     // RuntimeFailure as Paint does.

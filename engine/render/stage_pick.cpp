@@ -44,7 +44,8 @@ std::vector<std::optional<PickedPerformer>> pick_performers(StageRenderer& rende
         for (size_t i = 0; found && i < meeting.size(); i++) {
             std::optional<PickedPerformer>& nearest = picked[meeting[i]];
             const double at_m = local[i].world_per_local * double{(*found)[i].distance_m};
-            if ((*found)[i].hit() && (!nearest || at_m < nearest->distance_m)) nearest = {performer.performer, at_m};
+            if ((*found)[i].hit() && (!nearest || at_m < nearest->distance_m))
+                nearest = {performer.performer, at_m, (*found)[i].colour};
         }
     }
     return picked;

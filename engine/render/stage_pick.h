@@ -16,6 +16,7 @@ constexpr float kPointedAlpha = 0.5f;
 struct PickedPerformer {
     uint32_t performer = 0;  // index into Stage::performers
     double distance_m = 0;   // along the ray, in the world
+    glm::vec3 colour{0};     // of the surface, with paint, without the stage's lights; linear
 };
 
 // For each ray (world), the visible performer whose surface it meets first; nothing where it meets none. Surfaces are

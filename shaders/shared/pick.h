@@ -23,6 +23,9 @@ struct PickRay {
 struct Pick {
     uint leaf;    // kNoLeaf: the ray's transmittance stays above the threshold
     uint metres;  // bits of the float distance from the ray's origin to where it reaches the threshold
+    // fp16 linear RGB of the surface (packHalf2x16: red and green; blue): what the ray sees down to the threshold,
+    // divided by its alpha there. 0 in a pass without colours.
+    uint red_green, blue;
 };
 
 struct PickPush {
@@ -39,7 +42,7 @@ NEUVV_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(neuvv::PickRay) == 32);
-static_assert(sizeof(neuvv::Pick) == 8);
+static_assert(sizeof(neuvv::Pick) == 16);
 static_assert(sizeof(neuvv::PickPush) == 56);
 #endif
 #endif

@@ -1,5 +1,6 @@
 #include "reference/pick.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace neuvv::reference {
@@ -7,11 +8,15 @@ namespace neuvv::reference {
 std::optional<PickResult> pick(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,
                                double alpha) {
     double transmittance = 1;
+    glm::dvec3 colour(0);
     for (const Segment& segment : intersect(tree, ray)) {
         const double sigma = slices[segment.leaf].sigma;
         const double after = transmittance * std::exp(-sigma * (segment.t_exit - segment.t_enter));
+        colour += (transmittance - std::max(after, 1 - alpha)) *
+                  sample_colour(slices[segment.leaf], tree.hh_degree, ray.direction);
         if (after <= 1 - alpha)
-            return PickResult{segment.leaf, segment.t_enter + std::log(transmittance / (1 - alpha)) / sigma};
+            return PickResult{segment.leaf, segment.t_enter + std::log(transmittance / (1 - alpha)) / sigma,
+                              colour / alpha};
         transmittance = after;
     }
     return std::nullopt;

@@ -10,6 +10,7 @@ namespace neuvv::reference {
 struct PickResult {
     uint32_t leaf = 0;
     double distance_m = 0;
+    glm::dvec3 colour{0};  // linear: what the ray sees down to there, divided by its alpha
 };
 // Nothing where the ray's alpha stays below `alpha`.
 std::optional<PickResult> pick(const voctree::VOctree& tree, const std::vector<LeafSlice>& slices, const Ray& ray,

@@ -17,7 +17,7 @@ using PickTest = GpuTest;
 
 struct Agreement {
     uint32_t hits = 0, misses = 0, others = 0;  // others: rays for which leaf or hit differ
-    double worst_m = 0;
+    double worst_m = 0, worst_colour = 0;
 };
 
 Agreement compare(const voctree::VOctree& tree, const std::vector<reference::LeafSlice>& slices,
@@ -31,6 +31,10 @@ Agreement compare(const voctree::VOctree& tree, const std::vector<reference::Lea
             if (truth.has_value() != found.hit() || (truth && truth->leaf != found.leaf)) agreement.others++;
             if (truth && found.hit())
                 agreement.worst_m = std::max(agreement.worst_m, std::abs(truth->distance_m - double{found.distance_m}));
+            if (truth && found.hit())
+                for (int channel = 0; channel < 3; channel++)
+                    agreement.worst_colour = std::max(agreement.worst_colour,
+                                                      std::abs(truth->colour[channel] - double{found.colour[channel]}));
         }
     return agreement;
 }
@@ -49,7 +53,7 @@ TEST_F(PickTest, FindsTheLeafWhereAlphaPassesAndHowFarThatIs) {
         voctree::EditLayer layer{voctree::painted_field(tree), {}};
         for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf += 3)
             layer.edits.push_back({leaf, 0, 4, glm::vec3(0), 0, leaf % 2 ? 8.0f : 0.0f});
-        render::Picker picker(device(), field);
+        render::Picker picker(device(), field, render::PickColours::kYes), colourless(device(), field);
         for (const bool painted : {false, true})
             for (const float alpha : {0.5f, render::kPickAlpha}) {
                 const render::PaintUse use{&layer};
@@ -61,6 +65,11 @@ TEST_F(PickTest, FindsTheLeafWhereAlphaPassesAndHowFarThatIs) {
                 EXPECT_GT(agreement.misses, 100u);
                 EXPECT_LE(agreement.others, 4u) << "fp16 densities may choose another at a leaf's border";
                 EXPECT_LE(agreement.worst_m, 0.02);
+                EXPECT_LE(agreement.worst_colour, 0.02);
+                colourless.show(1.5f, painted ? std::span(&use, 1) : std::span<const render::PaintUse>());
+                const Agreement without = compare(tree, slices, camera, colourless.pick(rays, alpha), double{alpha});
+                EXPECT_EQ(without.worst_m, agreement.worst_m) << "colours change nothing else";
+                EXPECT_GT(without.worst_colour, 0.2) << "the comparison notices another colour";
                 const Agreement wrong = compare(tree, slices, camera, picker.pick(rays, alpha), 0.9 * double{alpha});
                 EXPECT_GT(wrong.others, 20u) << "the comparison notices another alpha";
             }
