@@ -123,18 +123,32 @@ TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
     const json& items = arrange_panel();
     XrScript script = with_panel();
     int frame = 16;
-    for (const char* item : {"slower", "spin", "shadows", "falloff"}) {
+    for (const char* item : {"shadows", "falloff", "time page"}) {
         press(script, frame, items, item);
         frame += kPress;
     }
+    const json time = panel_after(script, frame + 4);
+    for (const char* item : {"slower", "performer loop"}) {
+        press(script, frame, time, item);
+        frame += kPress;
+    }
+    const glm::dvec3 spin = item_position(time["spin"]);
+    script.hand(frame, "right", kRightHand, spin);
+    script.input(frame + 2, "right", "trigger/value", 1);
+    script.hand(frame + 4, "right", kRightHand, spin);
+    script.move_to(frame + 8, "right", kRightHand, spin + glm::dvec3(0.1, 0, 0));
+    script.input(frame + 10, "right", "trigger/value", 0);
+    frame += 12;
     script.save(frame);
     save(script, frame + 1, items);
     const XrRun run = this->run(script);
     expect_clean(run);
     const json document = saved();
     const json& performer = node(document, "anna")["extensions"]["NEUVV_performer"];
-    EXPECT_EQ(performer["time"], json::parse(R"([{"operator": "speed", "factor": 0.5}])")) << run.log;
-    EXPECT_EQ(performer["spin"], 30) << performer;
+    EXPECT_EQ(performer["time"], json::parse(R"([{"operator": "speed", "factor": 0.5}, {"operator": "loop"}])"))
+        << run.log;
+    EXPECT_GT(performer["spin"], 20) << performer;
+    EXPECT_LT(performer["spin"], 120) << performer;
     const json& settings = document["scenes"][0]["extensions"]["NEUVV_stage"];
     EXPECT_EQ(settings["shadows"], false);
     EXPECT_EQ(settings["falloff"], false);

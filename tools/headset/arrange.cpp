@@ -40,6 +40,21 @@ void duplicate_selected(HeadsetState& state) {
     if (done && state.editor.node_count() > before) state.editor.select(static_cast<uint32_t>(before));
 }
 
+void make_copies(HeadsetState& state) {
+    if (!state.selected_performer()) return state.editor.notify("point at a performer and select it first", true);
+    state.editor.edit([&](edit::Document& document) {
+        return edit::duplicate_node(document.file, *state.editor.selected(), state.copies);
+    });
+}
+
+std::vector<glm::dmat4> planned_copies(const HeadsetState& state) {
+    if (state.is_behind() || !state.selected_performer()) return {};
+    const uint32_t node = *state.editor.selected();
+    std::vector<glm::dmat4> transforms = edit::copy_transforms(state.editor.file(), node, state.copies);
+    for (glm::dmat4& transform : transforms) transform = world_from_parent(state, node) * transform;
+    return transforms;
+}
+
 void delete_selected(HeadsetState& state) {
     if (!state.editor.selected()) return state.editor.notify("point at a performer and select it first", true);
     if (edit::is_locked(state.editor.file(), *state.editor.selected()))

@@ -1,4 +1,5 @@
-// What the buttons of hands and panel do with the selected performer: copy it, delete it, put it on the floor.
+// What the buttons of hands and panel do with the selected performer: copy it once or many times, delete it, put it on
+// the floor.
 #pragma once
 
 #include "tools/headset/headset_state.h"
@@ -8,6 +9,11 @@ namespace neuvv::headset {
 // Edits the document: adds a copy beside the selected node, so that what is solid of both does not touch, and selects
 // the copy.
 void duplicate_selected(HeadsetState& state);
+// Edits the document: adds the copies of the selected performer that HeadsetState::copies asks for, as one step. The
+// performer stays selected.
+void make_copies(HeadsetState& state);
+// Where they would stand: the transform of each in the world. Empty where no performer is selected.
+std::vector<glm::dmat4> planned_copies(const HeadsetState& state);
 // Edits the document: removes the selected node, unless it is locked.
 void delete_selected(HeadsetState& state);
 // Edits the document: moves the selected performer up or down so that its feet, which are the bottom of what is solid

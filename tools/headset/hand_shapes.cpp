@@ -1,6 +1,7 @@
 #include "tools/headset/hand_shapes.h"
 
 #include "media/colour.h"
+#include "tools/headset/arrange.h"
 
 namespace neuvv::headset {
 
@@ -56,6 +57,20 @@ void draw_boxes(xr::EyeShapes& shapes, const HeadsetState& state, const Interact
             shapes.box_edges(performer.world_from_performer, region->low, region->high, 0.004, kGreen);
 }
 
+// Where copies would stand while the panel's page of copies is open: their boxes, with a mark at the feet in front.
+void draw_planned_copies(xr::EyeShapes& shapes, const HeadsetState& state) {
+    if (state.tool != HandTool::kArrange || state.page != PanelPage::kCopies || !state.panel_visible) return;
+    const auto performer = state.selected_performer();
+    if (!performer) return;
+    const auto [low, high] = editor::box_of(state, *performer);
+    const glm::dvec3 middle(0.5 * (low.x + high.x), low.y, 0.5 * (low.z + high.z)), front(middle.x, low.y, high.z);
+    for (const glm::dmat4& world_from_copy : planned_copies(state)) {
+        shapes.box_edges(world_from_copy, low, high, 0.004, kGreen);
+        shapes.line(world_from_copy * glm::dvec4(middle, 1), world_from_copy * glm::dvec4(front, 1), 0.01, kGreen,
+                    kGreen);
+    }
+}
+
 glm::vec4 brush_colour(const HandBrush& brush, float alpha) {
     if (brush.mode == HandBrush::Mode::kErase) return {0.6f, 0.6f, 0.6f, alpha};
     return {media::linear_from_srgb(brush.colour), alpha};
@@ -107,6 +122,7 @@ void draw_floor(xr::EyeShapes& shapes, const HeadsetState& state) {
 
 void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction) {
     draw_boxes(shapes, state, interaction);
+    draw_planned_copies(shapes, state);
     for (int which = 0; which < xr::kHands; which++) {
         const Hand& hand = interaction.hands[which];
         draw_controller(shapes, hand);

@@ -2,10 +2,14 @@
 // neither OpenXR nor a device, so hands change it in a test as they do in the program.
 #pragma once
 
+#include "edit/operations.h"
 #include "editor/stage_state.h"
 #include "xr/locomotion.h"
 
 namespace neuvv::headset {
+
+// What the panel shows while the tool is kArrange.
+enum class PanelPage { kPerformer, kTime, kCopies };
 
 enum class HandTool { kArrange, kPaint, kRegion, kTrain };
 inline bool paints(HandTool tool) {
@@ -35,6 +39,8 @@ struct HeadsetState : editor::StageState {
     double ahead_rad = 0;
     double floor_m = 0;  // height in the world: where user and performers stand
     HandTool tool = HandTool::kArrange;
+    PanelPage page = PanelPage::kPerformer;
+    edit::CopySettings copies{.count = 3};  // that the panel would make of the selected performer
     Comfort comfort;
     HandBrush brush;
     std::optional<bool> wants_room;  // to see the user's own room; nothing: as the headset's runtime prefers

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "edit/operations.h"
-#include "edit/time_edit.h"
 #include "tools/headset/arrange.h"
 #include "tools/headset/panel_rows.h"
 #include "tools/headset/training.h"
@@ -14,8 +13,6 @@
 namespace neuvv::headset {
 
 namespace {
-
-constexpr double kTimeShift_s = 0.5, kSpin_deg_per_s = 30;
 
 void time_rows(Rows& rows) {
     editor::StageClock& clock = rows.state.clock;
@@ -63,81 +60,31 @@ void tool_row(Rows& rows) {
     tool("train", ICON_PERSON " Train", HandTool::kTrain);
 }
 
-const stage::StagePerformer* selected(const HeadsetState& state) {
-    const auto performer = state.selected_performer();
-    return performer ? &state.stage->performers[*performer] : nullptr;
-}
-
-void set(HeadsetState& state, const edit::PerformerEdit& edit) {
-    const uint32_t node = *state.editor.selected();
-    state.editor.edit([&](edit::Document& document) { return edit::set_performer(document.file, node, edit); });
-}
-
-// Changes a performer's time map. `edit` may throw where the map cannot be changed so; the editor reports that.
-template <typename Edit>
-void retime(HeadsetState& state, const stage::StagePerformer& performer, const Edit& edit) {
-    const stage::StageClip& clip = state.stage->clips[performer.clip];
-    state.editor.edit([&](edit::Document& document) {
-        edit::PerformerEdit timed;
-        timed.time = edit(performer.settings.time, edit::ClipRate{clip.frames, clip.fps});
-        return edit::set_performer(document.file, performer.node, timed);
-    });
-}
-
-void retime_row(Rows& rows, const stage::StagePerformer& performer) {
-    HeadsetState& state = rows.state;
-    const float one = column_width(5);
-    if (rows.button("slower", "half speed", one))
-        retime(state, performer,
-               [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::sped(map, clip, 0.5); });
+void page_row(Rows& rows) {
+    const float one = column_width(3);
+    const auto page = [&](const char* name, const char* label, PanelPage which) {
+        if (rows.button(name, label, one, rows.state.page == which)) rows.state.page = which;
+    };
+    page("performer page", "Performer", PanelPage::kPerformer);
     ImGui::SameLine();
-    if (rows.button("faster", "double speed", one))
-        retime(state, performer,
-               [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::sped(map, clip, 2); });
+    page("time page", "Time", PanelPage::kTime);
     ImGui::SameLine();
-    if (rows.button("reverse", "backwards", one))
-        retime(state, performer,
-               [](const stage::TimeMap& map, const edit::ClipRate& clip) { return edit::reversed(map, clip); });
-    ImGui::SameLine();
-    if (rows.button("earlier", "0.5 s earlier", one))
-        retime(state, performer, [](const stage::TimeMap& map, const edit::ClipRate& clip) {
-            return edit::moved(map, clip, -kTimeShift_s);
-        });
-    ImGui::SameLine();
-    if (rows.button("later", "0.5 s later", one))
-        retime(state, performer, [](const stage::TimeMap& map, const edit::ClipRate& clip) {
-            return edit::moved(map, clip, kTimeShift_s);
-        });
-}
-
-// The time in the performer's clip that is shown now, in seconds.
-double clip_seconds(const HeadsetState& state, const stage::StagePerformer& performer) {
-    for (const stage::EvaluatedPerformer& at : state.evaluated.performers)
-        if (&state.stage->performers[at.performer] == &performer)
-            return at.frame / state.stage->clips[performer.clip].fps;
-    return 0;
+    page("copies page", "Copies", PanelPage::kCopies);
 }
 
 void arrange_rows(Rows& rows) {
     HeadsetState& state = rows.state;
-    const stage::StagePerformer* performer = selected(state);
+    const stage::StagePerformer* performer = selected_performer(state);
     if (!performer) {
         ImGui::TextWrapped("Point at a performer and pull the trigger to select it; the grip holds it.");
     } else {
         ImGui::Text("%s", performer->name.c_str());
-        ImGui::SameLine();
-        ImGui::TextDisabled("%s", fmt::format("shows {:.2f} s of its clip", clip_seconds(state, *performer)).c_str());
-        const float one = column_width(4);
+        const float one = column_width(3);
         if (rows.button("copy", ICON_COPY " Copy", one)) duplicate_selected(state);
         ImGui::SameLine();
         if (rows.button("delete", ICON_TRASH " Delete", one)) delete_selected(state);
         ImGui::SameLine();
         if (rows.button("floor", ICON_MAGNET " Floor", one)) put_selected_on_floor(state);
-        ImGui::SameLine();
-        const double spin = performer->settings.spin_deg_per_s;
-        if (rows.button("spin", ICON_ROTATE " Spin", one, spin != 0))
-            set(state, {.spin_deg_per_s = spin == 0 ? kSpin_deg_per_s : 0});
-        retime_row(rows, *performer);
     }
     rows.checkbox("upright", "Upright", &rows.interaction.grab.settings.upright);
     ImGui::SameLine();
@@ -277,13 +224,18 @@ PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& 
     if (state.tool == HandTool::kPaint) brush_rows(rows);
     ImGui::BeginDisabled(busy);
     if (state.tool == HandTool::kRegion) region_rows(rows);
-    if (state.tool == HandTool::kArrange) {
+    const bool arranges = state.tool == HandTool::kArrange;
+    const PanelPage page = state.page;
+    if (arranges) page_row(rows);
+    if (arranges && page == PanelPage::kTime) performer_time_rows(rows);
+    if (arranges && page == PanelPage::kCopies) copies_rows(rows);
+    if (arranges && page == PanelPage::kPerformer) {
         arrange_rows(rows);
         ImGui::Separator();
         light_row(rows);
     }
     ImGui::EndDisabled();
-    if (state.tool == HandTool::kArrange) {
+    if (arranges && page == PanelPage::kPerformer) {
         start_button(rows);
         comfort_rows(rows);
     }

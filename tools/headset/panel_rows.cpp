@@ -38,9 +38,31 @@ bool Rows::checkbox(const char* name, const char* label, bool* value) {
     return changed;
 }
 
+bool Rows::slider(const char* name, const char* format, double& value, double low, double high,
+                  ImGuiSliderFlags flags) {
+    ImGui::PushID(name);
+    ImGui::SetNextItemWidth(-1);
+    const bool changed = ImGui::SliderScalar("##value", ImGuiDataType_Double, &value, &low, &high, format, flags);
+    ImGui::PopID();
+    record_item(name);
+    return changed;
+}
+
+void Rows::edit_slider(const char* name, const char* format, double value, double low, double high,
+                       const std::function<std::string(edit::Document&, double)>& operation, ImGuiSliderFlags flags) {
+    if (slider(name, format, value, low, high, flags))
+        state.editor.drag([&](edit::Document& document) { return operation(document, value); });
+    if (ImGui::IsItemDeactivated()) state.editor.end_drag();
+}
+
 float column_width(int columns) {
     const float gap = ImGui::GetStyle().ItemSpacing.x;
     return (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(columns - 1)) / static_cast<float>(columns);
+}
+
+const stage::StagePerformer* selected_performer(const HeadsetState& state) {
+    const auto performer = state.selected_performer();
+    return performer ? &state.stage->performers[*performer] : nullptr;
 }
 
 }  // namespace neuvv::headset

@@ -3,6 +3,8 @@
 
 #include <imgui.h>
 
+#include <functional>
+
 #include "tools/headset/panel.h"
 
 namespace neuvv::headset {
@@ -23,6 +25,13 @@ struct Rows {
     // A button that is on or off.
     bool toggle(const char* name, const char* label, float width, bool& value);
     bool checkbox(const char* name, const char* label, bool* value);
+    // A slider over the rest of the row; `format` has the value and what it is.
+    bool slider(const char* name, const char* format, double& value, double low, double high,
+                ImGuiSliderFlags flags = 0);
+    // The same for a value of the document: `operation` makes the edit for the value that the slider shows. The edit is
+    // previewed while a hand holds the slider, and is one step of the history when the hand lets go.
+    void edit_slider(const char* name, const char* format, double value, double low, double high,
+                     const std::function<std::string(edit::Document&, double)>& operation, ImGuiSliderFlags flags = 0);
 };
 
 // The width of each of so many columns, which fill the rest of the row.
@@ -30,5 +39,11 @@ float column_width(int columns);
 
 // The page of training with a performer.
 void training_rows(Rows& rows);
+// The pages about the time and the copies of the selected performer.
+void performer_time_rows(Rows& rows);
+void copies_rows(Rows& rows);
+
+// The selected performer; null where there is none.
+const stage::StagePerformer* selected_performer(const HeadsetState& state);
 
 }  // namespace neuvv::headset

@@ -1,0 +1,68 @@
+// The panel of hands at a stage, without a device: its widgets, and a ray that presses and drags them.
+#pragma once
+
+#include <imgui.h>
+
+#include <cfloat>
+
+#include "headset/hands_at_a_stage.h"
+#include "tools/headset/panel.h"
+#include "tools/headset/training.h"
+#include "tools/ui/theme.h"
+
+namespace neuvv::test {
+
+class PanelAtAStage : public HandsAtAStage {
+  protected:
+    PanelAtAStage() {
+        ImGui::CreateContext();
+        ImGuiIO& io = ImGui::GetIO();
+        io.IniFilename = nullptr;
+        io.DisplaySize = {960, 720};
+        ui::apply_theme(1.75f);
+        io.Fonts->Build();
+        draw();
+    }
+    ~PanelAtAStage() override { ImGui::DestroyContext(); }
+
+    // Runs a frame of hands and panel. `at` is where a ray meets the panel: 0..1 from the upper left.
+    void draw(std::optional<glm::dvec2> at = {}, bool pressed = false) {
+        frame();
+        ImGuiIO& io = ImGui::GetIO();
+        io.DeltaTime = 1.0f / 90;
+        io.MousePos = at ? ImVec2{float(at->x) * 960, float(at->y) * 720} : ImVec2{-FLT_MAX, -FLT_MAX};
+        io.MouseDown[0] = pressed;
+        ImGui::NewFrame();
+        items = headset::draw_panel(state, interaction, training, {}).items;
+        ImGui::Render();
+    }
+    bool has(const std::string& item) const { return items.contains(item); }
+    void press(const std::string& item) {
+        ASSERT_TRUE(has(item)) << item;
+        const glm::dvec2 at = items[item];
+        draw(at);
+        draw(at, true);
+        draw(at);
+        draw();
+    }
+    // Takes a slider in its middle and drags it sideways, by shares of the panel's width.
+    void drag(const std::string& item, std::initializer_list<double> to) {
+        ASSERT_TRUE(has(item)) << item;
+        const glm::dvec2 from = items[item];
+        draw(from);
+        draw(from, true);
+        for (const double by : to) draw(from + glm::dvec2(by, 0), true);
+        draw();
+        draw();
+    }
+    size_t steps() {  // of the history; undoes them all
+        const size_t count = undo_all();
+        draw();
+        return count;
+    }
+
+    headset::Training training = headset::Training(jobs);
+    std::map<std::string, glm::dvec2> items;  // of the panel that was drawn last
+};
+
+}  // namespace neuvv::test
