@@ -56,6 +56,18 @@ double floor_of(const StageState& state) {
     return std::isfinite(lowest) ? lowest : 0;
 }
 
+namespace {
+
+// A rotation and a position, as cameras have them.
+glm::dmat4 without_scale(glm::dmat4 matrix) {
+    matrix[2] = glm::normalize(matrix[2]);
+    matrix[0] = glm::dvec4(glm::normalize(glm::cross(glm::dvec3(matrix[1]), glm::dvec3(matrix[2]))), 0);
+    matrix[1] = glm::dvec4(glm::cross(glm::dvec3(matrix[2]), glm::dvec3(matrix[0])), 0);
+    return matrix;
+}
+
+}  // namespace
+
 void move_node(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
                const glm::dmat4& world_from_node) {
     auto& nodes = evaluated.pose.world_from_node;
@@ -75,6 +87,8 @@ void move_node(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint
             light.position = moved * glm::dvec4(light.position, 1);
             light.direction = glm::normalize(glm::dvec3(moved * glm::dvec4(light.direction, 0)));
         }
+    for (stage::EvaluatedCamera& camera : evaluated.cameras)
+        if (moves_along(camera.node)) camera.world_from_camera = without_scale(moved * camera.world_from_camera);
 }
 
 }  // namespace neuvv::editor

@@ -64,7 +64,7 @@ bool has_set(const stage::Stage& stage);
 // The height of the floor in the world, metres: 0 where there is a set, else the bottom of the lowest performer's box.
 double floor_of(const StageState& state);
 
-// Moves a node in the world, together with all nodes below it and the performers and lights on them.
+// Moves a node in the world, together with all nodes below it and the performers, lights and cameras on them.
 void move_node(stage::EvaluatedStage& evaluated, const stage::Stage& stage, uint32_t node,
                const glm::dmat4& world_from_node);
 

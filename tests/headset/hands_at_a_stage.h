@@ -48,7 +48,7 @@ class HandsAtAStage : public testing::Test {
         jobs.run_posted();
         state.follow_document();
         state.evaluate();
-        interaction.update(state, inputs, head, dt_s);
+        interaction.update(state, inputs, head, dt_s, find_surfaces);
         for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }
     void frames(int count) {
@@ -89,6 +89,7 @@ class HandsAtAStage : public testing::Test {
     TemporaryFolder folder;
     std::filesystem::path clip = folder.path / "figure.nvv";
     xr::HandInputs inputs;
+    headset::FindSurfaces find_surfaces;  // of the rays; empty: none is known
     xr::Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
     headset::HeadsetState state;
     JobQueue jobs;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/error.h"
 #include "edit/operations.h"
 
 namespace neuvv::headset {
@@ -82,6 +83,28 @@ void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_fr
     edit::Placement placement;
     placement.to = glm::inverse(world_from_parent(state, node)) * world_from_node;
     state.editor.edit([&](edit::Document& document) { return edit::place_node(document.file, node, placement); });
+}
+
+void aim_node_at(HeadsetState& state, uint32_t node, const glm::dvec3& at) {
+    edit::Placement placement;
+    placement.aim = glm::dvec3(glm::inverse(world_from_parent(state, node)) * glm::dvec4(at, 1));
+    state.editor.edit([&](edit::Document& document) { return edit::place_node(document.file, node, placement); });
+}
+
+std::optional<glm::dmat4> aimed_at(const HeadsetState& state, uint32_t node, const glm::dvec3& at) {
+    const glm::dmat4 parent = world_from_parent(state, node);
+    const glm::dvec3 target(glm::inverse(parent) * glm::dvec4(at, 1));
+    stage::StageFile file = state.editor.file();
+    edit::Placement placement;
+    placement.aim = target;
+    try {
+        edit::place_node(file, node, placement);
+    } catch (const InputError&) {
+        return std::nullopt;
+    }
+    const edit::NodeTransform local = edit::transform_of(file, node);
+    return parent * glm::translate(glm::dmat4(1), local.translation) * glm::mat4_cast(local.rotation) *
+           glm::scale(glm::dmat4(1), local.scale);
 }
 
 }  // namespace neuvv::headset

@@ -24,5 +24,9 @@ constexpr double kFloorReach_m = 1;
 
 // Edits the document: gives a node this transform.
 void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node);
+// Edits the document: turns a node so that its −Z points at this point of the world.
+void aim_node_at(HeadsetState& state, uint32_t node, const glm::dvec3& at);
+// The transform that aim_node_at gives the node, world from node; nullopt where it cannot be done.
+std::optional<glm::dmat4> aimed_at(const HeadsetState& state, uint32_t node, const glm::dvec3& at);
 
 }  // namespace neuvv::headset

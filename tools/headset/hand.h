@@ -1,6 +1,7 @@
 // A hand in the stage: its pose, its buttons, and what its pointer ray hits.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -11,10 +12,11 @@ namespace neuvv::headset {
 
 // The nearest thing that a pointer ray hits.
 struct PointerHit {
-    enum class Target { kNothing, kPanel, kPerformer, kFloor } target = Target::kNothing;
+    enum class Target { kNothing, kPanel, kPerformer, kMarker, kFloor } target = Target::kNothing;
     double distance_m = 0;   // along the ray
     glm::dvec2 panel_uv{0};  // on the panel: 0..1 from the upper left
     uint32_t performer = 0;  // index into Stage::performers
+    uint32_t node = 0;       // of the light or camera of a marker
 };
 
 struct Hand {
@@ -23,7 +25,7 @@ struct Hand {
     xr::AnalogueButton select, grab;
     xr::Flick flick;
     PointerHit hit;                        // of this frame
-    std::optional<uint32_t> pointed_node;  // of the performer that the ray hits
+    std::optional<uint32_t> pointed_node;  // of the performer, light or camera that the ray hits
     // The present press of select. A press belongs to what the ray hit when it began; on the panel, the hit follows the
     // ray for as long as the ray stays on the panel.
     PointerHit pressed_on;
@@ -41,5 +43,23 @@ struct Hand {
 };
 
 using Hands = std::array<Hand, xr::kHands>;
+
+// Whether a hand begins to hold what its ray hits. Without a grab button, a long press of select on such a target does.
+inline bool starts_grab(Hand& hand, PointerHit::Target target) {
+    constexpr double kLongPress_s = 0.35;
+    if (hand.input.has_grab) return hand.grab.pressed();
+    if (hand.select_down_s <= kLongPress_s || hand.long_press) return false;
+    hand.long_press = hand.pressed_on.target == target;
+    return hand.long_press;
+}
+inline bool ends_grab(const Hand& hand) {
+    return hand.input.has_grab ? !hand.grab.is_down() : !hand.select.is_down();
+}
+// How far the stick of a hand pushes away in this frame what the hand holds; negative: pulls nearer.
+inline double pushed_m(const Hand& hand, double dt_s) {
+    constexpr double kPush_m_per_s = 2.5, kDeadZone = 0.15;
+    const double stick = hand.input.stick.y;
+    return std::abs(stick) > kDeadZone ? stick * kPush_m_per_s * dt_s : 0;
+}
 
 }  // namespace neuvv::headset

@@ -2,6 +2,7 @@
 
 #include "media/colour.h"
 #include "tools/headset/arrange.h"
+#include "tools/headset/markers.h"
 
 namespace neuvv::headset {
 
@@ -22,10 +23,11 @@ void draw_controller(xr::EyeShapes& shapes, const Hand& hand) {
                      glm::mix(kTrim, kBlue, hand.select.is_down() ? 1.0f : 0.5f * pressed));
 }
 
-void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> grabbed_m) {
+// `floor_counts`: whether the trigger does something where the ray meets the floor.
+void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> grabbed_m, bool floor_counts) {
     if (!hand.aim) return;
-    const bool hits =
-        hand.hit.target == PointerHit::Target::kPanel || hand.hit.target == PointerHit::Target::kPerformer;
+    using enum PointerHit::Target;
+    const bool hits = hand.hit.target != kNothing && (hand.hit.target != kFloor || floor_counts);
     const double distance_m = grabbed_m ? *grabbed_m : hits ? hand.hit.distance_m : kIdleRay_m;
     const Ray ray = xr::ray_of(*hand.aim);
     const glm::dvec3 end = ray.origin + distance_m * ray.direction;
@@ -123,15 +125,18 @@ void draw_floor(xr::EyeShapes& shapes, const HeadsetState& state) {
 void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction) {
     draw_boxes(shapes, state, interaction);
     draw_planned_copies(shapes, state);
+    draw_markers(shapes, state, interaction.hands);
+    const bool aims_lights = state.tool == HandTool::kLights && selected_marker(state);
     for (int which = 0; which < xr::kHands; which++) {
         const Hand& hand = interaction.hands[which];
         draw_controller(shapes, hand);
         const bool has_brush =
             which == xr::kRight && paints(state.tool) && hand.hit.target != PointerHit::Target::kPanel;
         if (has_brush || hand.aiming_teleport) continue;
-        draw_ray(
-            shapes, hand,
-            interaction.grab.is_grabbing(which) ? std::optional(interaction.grab.distance_m(which)) : std::nullopt);
+        std::optional<double> grabbed_m;
+        if (interaction.grab.is_grabbing(which)) grabbed_m = interaction.grab.distance_m(which);
+        if (interaction.lights.is_holding(which)) grabbed_m = interaction.lights.distance_m();
+        draw_ray(shapes, hand, grabbed_m, aims_lights);
     }
     draw_brush(shapes, state, interaction);
     draw_arc(shapes, interaction.locomotion.arc());

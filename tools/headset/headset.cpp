@@ -37,7 +37,7 @@ xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
         const xr::SessionStatus status = session.xr_session.poll(events);
         handle_events(events, program, session);
         if (status == xr::SessionStatus::kEnded || status == xr::SessionStatus::kLost) {
-            program.interaction.grab.release(program.state);
+            program.interaction.release_all(program.state);
             stop_sound(program.state, program.sound);
             return status;
         }
@@ -88,7 +88,7 @@ void run_sessions(Program& program, RuntimeContext& context) {
         try {
             if (run_session(program, context) == xr::SessionStatus::kEnded) return context.print_validation_messages();
         } catch (const xr::XrFailure& failure) {
-            program.interaction.grab.release(program.state);
+            program.interaction.release_all(program.state);
             if (!failure.session_lost() || !retries.has_run()) throw;
             why = failure.what();
         }
@@ -109,7 +109,7 @@ void run_runtimes(Program& program) {
             run_sessions(program, context);
             return;
         } catch (const xr::XrFailure& failure) {
-            program.interaction.grab.release(program.state);
+            program.interaction.release_all(program.state);
             if (!failure.instance_lost() || !retries.has_run()) throw;
             why = failure.what();
             print_line("the headset's runtime was lost; waiting for it");

@@ -11,7 +11,7 @@ namespace neuvv::headset {
 // What the panel shows while the tool is kArrange.
 enum class PanelPage { kPerformer, kTime, kCopies };
 
-enum class HandTool { kArrange, kPaint, kRegion, kTrain };
+enum class HandTool { kArrange, kPaint, kRegion, kLights, kTrain };
 inline bool paints(HandTool tool) {
     return tool == HandTool::kPaint || tool == HandTool::kRegion;
 }
@@ -35,6 +35,7 @@ struct HandBrush {
 
 struct HeadsetState : editor::StageState {
     xr::XrRig rig;
+    glm::dvec3 head{0};  // world: where the user's head is in this frame
     // The heading that is straight ahead: that with which the user began, turned by each turn since.
     double ahead_rad = 0;
     double floor_m = 0;  // height in the world: where user and performers stand

@@ -29,6 +29,7 @@ xr::Pose panel_on(const xr::Pose& world_grip) {
 
 void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s,
                          const FindSurfaces& find_surfaces) {
+    state.head = xr::world_from_tracking(state.rig) * head.position;
     update_hands(state, inputs, dt_s);
     update_panel(state, head);
     move_panel(state);
@@ -37,12 +38,14 @@ void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, cons
     handle_buttons(state);
     if (!state.is_behind()) select(state);
     if (!state.is_behind()) grab.update(state, hands, dt_s);
+    if (!state.is_behind()) lights.update(state, hands, dt_s);
     if (!state.is_behind()) painter.update(state, hands);
     if (!state.is_behind())
         for (Hand& hand : hands) hand.press_pending = false;
     std::array<bool, xr::kHands> stick_free{};
     for (int which = 0; which < xr::kHands; which++)
-        stick_free[which] = !grab.is_grabbing(which) && hands[which].hit.target != PointerHit::Target::kPanel;
+        stick_free[which] = !grab.is_grabbing(which) && !lights.is_holding(which) &&
+                            hands[which].hit.target != PointerHit::Target::kPanel;
     locomotion.update(state, hands, stick_free, head, dt_s);
 }
 
@@ -106,9 +109,14 @@ void Interaction::move_panel(const HeadsetState& state) {
         panel->world_from_panel = *hands[panel_grab_->hand].aim * panel_grab_->hand_from_panel;
 }
 
-void Interaction::user_was_moved(HeadsetState& state) {
+void Interaction::release_all(HeadsetState& state) {
     grab.release(state);
+    lights.release(state);
     painter.end_stroke(state);
+}
+
+void Interaction::user_was_moved(HeadsetState& state) {
+    release_all(state);
     panel_grab_.reset();
     panel_was_visible_ = false;
 }
@@ -133,8 +141,7 @@ void Interaction::handle_buttons(HeadsetState& state) {
         if (hand.input.play) state.clock.play_or_pause();
         if (!hand.input.undo && !hand.input.duplicate) continue;
         hand.vibrate(0.4);
-        grab.release(state);
-        painter.end_stroke(state);
+        release_all(state);
         if (painter.is_busy()) {
             state.editor.notify("the stroke is still being laid", true);
             continue;
@@ -142,8 +149,8 @@ void Interaction::handle_buttons(HeadsetState& state) {
         if (hand.input.undo) state.editor.undo();
         if (hand.input.duplicate) duplicate_selected(state);
     }
-    if (!grab.is_grabbing(xr::kRight)) change_speed(state, hands[xr::kRight]);
-    if (!grab.is_grabbing(xr::kLeft)) step_through(state, hands[xr::kLeft]);
+    if (!grab.is_grabbing(xr::kRight) && !lights.is_holding(xr::kRight)) change_speed(state, hands[xr::kRight]);
+    if (!grab.is_grabbing(xr::kLeft) && !lights.is_holding(xr::kLeft)) step_through(state, hands[xr::kLeft]);
 }
 
 // Right stick up and down: the next speed of kSpeeds; below the slowest one, the stage plays backwards.

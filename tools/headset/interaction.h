@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tools/headset/hand_painter.h"
+#include "tools/headset/light_hands.h"
 #include "tools/headset/locomotion.h"
 #include "tools/headset/performer_grab.h"
 #include "tools/headset/pointing.h"
@@ -23,6 +24,7 @@ class Interaction {
     Hands hands;
     PerformerGrab grab;
     Locomotion locomotion;
+    LightHands lights;
     HandPainter painter;
     std::optional<PanelPlacement> panel;  // while it is visible
 
@@ -31,6 +33,10 @@ class Interaction {
     void update(HeadsetState& state, const xr::HandInputs& inputs, const xr::Pose& head, double dt_s,
                 const FindSurfaces& find_surfaces = {});
     PanelPointer panel_pointer() const;
+    // Whether a hand holds or aims something, which edits of others must not renumber.
+    bool is_holding() const { return grab.is_active() || lights.is_active(); }
+    // Ends what hands have begun to do to the stage; the edits are made.
+    void release_all(HeadsetState& state);
     // To be called where something else than the hands has moved the user: ends what hands have begun, and brings the
     // panel along.
     void user_was_moved(HeadsetState& state);

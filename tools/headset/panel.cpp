@@ -47,7 +47,7 @@ void time_rows(Rows& rows) {
 }
 
 void tool_row(Rows& rows) {
-    const float one = column_width(4);
+    const float one = column_width(5);
     const auto tool = [&](const char* name, const char* label, HandTool which) {
         if (rows.button(name, label, one, rows.state.tool == which)) rows.state.tool = which;
     };
@@ -56,6 +56,8 @@ void tool_row(Rows& rows) {
     tool("paint", ICON_BRUSH " Paint", HandTool::kPaint);
     ImGui::SameLine();
     tool("region", ICON_BOX " Region", HandTool::kRegion);
+    ImGui::SameLine();
+    tool("lights", ICON_LIGHT " Lights", HandTool::kLights);
     ImGui::SameLine();
     tool("train", ICON_PERSON " Train", HandTool::kTrain);
 }
@@ -220,12 +222,13 @@ PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& 
     tool_row(rows);
     // The panel edits nothing while a hand grabs a performer or a stroke is unfinished: the numbers of nodes must not
     // change under them.
-    const bool busy = interaction.grab.is_active() || interaction.painter.is_busy();
+    const bool busy = interaction.is_holding() || interaction.painter.is_busy();
     if (state.tool == HandTool::kPaint) brush_rows(rows);
     ImGui::BeginDisabled(busy);
     if (state.tool == HandTool::kRegion) region_rows(rows);
     const bool arranges = state.tool == HandTool::kArrange;
     const PanelPage page = state.page;
+    if (state.tool == HandTool::kLights) lights_rows(rows);
     if (arranges) page_row(rows);
     if (arranges && page == PanelPage::kTime) performer_time_rows(rows);
     if (arranges && page == PanelPage::kCopies) copies_rows(rows);

@@ -42,6 +42,8 @@ void training_rows(Rows& rows);
 // The pages about the time and the copies of the selected performer.
 void performer_time_rows(Rows& rows);
 void copies_rows(Rows& rows);
+// The page of the tool kLights: the selected light or camera.
+void lights_rows(Rows& rows);
 
 // The selected performer; null where there is none.
 const stage::StagePerformer* selected_performer(const HeadsetState& state);

@@ -5,24 +5,6 @@
 
 namespace neuvv::headset {
 
-namespace {
-
-constexpr double kPush_m_per_s = 2.5, kLongPress_s = 0.35, kDeadZone = 0.15;
-
-// Without a grab button, a long press of select on a performer starts a grab.
-bool starts_grab(Hand& hand) {
-    if (hand.input.has_grab) return hand.grab.pressed();
-    if (hand.select_down_s <= kLongPress_s || hand.long_press) return false;
-    hand.long_press = hand.pressed_on.target == PointerHit::Target::kPerformer;
-    return hand.long_press;
-}
-
-bool ends_grab(const Hand& hand) {
-    return hand.input.has_grab ? !hand.grab.is_down() : !hand.select.is_down();
-}
-
-}  // namespace
-
 void PerformerGrab::start(HeadsetState& state, Hand& hand, int which) {
     if (!hand.aim || hand.hit.target != PointerHit::Target::kPerformer) return;
     const uint32_t node = state.stage->performers[hand.hit.performer].node;
@@ -50,7 +32,8 @@ void PerformerGrab::update(HeadsetState& state, Hands& hands, double dt_s) {
             else
                 release(state);
             hand.vibrate(0.3);
-        } else if (!is_grabbing(which) && state.tool == HandTool::kArrange && starts_grab(hand)) {
+        } else if (!is_grabbing(which) && state.tool == HandTool::kArrange &&
+                   starts_grab(hand, PointerHit::Target::kPerformer)) {
             start(state, hand, which);
         }
     }
@@ -59,8 +42,7 @@ void PerformerGrab::update(HeadsetState& state, Hands& hands, double dt_s) {
     for (int which = 0; which < xr::kHands; which++) {
         if (!is_grabbing(which) || !hands[which].aim) continue;
         grab_->move(which, *hands[which].aim);
-        const double stick = hands[which].input.stick.y;
-        if (std::abs(stick) > kDeadZone) grab_->push(which, stick * kPush_m_per_s * dt_s);
+        if (const double by_m = pushed_m(hands[which], dt_s); by_m != 0) grab_->push(which, by_m);
     }
     if (node_ < state.evaluated.pose.world_from_node.size())
         editor::move_node(state.evaluated, *state.stage, node_, grab_->world_from_node());

@@ -1,5 +1,6 @@
 #include "tools/headset/pointing.h"
 
+#include "tools/headset/markers.h"
 #include "xr/ray_hit.h"
 
 namespace neuvv::headset {
@@ -21,7 +22,12 @@ std::optional<SurfaceHit> nearest_box(const Ray& ray, const HeadsetState& state)
 }
 
 PointerHit hit_on_stage(const Ray& ray, const HeadsetState& state, std::optional<SurfaceHit> surface) {
-    if (!surface || surface->distance_m >= kMaxRay_m) surface = nearest_box(ray, state);
+    const auto marker = marker_on(ray, state);
+    if (marker && (!surface || marker->distance_m < surface->distance_m))
+        return {PointerHit::Target::kMarker, marker->distance_m, {}, 0, marker->node};
+    // What a light looks at is a surface.
+    const bool boxes_count = state.tool != HandTool::kLights;
+    if (boxes_count && (!surface || surface->distance_m >= kMaxRay_m)) surface = nearest_box(ray, state);
     if (surface && surface->distance_m < kMaxRay_m)
         return {PointerHit::Target::kPerformer, surface->distance_m, {}, surface->performer};
     const double down = -ray.direction.y, to_floor = (ray.origin.y - state.floor_m) / down;
@@ -32,6 +38,7 @@ PointerHit hit_on_stage(const Ray& ray, const HeadsetState& state, std::optional
 void feel_change(Hand& hand, const HeadsetState& state) {
     std::optional<uint32_t> node;
     if (hand.hit.target == PointerHit::Target::kPerformer) node = state.stage->performers[hand.hit.performer].node;
+    if (hand.hit.target == PointerHit::Target::kMarker) node = hand.hit.node;
     if (node && node != hand.pointed_node) hand.vibrate(kTick);
     hand.pointed_node = node;
 }

@@ -1,4 +1,4 @@
-// What the pointer rays of hands hit: the panel, else a performer, else the floor.
+// What the pointer rays of hands hit: the panel, else a performer, or the marker of a light or camera, else the floor.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,8 @@ using FindSurfaces = std::function<std::vector<std::optional<SurfaceHit>>(std::s
 
 // Sets Hand::hit and Hand::pointed_node of both hands. A ray takes the performer whose surface it meets; where it meets
 // none, or where `find_surfaces` is empty, the performer whose box it enters first, so that one may also point between
-// a performer's legs. A hand whose ray comes to another performer than before is vibrated shortly.
+// a performer's legs. While the tool kLights is selected, boxes do not count, but markers do (markers.h). A hand whose
+// ray comes to another performer or marker than before is vibrated shortly.
 void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPlacement>& panel,
            const FindSurfaces& find_surfaces);
 

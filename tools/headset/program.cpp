@@ -49,8 +49,7 @@ void Program::open() {
 }
 
 void Program::finish() {
-    interaction.grab.release(state);
-    interaction.painter.end_stroke(state);
+    interaction.release_all(state);
     const Clock::time_point from = Clock::now();
     do {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
