@@ -72,6 +72,87 @@ TEST_F(BrushHandTest, ADabPaintsTheLeavesInItsBallAndIsOneStep) {
     EXPECT_FALSE(state.editor.modified());
 }
 
+// A ray that meets ben's surface at a point of the world, or none.
+struct RayBrushTest : BrushHandTest {
+    std::optional<glm::dvec3> meets;
+    uint32_t met = 1;  // ben, as index of performers
+    glm::vec3 colour{0.25f, 0.5f, 0.04f};
+    RayBrushTest() {
+        inputs[xr::kLeft].aim.reset();
+        inputs[xr::kLeft].grip.reset();
+        state.brush.by_ray = true;
+        find_surfaces = [this](std::span<const Ray> rays) {
+            std::vector<std::optional<headset::SurfaceHit>> hits(rays.size());
+            if (meets) hits.at(0) = headset::SurfaceHit{met, glm::distance(rays[0].origin, *meets), colour};
+            return hits;
+        };
+    }
+    void ray_to(std::optional<glm::dvec3> target) {
+        meets = target;
+        if (target) point(xr::kRight, kRightHand, *target);
+        frame();
+    }
+    void press(bool down) {
+        inputs[xr::kRight].select = down ? 1 : 0;
+        frame();
+    }
+};
+
+TEST_F(RayBrushTest, ItPaintsWhereTheRayMeetsThePerformer) {
+    ray_to(head_of_ben);
+    press(true);
+    ray_to(head_of_ben + glm::dvec3(0.02, 0, 0));  // hardly moves
+    press(false);
+    settle();
+    EXPECT_EQ(painted(), within({head_of_ben}, state.brush.radius_m)) << "and not at the hand's tip, which is far away";
+    EXPECT_EQ(undo_all(), 1u);
+}
+
+TEST_F(RayBrushTest, WhatARayJumpsOverStaysAsItIs) {
+    ray_to(head_of_ben);
+    press(true);
+    ray_to(head_of_ben + off + off);
+    ray_to({});
+    ray_to(head_of_ben - off);
+    press(false);
+    settle();
+    EXPECT_EQ(painted(), within({head_of_ben, head_of_ben + off + off, head_of_ben - off}, state.brush.radius_m));
+    EXPECT_EQ(undo_all(), 1u);
+}
+
+TEST_F(RayBrushTest, OthersThanTheSelectedPerformerAreNotPainted) {
+    met = 0;
+    ray_to(head_of_ben);
+    press(true);
+    press(false);
+    settle();
+    EXPECT_EQ(undo_all(), 0u);
+}
+
+TEST_F(RayBrushTest, TheColourUnderTheRayIsPickedByTheNextPressAlone) {
+    const glm::vec3 before = state.brush.colour;
+    state.picks_colour = true;
+    meets.reset();
+    frame();
+    press(true);
+    press(false);
+    EXPECT_EQ(state.brush.colour, before);
+    EXPECT_TRUE(was_notified("point at a performer")) << "and it goes on picking";
+    met = 0;  // whoever it is
+    ray_to(head_of_ben);
+    press(true);
+    press(false);
+    settle();
+    EXPECT_FALSE(state.picks_colour);
+    EXPECT_LT(glm::distance(state.brush.colour, glm::vec3(0.5371f, 0.7354f, 0.2210f)), 2e-3) << "sRGB";
+    EXPECT_EQ(undo_all(), 0u) << "picking paints nothing";
+    met = 1;
+    press(true);
+    press(false);
+    settle();
+    EXPECT_EQ(undo_all(), 1u) << "the press after it paints";
+}
+
 TEST_F(BrushHandTest, ADabThatIsOverBeforeTheClipWasReadIsLaidAllTheSame) {
     // The whole press is over before the clip has been read.
     dab(head_of_ben);

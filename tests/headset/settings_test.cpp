@@ -34,6 +34,7 @@ TEST_F(HeadsetSettingsTest, WhatWasChosenComesBack) {
     state.brush.mode = headset::HandBrush::Mode::kErase;
     state.brush.radius_m = 0.123;
     state.brush.colour = {0.1f, 0.5f, 1};
+    state.brush.by_ray = true;
     state.panel_on_wrist = true;
     grab.upright = false;
     settings.save(state, grab);
@@ -49,6 +50,7 @@ TEST_F(HeadsetSettingsTest, WhatWasChosenComesBack) {
     EXPECT_EQ(later.brush.mode, headset::HandBrush::Mode::kErase);
     EXPECT_EQ(later.brush.radius_m, 0.123);
     EXPECT_EQ(later.brush.colour, state.brush.colour);
+    EXPECT_TRUE(later.brush.by_ray);
     EXPECT_TRUE(later.panel_on_wrist);
     EXPECT_FALSE(later_grab.upright);
     EXPECT_TRUE(later_grab.snaps_to_floor);

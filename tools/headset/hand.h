@@ -17,6 +17,9 @@ struct PointerHit {
     glm::dvec2 panel_uv{0};  // on the panel: 0..1 from the upper left
     uint32_t performer = 0;  // index into Stage::performers
     uint32_t node = 0;       // of the light or camera of a marker
+    // Linear, without the stage's lights: of the performer's surface that the ray meets. Empty where the ray meets only
+    // the performer's box.
+    std::optional<glm::vec3> colour;
 };
 
 struct Hand {

@@ -12,6 +12,7 @@ namespace neuvv::headset {
 namespace {
 
 constexpr double kTipDistance_m = 0.08;  // from the hand to the tip
+constexpr double kMaxJump = 3;           // of a ray's brush between two frames, in its radii
 
 editor::PaintOperation operation_of(const HandBrush& brush, float frame, uint32_t frames) {
     editor::PaintOperation operation;
@@ -84,6 +85,23 @@ struct HandPainter::Stroke {
 
 glm::dvec3 HandPainter::tip_of(const xr::Pose& world_aim) {
     return world_aim * glm::dvec3(0, 0, -kTipDistance_m);
+}
+
+std::optional<glm::dvec3> HandPainter::brush_at(const HeadsetState& state, const Hand& hand) {
+    if (!hand.aim) return std::nullopt;
+    if (!state.brush.by_ray) return tip_of(*hand.aim);
+    if (!hand.hit.colour) return std::nullopt;  // the box of a performer is no surface
+    const Ray ray = xr::ray_of(*hand.aim);
+    return ray.origin + hand.hit.distance_m * ray.direction;
+}
+
+// Where the ray meets no surface, the next press picks.
+void HandPainter::pick_colour(HeadsetState& state, Hand& hand) {
+    if (!hand.hit.colour) return state.editor.notify("point at a performer to pick its colour", true);
+    state.brush.colour = media::srgb_from_linear(*hand.hit.colour);
+    state.brush.mode = HandBrush::Mode::kPaint;
+    state.picks_colour = false;
+    hand.vibrate(0.5);
 }
 
 // The selected performer, or the only one. Empty, with a status, where it is not clear which one to paint.
@@ -166,7 +184,12 @@ void HandPainter::update(HeadsetState& state, Hands& hands) {
     process_strokes(state);
     if (region_ && region_->node_count != state.editor.node_count()) region_.reset();
     if (!region_ || state.tool != HandTool::kRegion) corner_.reset();
-    if (!paints(state.tool)) return;
+    if (!paints(state.tool)) {
+        state.picks_colour = false;
+        return;
+    }
+    if (state.picks_colour && hand.hit.target != PointerHit::Target::kPanel && hand.consume_press())
+        pick_colour(state, hand);
     const auto performer = performer_to_paint(state);
     if (!performer) return;
     const bool is_segmented = state.stage->clips[state.stage->performers[*performer].clip].index->segments.size() > 1;
@@ -207,10 +230,15 @@ std::shared_ptr<HandPainter::Stroke> HandPainter::begin_stroke(const HeadsetStat
 void HandPainter::extend_stroke(HeadsetState& state, const Hand& hand) {
     if (strokes_.empty() || strokes_.back()->released || !hand.aim) return;
     Stroke& stroke = *strokes_.back();
-    const glm::dvec3 tip = tip_of(*hand.aim);
-    if (stroke.last_tip && glm::distance(*stroke.last_tip, tip) < 0.25 * stroke.brush.radius_m) return;
+    const std::optional<glm::dvec3> at = brush_at(state, hand);
+    const double way_m = at && stroke.last_tip ? glm::distance(*stroke.last_tip, *at) : 0;
+    // What a ray jumps over, from one surface to another, is not painted.
+    if (!at || (state.brush.by_ray && way_m > kMaxJump * stroke.brush.radius_m)) stroke.last_tip.reset();
+    if (!at || (stroke.last_tip && way_m < 0.25 * stroke.brush.radius_m)) return;
+    const glm::dvec3 tip = *at;
     for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
         if (state.stage->performers[performer.performer].node != stroke.node) continue;
+        if (state.brush.by_ray && performer.performer != hand.hit.performer) continue;
         stroke.pending.push_back({performer.world_from_performer, stroke.last_tip.value_or(tip), tip,
                                   stroke.brush.radius_m, stroke.brush.tip});
         stroke.last_tip = tip;

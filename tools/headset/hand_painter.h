@@ -1,6 +1,6 @@
-// Painting in the air: a ball or a box at the tip of the right hand colours or erases those leaves of the selected
-// performer that it touches. With the region tool, the hand drags a box from corner to corner, which the panel's
-// buttons colour or erase.
+// Painting in the air: a ball or a box at the tip of the right hand, or where its ray meets the performer, colours or
+// erases those leaves of the selected performer that it touches. With the region tool, the hand drags a box from corner
+// to corner, which the panel's buttons colour or erase.
 //
 // The leaves are searched, and layers made, by the job queue, so that no frame waits. What a stroke touches while a job
 // runs is done by the next job. A stroke that begins while another one is still being applied, or while its performer
@@ -50,8 +50,10 @@ class HandPainter {
     // Colours or erases all leaves in the region, as the brush is set.
     void apply_region(HeadsetState& state);
 
-    // The tip of the brush in the world.
+    // The tip of a hand in the world.
     static glm::dvec3 tip_of(const xr::Pose& world_aim);
+    // Where the brush is in the world; nullopt where it paints by the ray, and the ray meets no surface.
+    static std::optional<glm::dvec3> brush_at(const HeadsetState& state, const Hand& hand);
     // A line for the user: "Paints anna, on its layer \"stars\"", "Reading anna, to be painted"; empty where there is
     // nothing to paint.
     const std::string& status() const { return status_; }
@@ -64,6 +66,7 @@ class HandPainter {
     void update_status(const HeadsetState& state, const PaintTarget& target);
     std::shared_ptr<Stroke> begin_stroke(const HeadsetState& state, uint32_t performer) const;
     void extend_stroke(HeadsetState& state, const Hand& hand);
+    static void pick_colour(HeadsetState& state, Hand& hand);
     void begin_session(HeadsetState& state, Stroke& stroke);
     static editor::Layer painted(Stroke& stroke, const edit::Region& touched);
     void start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke);

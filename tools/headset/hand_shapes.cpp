@@ -11,7 +11,7 @@ namespace {
 constexpr glm::vec4 kBody{0.08f, 0.085f, 0.09f, 1}, kTrim{0.3f, 0.32f, 0.35f, 1}, kBlue{0.05f, 0.42f, 0.85f, 1},
     kWhite{0.9f, 0.9f, 0.9f, 0.8f}, kRay{0.5f, 0.75f, 1, 0.8f}, kFaint{0.5f, 0.75f, 1, 0}, kGreen{0.1f, 0.75f, 0.3f, 1},
     kRed{0.8f, 0.1f, 0.05f, 1}, kNoRegion{0, 0, 0, 0};
-constexpr double kIdleRay_m = 1.2, kSelectedMargin = 0.006;
+constexpr double kIdleRay_m = 1.2, kSelectedMargin = 0.006, kPicked_m = 0.025;
 
 void draw_controller(xr::EyeShapes& shapes, const Hand& hand) {
     if (!hand.grip || hand.input.bare_hand) return;
@@ -78,15 +78,26 @@ glm::vec4 brush_colour(const HandBrush& brush, float alpha) {
     return {media::linear_from_srgb(brush.colour), alpha};
 }
 
+// The colour under the ray, at the ray's end.
+void draw_picked_colour(xr::EyeShapes& shapes, const Hand& hand) {
+    if (!hand.hit.colour) return;
+    const Ray ray = xr::ray_of(*hand.aim);
+    shapes.ball(ray.origin + (hand.hit.distance_m - kPicked_m) * ray.direction, kPicked_m,
+                glm::vec4(*hand.hit.colour, 1));
+}
+
 void draw_brush(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction) {
     const Hand& hand = interaction.hands[xr::kRight];
     if (!paints(state.tool) || !hand.aim || hand.hit.target == PointerHit::Target::kPanel) return;
-    const glm::dvec3 tip = HandPainter::tip_of(*hand.aim);
+    if (state.picks_colour) return draw_picked_colour(shapes, hand);
     if (state.tool == HandTool::kRegion) {
         shapes.draw_on_top(true);  // the region's corner is visible inside a performer, too
-        shapes.ball(tip, 0.008, kGreen);
+        shapes.ball(HandPainter::tip_of(*hand.aim), 0.008, kGreen);
         return shapes.draw_on_top(false);
     }
+    const auto at = HandPainter::brush_at(state, hand);
+    if (!at) return;
+    const glm::dvec3 tip = *at;
     // The brush is drawn twice: faintly on top of all, then with a depth test, so inside or behind a performer it is
     // faint.
     for (const bool on_top : {true, false}) {
@@ -130,8 +141,9 @@ void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const In
     for (int which = 0; which < xr::kHands; which++) {
         const Hand& hand = interaction.hands[which];
         draw_controller(shapes, hand);
+        const bool uses_ray = state.picks_colour || (state.tool == HandTool::kPaint && state.brush.by_ray);
         const bool has_brush =
-            which == xr::kRight && paints(state.tool) && hand.hit.target != PointerHit::Target::kPanel;
+            which == xr::kRight && paints(state.tool) && !uses_ray && hand.hit.target != PointerHit::Target::kPanel;
         if (has_brush || hand.aiming_teleport) continue;
         std::optional<double> grabbed_m;
         if (interaction.grab.is_grabbing(which)) grabbed_m = interaction.grab.distance_m(which);

@@ -30,6 +30,7 @@ struct HandBrush {
     double radius_m = 0.06;               // world; of a box, half the length of an edge
     glm::vec3 colour{0.9f, 0.25f, 0.1f};  // sRGB
     double opacity = 1;
+    bool by_ray = false;     // paints where the hand's ray meets the performer, else at the hand's tip
     bool whole_clip = true;  // else around the present frame, while the surface stays (edit::Follow::kRun)
 };
 
@@ -45,6 +46,7 @@ struct HeadsetState : editor::StageState {
     Comfort comfort;
     HandBrush brush;
     std::optional<bool> wants_room;  // to see the user's own room; nothing: as the headset's runtime prefers
+    bool picks_colour = false;  // the next press of the painting hand gives the brush the colour under its ray
     bool panel_visible = false, panel_on_wrist = false;
 };
 

@@ -124,7 +124,11 @@ void brush_rows(Rows& rows) {
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##opacity", &opacity, 100 * kMinBrushOpacity, 100, "opacity %.0f %%"))
         brush.opacity = opacity / 100;
-    rows.checkbox("whole clip", "Through the whole clip", &brush.whole_clip);
+    if (rows.button("pick colour", ICON_TINT " Pick", half, rows.state.picks_colour))
+        rows.state.picks_colour = !rows.state.picks_colour;
+    ImGui::SameLine();
+    rows.checkbox("whole clip", "Whole clip", &brush.whole_clip);
+    if (rows.state.tool == HandTool::kPaint) rows.checkbox("by ray", "Where the ray meets", &brush.by_ray);
     ImGui::EndGroup();
 }
 

@@ -29,7 +29,7 @@ PointerHit hit_on_stage(const Ray& ray, const HeadsetState& state, std::optional
     const bool boxes_count = state.tool != HandTool::kLights;
     if (boxes_count && (!surface || surface->distance_m >= kMaxRay_m)) surface = nearest_box(ray, state);
     if (surface && surface->distance_m < kMaxRay_m)
-        return {PointerHit::Target::kPerformer, surface->distance_m, {}, surface->performer};
+        return {PointerHit::Target::kPerformer, surface->distance_m, {}, surface->performer, 0, surface->colour};
     const double down = -ray.direction.y, to_floor = (ray.origin.y - state.floor_m) / down;
     if (down > 1e-3 && to_floor > 0 && to_floor < kMaxRay_m) return {PointerHit::Target::kFloor, to_floor};
     return {};

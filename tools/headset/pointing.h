@@ -15,6 +15,7 @@ namespace neuvv::headset {
 struct SurfaceHit {
     uint32_t performer = 0;  // index into Stage::performers
     double distance_m = 0;
+    std::optional<glm::vec3> colour;  // as PointerHit::colour
 };
 // Returns a result for each ray (world); nothing where a ray meets no surface. Only a device can know, so it is given
 // from outside.

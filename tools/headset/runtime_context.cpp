@@ -77,7 +77,7 @@ std::vector<std::optional<SurfaceHit>> RuntimeContext::find_surfaces(const stage
     std::vector<std::optional<SurfaceHit>> hits(rays.size());
     const auto picked = render::pick_performers(*renderer, evaluated, rays);
     for (size_t i = 0; i < picked.size(); i++)
-        if (picked[i]) hits[i] = SurfaceHit{picked[i]->performer, picked[i]->distance_m};
+        if (picked[i]) hits[i] = SurfaceHit{picked[i]->performer, picked[i]->distance_m, picked[i]->colour};
     return hits;
 }
 

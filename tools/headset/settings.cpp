@@ -44,6 +44,7 @@ void read_brush(editor::PreferenceReader& reader, const ordered_json& json, Hand
     reader.number(json, at, "radius_m", kMinBrush_m, kMaxBrush_m, brush.radius_m);
     reader.number(json, at, "opacity", kMinBrushOpacity, 1.0, brush.opacity);
     reader.boolean(json, at, "wholeClip", brush.whole_clip);
+    reader.boolean(json, at, "byRay", brush.by_ray);
     const ordered_json& colour = reader.object(json, "colour");
     reader.number(colour, "brush.colour.", "red", 0.0f, 1.0f, brush.colour.r);
     reader.number(colour, "brush.colour.", "green", 0.0f, 1.0f, brush.colour.g);
@@ -74,6 +75,7 @@ void write_brush(ordered_json& json, const HandBrush& brush) {
     colour["blue"] = rounded(brush.colour.b);
     json["opacity"] = rounded(brush.opacity);
     json["wholeClip"] = brush.whole_clip;
+    json["byRay"] = brush.by_ray;
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 //   {"comfort": {"smoothWalk": false, "smoothTurn": false, "snap_deg": 30, "turn_deg_per_s": 90, "walk_m_per_s": 1.6,
 //    "vignette": true}, "panel": {"onWrist": false}, "hold": {"upright": true, "snapsToFloor": true},
 //    "brush": {"tip": "ball", "does": "paint", "radius_m": 0.06, "colour": {"red": 0.9, "green": 0.25,
-//    "blue": 0.1}, "opacity": 1, "wholeClip": true}}
+//    "blue": 0.1}, "opacity": 1, "wholeClip": true, "byRay": false}}
 //
 // Every member may be missing. Members that this program does not know stay in the file.
 #pragma once
