@@ -1,12 +1,14 @@
 // Painting in the air: which leaves a stroke touches, and that no stroke is lost or stuck, whatever hands and files do.
 #include "tools/headset/hand_painter.h"
 
+#include <fstream>
 #include <set>
 
 #include "edit/paint_layers.h"
 #include "edit/select.h"
 #include "headset/hands_at_a_stage.h"
 #include "support/segmented_copy.h"
+#include "tools/headset/pictures.h"
 
 namespace neuvv::test {
 namespace {
@@ -151,6 +153,89 @@ TEST_F(RayBrushTest, TheColourUnderTheRayIsPickedByTheNextPressAlone) {
     press(false);
     settle();
     EXPECT_EQ(undo_all(), 1u) << "the press after it paints";
+}
+
+// Pictures, with a device that notes what it is asked to project and selects a ball of leaves instead.
+struct PictureTest : RayBrushTest {
+    std::vector<editor::PaintArea> projected;
+    PictureTest() {
+        state.brush.mode = headset::HandBrush::Mode::kPicture;
+        state.brush.by_ray = false;  // a picture is put by the ray all the same
+        interaction.painter.project_picture = [this](const std::filesystem::path& file, editor::PaintSubject subject,
+                                                     editor::Layer before, const editor::PaintOperation& operation,
+                                                     editor::PaintArea area) {
+            EXPECT_EQ(file, clip);
+            projected.push_back(std::move(area));
+            editor::PaintSession session(std::move(subject), std::move(before), operation);
+            session.add_region(edit::sphere_region(glm::vec3(kHead), 0.1f));
+            return std::optional(std::move(session));
+        };
+    }
+    void choose() {
+        media::write_png(folder.path / "flag.png", media::Image(40, 20));
+        state.picture = folder.path / "flag.png";
+        settle();
+    }
+    void press_at(std::optional<glm::dvec3> target) {
+        ray_to(target);
+        press(true);
+        press(false);
+        settle();
+    }
+    // The pixel of the projected picture in which a point of the world lies.
+    glm::dvec2 pixel_of(const editor::PaintArea& area, glm::dvec3 world) const {
+        const glm::dmat4 camera_from_world = glm::inverse(area.image_camera.world_from_camera) *
+                                             glm::inverse(state.evaluated.performers[1].world_from_performer);
+        const glm::dvec3 seen(camera_from_world * glm::dvec4(world, 1));
+        const stage::Camera& camera = area.image_camera;
+        return {camera.cx - camera.fx * seen.x / seen.z, camera.cy + camera.fy * seen.y / seen.z};
+    }
+};
+
+TEST_F(PictureTest, APressProjectsThePictureWhereTheRayMeets) {
+    choose();
+    press_at(head_of_ben);
+    ASSERT_EQ(projected.size(), 1u);
+    EXPECT_EQ(projected[0].image.width, 40u);
+    const glm::dvec3 right = interaction.hands[xr::kRight].aim->rotation * glm::dvec3(1, 0, 0),
+                     up = interaction.hands[xr::kRight].aim->rotation * glm::dvec3(0, 1, 0);
+    EXPECT_LT(glm::distance(pixel_of(projected[0], head_of_ben), glm::dvec2(20, 10)), 1e-3);
+    EXPECT_LT(glm::distance(pixel_of(projected[0], head_of_ben + state.brush.radius_m * right), glm::dvec2(40, 10)),
+              1e-3)
+        << "it is two radii wide";
+    EXPECT_LT(pixel_of(projected[0], head_of_ben + 0.01 * up).y, 10) << "its upper edge is that of the hand";
+    EXPECT_FALSE(painted().empty());
+    EXPECT_EQ(undo_all(), 1u);
+}
+
+TEST_F(PictureTest, WhereItCannotBePutANoticeSaysWhy) {
+    press_at(head_of_ben);
+    EXPECT_TRUE(was_notified("choose a picture"));
+    choose();
+    press_at({});
+    EXPECT_TRUE(was_notified("point at the performer"));
+    met = 0;
+    press_at(head_of_ben);
+    EXPECT_TRUE(was_notified("point at the performer")) << "another one than the selected";
+    met = 1;
+    interaction.painter.project_picture = {};
+    press_at(head_of_ben);
+    EXPECT_TRUE(was_notified("not on the device"));
+    state.picture = folder.path / "none.png";
+    settle();
+    EXPECT_TRUE(was_notified("none.png"));
+    EXPECT_TRUE(projected.empty());
+    EXPECT_EQ(undo_all(), 0u);
+}
+
+TEST_F(PictureTest, TheNextPictureOfTheFolderFollows) {
+    const auto next = [&](const char* after) { return headset::next_picture(folder.path, folder.path / after); };
+    EXPECT_TRUE(next("").empty());
+    for (const char* name : {"b.png", "a.png", "c.txt"}) std::ofstream(folder.path / name) << "";
+    EXPECT_EQ(headset::next_picture(folder.path, {}).filename(), "a.png");
+    EXPECT_EQ(next("a.png").filename(), "b.png");
+    EXPECT_EQ(next("b.png").filename(), "a.png") << "after the last one the first";
+    EXPECT_TRUE(headset::next_picture(folder.path / "nowhere", {}).empty());
 }
 
 TEST_F(BrushHandTest, ADabThatIsOverBeforeTheClipWasReadIsLaidAllTheSame) {

@@ -1,4 +1,4 @@
-// The panel's pages about the selected performer: its copies, and its time.
+// The panel's pages about the selected performer: its copies, its time, and what paints it.
 #include "edit/tracks.h"
 #include "headset/panel_at_a_stage.h"
 #include "tools/headset/arrange.h"
@@ -130,6 +130,27 @@ TEST_F(PerformerPages, ASpinIsDraggedBothWaysAndStopsInTheMiddle) {
     drag("spin", {0.1, 0.004});
     EXPECT_EQ(settings().spin_deg_per_s, 0);
     EXPECT_EQ(steps(), 3u);
+}
+
+TEST_F(PerformerPages, ThePictureButtonGoesThroughTheFolderAndATipPaintsAgain) {
+    using Mode = headset::HandBrush::Mode;
+    press("paint");
+    press("picture");
+    EXPECT_TRUE(was_notified("no PNG file"));
+    EXPECT_EQ(state.brush.mode, Mode::kPaint);
+    for (const char* name : {"a.png", "b.png"}) media::write_png(folder.path / name, media::Image(2, 2));
+    for (const char* name : {"a.png", "b.png", "a.png"}) {
+        press("picture");
+        EXPECT_EQ(state.brush.mode, Mode::kPicture);
+        EXPECT_EQ(state.picture.filename(), name);
+    }
+    press("box");
+    EXPECT_EQ(state.brush.mode, Mode::kPaint);
+    press("picture");
+    EXPECT_EQ(state.picture.filename(), "a.png") << "the one that was chosen before";
+    press("by ray");
+    press("pick colour");
+    EXPECT_TRUE(state.brush.by_ray && state.picks_colour);
 }
 
 TEST_F(PerformerPages, WithoutAPerformerNothingIsEdited) {

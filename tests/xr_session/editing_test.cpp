@@ -1,6 +1,8 @@
 // Editing: what hands do to the stage, and what is saved.
 #include "edit/recovery.h"
 #include "golden/golden.h"
+#include "support/figure.h"
+#include "voctree/nvpaint.h"
 #include "xr_session/xr_session.h"
 
 namespace neuvv::test {
@@ -179,6 +181,36 @@ TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
     ASSERT_EQ(layers.size(), 1u) << run.log << run.seen;
     EXPECT_TRUE(std::filesystem::exists(folder.path / layers[0]["uri"].get<std::string>()));
     EXPECT_EQ(check_golden("xr_paint", run.image(99, "left")), "");
+}
+
+TEST_F(Editing, APictureIsProjectedAlongTheHand) {
+    media::Image red(16, 8);
+    for (size_t i = 0; i < red.rgba.size(); i++) red.rgba[i] = i % 4 == 0 || i % 4 == 3 ? 255 : 0;
+    media::write_png(folder.path / "red.png", red);
+    XrScript to_paint = with_panel();
+    press(to_paint, 14, arrange_panel(), "paint");
+    const json paint = panel_after(to_paint, 28);
+    XrScript script = to_paint;
+    press(script, 26, paint, "picture");
+    script.click(36, "left", "y/click");
+    script.hand(40, "right", kRightHand, {-0.08, 0.99, -2});
+    script.save(70);
+    script.input(72, "right", "trigger/value", 1);
+    script.input(75, "right", "trigger/value", 0);
+    script.save(99);
+    script.click(101, "left", "y/click");
+    save(script, 108, paint);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    const json document = saved();
+    const json layers = node(document, "anna")["extensions"]["NEUVV_performer"].value("paint", json::array());
+    ASSERT_EQ(layers.size(), 1u) << run.log << run.seen;
+    const voctree::EditLayer layer =
+        voctree::read_paint(folder.path / layers[0]["uri"].get<std::string>(), voctree::painted_field(figure_tree()));
+    EXPECT_GT(layer.edits.size(), 5u);
+    for (const voctree::LeafEdit& edit : layer.edits) EXPECT_LT(glm::distance(edit.colour, glm::vec3(1, 0, 0)), 0.01);
+    EXPECT_EQ(check_golden("xr_picture", run.image(99, "left")), "");
+    EXPECT_FALSE(same_pixels(run.image(70, "left"), run.image(99, "left")));
 }
 
 TEST_F(Editing, ABoxThatIsPulledUpIsErased) {

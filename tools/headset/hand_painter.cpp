@@ -4,14 +4,17 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "edit/paint_layers.h"
 #include "media/colour.h"
+#include "render/trace.h"
 
 namespace neuvv::headset {
 
 namespace {
 
 constexpr double kTipDistance_m = 0.08;  // from the hand to the tip
+constexpr uint32_t kMaxPicture = 512;    // pixels of a side
 constexpr double kMaxJump = 3;           // of a ray's brush between two frames, in its radii
 
 editor::PaintOperation operation_of(const HandBrush& brush, float frame, uint32_t frames) {
@@ -69,7 +72,8 @@ struct HandPainter::Stroke {
     HandBrush brush;
     float frame = 0;  // of the clip, when the stroke began
     std::vector<TipSweep> pending;
-    std::optional<PaintRegion> region;  // for a stroke that applies a region instead of tips
+    std::optional<PaintRegion> region;         // for a stroke that applies a region instead of tips
+    std::optional<editor::PaintArea> picture;  // for one that projects a picture
     std::optional<glm::dvec3> last_tip;
     bool job_running = false, released = false;
     // Set once the performer has been read. After that only the jobs use the session, one at a time.
@@ -78,9 +82,11 @@ struct HandPainter::Stroke {
     editor::PaintOperation operation;  // its frames are of the clip
     std::optional<editor::PaintSession> session;
     std::optional<editor::SpreadPaint> spread;  // on a clip in segments: what other segments get after the stroke
-    bool region_applied = false, changed_leaves = false, failed = false;
+    bool region_applied = false, picture_applied = false, changed_leaves = false, failed = false;
 
-    bool has_pending() const { return !pending.empty() || (region && !region_applied); }
+    bool has_pending() const {
+        return !pending.empty() || (region && !region_applied) || (picture && !picture_applied);
+    }
 };
 
 glm::dvec3 HandPainter::tip_of(const xr::Pose& world_aim) {
@@ -89,7 +95,7 @@ glm::dvec3 HandPainter::tip_of(const xr::Pose& world_aim) {
 
 std::optional<glm::dvec3> HandPainter::brush_at(const HeadsetState& state, const Hand& hand) {
     if (!hand.aim) return std::nullopt;
-    if (!state.brush.by_ray) return tip_of(*hand.aim);
+    if (!state.brush.uses_ray()) return tip_of(*hand.aim);
     if (!hand.hit.colour) return std::nullopt;  // the box of a performer is no surface
     const Ray ray = xr::ray_of(*hand.aim);
     return ray.origin + hand.hit.distance_m * ray.direction;
@@ -102,6 +108,57 @@ void HandPainter::pick_colour(HeadsetState& state, Hand& hand) {
     state.brush.mode = HandBrush::Mode::kPaint;
     state.picks_colour = false;
     hand.vibrate(0.5);
+}
+
+// A job reads the picture that the user has chosen, made so small that leaves are hardly smaller than its pixels.
+void HandPainter::read_picture(HeadsetState& state) {
+    if (state.brush.mode != HandBrush::Mode::kPicture || picture_file_ == state.picture) return;
+    picture_file_ = state.picture;
+    picture_.reset();
+    jobs_.start("", [this, &state, file = picture_file_]() -> JobQueue::Then {
+        std::shared_ptr<const media::Image> picture;
+        std::string problem;
+        try {
+            const media::Image read = media::read_png(file);
+            const uint32_t side = std::max(read.width, read.height);
+            picture =
+                std::make_shared<const media::Image>(editor::downscaled(read, (side + kMaxPicture - 1) / kMaxPicture));
+        } catch (const std::exception& error) {
+            problem = error.what();
+        }
+        return [this, &state, file, picture, problem] {
+            if (!problem.empty()) state.editor.notify(problem, true);
+            if (file == picture_file_) picture_ = picture;
+        };
+    });
+}
+
+// The picture's middle is where the ray meets the performer, its upper edge is the hand's, and there it is 2 radius_m
+// wide.
+void HandPainter::put_picture(HeadsetState& state, uint32_t index, Hand& hand) {
+    if (!picture_ || picture_file_ != state.picture)
+        return state.editor.notify(
+            state.picture.empty() ? "choose a picture on the panel" : "the picture is being read", true);
+    if (!hand.hit.colour || hand.hit.performer != index)
+        return state.editor.notify("point at the performer that shall be painted", true);
+    stage::Camera camera;
+    camera.width = picture_->width;
+    camera.height = picture_->height;
+    camera.fx = camera.fy = picture_->width * hand.hit.distance_m / (2 * state.brush.radius_m);
+    camera.cx = 0.5 * picture_->width;
+    camera.cy = 0.5 * picture_->height;
+    camera.world_from_camera = xr::matrix_of(*hand.aim);
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers)
+        if (performer.performer == index)
+            camera = render::in_performer(camera, glm::mat4(performer.world_from_performer));
+    auto stroke = begin_stroke(state, index);
+    stroke->picture.emplace();
+    stroke->picture->image = *picture_;
+    stroke->picture->image_camera = camera;
+    stroke->released = true;
+    strokes_.push_back(std::move(stroke));
+    hand.vibrate(0.5);
+    process_strokes(state);
 }
 
 // The selected performer, or the only one. Empty, with a status, where it is not clear which one to paint.
@@ -201,7 +258,10 @@ void HandPainter::update(HeadsetState& state, Hands& hands) {
             update_status(state, *target);
     }
     if (state.tool == HandTool::kRegion) return drag_region(state, *performer, hand);
-    if (hand.aim && hand.consume_press() && hand.hit.target != PointerHit::Target::kPanel) {
+    read_picture(state);
+    const bool pressed = hand.aim && hand.consume_press() && hand.hit.target != PointerHit::Target::kPanel;
+    if (pressed && state.brush.mode == HandBrush::Mode::kPicture) return put_picture(state, *performer, hand);
+    if (pressed) {
         strokes_.push_back(begin_stroke(state, *performer));
         hand.vibrate(0.3);
     }
@@ -257,6 +317,7 @@ void HandPainter::process_strokes(HeadsetState& state) {
         if (!stroke->target && !reading_) strokes_.pop_front();  // a notice has said why
         if (!stroke->target) return;
         begin_session(state, *stroke);
+        if (stroke->failed) return finish_stroke(state);
     }
     if (stroke->has_pending())
         start_job(state, stroke);
@@ -276,7 +337,19 @@ void HandPainter::begin_session(HeadsetState& state, Stroke& stroke) {
         editor::seen_paint(target.place, *target.clip, stroke.before, stroke.operation.frames, true);
     editor::PaintOperation operation = stroke.operation;
     operation.frames = seen.frames;
-    stroke.session.emplace(editor::PaintSubject{target.clip}, seen.before, operation);
+    editor::PaintSubject subject{target.clip, nullptr, target.place.frame, {}};
+    if (!stroke.picture) return void(stroke.session.emplace(std::move(subject), seen.before, operation));
+    subject.paint.push_back({stroke.before, stage::PaintBlend::kNormal, 1});
+    std::string problem = "its clip is not on the device yet";
+    try {
+        if (project_picture)
+            stroke.session =
+                project_picture(target.place.segment().file, subject, seen.before, operation, *stroke.picture);
+    } catch (const RuntimeFailure& failure) {
+        problem = failure.what();
+    }
+    stroke.failed = !stroke.session;
+    if (stroke.failed) state.editor.notify(problem, true);
 }
 
 // What the stroke's performer has after `touched`, too, was painted; null where nothing new was. For jobs.
@@ -288,8 +361,9 @@ editor::Layer HandPainter::painted(Stroke& stroke, const edit::Region& touched) 
         stroke.spread = std::move(region.spread);
         return region.layer;
     }
-    if (!stroke.session->add_region(touched)) return nullptr;
+    if (!stroke.picture && !stroke.session->add_region(touched)) return nullptr;
     const editor::Layer selected = stroke.session->layer();
+    if (!selected) return nullptr;  // the picture meets no leaf
     if (!target.place.is_segmented()) return selected;
     const editor::CarriedPaint carried =
         editor::carry_on(target.place, target.clip, stroke.before, selected, stroke.operation.frames);
@@ -299,6 +373,7 @@ editor::Layer HandPainter::painted(Stroke& stroke, const edit::Region& touched) 
 
 void HandPainter::start_job(HeadsetState& state, std::shared_ptr<Stroke> stroke) {
     stroke->job_running = true;
+    stroke->picture_applied = stroke->picture.has_value();
     edit::Region touched;
     if (stroke->region) {
         touched = edit::box_region(glm::vec3(stroke->region->low), glm::vec3(stroke->region->high));

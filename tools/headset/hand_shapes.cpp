@@ -86,6 +86,18 @@ void draw_picked_colour(xr::EyeShapes& shapes, const Hand& hand) {
                 glm::vec4(*hand.hit.colour, 1));
 }
 
+// The frame of the picture that the next press would project, and a mark at its upper edge.
+void draw_picture_frame(xr::EyeShapes& shapes, const HeadsetState& state, const Hand& hand,
+                        const Interaction& interaction) {
+    const double half = state.brush.radius_m, up = half * interaction.painter.picture_height(),
+                 away = hand.hit.distance_m;
+    const auto at = [&](double x, double y) { return *hand.aim * glm::dvec3(x, y, -away); };
+    shapes.draw_on_top(true);
+    shapes.path(std::array{at(-half, -up), at(half, -up), at(half, up), at(-half, up), at(-half, -up)}, 0.004, kGreen);
+    shapes.line(at(0, up), at(0, 1.15 * up), 0.004, kGreen, kGreen);
+    shapes.draw_on_top(false);
+}
+
 void draw_brush(xr::EyeShapes& shapes, const HeadsetState& state, const Interaction& interaction) {
     const Hand& hand = interaction.hands[xr::kRight];
     if (!paints(state.tool) || !hand.aim || hand.hit.target == PointerHit::Target::kPanel) return;
@@ -98,6 +110,7 @@ void draw_brush(xr::EyeShapes& shapes, const HeadsetState& state, const Interact
     const auto at = HandPainter::brush_at(state, hand);
     if (!at) return;
     const glm::dvec3 tip = *at;
+    if (state.brush.mode == HandBrush::Mode::kPicture) return draw_picture_frame(shapes, state, hand, interaction);
     // The brush is drawn twice: faintly on top of all, then with a depth test, so inside or behind a performer it is
     // faint.
     for (const bool on_top : {true, false}) {
@@ -141,7 +154,7 @@ void draw_interaction(xr::EyeShapes& shapes, const HeadsetState& state, const In
     for (int which = 0; which < xr::kHands; which++) {
         const Hand& hand = interaction.hands[which];
         draw_controller(shapes, hand);
-        const bool uses_ray = state.picks_colour || (state.tool == HandTool::kPaint && state.brush.by_ray);
+        const bool uses_ray = state.picks_colour || (state.tool == HandTool::kPaint && state.brush.uses_ray());
         const bool has_brush =
             which == xr::kRight && paints(state.tool) && !uses_ray && hand.hit.target != PointerHit::Target::kPanel;
         if (has_brush || hand.aiming_teleport) continue;

@@ -2,6 +2,8 @@
 // neither OpenXR nor a device, so hands change it in a test as they do in the program.
 #pragma once
 
+#include <filesystem>
+
 #include "edit/operations.h"
 #include "editor/stage_state.h"
 #include "xr/locomotion.h"
@@ -26,11 +28,12 @@ struct Comfort {
 constexpr double kMinBrush_m = 0.01, kMaxBrush_m = 0.4, kMinBrushOpacity = 0.05;
 struct HandBrush {
     enum class Tip { kBall, kBox } tip = Tip::kBall;
-    enum class Mode { kPaint, kErase } mode = Mode::kPaint;
-    double radius_m = 0.06;               // world; of a box, half the length of an edge
+    enum class Mode { kPaint, kErase, kPicture } mode = Mode::kPaint;  // kPicture: each press projects a picture
+    double radius_m = 0.06;               // world; of a box, half the length of an edge; of a picture, half its width
     glm::vec3 colour{0.9f, 0.25f, 0.1f};  // sRGB
     double opacity = 1;
-    bool by_ray = false;     // paints where the hand's ray meets the performer, else at the hand's tip
+    bool by_ray = false;  // paints where the hand's ray meets the performer, else at the hand's tip
+    bool uses_ray() const { return by_ray || mode == Mode::kPicture; }
     bool whole_clip = true;  // else around the present frame, while the surface stays (edit::Follow::kRun)
 };
 
@@ -46,7 +49,8 @@ struct HeadsetState : editor::StageState {
     Comfort comfort;
     HandBrush brush;
     std::optional<bool> wants_room;  // to see the user's own room; nothing: as the headset's runtime prefers
-    bool picks_colour = false;  // the next press of the painting hand gives the brush the colour under its ray
+    std::filesystem::path picture;   // that the brush projects; empty: none has been chosen
+    bool picks_colour = false;       // the next press of the painting hand gives the brush the colour under its ray
     bool panel_visible = false, panel_on_wrist = false;
 };
 

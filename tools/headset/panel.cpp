@@ -7,6 +7,7 @@
 #include "edit/operations.h"
 #include "tools/headset/arrange.h"
 #include "tools/headset/panel_rows.h"
+#include "tools/headset/pictures.h"
 #include "tools/headset/training.h"
 #include "tools/ui/icons.h"
 
@@ -93,11 +94,32 @@ void arrange_rows(Rows& rows) {
     rows.checkbox("snaps", "Snap to the floor", &rows.interaction.grab.settings.snaps_to_floor);
 }
 
-void tip_rows(Rows& rows, float half) {
+// A press on the picture's button takes the next one of the stage's folder.
+void picture_button(Rows& rows, float width) {
+    HeadsetState& state = rows.state;
+    const std::string label = ICON_STAMP " " + (state.picture.empty() ? "Picture" : state.picture.stem().string());
+    const bool is_on = state.brush.mode == HandBrush::Mode::kPicture;
+    if (!rows.button("picture", label.c_str(), width, is_on)) return;
+    if (is_on || state.picture.empty())
+        state.picture = next_picture(state.editor.file().path.parent_path(), state.picture);
+    if (state.picture.empty()) return state.editor.notify("there is no PNG file beside the stage", true);
+    state.brush.mode = HandBrush::Mode::kPicture;
+}
+
+void tip_rows(Rows& rows) {
     HandBrush& brush = rows.state.brush;
-    if (rows.button("ball", "Ball", half, brush.tip == HandBrush::Tip::kBall)) brush.tip = HandBrush::Tip::kBall;
-    ImGui::SameLine();
-    if (rows.button("box", "Box", half, brush.tip == HandBrush::Tip::kBox)) brush.tip = HandBrush::Tip::kBox;
+    const float one = column_width(3);
+    const bool has_tip = brush.mode != HandBrush::Mode::kPicture;
+    const auto tip = [&](const char* name, const char* label, HandBrush::Tip which) {
+        if (rows.button(name, label, one, has_tip && brush.tip == which)) {
+            brush.tip = which;
+            if (!has_tip) brush.mode = HandBrush::Mode::kPaint;
+        }
+        ImGui::SameLine();
+    };
+    tip("ball", "Ball", HandBrush::Tip::kBall);
+    tip("box", "Box", HandBrush::Tip::kBox);
+    picture_button(rows, one);
     auto centimetres = static_cast<float>(100 * brush.radius_m);
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##radius", &centimetres, 100 * kMinBrush_m, 100 * kMaxBrush_m, "radius %.0f cm",
@@ -119,7 +141,7 @@ void brush_rows(Rows& rows) {
     ImGui::SameLine();
     if (rows.button("erase", ICON_ERASER " Erase", half, brush.mode == HandBrush::Mode::kErase))
         brush.mode = HandBrush::Mode::kErase;
-    if (rows.state.tool == HandTool::kPaint) tip_rows(rows, half);
+    if (rows.state.tool == HandTool::kPaint) tip_rows(rows);
     auto opacity = static_cast<float>(100 * brush.opacity);
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##opacity", &opacity, 100 * kMinBrushOpacity, 100, "opacity %.0f %%"))

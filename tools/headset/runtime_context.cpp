@@ -15,7 +15,21 @@ RuntimeContext::RuntimeContext(Program& program)
               extensions.device.insert(extensions.device.end(), more.device.begin(), more.device.end());
               return extensions;
           }(),
-          runtime.device_maker()) {}
+          runtime.device_maker()),
+      painter(program.interaction.painter) {
+    painter.project_picture = [this](const std::filesystem::path& file, editor::PaintSubject subject,
+                                     editor::Layer before, const editor::PaintOperation& operation,
+                                     editor::PaintArea area) -> std::optional<editor::PaintSession> {
+        if (!renderer) return std::nullopt;
+        subject.field = renderer->find_field(file, subject.clip->field);
+        if (!subject.field) return std::nullopt;
+        editor::PaintSession session(std::move(subject), std::move(before), operation, std::move(area));
+        editor::PaintSurface surface(device);
+        while (session.add_projection(surface)) {
+        }
+        return session;
+    };
+}
 
 namespace {
 

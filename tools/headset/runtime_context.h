@@ -13,6 +13,9 @@ namespace neuvv::headset {
 
 struct RuntimeContext {
     explicit RuntimeContext(Program& program);
+    ~RuntimeContext() { painter.project_picture = {}; }
+    RuntimeContext(const RuntimeContext&) = delete;
+    RuntimeContext& operator=(const RuntimeContext&) = delete;
     // Creates the renderer, where there is none yet, for the first session's images.
     void make_renderer(Program& program, const EyeImages& eyes);
     // Shows the document where it was edited since. An edit that cannot be shown is taken back.
@@ -33,6 +36,7 @@ struct RuntimeContext {
     std::unique_ptr<render::StageLoader> loader;
     std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
     std::shared_ptr<const stage::Stage> drawn_stage;
+    HandPainter& painter;  // projects pictures on this device
 };
 
 }  // namespace neuvv::headset
