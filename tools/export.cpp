@@ -36,6 +36,7 @@ namespace {
 struct ExportOptions {
     std::string scene, performer, output, frames, size = "720x720";
     uint32_t most_splats = 0, views = 8;
+    std::optional<voctree::UpAxis> up;
     bool resume = false, json = false;
 };
 
@@ -207,7 +208,7 @@ Exported Exporter::run() {
 
 void run(const ExportOptions& options, const CommonOptions& common) {
     format_of(options.output);
-    const PublishedScene scene = read_published_scene(options.scene, options.performer);
+    const PublishedScene scene = read_published_scene(options.scene, options.performer, options.up);
     const Exported exported = Exporter(options, scene, common).run();
     if (options.json) {
         nlohmann::ordered_json json = {{"output", options.output},
@@ -248,6 +249,7 @@ void add_export(Command app, CommonOptions& common) {
         .show_default();
     verb.add_option("--size", options->size, "WIDTHxHEIGHT of them; splats look best at about this size")
         .show_default();
+    add_up_option(verb, options->up);
     verb.add_flag("--resume", options->resume, "Keep the numbered files that are there");
     verb.add_flag("--json", options->json, "Print JSON: files, bytes, splats, psnr_db, width, density");
     verb.footer(
