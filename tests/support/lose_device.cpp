@@ -1,6 +1,6 @@
 // A Vulkan layer that loses the device of a program: once the file exists that NEUVV_LOSE_DEVICE names, a submission
 // fails with VK_ERROR_DEVICE_LOST, and so does all that waits, as on a real device, until the program destroys it. The
-// file holds the number of losses that are still to come.
+// file holds the number of losses that are still to come. NEUVV_LOSE_DEVICE_AFTER: so many submissions succeed first.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
@@ -18,6 +18,7 @@ PFN_vkGetDeviceProcAddr next_device_function = nullptr;
 VkInstance instance = VK_NULL_HANDLE;
 VkDevice device = VK_NULL_HANDLE;
 std::atomic<bool> is_lost = false;
+std::atomic<int> submissions = 0;
 
 template <typename Function>
 Function next(const char* name) {
@@ -25,6 +26,8 @@ Function next(const char* name) {
 }
 
 bool shall_be_lost() {
+    const char* after = std::getenv("NEUVV_LOSE_DEVICE_AFTER");
+    if (submissions++ < (after ? std::atoi(after) : 0)) return false;
     const char* path = std::getenv("NEUVV_LOSE_DEVICE");
     if (!path || !std::filesystem::exists(path)) return false;
     int losses = 0;

@@ -2,12 +2,15 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <regex>
+
 #include "base/error.h"
 #include "media/video.h"
 #include "motion/skeleton_file.h"
 #include "motion/triangulate.h"
 #include "stage/stage.h"
 #include "support/edit_image.h"
+#include "support/losable_device.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/metrics.h"
@@ -414,6 +417,17 @@ TEST_F(CliGpu, RenderTakesNoMoreMemoryThanItMay) {
     EXPECT_GE(same, 1u);
     EXPECT_GT(mebibytes, 0u) << "there is a limit below which it cannot be drawn";
     EXPECT_EQ(rendered("NEUVV_DEVICE_MEMORY=much").first.code, 2);
+}
+
+TEST_F(CliGpu, RenderSaysAtWhichImageTheDeviceWasLost) {
+    const test::LosableDevice losable(folder.path);
+    losable.lose();
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("turn_%d.png"), "--frames", "0:3", "--size", "16x16", "--fps", "30"},
+                  "NEUVV_LOSE_DEVICE_AFTER=12");
+    EXPECT_EQ(result.code, 1);
+    const std::regex line("neuvv: image [0-9]+: vkQueueSubmit2 failed for .*: device lost; .*--device\n");
+    EXPECT_TRUE(std::regex_search(result.err, line)) << result.err;
 }
 
 TEST_F(CliGpu, SkeletonViewsAreADataSetOfTheWholeClip) {
