@@ -217,6 +217,31 @@ TEST_F(Watching, AMirrorShowsTheLeftEye) {
     EXPECT_TRUE(shown) << "the window does not show the left eye";
 }
 
+TEST_F(Watching, AMirrorShowsThePanel) {
+    if (const std::string missing = why_no_hands(); !missing.empty()) GTEST_SKIP() << missing;
+    const VirtualScreen screen(folder.path);
+    setenv("DISPLAY", screen.display().c_str(), 1);
+    XrScript script;
+    script.hand(0, "right", kRightHand, {3, 1, 0});
+    script.hand(0, "left", kLeftHand, {-3, 1, -4});
+    script.click(kReady, "left", "y/click");
+    script.save(20);
+    script.end(24);
+    const XrRun plain = run(script, {"--no-mask"});
+    expect_clean(plain);
+    const media::Image seen = plain.image(20, "left_seen");
+    EXPECT_FALSE(is_mirrored(plain.image(20, "left"), image_of_window({}, seen), {})) << "the panel is told apart";
+    script.json["time"] = "real";
+    script.end(90);
+    auto mirrored = std::async(std::launch::async, [&] { return run(script, {"--no-mask", "--mirror"}); });
+    bool shown = false;
+    while (mirrored.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
+        shown = shown || is_mirrored(seen, screen.image(), {});
+    const XrRun run = mirrored.get();
+    expect_clean(run);
+    EXPECT_TRUE(shown) << "the window does not show the panel";
+}
+
 TEST_F(Watching, TheStagePausesWhileNobodyWearsTheHeadset) {
     with_layer = false;  // that of Debian 12 does not know user presence
     const auto playing_at = [&](int frame, const char* extension) {

@@ -63,6 +63,7 @@ class EyeImages {
     double scale() const { return drawn_scale_; }
     // A copy of the left eye's last image (layout TRANSFER_SRC); null where there is none or images are not kept.
     const gpu::DeviceImage* left() const { return has_left_ ? &*left_ : nullptr; }
+    const stage::Camera& left_camera() const { return cameras_[0]; }  // of that image, in the world
 
   private:
     void choose_size(double budget_ms, double last_ms);

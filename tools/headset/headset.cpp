@@ -30,7 +30,9 @@ xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
     SessionContext session(program, context);
     context.make_renderer(program, session.eyes);
     session.actions.update_controllers();
-    if (program.window) session.mirror = std::make_unique<Mirror>(context.device, *program.window, session.eyes.size());
+    if (program.window)
+        session.mirror =
+            std::make_unique<Mirror>(context.device, *program.window, session.eyes.size(), session.panel.image());
     bool exit_requested = false, rate_requested = false;
     for (;;) {
         xr::SessionEvents events;
@@ -48,7 +50,7 @@ xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
             program.jobs.run_posted();
             program.saver->autosave.tick(program.now_s());
             program.notify();
-            if (session.mirror && !session.mirror->show(session.eyes.left())) program.leaving = true;
+            if (session.mirror && !session.mirror->show(session.eyes.left(), {})) program.leaving = true;
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
             continue;
         }

@@ -26,13 +26,17 @@ VkFormat unorm_of(VkFormat srgb) {
 PanelSurface::PanelSurface(const gpu::Device& device, const xr::Session& session)
     : device_(device),
       images_(session, device, "panel", shape()),
-      imgui_image_(
-          device, "panel",
-          {kSize.width, kSize.height, unorm_of(images_.format()),
-           VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}),
+      imgui_image_(device, "panel",
+                   {kSize.width, kSize.height, unorm_of(images_.format()),
+                    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                        VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT}),
       drawing_(device, imgui_image_.shape.format, 2, kScale),
       framebuffer_(ui::make_framebuffer(device, drawing_, imgui_image_.view, kSize)),
-      commands_(device, "panel", 4) {}
+      commands_(device, "panel", 4) {
+    gpu::run_once(device, "panel", [&](gpu::Commands& commands) {
+        gpu::move_layout(commands, imgui_image_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    });
+}
 
 PanelSurface::~PanelSurface() {
     device_.wait_idle_or_lost();
@@ -83,6 +87,8 @@ void PanelSurface::record(VkImage to) {
     vkCmdCopyImage(commands_.handle(), imgui_image_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part);
     gpu::move_layout(commands_, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    gpu::move_layout(commands_, imgui_image_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 }
 
 const XrCompositionLayerBaseHeader* PanelSurface::layer(const xr::Session& session, const xr::Pose& tracking_from_panel,

@@ -22,6 +22,8 @@ class PanelSurface {
     const XrCompositionLayerBaseHeader* layer(const xr::Session& session, const xr::Pose& tracking_from_panel,
                                               glm::dvec2 size_m);
     bool has_image() const { return has_image_; }
+    // The image that was drawn last, with sRGB values in UNORM; layout SHADER_READ_ONLY.
+    const gpu::DeviceImage& image() const { return imgui_image_; }
 
   private:
     void update_input(const PanelPointer& pointer, double dt_s);

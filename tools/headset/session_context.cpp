@@ -201,7 +201,10 @@ void frame(Program& program, RuntimeContext& context, SessionContext& session) {
     }
     session.xr_session.end_frame(time, session.room.blend_mode(), layers);
     program.frames += !layers.empty();
-    if (session.mirror && !session.mirror->show(session.eyes.left())) program.leaving = true;
+    if (!session.mirror) return;
+    std::optional<MirroredPanel> panel;
+    if (program.interaction.panel) panel = {*program.interaction.panel, session.eyes.left_camera()};
+    if (!session.mirror->show(session.eyes.left(), panel)) program.leaving = true;
 }
 
 }  // namespace neuvv::headset
