@@ -133,6 +133,55 @@ TEST_F(InteractionTest, WhatIsLiftedStaysThereAndWhatIsSunkComesUp) {
     EXPECT_NEAR(position("ben").y, -0.1, 1e-9) << "where it is asked not to";
 }
 
+TEST_F(InteractionTest, WhatIsHeldTurnsAndMovesInSteps) {
+    interaction.grab.settings.steps_heading = interaction.grab.settings.steps_place = true;
+    point(xr::kRight, kRightHand, kBen);
+    inputs[xr::kRight].grab = 1;
+    frame();
+    const xr::Pose start = *inputs[xr::kRight].aim;
+    for (int i = 1; i <= 20; i++) {
+        inputs[xr::kRight].aim = xr::Pose{start.position + 0.03 * i * glm::dvec3(1, 0, -0.5),
+                                          xr::turn_by(glm::radians(2.0 * i)) * start.rotation};
+        frame();
+        const glm::dmat4 seen = state.evaluated.pose.world_from_node[node("ben")];
+        const double heading = std::atan2(seen[2].x, seen[2].z);
+        EXPECT_NEAR(std::remainder(heading, headset::kHeadingStep_rad), 0, 1e-9) << "while it is held";
+        EXPECT_NEAR(std::remainder(seen[3].x, headset::kPlaceStep_m), 0, 1e-9);
+        EXPECT_NEAR(std::remainder(seen[3].z, headset::kPlaceStep_m), 0, 1e-9);
+    }
+    const glm::dmat4 held = state.evaluated.pose.world_from_node[node("ben")];
+    EXPECT_NEAR(std::atan2(held[2].x, held[2].z), glm::radians(45.0), 1e-9) << "40° are nearest to 45°";
+    release_grab();
+    const glm::dmat4 now = state.evaluated.pose.world_from_node[node("ben")];
+    EXPECT_LT(glm::distance(glm::dvec2(now[3].x, now[3].z), glm::dvec2(held[3].x, held[3].z)), 1e-9);
+    EXPECT_LT(glm::distance(now[2], held[2]), 1e-9) << "and when it is let go";
+}
+
+TEST_F(InteractionTest, LeftHandedUsersHaveTheRolesOfTheOtherHand) {
+    inputs[xr::kRight].stick = {1, 0};
+    frame();
+    EXPECT_LT(state.rig.yaw_rad, 0) << "the right stick turns the user";
+    inputs[xr::kRight].stick = {0, 0};
+    state.rig = {};
+    frame();
+    state.left_handed = true;
+    inputs[xr::kRight].stick = {1, 0};
+    frame();
+    EXPECT_EQ(state.rig.yaw_rad, 0);
+    inputs[xr::kLeft].stick = {1, 0};
+    frame();
+    EXPECT_LT(state.rig.yaw_rad, 0) << "now the left one does";
+    EXPECT_LT(glm::distance(interaction.hands[xr::kRight].aim->position, kLeftHand), 0.5) << "it paints, too";
+    inputs[xr::kLeft].stick = inputs[xr::kRight].stick = {0, 0};
+    state.rig = {};
+    point(xr::kLeft, kLeftHand, kAnna);
+    inputs[xr::kLeft].select = 1;
+    frame();
+    EXPECT_EQ(state.editor.selected(), node("anna")) << "rays belong to hands";
+    EXPECT_GT(interaction.hands[xr::kRight].vibration, 0);
+    EXPECT_EQ(state.hand_of(xr::kRight), xr::kLeft);
+}
+
 TEST_F(InteractionTest, AHandThatIsNotSeenHoldsWhereItWasLast) {
     const glm::dvec3 before = position("ben");
     grab_and_move(kBen);

@@ -36,7 +36,9 @@ TEST_F(HeadsetSettingsTest, WhatWasChosenComesBack) {
     state.brush.colour = {0.1f, 0.5f, 1};
     state.brush.by_ray = true;
     state.panel_on_wrist = true;
+    state.left_handed = true;
     grab.upright = false;
+    grab.steps_heading = true;
     settings.save(state, grab);
 
     headset::HeadsetState later;
@@ -54,6 +56,9 @@ TEST_F(HeadsetSettingsTest, WhatWasChosenComesBack) {
     EXPECT_TRUE(later.panel_on_wrist);
     EXPECT_FALSE(later_grab.upright);
     EXPECT_TRUE(later_grab.snaps_to_floor);
+    EXPECT_TRUE(later.left_handed);
+    EXPECT_TRUE(later_grab.steps_heading);
+    EXPECT_FALSE(later_grab.steps_place);
 }
 
 TEST_F(HeadsetSettingsTest, WhereNothingWasChosenNothingIsWritten) {

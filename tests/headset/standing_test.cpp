@@ -71,12 +71,14 @@ TEST_F(StandingTest, WhatHandsHoldIsLetGoAndThePanelComesAlong) {
     inputs[xr::kRight].grab = 1;
     frames(2);
     ASSERT_TRUE(interaction.grab.is_active());
-    const glm::dvec3 panel = interaction.panel->world_from_panel.position;
     state.rig.position = {0, 0, 5};
     interaction.user_was_moved(state);
     EXPECT_FALSE(interaction.grab.is_active());
     frame();
-    EXPECT_LT(glm::distance(interaction.panel->world_from_panel.position, panel + glm::dvec3(0, 0, 5)), 1e-9);
+    const xr::Pose is = xr::world_from_tracking(state.rig) * head;
+    const glm::dvec3 to_panel = interaction.panel->world_from_panel.position - is.position;
+    EXPECT_LT(glm::length(to_panel), 1);
+    EXPECT_GT(glm::dot(glm::normalize(to_panel), xr::forward_of(is)), std::cos(glm::radians(15.01)));
 }
 
 }  // namespace

@@ -30,20 +30,25 @@ struct Editing : XrSession {
         static const json items = panel_after(with_panel(), 18);
         return items;
     }
+    // The panel's items on another page, which a script shows by pressing its item from frame 16 on.
+    json page(const std::string& name) {
+        XrScript script = with_panel();
+        press(script, 16, arrange_panel(), name);
+        return panel_after(script, 16 + kPress + 2);
+    }
     // The end of a script: saves by the panel, which is visible.
     static void save(XrScript& script, int frame, const json& items) {
         press(script, frame, items, "save");
         script.end(frame + kPress + 6);
     }
-    // The same, where the panel is hidden.
-    static void show_and_save(XrScript& script, int frame, const json& items) {
+    // The same, where the panel is hidden: it opens beside who is selected, wherever that is now.
+    void show_and_save(XrScript& script, int frame) {
         script.click(frame, "left", "y/click");
-        save(script, frame + 3, items);
+        save(script, frame + 3, panel_after(script, frame + 6));
     }
 };
 
 TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
-    const json& items = arrange_panel();
     XrScript script = selecting();
     const glm::dvec3 moved(0.4, 0.3, 0.2);
     script.input(12, "right", "squeeze/value", 1);
@@ -51,7 +56,7 @@ TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
     script.move_to(20, "right", kRightHand + moved, kAnna + moved);
     script.save(22);
     script.input(24, "right", "squeeze/value", 0);
-    show_and_save(script, 26, items);
+    show_and_save(script, 26);
     const XrRun run = this->run(script);
     expect_clean(run);
     const glm::dvec3 was(-0.8, 0, -2.8);
@@ -62,20 +67,18 @@ TEST_F(Editing, AGripMovesAPerformerAndLettingGoIsOneStep) {
 }
 
 TEST_F(Editing, LettingGoNearTheFloorStandsOnIt) {
-    const json& items = arrange_panel();
     XrScript script = selecting();
     const glm::dvec3 moved(0.4, 0.1, 0);
     script.input(12, "right", "squeeze/value", 1);
     script.hand(14, "right", kRightHand, kAnna);
     script.move_to(20, "right", kRightHand + moved, kAnna + moved);
     script.input(24, "right", "squeeze/value", 0);
-    show_and_save(script, 26, items);
+    show_and_save(script, 26);
     expect_clean(run(script));
     EXPECT_LT(glm::distance(position(node(saved(), "anna")), glm::dvec3(-0.4, 0, -2.8)), 1e-3);
 }
 
 TEST_F(Editing, TwoHandsScale) {
-    const json& items = arrange_panel();
     XrScript script = selecting();
     // Points of the shoulders, which are alike on both sides of the head.
     const glm::dvec3 right(0.22, 0.3, -1.9), left(-0.38, 0.3, -1.9), up(0, 0.7, 1.5), apart(0.15, 0, 0);
@@ -90,7 +93,7 @@ TEST_F(Editing, TwoHandsScale) {
     script.save(22);
     script.input(24, "right", "squeeze/value", 0);
     script.input(24, "left", "squeeze/value", 0);
-    show_and_save(script, 26, items);
+    show_and_save(script, 26);
     const XrRun run = this->run(script);
     expect_clean(run);
     const json document = saved();
@@ -101,12 +104,11 @@ TEST_F(Editing, TwoHandsScale) {
 }
 
 TEST_F(Editing, ACopyStandsBesideAndIsTakenBack) {
-    const json& items = arrange_panel();
     const size_t before = saved()["nodes"].size();
     XrScript script = selecting();
     script.click(12, "right", "b/click");
     script.save(16);
-    show_and_save(script, 18, items);
+    show_and_save(script, 18);
     const XrRun run = this->run(script);
     expect_clean(run);
     EXPECT_EQ(check_golden("xr_copy", run.image(16, "left")), "");
@@ -123,17 +125,13 @@ TEST_F(Editing, ACopyStandsBesideAndIsTakenBack) {
 
 TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
     const json& items = arrange_panel();
+    const json stage_page = page("stage page");
     XrScript script = with_panel();
     int frame = 16;
-    for (const char* item : {"shadows", "falloff", "time page"}) {
-        press(script, frame, items, item);
-        frame += kPress;
-    }
+    press(script, std::exchange(frame, frame + kPress), items, "time page");
     const json time = panel_after(script, frame + 4);
-    for (const char* item : {"slower", "performer loop"}) {
-        press(script, frame, time, item);
-        frame += kPress;
-    }
+    for (const char* item : {"slower", "performer loop"})
+        press(script, std::exchange(frame, frame + kPress), time, item);
     const glm::dvec3 spin = item_position(time["spin"]);
     script.hand(frame, "right", kRightHand, spin);
     script.input(frame + 2, "right", "trigger/value", 1);
@@ -141,6 +139,9 @@ TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
     script.move_to(frame + 8, "right", kRightHand, spin + glm::dvec3(0.1, 0, 0));
     script.input(frame + 10, "right", "trigger/value", 0);
     frame += 12;
+    for (const char* item : {"stage page"}) press(script, std::exchange(frame, frame + kPress), items, item);
+    for (const char* item : {"shadows", "falloff"})
+        press(script, std::exchange(frame, frame + kPress), stage_page, item);
     script.save(frame);
     save(script, frame + 1, items);
     const XrRun run = this->run(script);
@@ -270,10 +271,11 @@ TEST_F(Editing, UndoWhileAHandHoldsTakesTheMoveBack) {
 }
 
 TEST_F(Editing, ComfortIsRememberedFromRunToRun) {
-    const json& items = arrange_panel();
+    const json user_page = page("user page");
     XrScript script = with_panel();
-    press(script, 18, items, "smooth turn");
-    script.end(30);
+    press(script, 16, arrange_panel(), "user page");
+    press(script, 16 + kPress, user_page, "smooth turn");
+    script.end(36);
     expect_clean(run(script));
     XrScript later;
     later.stick(12, "right", {0.5, 0});  // too little for a snap turn
@@ -340,7 +342,7 @@ TEST_F(Editing, ControllersWithoutAGripHoldByALongTrigger) {
 TEST_F(Editing, AGripMovesThePanel) {
     const json items = panel_after(with_panel(), 14);
     XrScript script = with_panel();
-    const glm::dvec3 on_panel = item_position(items["play"]), aside(0.4, 0.1, 0);
+    const glm::dvec3 on_panel = item_position(items["play"]), aside(-0.3, 0.1, 0);
     script.hand(14, "right", kRightHand, on_panel);
     script.input(16, "right", "squeeze/value", 1);
     script.hand(18, "right", kRightHand, on_panel);

@@ -80,8 +80,10 @@ TEST_F(Recentring, ThePanelBringsTheUserBackToTheStart) {
     const json items = panel_after(script, 24);
     script.end(24);
     const XrRun away = run(script);
-    press(script, 22, items, "to start");
-    script.end(22 + kPress + 4);
+    press(script, 22, items, "user page");
+    const json user_page = panel_after(script, 22 + kPress + 2);
+    press(script, 22 + kPress, user_page, "to start");
+    script.end(22 + 2 * kPress + 4);
     const XrRun back = run(script);
     expect_clean(back);
     EXPECT_GT(glm::distance(head_of(began), head_of(away)), 0.5);

@@ -121,17 +121,18 @@ TEST_F(Watching, WalkingSmoothlyDarkensTheEdges) {
     to_panel.hand(0, "left", kLeftHand, {-3, 1, -4});
     to_panel.hand(0, "right", kRightHand, kAnna);
     to_panel.click(kReady, "left", "y/click");
-    const json items = panel_after(to_panel, 14);
+    press(to_panel, 10, panel_after(to_panel, 14), "user page");
+    const json items = panel_after(to_panel, 20);
     XrScript script = to_panel;
-    press(script, 10, items, "smooth walk");
-    script.click(20, "left", "y/click");
-    script.stick(24, "left", {1, 0});
-    script.save(40);
-    script.end(44);
+    press(script, 18, items, "smooth walk");
+    script.click(28, "left", "y/click");
+    script.stick(32, "left", {1, 0});
+    script.save(48);
+    script.end(52);
     const XrRun run = this->run(script, {"--no-mask"});
     expect_clean(run);
     EXPECT_NEAR(run.seen["stands"][0].get<double>(), 1.6 * 20 / 90, 0.05) << "to the right at 1.6 m/s";
-    EXPECT_EQ(check_golden("xr_vignette", run.image(40, "left")), "");
+    EXPECT_EQ(check_golden("xr_vignette", run.image(48, "left")), "");
 }
 
 TEST_F(Watching, ItPlaysByTheDisplaysTime) {

@@ -45,6 +45,8 @@ struct Hand {
     void vibrate(double strength) { vibration = std::max(vibration, strength); }
 };
 
+// By role: xr::kRight is the hand that paints, turns the user and changes the speed. Of left-handed users it is the
+// left one (HeadsetState::hand_of).
 using Hands = std::array<Hand, xr::kHands>;
 
 // Whether a hand begins to hold what its ray hits. Without a grab button, a long press of select on such a target does.

@@ -3,20 +3,32 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "edit/operations.h"
 #include "editor/stage_state.h"
+#include "xr/hands.h"
 #include "xr/locomotion.h"
 
 namespace neuvv::headset {
-
-// What the panel shows while the tool is kArrange.
-enum class PanelPage { kPerformer, kTime, kCopies };
 
 enum class HandTool { kArrange, kPaint, kRegion, kLights, kTrain };
 inline bool paints(HandTool tool) {
     return tool == HandTool::kPaint || tool == HandTool::kRegion;
 }
+
+// What the panel shows while the tool is kArrange.
+enum class PanelPage { kPerformer, kTime, kCopies, kStage, kUser };
+
+// What stands on the panel in place of the tool's rows.
+enum class PanelDialogue { kNone, kKeyboard, kClips };
+
+// A performer that is being added: its feet are not known before its clip is on the stage.
+struct NewPerformer {
+    std::filesystem::path clip;
+    glm::dmat4 world_from_node{1};
+};
 
 struct Comfort {
     bool smooth_walk = false;  // else the user teleports
@@ -46,12 +58,19 @@ struct HeadsetState : editor::StageState {
     HandTool tool = HandTool::kArrange;
     PanelPage page = PanelPage::kPerformer;
     edit::CopySettings copies{.count = 3};  // that the panel would make of the selected performer
+    PanelDialogue dialogue = PanelDialogue::kNone;
+    std::string typed;                         // on the keyboard
+    std::vector<std::filesystem::path> clips;  // that PanelDialogue::kClips offers
+    std::optional<NewPerformer> new_performer;
     Comfort comfort;
     HandBrush brush;
     std::optional<bool> wants_room;  // to see the user's own room; nothing: as the headset's runtime prefers
     std::filesystem::path picture;   // that the brush projects; empty: none has been chosen
     bool picks_colour = false;       // the next press of the painting hand gives the brush the colour under its ray
     bool panel_visible = false, panel_on_wrist = false;
+    bool left_handed = false;  // the hands have each other's roles
+    // The hand that has the role of this hand, and the other way round.
+    int hand_of(int role) const { return left_handed ? xr::kHands - 1 - role : role; }
 };
 
 }  // namespace neuvv::headset

@@ -4,24 +4,30 @@
 #include <cmath>
 
 #include "tools/headset/arrange.h"
+#include "tools/headset/performer_edits.h"
 #include "xr/ray_hit.h"
 
 namespace neuvv::headset {
 
 namespace {
 
-constexpr double kPanelAway_m = 0.75, kPanelBelow_m = 0.18, kPanelBeside_rad = 0.38, kPanelPress_s = 0.8;
+constexpr double kPanelPress_s = 0.8;
 constexpr double kSpeeds[] = {-2, -1, -0.5, -0.25, 0.25, 0.5, 1, 2, 4};
 
-// Upright, turned to the head, and to the left of where the head looks, before the ray of the right hand.
-xr::Pose panel_before(const xr::Pose& world_head) {
-    const glm::dquat turned = xr::turn_by(xr::yaw_of(world_head.rotation) + kPanelBeside_rad);
-    return {world_head.position + turned * glm::dvec3(0, -kPanelBelow_m, -kPanelAway_m), turned};
+// What the panel is about: the selected performer, where there is one.
+std::optional<PlacedBox> box_of_selected(const HeadsetState& state) {
+    const auto selected = state.selected_performer();
+    for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
+        if (selected != performer.performer || !performer.visible) continue;
+        const auto [low, high] = editor::box_of(state, performer.performer);
+        return PlacedBox{performer.world_from_performer, low, high};
+    }
+    return std::nullopt;
 }
 
 // Above the wrist, tilted towards a user who looks down at it.
 xr::Pose panel_on(const xr::Pose& world_grip) {
-    const xr::Pose above{{0, 0.16, 0.02}, glm::angleAxis(glm::radians(-50.0), glm::dvec3(1, 0, 0))};
+    const xr::Pose above{{0, 0.19, 0.02}, glm::angleAxis(glm::radians(-50.0), glm::dvec3(1, 0, 0))};
     return world_grip * above;
 }
 
@@ -33,6 +39,7 @@ void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, cons
     update_hands(state, inputs, dt_s);
     update_panel(state, head);
     move_panel(state);
+    land_new_performer(state);
     point(hands, state, panel, find_surfaces);
     track_presses();
     handle_buttons(state);
@@ -53,7 +60,7 @@ void Interaction::update_hands(const HeadsetState& state, const xr::HandInputs& 
     const xr::Pose world = xr::world_from_tracking(state.rig);
     for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
-        hand.input = inputs[which];
+        hand.input = inputs[state.hand_of(which)];
         hand.vibration = 0;
         hand.aim.reset();
         hand.grip.reset();
@@ -87,8 +94,7 @@ void Interaction::update_panel(HeadsetState& state, const xr::Pose& head) {
         if (!wrist && !panel_was_visible_) return panel.reset();
         if (wrist) panel->world_from_panel = panel_on(*wrist);
     } else if (!panel_was_visible_ || panel_was_on_wrist_) {
-        panel->size_m = kPanel_m;
-        panel->world_from_panel = panel_before(xr::world_from_tracking(state.rig) * head);
+        panel = panel_in_view(xr::world_from_tracking(state.rig) * head, box_of_selected(state), state.left_handed);
     }
     panel_was_visible_ = true;
     panel_was_on_wrist_ = state.panel_on_wrist;

@@ -7,6 +7,7 @@
 #include "edit/operations.h"
 #include "tools/headset/arrange.h"
 #include "tools/headset/panel_rows.h"
+#include "tools/headset/performer_edits.h"
 #include "tools/headset/pictures.h"
 #include "tools/headset/training.h"
 #include "tools/ui/icons.h"
@@ -14,6 +15,9 @@
 namespace neuvv::headset {
 
 namespace {
+
+// Heights of the panel's parts, in frame heights: they stay where they are, whatever is selected.
+constexpr float kFileRow = 1.3f, kNoticeLines = 2.2f;
 
 void time_rows(Rows& rows) {
     editor::StageClock& clock = rows.state.clock;
@@ -50,7 +54,9 @@ void time_rows(Rows& rows) {
 void tool_row(Rows& rows) {
     const float one = column_width(5);
     const auto tool = [&](const char* name, const char* label, HandTool which) {
-        if (rows.button(name, label, one, rows.state.tool == which)) rows.state.tool = which;
+        if (!rows.button(name, label, one, rows.state.tool == which)) return;
+        rows.state.tool = which;
+        rows.state.dialogue = PanelDialogue::kNone;
     };
     tool("arrange", ICON_MOVE " Arrange", HandTool::kArrange);
     ImGui::SameLine();
@@ -64,7 +70,7 @@ void tool_row(Rows& rows) {
 }
 
 void page_row(Rows& rows) {
-    const float one = column_width(3);
+    const float one = column_width(5);
     const auto page = [&](const char* name, const char* label, PanelPage which) {
         if (rows.button(name, label, one, rows.state.page == which)) rows.state.page = which;
     };
@@ -73,25 +79,67 @@ void page_row(Rows& rows) {
     page("time page", "Time", PanelPage::kTime);
     ImGui::SameLine();
     page("copies page", "Copies", PanelPage::kCopies);
+    ImGui::SameLine();
+    page("stage page", "Stage", PanelPage::kStage);
+    ImGui::SameLine();
+    page("user page", "You", PanelPage::kUser);
 }
 
-void arrange_rows(Rows& rows) {
+// The time in the performer's clip that is shown now, in seconds.
+double clip_seconds(const HeadsetState& state, const stage::StagePerformer& performer) {
+    for (const stage::EvaluatedPerformer& at : state.evaluated.performers)
+        if (&state.stage->performers[at.performer] == &performer)
+            return at.frame / state.stage->clips[performer.clip].fps;
+    return 0;
+}
+
+void performer_title(const HeadsetState& state, const stage::StagePerformer* performer) {
+    if (!performer) return ImGui::TextDisabled("Point at a performer and pull the trigger.");
+    ImGui::Text("%s", performer->name.c_str());
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", fmt::format("shows {:.2f} s of its clip", clip_seconds(state, *performer)).c_str());
+}
+
+void name_row(Rows& rows) {
+    HeadsetState& state = rows.state;
+    const float one = column_width(3);
+    if (rows.button("life size", ICON_SCALE " Life size", one)) give_life_size(state);
+    ImGui::SameLine();
+    if (rows.button("hide", ICON_EYE_OFF " Hide", one)) hide_selected(state);
+    ImGui::SameLine();
+    if (rows.button("rename", "Rename", one)) {
+        state.typed = edit::name_of(state.editor.file(), *state.editor.selected());
+        state.dialogue = PanelDialogue::kKeyboard;
+    }
+}
+
+void grab_rows(Rows& rows) {
+    PerformerGrabSettings& grab = rows.interaction.grab.settings;
+    const float half = ImGui::GetCursorPosX() + column_width(2) + ImGui::GetStyle().ItemSpacing.x;
+    rows.checkbox("upright", "Upright", &grab.upright);
+    ImGui::SameLine(half);
+    rows.checkbox("snaps", "Snap to the floor", &grab.snaps_to_floor);
+    rows.checkbox("steps heading", "Turn by 15°", &grab.steps_heading);
+    ImGui::SameLine(half);
+    rows.checkbox("steps place", "Move by 0.25 m", &grab.steps_place);
+}
+
+// The rows are the same with and without a selected performer, so that none moves under a hand that selects one.
+void performer_rows(Rows& rows) {
     HeadsetState& state = rows.state;
     const stage::StagePerformer* performer = selected_performer(state);
-    if (!performer) {
-        ImGui::TextWrapped("Point at a performer and pull the trigger to select it; the grip holds it.");
-    } else {
-        ImGui::Text("%s", performer->name.c_str());
-        const float one = column_width(3);
-        if (rows.button("copy", ICON_COPY " Copy", one)) duplicate_selected(state);
-        ImGui::SameLine();
-        if (rows.button("delete", ICON_TRASH " Delete", one)) delete_selected(state);
-        ImGui::SameLine();
-        if (rows.button("floor", ICON_MAGNET " Floor", one)) put_selected_on_floor(state);
-    }
-    rows.checkbox("upright", "Upright", &rows.interaction.grab.settings.upright);
+    performer_title(state, performer);
+    ImGui::BeginDisabled(!performer);
+    const float one = column_width(3);
+    if (rows.button("copy", ICON_COPY " Copy", one)) duplicate_selected(state);
     ImGui::SameLine();
-    rows.checkbox("snaps", "Snap to the floor", &rows.interaction.grab.settings.snaps_to_floor);
+    if (rows.button("delete", ICON_TRASH " Delete", one)) delete_selected(state);
+    ImGui::SameLine();
+    if (rows.button("floor", ICON_MAGNET " Floor", one)) put_selected_on_floor(state);
+    name_row(rows);
+    ImGui::EndDisabled();
+    ImGui::Separator();
+    grab_rows(rows);
 }
 
 // A press on the picture's button takes the next one of the stage's folder.
@@ -166,34 +214,14 @@ void region_rows(Rows& rows) {
     ImGui::EndDisabled();
 }
 
-void set(HeadsetState& state, const edit::StageEdit& edit) {
-    state.editor.edit([&](edit::Document& document) { return edit::set_stage(document.file, edit); });
-}
-
-void light_row(Rows& rows) {
-    bool shadows = rows.state.stage->settings.shadows, falloff = rows.state.stage->settings.falloff;
-    if (rows.checkbox("shadows", "Shadows", &shadows)) set(rows.state, edit::StageEdit{.shadows = shadows});
-    ImGui::SameLine();
-    if (rows.checkbox("falloff", "Lights on performers", &falloff))
-        set(rows.state, edit::StageEdit{.falloff = falloff});
-}
-
-// On the line of light_row, which leaves room for it.
-void start_button(Rows& rows) {
-    const float width = column_width(3);
-    ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
-    rows.result.to_start = rows.button("to start", "Back to the start", width);
-}
-
-void comfort_rows(Rows& rows) {
+void user_rows(Rows& rows) {
     Comfort& comfort = rows.state.comfort;
+    rows.result.to_start = rows.button("to start", "Back to the start", column_width(2));
     rows.checkbox("smooth walk", "Walk smoothly", &comfort.smooth_walk);
-    ImGui::SameLine();
     rows.checkbox("smooth turn", "Turn smoothly", &comfort.smooth_turn);
-    ImGui::SameLine();
-    rows.checkbox("vignette", "Dark edges", &comfort.vignette);
-    ImGui::SameLine();
-    rows.checkbox("wrist", "Panel on the left wrist", &rows.state.panel_on_wrist);
+    rows.checkbox("vignette", "Dark edges while moving", &comfort.vignette);
+    rows.checkbox("wrist", "Panel on the wrist", &rows.state.panel_on_wrist);
+    rows.checkbox("left-handed", "Left-handed", &rows.state.left_handed);
     bool room = rows.state.wants_room.value_or(false);
     if (rows.checkbox("room", "Show your own room", &room)) rows.state.wants_room = room;
 }
@@ -216,13 +244,14 @@ void file_row(Rows& rows) {
     rows.result.leave = rows.button("leave", "Leave", one);
 }
 
+// One line for what is going on, and one for what is pointed at or happened last.
 void notice_rows(const Rows& rows) {
     const PanelStatus& status = rows.status;
-    if (const auto performer = pointed_performer(rows.interaction.hands))
-        ImGui::Text(ICON_PERSON " %s", rows.state.stage->performers[*performer].name.c_str());
     if (const std::string& waits = rows.interaction.painter.status(); !waits.empty())
         ImGui::TextDisabled("%s", waits.c_str());
     if (status.notices.empty()) {
+        if (const auto performer = pointed_performer(rows.interaction.hands))
+            ImGui::Text(ICON_PERSON " %s", rows.state.stage->performers[*performer].name.c_str());
         ImGui::TextDisabled("%s", fmt::format("{:.0f} images a second, {:.0f} % of the rays", status.images_per_second,
                                               100 * status.scale * status.scale)
                                       .c_str());
@@ -234,6 +263,38 @@ void notice_rows(const Rows& rows) {
     if (last.error) ImGui::PopStyleColor();
 }
 
+void arrange_rows(Rows& rows) {
+    switch (rows.state.page) {
+        case PanelPage::kPerformer:
+            return performer_rows(rows);
+        case PanelPage::kTime:
+            return performer_time_rows(rows);
+        case PanelPage::kCopies:
+            return copies_rows(rows);
+        case PanelPage::kStage:
+            return stage_rows(rows);
+        case PanelPage::kUser:
+            return user_rows(rows);
+    }
+}
+
+// The rows of the tool. Where they do not fit, they scroll.
+void tool_rows(Rows& rows, bool busy) {
+    if (rows.state.dialogue != PanelDialogue::kNone) {
+        ImGui::BeginDisabled(busy);
+        rows.state.dialogue == PanelDialogue::kClips ? clip_rows(rows, rows.status.head) : keyboard_rows(rows);
+        return ImGui::EndDisabled();
+    }
+    if (rows.state.tool == HandTool::kPaint) return brush_rows(rows);
+    if (rows.state.tool == HandTool::kTrain) return training_rows(rows);
+    if (rows.state.tool == HandTool::kArrange) page_row(rows);
+    ImGui::BeginDisabled(busy && !(rows.state.tool == HandTool::kArrange && rows.state.page == PanelPage::kUser));
+    if (rows.state.tool == HandTool::kRegion) region_rows(rows);
+    if (rows.state.tool == HandTool::kLights) lights_rows(rows);
+    if (rows.state.tool == HandTool::kArrange) arrange_rows(rows);
+    ImGui::EndDisabled();
+}
+
 }  // namespace
 
 PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& training, const PanelStatus& status) {
@@ -243,35 +304,18 @@ PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& 
     ImGui::SetNextWindowBgAlpha(1);
     ImGui::Begin("panel", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+    if (state.dialogue == PanelDialogue::kKeyboard && !state.selected_performer())
+        state.dialogue = PanelDialogue::kNone;  // who was to be renamed is no longer selected
     time_rows(rows);
     ImGui::Separator();
     tool_row(rows);
     // The panel edits nothing while a hand grabs a performer or a stroke is unfinished: the numbers of nodes must not
     // change under them.
     const bool busy = interaction.is_holding() || interaction.painter.is_busy();
-    if (state.tool == HandTool::kPaint) brush_rows(rows);
-    ImGui::BeginDisabled(busy);
-    if (state.tool == HandTool::kRegion) region_rows(rows);
-    const bool arranges = state.tool == HandTool::kArrange;
-    const PanelPage page = state.page;
-    if (state.tool == HandTool::kLights) lights_rows(rows);
-    if (arranges) page_row(rows);
-    if (arranges && page == PanelPage::kTime) performer_time_rows(rows);
-    if (arranges && page == PanelPage::kCopies) copies_rows(rows);
-    if (arranges && page == PanelPage::kPerformer) {
-        arrange_rows(rows);
-        ImGui::Separator();
-        light_row(rows);
-    }
-    ImGui::EndDisabled();
-    if (arranges && page == PanelPage::kPerformer) {
-        start_button(rows);
-        comfort_rows(rows);
-    }
-    if (state.tool == HandTool::kTrain) training_rows(rows);
-    // This row is always in the same place, with two lines for notices below.
-    const float line = ImGui::GetTextLineHeightWithSpacing(), row = 1.2f * ImGui::GetFrameHeightWithSpacing();
-    ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), ImGui::GetWindowHeight() - row - 2.6f * line));
+    const float below =
+        kFileRow * ImGui::GetFrameHeightWithSpacing() + kNoticeLines * ImGui::GetTextLineHeightWithSpacing();
+    if (ImGui::BeginChild("tool", {0, -below})) tool_rows(rows, busy);
+    ImGui::EndChild();
     ImGui::Separator();
     ImGui::BeginDisabled(busy);
     file_row(rows);

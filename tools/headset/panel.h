@@ -13,7 +13,7 @@ class Training;
 
 // What the user pressed that the panel does not do itself, and where its items are.
 struct PanelResult {
-    bool save = false, leave = false, to_start = false;
+    bool save = false, save_as = false, leave = false, to_start = false;
     std::map<std::string, glm::dvec2> items;  // by name: the middle of each item, 0..1 from the upper left
 };
 
@@ -22,6 +22,7 @@ struct PanelStatus {
     std::vector<editor::Notice> notices;  // the latest last
     double images_per_second = 0, scale = 1;
     bool saving = false;
+    xr::Pose head;  // tracking space
 };
 
 // To be called between ImGui::NewFrame() and Render(). The panel fills the whole display of ImGui.

@@ -37,6 +37,12 @@ struct Rows {
 // The width of each of so many columns, which fill the rest of the row.
 float column_width(int columns);
 
+// The page of the stage; and, in place of the tool's rows, the clips that may be added before the user's head
+// (tracking space), and the keyboard that renames the selected performer.
+void stage_rows(Rows& rows);
+void clip_rows(Rows& rows, const xr::Pose& head);
+void keyboard_rows(Rows& rows);
+
 // The page of training with a performer.
 void training_rows(Rows& rows);
 // The pages about the time and the copies of the selected performer.

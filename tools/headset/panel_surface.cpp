@@ -8,7 +8,7 @@ namespace neuvv::headset {
 
 namespace {
 
-constexpr VkExtent2D kSize{960, 720};
+constexpr VkExtent2D kSize{768, 1024};
 constexpr float kScale = 1.75f;
 
 xr::SwapchainShape shape() {

@@ -1,5 +1,8 @@
 #include "tools/headset/performer_grab.h"
 
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
 #include "edit/operations.h"
 #include "tools/headset/arrange.h"
 
@@ -45,7 +48,25 @@ void PerformerGrab::update(HeadsetState& state, Hands& hands, double dt_s) {
         if (const double by_m = pushed_m(hands[which], dt_s); by_m != 0) grab_->push(which, by_m);
     }
     if (node_ < state.evaluated.pose.world_from_node.size())
-        editor::move_node(state.evaluated, *state.stage, node_, grab_->world_from_node());
+        editor::move_node(state.evaluated, *state.stage, node_, moved());
+}
+
+// Where the hands have moved the node, in steps where the user wants these. The heading is that of the node's +Z, its
+// front. It turns about the grabbed point, so that this stays in the hand.
+glm::dmat4 PerformerGrab::moved() const {
+    glm::dmat4 world_from_node = grab_->world_from_node();
+    if (settings.steps_heading) {
+        const glm::dvec3 front = glm::dvec3(world_from_node[2]);
+        const double heading = std::atan2(front.x, front.z), step = kHeadingStep_rad;
+        const glm::dvec3 held = world_from_node * glm::inverse(start_transform_) * glm::dvec4(start_point_, 1);
+        const glm::dmat4 turn = glm::mat4_cast(xr::turn_by(std::round(heading / step) * step - heading));
+        world_from_node =
+            glm::translate(glm::dmat4(1), held) * turn * glm::translate(glm::dmat4(1), -held) * world_from_node;
+    }
+    if (settings.steps_place)
+        for (const int axis : {0, 2})
+            world_from_node[3][axis] = std::round(world_from_node[3][axis] / kPlaceStep_m) * kPlaceStep_m;
+    return world_from_node;
 }
 
 // Scaling happens about the grabbed point, not about the performer's feet. So the height of the grabbed point says
@@ -67,7 +88,7 @@ glm::dmat4 PerformerGrab::snapped(const HeadsetState& state, const glm::dmat4& w
 
 void PerformerGrab::release(HeadsetState& state) {
     if (!grab_) return;
-    glm::dmat4 world_from_node = grab_->world_from_node();
+    glm::dmat4 world_from_node = moved();
     grab_.reset();
     if (node_ >= state.stage->scene.nodes.size()) return;
     world_from_node = snapped(state, world_from_node);

@@ -16,7 +16,11 @@ struct PerformerGrabSettings {
     // kSunkDistance_m below it, is put on the floor. So is one that stood on the floor before, where the hands scaled
     // it but lifted it by less than kSnapDistance_m. Its feet are the bottom of what is solid of it at this time.
     bool snaps_to_floor = true;
+    // While a performer is grabbed, its heading is a multiple of kHeadingStep_rad, and its position on the floor, which
+    // is that of its node, a multiple of kPlaceStep_m along the world's X and Z.
+    bool steps_heading = false, steps_place = false;
 };
+constexpr double kHeadingStep_rad = glm::radians(15.0), kPlaceStep_m = 0.25;
 constexpr double kSnapDistance_m = 0.15, kSunkDistance_m = 0.6;
 
 class PerformerGrab {
@@ -36,6 +40,7 @@ class PerformerGrab {
 
   private:
     void start(HeadsetState& state, Hand& hand, int which);
+    glm::dmat4 moved() const;
     glm::dmat4 snapped(const HeadsetState& state, const glm::dmat4& world_from_node) const;
     std::optional<xr::Grab> grab_;
     uint32_t node_ = 0;

@@ -7,6 +7,7 @@
 
 #include "tools/headset/hand_shapes.h"
 #include "tools/headset/panel.h"
+#include "tools/headset/performer_edits.h"
 #include "tools/headset/sound.h"
 
 namespace neuvv::headset {
@@ -83,9 +84,9 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
         program.training.update(state, locate_body(program, session, inputs, head, time),
                                 xr::world_from_tracking(state.rig) * program.head->position);
     }
-    for (const int hand : {xr::kLeft, xr::kRight})
-        if (const double pulse = program.interaction.hands[hand].vibration; pulse > 0)
-            session.actions.vibrate(hand, pulse, 0.03);
+    for (const int role : {xr::kLeft, xr::kRight})
+        if (const double pulse = program.interaction.hands[role].vibration; pulse > 0)
+            session.actions.vibrate(state.hand_of(role), pulse, 0.03);
     if (program.head) play_sound(state, program.sound, *program.head);
     program.saver->autosave.tick(program.now_s());
     program.notify();
@@ -94,7 +95,8 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
 void update_panel(Program& program, SessionContext& session, double dt_s) {
     if (!program.interaction.panel) return;
     PanelResult result;
-    const PanelStatus status{program.notices, session.images_per_second, session.eyes.scale(), program.saver->saving()};
+    const PanelStatus status{program.notices, session.images_per_second, session.eyes.scale(), program.saver->saving(),
+                             program.head.value_or(xr::Pose())};
     if (program.state.is_behind() && session.panel.has_image())
         return;  // hands have edited the document: its nodes do not match the stage
     const PanelPointer pointer = program.interaction.panel_pointer();
@@ -102,6 +104,10 @@ void update_panel(Program& program, SessionContext& session, double dt_s) {
                        [&] { result = draw_panel(program.state, program.interaction, program.training, status); });
     program.panel_items = result.items;
     if (result.save && !program.saver->saving()) program.saver->save(program.saver->default_path());
+    if (result.save_as && !program.saver->saving()) {
+        const std::filesystem::path path = program.saver->default_path();
+        program.saver->save(std::filesystem::exists(path) ? next_numbered(path) : path);
+    }
     if (result.leave) program.leave();
     if (result.to_start && program.head && program.start) {
         stand_at(program.state, *program.start, *program.head);
@@ -146,7 +152,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     draw_guide(session.shapes, program.training.session().guide());
     draw_interaction(session.shapes, state, program.interaction);
     for (const int hand : {xr::kLeft, xr::kRight})
-        if (program.interaction.hands[hand].input.bare_hand)
+        if (program.interaction.hands[state.hand_of(hand)].input.bare_hand)
             draw_joints(session.shapes, session.hand_tracking.joints(hand), world);
     const std::vector<render::Instance> next = context.renderer->instances_at(next_times(state.clock));
     // As late as possible, for the newest prediction: all that does not depend on the head has been done before.

@@ -90,6 +90,10 @@ void HeadsetSettings::load(HeadsetState& state, PerformerGrabSettings& grab) {
     const ordered_json& grab_json = reader.object(file.document, "hold");
     reader.boolean(grab_json, "hold.", "upright", grab.upright);
     reader.boolean(grab_json, "hold.", "snapsToFloor", grab.snaps_to_floor);
+    reader.boolean(grab_json, "hold.", "stepsHeading", grab.steps_heading);
+    reader.boolean(grab_json, "hold.", "stepsPlace", grab.steps_place);
+    const ordered_json& hands = reader.object(file.document, "hands");
+    reader.boolean(hands, "hands.", "leftHanded", state.left_handed);
     const std::string problem = file.message.empty() ? editor::wrong_members(path_, reader.wrong) : file.message;
     if (!problem.empty()) state.editor.notify(problem, true);
     saved_ = to_json(state, grab, file.document);
@@ -103,6 +107,10 @@ ordered_json HeadsetSettings::to_json(const HeadsetState& state, const Performer
     ordered_json& grab_json = editor::object_in(base, "hold");
     grab_json["upright"] = grab.upright;
     grab_json["snapsToFloor"] = grab.snaps_to_floor;
+    grab_json["stepsHeading"] = grab.steps_heading;
+    grab_json["stepsPlace"] = grab.steps_place;
+    ordered_json& hands = editor::object_in(base, "hands");
+    hands["leftHanded"] = state.left_handed;
     return base;
 }
 

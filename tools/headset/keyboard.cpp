@@ -1,0 +1,58 @@
+// The panel's keyboard, by which performers are renamed.
+#include "tools/headset/panel_rows.h"
+#include "tools/headset/performer_edits.h"
+#include "tools/ui/icons.h"
+
+namespace neuvv::headset {
+
+namespace {
+
+constexpr size_t kMaxName = 40;  // bytes
+
+// Removes the last character of UTF-8.
+void erase_last(std::string& text) {
+    while (!text.empty()) {
+        const auto last = static_cast<unsigned char>(text.back());
+        text.pop_back();
+        if ((last & 0xc0) != 0x80) return;
+    }
+}
+
+// The keys of a line, each as wide as in a line of ten, in the middle of the panel.
+void key_line(Rows& rows, const char* keys, bool shift) {
+    const float one = column_width(10), gap = ImGui::GetStyle().ItemSpacing.x;
+    const auto count = static_cast<float>(std::char_traits<char>::length(keys));
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 0.5f * (10 - count) * (one + gap));
+    for (const char* key = keys; *key; key++) {
+        if (key != keys) ImGui::SameLine();
+        const char letter = shift && *key >= 'a' && *key <= 'z' ? static_cast<char>(*key - 'a' + 'A') : *key;
+        const char name[] = {'k', 'e', 'y', ' ', *key, 0}, label[] = {letter, 0};
+        if (rows.button(name, label, one) && rows.state.typed.size() < kMaxName) rows.state.typed += letter;
+    }
+}
+
+}  // namespace
+
+// A name begins with a capital letter, until a letter is typed.
+void keyboard_rows(Rows& rows) {
+    HeadsetState& state = rows.state;
+    const bool shift = state.typed.empty() || state.typed.back() == ' ';
+    ImGui::Text(ICON_PERSON " %s_", state.typed.c_str());
+    for (const char* keys : {"1234567890", "qwertyuiop", "asdfghjkl", "zxcvbnm-"}) key_line(rows, keys, shift);
+    const float one = column_width(4);
+    if (rows.button("key space", "Space", one) && !state.typed.empty() && state.typed.size() < kMaxName)
+        state.typed += ' ';
+    ImGui::SameLine();
+    if (rows.button("key back", "Back", one)) erase_last(state.typed);
+    ImGui::SameLine();
+    if (rows.button("key cancel", "Cancel", one)) state.dialogue = PanelDialogue::kNone;
+    ImGui::SameLine();
+    ImGui::BeginDisabled(state.typed.empty());
+    if (rows.button("key done", ICON_CHECK " Rename", one)) {
+        rename_selected(state, state.typed);
+        state.dialogue = PanelDialogue::kNone;
+    }
+    ImGui::EndDisabled();
+}
+
+}  // namespace neuvv::headset

@@ -1,0 +1,40 @@
+// What the panel does with performers beside copying and deleting them: life size, hiding, names, new ones.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "tools/headset/headset_state.h"
+
+namespace neuvv::headset {
+
+// Edits the document: the selected performer gets the scale that its clip was recorded in, 1 along each axis, in the
+// world. The middle between its feet, at the bottom of what is solid of it, stays where it is.
+void give_life_size(HeadsetState& state);
+
+// Edits the document: hides the selected performer, which is then no longer selected.
+void hide_selected(HeadsetState& state);
+// The performers that are hidden, by themselves or by a node above them: indices into Stage::performers.
+std::vector<uint32_t> hidden_performers(const HeadsetState& state);
+// Edits the document: shows a performer, and hidden nodes above it, and selects it.
+void show_performer(HeadsetState& state, uint32_t performer);
+
+// Edits the document: renames the selected performer. An empty name changes nothing.
+void rename_selected(HeadsetState& state, const std::string& name);
+
+// The clips that may be added: those of the document's performers, then those in the folder of the stage's file; each
+// once, at most kMaxClips.
+constexpr size_t kMaxClips = 24;
+std::vector<std::filesystem::path> clips_at_hand(const editor::Editor& editor);
+// Begins to add a performer of a clip, kNewPerformer_m before the user whose head is at `head` (tracking space), and
+// turned to the user. land_new_performer() ends it. It is selected.
+constexpr double kNewPerformer_m = 2;
+void add_performer(HeadsetState& state, const std::filesystem::path& clip, const xr::Pose& head);
+// To be called in each frame. Once the clip of a new performer is on the stage, so that its feet are known, puts them
+// on the floor: then the performer is one step of the history.
+void land_new_performer(HeadsetState& state);
+
+// "show.gltf" becomes "show-2.gltf", "show-2.gltf" becomes "show-3.gltf": the first of these names that no file has.
+std::filesystem::path next_numbered(const std::filesystem::path& path);
+
+}  // namespace neuvv::headset

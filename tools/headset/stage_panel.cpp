@@ -1,0 +1,69 @@
+// The panel's page of the stage: its lights, who is on it, and other names for its file.
+#include <fmt/format.h>
+
+#include "edit/operations.h"
+#include "tools/headset/panel_rows.h"
+#include "tools/headset/performer_edits.h"
+#include "tools/ui/icons.h"
+
+namespace neuvv::headset {
+
+namespace {
+
+void set(HeadsetState& state, const edit::StageEdit& edit) {
+    state.editor.edit([&](edit::Document& document) { return edit::set_stage(document.file, edit); });
+}
+
+void light_row(Rows& rows) {
+    bool shadows = rows.state.stage->settings.shadows, falloff = rows.state.stage->settings.falloff;
+    if (rows.checkbox("shadows", "Shadows", &shadows)) set(rows.state, edit::StageEdit{.shadows = shadows});
+    ImGui::SameLine();
+    if (rows.checkbox("falloff", "Lights on performers", &falloff))
+        set(rows.state, edit::StageEdit{.falloff = falloff});
+}
+
+void hidden_rows(Rows& rows) {
+    const std::vector<uint32_t> hidden = hidden_performers(rows.state);
+    ImGui::TextDisabled(hidden.empty() ? "Nobody is hidden." : "Hidden:");
+    const float half = column_width(2);
+    for (size_t i = 0; i < hidden.size(); i++) {
+        const std::string& name = rows.state.stage->performers[hidden[i]].name;
+        if (i % 2 == 1) ImGui::SameLine();
+        if (rows.button(fmt::format("show {}", name).c_str(), fmt::format(ICON_EYE " {}", name).c_str(), half))
+            show_performer(rows.state, hidden[i]);
+    }
+}
+
+}  // namespace
+
+void stage_rows(Rows& rows) {
+    HeadsetState& state = rows.state;
+    const float half = column_width(2);
+    if (rows.button("add", ICON_PLUS " Add a performer", half)) {
+        state.clips = clips_at_hand(state.editor);
+        state.dialogue = PanelDialogue::kClips;
+    }
+    ImGui::SameLine();
+    ImGui::BeginDisabled(rows.status.saving);
+    rows.result.save_as = rows.button("save as", ICON_SAVE " Save as a new file", half);
+    ImGui::EndDisabled();
+    light_row(rows);
+    hidden_rows(rows);
+}
+
+void clip_rows(Rows& rows, const xr::Pose& head) {
+    HeadsetState& state = rows.state;
+    if (rows.button("clip cancel", "Cancel", column_width(2))) state.dialogue = PanelDialogue::kNone;
+    ImGui::TextDisabled(state.clips.empty() ? "There is no clip beside the stage." : "Who is to stand before you?");
+    const float half = column_width(2);
+    for (size_t i = 0; i < state.clips.size(); i++) {
+        if (i % 2 == 1) ImGui::SameLine();
+        const std::string name = state.clips[i].filename().string();
+        if (!rows.button(fmt::format("clip {}", name).c_str(), name.c_str(), half)) continue;
+        add_performer(state, state.clips[i], head);
+        state.dialogue = PanelDialogue::kNone;
+        return;
+    }
+}
+
+}  // namespace neuvv::headset
