@@ -142,7 +142,32 @@ void Actions::update_controllers() {
         check(xrGetCurrentInteractionProfile(session_.handle(), paths_[hand], &state), "xrGetCurrentInteractionProfile",
               kHandPaths[hand]);
         profiles_[hand] = find_profile(session_.runtime().text_of(state.interactionProfile));
+        for (const HandAction which : kHandActions) button_names_[hand][which] = find_button_name(which, hand);
     }
+}
+
+// A runtime that refuses leaves the button without a name.
+std::string Actions::find_button_name(HandAction which, int hand) const {
+    XrPath sources[16]{};
+    uint32_t count = 0;
+    const XrBoundSourcesForActionEnumerateInfo bound{XR_TYPE_BOUND_SOURCES_FOR_ACTION_ENUMERATE_INFO, nullptr,
+                                                     action(which)};
+    if (!succeeded(xrEnumerateBoundSourcesForAction(session_.handle(), &bound, std::size(sources), &count, sources),
+                   "xrEnumerateBoundSourcesForAction", name_of(which).name))
+        return {};
+    const std::string below = std::string(kHandPaths[hand]) + "/";
+    for (const XrPath source : std::span(sources, count)) {
+        if (!session_.runtime().text_of(source).starts_with(below)) continue;
+        char name[256]{};
+        uint32_t length = 0;
+        const XrInputSourceLocalizedNameGetInfo info{XR_TYPE_INPUT_SOURCE_LOCALIZED_NAME_GET_INFO, nullptr, source,
+                                                     XR_INPUT_SOURCE_LOCALIZED_NAME_COMPONENT_BIT};
+        const bool has_name =
+            succeeded(xrGetInputSourceLocalizedName(session_.handle(), &info, std::size(name) - 1, &length, name),
+                      "xrGetInputSourceLocalizedName", name_of(which).name);
+        return has_name ? name : "";
+    }
+    return {};
 }
 
 std::string Actions::controller(int hand) const {

@@ -32,6 +32,9 @@ class Actions {
     void update_controllers();
     // The controller's name, such as "Meta Touch"; empty where there is none that this program knows.
     std::string controller(int hand) const;
+    // The name of the button that triggers an action of a hand, by the runtime and in the user's language, such as
+    // "Trigger"; of several, the first. Empty where no button does. As of the last update_controllers().
+    const std::string& button_name(HandAction action, int hand) const { return button_names_[hand].at(action); }
 
   private:
     void create_actions();
@@ -41,6 +44,7 @@ class Actions {
     void suggest(const char* profile, const char* title, const std::vector<XrActionSuggestedBinding>& bindings) const;
     std::vector<XrActionSuggestedBinding> tracker_bindings() const;
     void create_spaces();
+    std::string find_button_name(HandAction which, int hand) const;
     XrAction action(HandAction which) const { return actions_.at(which); }
     double value(HandAction which, int hand) const;
     glm::dvec2 axes(HandAction which, int hand) const;
@@ -58,6 +62,7 @@ class Actions {
     XrAction gaze_ = XR_NULL_HANDLE;  // none where the runtime knows no gaze
     XrOwnedSpace gaze_space_;
     std::array<const ControllerProfile*, kHands> profiles_{};
+    std::array<std::map<HandAction, std::string>, kHands> button_names_;
 };
 
 }  // namespace neuvv::xr

@@ -80,6 +80,7 @@ EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
       solid_(device, "eye shape", shape_of(device, colour, depth, false)),
       translucent_(device, "eye translucent shape", shape_of(device, colour, depth, true)),
       on_top_(device, "eye on-top shape", shape_of(device, colour, depth, true, VK_COMPARE_OP_ALWAYS)),
+      text_(device, colour, depth),
       vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload) {}
 
 void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& images) {
@@ -175,6 +176,7 @@ void EyePass::draw_shapes(gpu::Commands& commands, const std::array<stage::Camer
     draw(solid_, shapes.solid(), VK_TRUE);
     draw(translucent_, shapes.translucent(), VK_FALSE);
     draw(on_top_, shapes.on_top(), VK_FALSE);
+    text_.draw(commands, shapes.text(), views);
 }
 
 }  // namespace neuvv::xr

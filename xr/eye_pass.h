@@ -9,6 +9,7 @@
 #include "gpu/graphics_pass.h"
 #include "render/stage_renderer.h"
 #include "xr/eye_shapes.h"
+#include "xr/eye_text.h"
 #include "xr/swapchain.h"
 
 namespace neuvv::xr {
@@ -36,6 +37,7 @@ class EyePass {
     void record(gpu::Commands& commands, const render::StageRenderer& renderer, const gpu::Buffer& images,
                 const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
                 const EyeTarget& target);
+    void set_font(const gpu::DeviceImage& image) { text_.set_font(image); }
 
   private:
     void bind(const render::StageRenderer& renderer, const gpu::Buffer& images);
@@ -44,6 +46,7 @@ class EyePass {
     void draw_shapes(gpu::Commands& commands, const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes);
     const gpu::Device& device_;
     gpu::GraphicsPass image_, solid_, translucent_, on_top_;
+    EyeText text_;
     gpu::TextureSet bound_;
     std::array<VkBuffer, 2> bound_to_{};  // images and the set's depth; to notice that the renderer has new buffers
     gpu::Buffer vertices_;

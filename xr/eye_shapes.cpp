@@ -35,6 +35,7 @@ void EyeShapes::begin(glm::dvec3 eye, double min_width_rad) {
     solid_.clear();
     translucent_.clear();
     on_top_.clear();
+    text_.clear();
     drawing_on_top_ = false;
 }
 
@@ -141,6 +142,17 @@ void EyeShapes::hole(const Pose& world_from_rectangle, glm::dvec2 size_m) {
     };
     for (const ShapeVertex& corner : {at(-1, -1), at(1, -1), at(1, 1), at(-1, -1), at(1, 1), at(-1, 1)})
         holes_.push_back(corner);
+}
+
+void EyeShapes::text(const Pose& world_from_text, glm::dvec2 low, glm::dvec2 high, const FontPart& part,
+                     glm::vec4 colour) {
+    if (text_.size() >= kTextCorners * kMaxTextRectangles) return;
+    text_.reserve(kTextCorners * kMaxTextRectangles);
+    for (const glm::dvec2 at : {glm::dvec2(0, 0), {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) {
+        const glm::dvec2 on_plane = glm::mix(low, high, at);
+        const glm::vec2 uv = glm::mix(part.low, part.high, glm::vec2(at.x, 1 - at.y));
+        text_.push_back({glm::vec3(world_from_text * glm::dvec3(on_plane, 0)), premultiplied(colour), uv});
+    }
 }
 
 }  // namespace neuvv::xr

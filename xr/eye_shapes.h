@@ -15,6 +15,17 @@ struct ShapeVertex {
     glm::vec4 colour;    // linear, premultiplied
 };
 
+struct TextVertex {
+    glm::vec3 position;  // world, metres
+    glm::vec4 colour;    // linear, premultiplied
+    glm::vec2 uv;        // in the font's image
+};
+
+// A part of the font's image.
+struct FontPart {
+    glm::vec2 low{0}, high{0};  // uv; low is the upper left corner
+};
+
 // Collects the shapes of a frame. Positions and sizes are in world metres; colours are linear with straight alpha. A
 // shape whose alpha is below 1 is translucent.
 class EyeShapes {
@@ -40,11 +51,17 @@ class EyeShapes {
     // A rectangle (X to the right, Y up) where nothing of the stage is seen: the compositor's layer beneath is.
     void hole(const Pose& world_from_rectangle, glm::dvec2 size_m);
 
+    // A rectangle of text: where the part of the font's image covers it, it has the colour. `low` and `high` are its
+    // corners in metres on the plane of X (to the right) and Y (up). It is drawn after all other shapes, with a depth
+    // test. Of more than kMaxTextRectangles in a frame, those that come last are left out.
+    void text(const Pose& world_from_text, glm::dvec2 low, glm::dvec2 high, const FontPart& part, glm::vec4 colour);
+
     // The corners of triangles, in the order of drawing: later ones cover earlier ones.
     std::span<const ShapeVertex> holes() const { return holes_; }
     std::span<const ShapeVertex> solid() const { return solid_; }
     std::span<const ShapeVertex> translucent() const { return translucent_; }
     std::span<const ShapeVertex> on_top() const { return on_top_; }
+    std::span<const TextVertex> text() const { return text_; }
 
   private:
     std::vector<ShapeVertex>& list_of(float alpha);
@@ -54,6 +71,8 @@ class EyeShapes {
     double min_width_rad_ = 0;
     bool drawing_on_top_ = false;
     std::vector<ShapeVertex> holes_, solid_, translucent_, on_top_;
+    std::vector<TextVertex> text_;
 };
+constexpr size_t kMaxTextRectangles = 1024, kTextCorners = 6;
 
 }  // namespace neuvv::xr

@@ -1,5 +1,5 @@
 // The passes that draw a headset's images: the images of both eyes with their depth, and over them shapes (controllers,
-// rays, boxes).
+// rays, boxes) and text.
 #ifndef NEUVV_SHARED_EYE_H
 #define NEUVV_SHARED_EYE_H
 #include "shared/types.h"
@@ -24,7 +24,12 @@ struct EyePush {
 CONSTEXPR uint kShapePosition = 0u;  // vec3, world, metres
 CONSTEXPR uint kShapeColour = 1u;    // vec4, linear, premultiplied
 
-struct ShapePush {
+CONSTEXPR uint kTextPosition = 0u;  // vec3, world, metres
+CONSTEXPR uint kTextColour = 1u;    // vec4, linear, premultiplied
+CONSTEXPR uint kTextUv = 2u;        // vec2, in the font's image
+CONSTEXPR uint kTextFont = 0u;      // the font's image: how much of a pixel is covered, in red
+
+struct ShapePush {            // of shapes and of text
     mat4 clip_from_world[2];  // of the left and the right eye
 };
 

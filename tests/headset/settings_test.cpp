@@ -37,6 +37,7 @@ TEST_F(HeadsetSettingsTest, WhatWasChosenComesBack) {
     state.brush.by_ray = true;
     state.panel_on_wrist = true;
     state.left_handed = true;
+    state.hints = false;
     grab.upright = false;
     grab.steps_heading = true;
     settings.save(state, grab);
@@ -57,6 +58,7 @@ TEST_F(HeadsetSettingsTest, WhatWasChosenComesBack) {
     EXPECT_FALSE(later_grab.upright);
     EXPECT_TRUE(later_grab.snaps_to_floor);
     EXPECT_TRUE(later.left_handed);
+    EXPECT_FALSE(later.hints);
     EXPECT_TRUE(later_grab.steps_heading);
     EXPECT_FALSE(later_grab.steps_place);
 }

@@ -1,4 +1,4 @@
-// The panel as both eyes see it, and what it saves.
+// The panel as both eyes see it, hints at the buttons, and what it saves.
 #include "golden/golden.h"
 #include "xr_session/xr_session.h"
 
@@ -28,6 +28,47 @@ TEST_F(Panel, BothEyesSeeAllOfIt) {
         const glm::dvec3 to_item = glm::normalize(item_position(at) - head);
         EXPECT_GT(glm::dot(to_item, ahead), std::cos(glm::radians(34.0))) << name << " is far from the view's middle";
     }
+}
+
+TEST_F(Panel, HintsNameTheButtonsUntilTheyAreUsed) {
+    write_settings(R"({"hands": {"hints": true}})");
+    XrScript script;
+    script.hand(0, "right", {0.15, 1.3, -0.7}, {3, 4, -4});
+    script.hand(0, "left", {-0.15, 1.3, -0.7}, {-3, 4, -4});
+    script.save(kReady + 2);
+    script.end(kReady + 4);
+    const XrRun first = run(script);
+    expect_clean(first);
+    write_settings(R"({"hands": {"hints": false}})");
+    const XrRun off = run(script);
+    EXPECT_EQ(off.seen["hints"]["left"], json::array());
+    EXPECT_FALSE(same_pixels(first.image(kReady + 2, "left"), off.image(kReady + 2, "left"), 64)) << "they are seen";
+    write_settings(R"({"hands": {"hints": true}})");
+    EXPECT_EQ(first.seen["hints"]["right"],
+              json::parse(R"(["Trigger: select, press, paint", "Squeeze: hold and move", "Thumbstick: turn, speed",
+                              "A: play, pause", "B: copy"])"));
+    EXPECT_EQ(first.seen["hints"]["left"],
+              json::parse(R"(["Trigger: select, press", "Squeeze: hold and move", "Thumbstick: teleport, step",
+                              "Y: panel", "X: undo"])"));
+    script.click(kReady, "right", "a/click");
+    const XrRun used = run(script);
+    EXPECT_EQ(used.seen["hints"]["right"].size(), 4u) << used.seen["hints"];
+    script.click(kReady, "left", "y/click");
+    const XrRun open = run(script);
+    EXPECT_EQ(open.seen["hints"], first.seen["hints"]) << "while the panel is open, all are shown";
+}
+
+TEST_F(Panel, HintsFollowTheControllersAndTheHandsRoles) {
+    write_settings(R"({"hands": {"leftHanded": true}})");
+    XrScript script = with_hands();
+    script.json["profile"] = "/interaction_profiles/htc/vive_controller";
+    script.end(kReady + 4);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.seen["hints"]["left"], json::parse(R"(["Trigger: select, press, paint", "Squeeze: hold and move",
+                                                         "Trackpad: turn, speed", "Menu: panel"])"));
+    EXPECT_EQ(run.seen["hints"]["right"], json::parse(R"(["Trigger: select, press", "Squeeze: hold and move",
+                                                          "Trackpad: teleport, step", "Menu: play, pause"])"));
 }
 
 TEST_F(Panel, ItSavesUnderTheNextNumber) {

@@ -125,6 +125,12 @@ XrSession::XrSession() {
     eyes.aim = glm::dvec3(0, 1.5, -1);
     edit::place_node(file, edit::find_node(file, "camera"), eyes);
     stage::save_stage_file(file, stage);
+    write_settings(R"({"hands": {"hints": false}})");  // so that images show the stage alone
+}
+
+void XrSession::write_settings(const std::string& json) const {
+    std::filesystem::create_directories(folder.path / "config/neuvv");
+    std::ofstream(folder.path / "config/neuvv/headset.json") << json;
 }
 
 XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& more) {

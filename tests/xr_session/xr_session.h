@@ -69,6 +69,8 @@ class XrSession : public testing::Test {
     XrSession();
     // Adds a performer of the clip to a stage: `corner` of its box, 1.6 m a side, in the world.
     void add_figure(stage::StageFile& file, const std::string& name, glm::dvec3 corner) const;
+    // Writes headset.json, the settings of the program's next runs.
+    void write_settings(const std::string& json) const;
     // Runs the program with OpenXR's core validation layer (with_layer) and `--validate`; both report in XrRun::log.
     // Throws where the program hangs.
     XrRun run(const XrScript& script, const std::vector<std::string>& more = {});

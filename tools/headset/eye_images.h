@@ -38,6 +38,8 @@ class EyeImages {
     render::FrameCapacity capacity() const;
     const char* format_name() const;
 
+    // EyePass::set_font
+    void set_font(const gpu::DeviceImage& image) { pass_.set_font(image); }
     // To be called when a lens hides another part of the image than before.
     void invalidate_mask(uint32_t eye) { mask_outdated_[eye] = true; }
 

@@ -69,6 +69,7 @@ struct HeadsetState : editor::StageState {
     bool picks_colour = false;       // the next press of the painting hand gives the brush the colour under its ray
     bool panel_visible = false, panel_on_wrist = false;
     bool left_handed = false;  // the hands have each other's roles
+    bool hints = true;         // labels at the controllers say what their buttons do
     // The hand that has the role of this hand, and the other way round.
     int hand_of(int role) const { return left_handed ? xr::kHands - 1 - role : role; }
 };

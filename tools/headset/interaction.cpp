@@ -61,6 +61,7 @@ void Interaction::update_hands(const HeadsetState& state, const xr::HandInputs& 
     for (int which = 0; which < xr::kHands; which++) {
         Hand& hand = hands[which];
         hand.input = inputs[state.hand_of(which)];
+        note_used_buttons(which);
         hand.vibration = 0;
         hand.aim.reset();
         hand.grip.reset();
@@ -71,6 +72,18 @@ void Interaction::update_hands(const HeadsetState& state, const xr::HandInputs& 
         hand.flick.update(hand.input.stick);
         hand.select_down_s = hand.select.is_down() ? hand.select_down_s + dt_s : 0;
     }
+}
+
+void Interaction::note_used_buttons(int which) {
+    const xr::HandInput& input = hands[which].input;
+    UsedButtons& used = used_buttons[which];
+    used.select |= hands[which].select.is_down();
+    used.grab |= hands[which].grab.is_down();
+    used.stick |= glm::length(input.stick) > 0.5;
+    used.menu |= input.menu;
+    used.play |= input.play;
+    used.undo |= input.undo;
+    used.duplicate |= input.duplicate;
 }
 
 void Interaction::update_panel(HeadsetState& state, const xr::Pose& head) {

@@ -16,6 +16,11 @@ struct PanelPointer {
     double wheel = 0;
 };
 
+// Which buttons of a hand the user has used since the program began.
+struct UsedButtons {
+    bool select = false, grab = false, stick = false, menu = false, play = false, undo = false, duplicate = false;
+};
+
 class Interaction {
   public:
     // `jobs` must outlive this object, or be stopped before it is destroyed.
@@ -26,7 +31,8 @@ class Interaction {
     Locomotion locomotion;
     LightHands lights;
     HandPainter painter;
-    std::optional<PanelPlacement> panel;  // while it is visible
+    std::optional<PanelPlacement> panel;               // while it is visible
+    std::array<UsedButtons, xr::kHands> used_buttons;  // by role
 
     // Does what the hands do in a frame. `state.evaluated` is of the frame's time; a grab changes it. `head` is in the
     // tracking space. `find_surfaces` is as for point().
@@ -43,6 +49,7 @@ class Interaction {
 
   private:
     void update_hands(const HeadsetState& state, const xr::HandInputs& inputs, double dt_s);
+    void note_used_buttons(int which);
     void update_panel(HeadsetState& state, const xr::Pose& head);
     void track_presses();
     void handle_buttons(HeadsetState& state);

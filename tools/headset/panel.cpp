@@ -222,6 +222,7 @@ void user_rows(Rows& rows) {
     rows.checkbox("vignette", "Dark edges while moving", &comfort.vignette);
     rows.checkbox("wrist", "Panel on the wrist", &rows.state.panel_on_wrist);
     rows.checkbox("left-handed", "Left-handed", &rows.state.left_handed);
+    rows.checkbox("hints", "Hints at the buttons", &rows.state.hints);
     bool room = rows.state.wants_room.value_or(false);
     if (rows.checkbox("room", "Show your own room", &room)) rows.state.wants_room = room;
 }

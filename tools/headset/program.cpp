@@ -99,6 +99,11 @@ void write_report(const Program& program) {
     report["train"] = program.training.facts();
     if (const auto performer = program.state.selected_performer())
         report["selected"] = program.state.stage->performers[*performer].name;
+    for (const int role : {xr::kLeft, xr::kRight}) {
+        const auto [lines, count] = shown_hints(program.state, program.interaction, program.hints, role);
+        report["hints"][program.state.hand_of(role) == xr::kLeft ? "left" : "right"] =
+            std::vector<std::string>(lines.data(), lines.data() + count);
+    }
     report["modified"] = program.state.editor.modified();
     const std::string text = report.dump(1);
     write_file_atomically(program.options.report, [&](const ByteSink& sink) { sink(text.data(), text.size()); });

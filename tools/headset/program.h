@@ -13,6 +13,7 @@
 #include "editor/sound_player.h"
 #include "tools/headset/headset.h"
 #include "tools/headset/interaction.h"
+#include "tools/headset/labels.h"
 #include "tools/headset/settings.h"
 #include "tools/headset/standing.h"
 #include "tools/headset/training.h"
@@ -49,6 +50,8 @@ struct Program {
     xr::RoomView room = xr::RoomView::kNone;  // how the user's own room is seen; kNone: it is not
     uint64_t frames = 0;                      // drawn since the program began
     std::map<std::string, glm::dvec2> panel_items;
+    ButtonHints hints;               // of the controllers that the user holds
+    bool hints_left_handed = false;  // HeadsetState::left_handed of `hints`
 
     double confirm_until_s = 0;  // until then, Leave leaves although there are unsaved edits
 

@@ -137,6 +137,14 @@ std::optional<glm::dvec3> find_gaze(const SessionContext& session, const xr::Pos
     return world * (*gaze * glm::dvec3(0, 0, -kDistance_m));
 }
 
+void draw_labels(Program& program, SessionContext& session, const xr::Pose& world_head) {
+    const HeadsetState& state = program.state;
+    if (std::exchange(program.hints_left_handed, state.left_handed) != state.left_handed)
+        program.hints = make_hints(session.actions, state);
+    draw_hints(session.shapes, session.font, state, program.interaction, program.hints, world_head);
+    draw_names(session.shapes, session.font, state, program.interaction, world_head);
+}
+
 // Draws the stage for both eyes. Returns false while the poses of the eyes are not known.
 bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time) {
     HeadsetState& state = program.state;
@@ -151,6 +159,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
     if (hides_room) draw_floor(session.shapes, state);
     draw_guide(session.shapes, program.training.session().guide());
     draw_interaction(session.shapes, state, program.interaction);
+    if (program.head) draw_labels(program, session, world * *program.head);
     for (const int hand : {xr::kLeft, xr::kRight})
         if (program.interaction.hands[state.hand_of(hand)].input.bare_hand)
             draw_joints(session.shapes, session.hand_tracking.joints(hand), world);
@@ -173,6 +182,7 @@ void handle_events(const xr::SessionEvents& events, Program& program, SessionCon
     if (events.tracking_change) session.tracking_change = events.tracking_change;
     if (events.controllers_changed) {
         session.actions.update_controllers();
+        program.hints = make_hints(session.actions, program.state);
         for (const int hand : {xr::kLeft, xr::kRight})
             if (const std::string controller = session.actions.controller(hand); !controller.empty())
                 print_line(fmt::format("{} hand: {}", hand == xr::kLeft ? "left" : "right", controller));

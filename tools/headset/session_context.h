@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "tools/headset/labels.h"
 #include "tools/headset/mirror.h"
 #include "tools/headset/panel_surface.h"
 #include "tools/headset/runtime_context.h"
@@ -20,7 +21,10 @@ struct SessionContext {
           hand_tracking(xr_session),
           room(xr_session),
           eyes(context.device, xr_session, program.options.quality),
-          panel(context.device, xr_session) {}
+          panel(context.device, xr_session),
+          font(context.device) {
+        eyes.set_font(font.image());
+    }
     xr::Session xr_session;
     xr::Actions actions;
     xr::HandTracking hand_tracking;
@@ -28,6 +32,7 @@ struct SessionContext {
     xr::Room room;
     EyeImages eyes;
     PanelSurface panel;
+    LabelFont font;  // the panel's
     std::unique_ptr<Mirror> mirror;
     xr::EyeShapes shapes;
     std::optional<xr::TrackingChange> tracking_change;  // that is to come

@@ -94,6 +94,7 @@ void HeadsetSettings::load(HeadsetState& state, PerformerGrabSettings& grab) {
     reader.boolean(grab_json, "hold.", "stepsPlace", grab.steps_place);
     const ordered_json& hands = reader.object(file.document, "hands");
     reader.boolean(hands, "hands.", "leftHanded", state.left_handed);
+    reader.boolean(hands, "hands.", "hints", state.hints);
     const std::string problem = file.message.empty() ? editor::wrong_members(path_, reader.wrong) : file.message;
     if (!problem.empty()) state.editor.notify(problem, true);
     saved_ = to_json(state, grab, file.document);
@@ -111,6 +112,7 @@ ordered_json HeadsetSettings::to_json(const HeadsetState& state, const Performer
     grab_json["stepsPlace"] = grab.steps_place;
     ordered_json& hands = editor::object_in(base, "hands");
     hands["leftHanded"] = state.left_handed;
+    hands["hints"] = state.hints;
     return base;
 }
 
