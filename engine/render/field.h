@@ -25,7 +25,7 @@ struct Field {
     glm::vec3 leaves_min{0}, leaves_max{1};  // metres: the bounds of all leaves
     float leaf_diagonal = 0;                 // metres, of the average leaf
     uint32_t leaf_count = 0, bases = 1, hh_degree = 0, frames = 1;
-    bool half_weights = false;  // whether `weights` are fp16
+    bool half_weights = false;      // whether `weights` are fp16
     bool has_srgb_colours = false;  // VOctree
     // The largest number of planes of A_t or B_t that are not 0 at any t. Code that changes A or B must set it to
     // basis_planes().

@@ -337,7 +337,7 @@ void HandPainter::begin_session(HeadsetState& state, Stroke& stroke) {
         editor::seen_paint(target.place, *target.clip, stroke.before, stroke.operation.frames, true);
     editor::PaintOperation operation = stroke.operation;
     operation.frames = seen.frames;
-    editor::PaintSubject subject{target.clip, nullptr, target.place.frame, {}};
+    editor::PaintSubject subject{target.clip, {}, target.place.frame, {}};
     if (!stroke.picture) return void(stroke.session.emplace(std::move(subject), seen.before, operation));
     subject.paint.push_back({stroke.before, stage::PaintBlend::kNormal, 1});
     std::string problem = "its clip is not on the device yet";

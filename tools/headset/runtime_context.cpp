@@ -22,7 +22,7 @@ RuntimeContext::RuntimeContext(Program& program)
                                      editor::PaintArea area) -> std::optional<editor::PaintSession> {
         if (!renderer) return std::nullopt;
         subject.field = renderer->find_field(file, subject.clip->field);
-        if (!subject.field) return std::nullopt;
+        if (subject.field.expired()) return std::nullopt;
         editor::PaintSession session(std::move(subject), std::move(before), operation, std::move(area));
         editor::PaintSurface surface(device);
         while (session.add_projection(surface)) {
