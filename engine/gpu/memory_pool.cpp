@@ -53,9 +53,12 @@ VkResult MemoryPool::allocate(VkDevice device, DeviceMemory& memory) {
     return result;
 }
 
-void MemoryPool::free_locked(VkDevice device, const DeviceMemory& memory) {
-    vkFreeMemory(device, memory.memory, nullptr);
-    if (counts(memory.type)) allocated_ -= memory.bytes;
+// Not under the lock: a driver may take long, and other threads take memory meanwhile.
+void MemoryPool::free(VkDevice device, const std::deque<DeviceMemory>& memory) {
+    for (const DeviceMemory& one : memory) vkFreeMemory(device, one.memory, nullptr);
+    const std::lock_guard lock(mutex_);
+    for (const DeviceMemory& one : memory)
+        if (counts(one.type)) allocated_ -= one.bytes;
 }
 
 VkResult MemoryPool::take(VkDevice device, VkDeviceSize bytes, uint32_t type, bool mapped, DeviceMemory& memory) {
@@ -69,8 +72,7 @@ VkResult MemoryPool::take(VkDevice device, VkDeviceSize bytes, uint32_t type, bo
     }
     if (result == VK_SUCCESS && mapped) {
         result = vkMapMemory(device, made.memory, 0, VK_WHOLE_SIZE, 0, &made.mapped);
-        const std::lock_guard lock(mutex_);
-        if (result != VK_SUCCESS) free_locked(device, made);
+        if (result != VK_SUCCESS) free(device, {made});
     }
     if (result == VK_SUCCESS) memory = made;
     return result;
@@ -78,22 +80,29 @@ VkResult MemoryPool::take(VkDevice device, VkDeviceSize bytes, uint32_t type, bo
 
 void MemoryPool::give(VkDevice device, const DeviceMemory& memory) {
     if (!memory.memory) return;
-    const std::lock_guard lock(mutex_);
-    if (memory.bytes > kLargestKept) return free_locked(device, memory);
-    kept_.push_back(memory);
-    kept_bytes_ += memory.bytes;
-    while (kept_bytes_ > kMostKept || kept_.size() > kMostPieces) {
-        free_locked(device, kept_.front());
-        kept_bytes_ -= kept_.front().bytes;
-        kept_.pop_front();
+    if (memory.bytes > kLargestKept) return free(device, {memory});
+    std::deque<DeviceMemory> too_many;
+    {
+        const std::lock_guard lock(mutex_);
+        kept_.push_back(memory);
+        kept_bytes_ += memory.bytes;
+        while (kept_bytes_ > kMostKept || kept_.size() > kMostPieces) {
+            kept_bytes_ -= kept_.front().bytes;
+            too_many.push_back(kept_.front());
+            kept_.pop_front();
+        }
     }
+    if (!too_many.empty()) free(device, too_many);
 }
 
 void MemoryPool::clear(VkDevice device) {
-    const std::lock_guard lock(mutex_);
-    for (const DeviceMemory& memory : kept_) free_locked(device, memory);
-    kept_.clear();
-    kept_bytes_ = 0;
+    std::deque<DeviceMemory> all;
+    {
+        const std::lock_guard lock(mutex_);
+        all.swap(kept_);
+        kept_bytes_ = 0;
+    }
+    free(device, all);
 }
 
 void MemoryPool::set_limit(uint32_t types, std::optional<VkDeviceSize> limit) {

@@ -38,7 +38,7 @@ class MemoryPool {
   private:
     bool find(VkDeviceSize bytes, uint32_t type, bool mapped, DeviceMemory& memory);
     VkResult allocate(VkDevice device, DeviceMemory& memory);
-    void free_locked(VkDevice device, const DeviceMemory& memory);
+    void free(VkDevice device, const std::deque<DeviceMemory>& memory);
     bool counts(uint32_t type) const { return counted_types_ >> type & 1; }
     mutable std::mutex mutex_;
     std::deque<DeviceMemory> kept_;  // the oldest first
