@@ -1,8 +1,8 @@
 // Pick: for each ray the leaf of a slice tree in which its transmittance T falls to a threshold, and the distance where
 // it does: T exp(−σ s) = T_threshold after s metres inside the leaf (errata 14). With kWithColour also the colour down
-// to there, Σ ΔT c / (1 − T_threshold).
-// Reads nodes and first entries, with colour all entries of leaves; writes a Pick per ray. One thread per ray. Bound by the walk: two dependent fetches
-// per node, one per sample.
+// to there, Σ ΔT c / (1 − T_threshold), in linear light.
+// Reads nodes and first entries, with colour all entries of leaves; writes a Pick per ray. One thread per ray. Bound by
+// the walk: two dependent fetches per node, one per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
@@ -13,6 +13,7 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const bool kWithColour = false;
+layout(constant_id = 4) const bool kSrgbColours = false;  // summed as such, as trace_rays.glsl does
 const bool kShaded = false, kRestart = false, kFromRoot = false, kCoalesce = true, kColourless = !kWithColour;
 READ_ARRAY(uint, kPickTop, tree_top);
 READ_ARRAY(uvec4, kPickNodes, nodes);
@@ -21,6 +22,7 @@ READ_ARRAY(uint, kPickLeaves, entry_leaf);
 READ_ARRAY(vec4, kPickRays, rays);
 WRITE_ARRAY(uvec4, kPickOut, picks);
 layout(push_constant) uniform Push { PickPush push; };
+#include "srgb.glsl"
 #include "tree_sample.glsl"
 
 void main() {
@@ -47,5 +49,6 @@ void main() {
             left -= depth;
         }
     colour /= 1.0 - threshold;
+    if (kSrgbColours) colour = srgb_decode(colour);
     STORE(picks, int(ray), uvec4(pick, packHalf2x16(colour.rg), packHalf2x16(vec2(colour.b, 0.0))));
 }

@@ -21,8 +21,10 @@ struct Picked {
 // camera and the ray are in the performer's space (in_performer).
 PickRay pick_ray(const stage::Camera& camera, glm::dvec2 pixel);
 
+// Whether the colours of surfaces are computed, too, which costs more.
+enum class PickColours { kNo, kYes };
+
 // Picks in slices that were built before. It waits for the device, but builds nothing.
-enum class PickColours { kNo, kYes };  // whether the colours of surfaces are computed, too, which costs more
 class SlicePicker {
   public:
     // Takes at most `rays_at_once` rays in one submission. Field and trees must outlive it.

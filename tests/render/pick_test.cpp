@@ -1,5 +1,6 @@
 // Picking against the reference: the leaf that a ray meets, and its distance.
 #include "render/pick.h"
+#include "media/image.h"
 
 #include <gtest/gtest.h>
 
@@ -74,6 +75,32 @@ TEST_F(PickTest, FindsTheLeafWhereAlphaPassesAndHowFarThatIs) {
                 EXPECT_GT(wrong.others, 20u) << "the comparison notices another alpha";
             }
     }
+}
+
+// Colours of a PlenOctree are summed as sRGB, as it is trained, and what is found is linear.
+TEST_F(PickTest, ColoursOfPlenOctreesAreLinear) {
+    voctree::VOctree tree = random_tree({.seed = 8, .node_levels = 3, .leaves = 1500, .hh_degree = 1});
+    const render::Field linear = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    tree.has_srgb_colours = true;
+    const render::Field srgb = render::upload_field(device(), tree, render::WeightPrecision::kFloat);
+    const stage::Camera camera = look_at({2.2, 1.9, 2.6}, {0, 0.4, 0}, 57, 41, 1.1);
+    std::vector<PickRay> rays;
+    for (uint32_t y = 0; y < camera.height; y++)
+        for (uint32_t x = 0; x < camera.width; x++) rays.push_back(render::pick_ray(camera, {x + 0.5, y + 0.5}));
+    const auto picked = [&](const render::Field& field) {
+        render::Picker picker(device(), field, render::PickColours::kYes);
+        picker.show(1.5f, {});
+        return picker.pick(rays, 0.5f);
+    };
+    const auto summed = picked(linear), found = picked(srgb);
+    size_t hits = 0;
+    for (size_t i = 0; i < rays.size(); i++) {
+        if (!found[i].hit()) continue;
+        hits++;
+        for (int c = 0; c < 3; c++)
+            EXPECT_NEAR(double{found[i].colour[c]}, media::linear_from_srgb(double{summed[i].colour[c]}), 2e-3);
+    }
+    EXPECT_GT(hits, 100u);
 }
 
 }  // namespace
