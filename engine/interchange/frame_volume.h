@@ -35,8 +35,8 @@ struct FrameVolume {
 // least a thousandth. Each counts as shown by its opacity and size, as if nothing hid it.
 FrameVolume frame_volume(const voctree::VOctree& tree, uint32_t frame, std::span<const voctree::PaintStep> paint = {});
 
-// The same volume with at most `most_leaves` leaves: cells of the finest depth become one, those first of which images
-// show least difference. What they hide and show together stays about the same.
+// The same volume with at most `most_leaves` leaves, or eight where that is less: cells of the finest depth become one,
+// those first of which images show least difference. What they hide and show together stays about the same.
 FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves);
 
 }  // namespace neuvv::interchange

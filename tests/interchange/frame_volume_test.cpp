@@ -77,7 +77,7 @@ TEST(FrameVolume, OfFewerLeavesHidesAsMuch) {
 TEST(FrameVolume, MergesWhatAgrees) {
     FrameVolume volume;
     for (uint64_t i = 0; i < 16; i++) {
-        VolumeLeaf leaf{i, 2, 3, {}};
+        VolumeLeaf leaf{i, 2, 3, {}, 1};
         for (auto& channel : leaf.colours) channel[0] = i < 8 && i % 2 == 0 ? 3.0f : 1.0f;
         volume.leaves.push_back(leaf);
     }
