@@ -1,10 +1,10 @@
 #include "interchange/splats.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "base/parallel.h"
 #include "media/image.h"
+#include "voctree/sh_weights.h"
 
 namespace neuvv::interchange {
 
@@ -12,50 +12,26 @@ namespace {
 
 constexpr size_t kSplatsOfPart = 1024;
 
-// The first sh_count(3) harmonics of a unit direction, as shaders/sh.glsl has them.
-std::array<float, kMaxShCount> harmonics(const glm::vec3& d) {
-    return {0.28209479f,
-            0.48860251f * d.y,
-            0.48860251f * d.z,
-            0.48860251f * d.x,
-            1.09254843f * d.x * d.y,
-            1.09254843f * d.y * d.z,
-            0.31539157f * (3 * d.z * d.z - 1),
-            1.09254843f * d.x * d.z,
-            0.54627422f * (d.x * d.x - d.y * d.y),
-            0.59004359f * d.y * (3 * d.x * d.x - d.y * d.y),
-            2.89061144f * d.x * d.y * d.z,
-            0.45704580f * d.y * (5 * d.z * d.z - 1),
-            0.37317633f * d.z * (5 * d.z * d.z - 3),
-            0.45704580f * d.x * (5 * d.z * d.z - 1),
-            1.44530572f * d.z * (d.x * d.x - d.y * d.y),
-            0.59004359f * d.x * (d.x * d.x - 3 * d.y * d.y)};
-}
-
 // Condon-Shortley: harmonics of odd m change their sign.
 constexpr std::array<float, kMaxShCount> kPhase = {1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1};
 
+// A direction of a quadrature over the sphere, with the harmonics of it before and after it is placed.
 struct Direction {
-    std::array<float, kMaxShCount> of_volume,
-        of_splats;  // the harmonics of the same direction before and after it is placed
-    float weight;   // of a quadrature over the sphere; all weights sum to 4π
+    std::array<float, kMaxShCount> of_volume, of_splats;
+    float weight;
 };
 
-// Lebedev's 26 directions: exact for polynomials of degree 7.
 std::vector<Direction> directions(const glm::dquat& rotation) {
     std::vector<Direction> all;
-    for (int x = -1; x <= 1; x++)
-        for (int y = -1; y <= 1; y++)
-            for (int z = -1; z <= 1; z++) {
-                const int length2 = x * x + y * y + z * z;
-                if (length2 == 0) continue;
-                constexpr float kWeights[] = {0, 1 / 21.0f, 4 / 105.0f, 9 / 280.0f};
-                const glm::dvec3 d = glm::normalize(glm::dvec3(x, y, z));
-                Direction direction{harmonics(glm::vec3(d)), harmonics(glm::vec3(rotation * d)),
-                                    4 * std::numbers::pi_v<float> * kWeights[length2]};
-                for (size_t i = 0; i < kMaxShCount; i++) direction.of_splats[i] *= kPhase[i];
-                all.push_back(direction);
-            }
+    for (const voctree::ShDirection& from : voctree::sh_directions()) {
+        const auto before = voctree::sh_basis(from.d), after = voctree::sh_basis(rotation * from.d);
+        Direction& direction = all.emplace_back();
+        direction.weight = static_cast<float>(from.weight);
+        for (size_t i = 0; i < kMaxShCount; i++) {
+            direction.of_volume[i] = static_cast<float>(before[i]);
+            direction.of_splats[i] = kPhase[i] * static_cast<float>(after[i]);
+        }
+    }
     return all;
 }
 
