@@ -168,7 +168,8 @@ void write_splat_glb(const std::filesystem::path& file, std::span<const Splats> 
     Json nodes = Json::array(), meshes = Json::array(), shown = Json::array();
     for (size_t i = 0; i < frames.size(); i++) {
         Json node = {{"name", fmt::format("frame {}", i)}};
-        if (!frames[i].splats.empty()) {  // a mesh without vertices is not valid
+        if (i > 0) node["scale"] = {0, 0, 0};  // where nothing plays the animation
+        if (!frames[i].splats.empty()) {       // a mesh without vertices is not valid
             meshes.push_back({{"primitives", Json::array({primitive_of(frames[i], glb)})}});
             node["mesh"] = meshes.size() - 1;
         }
