@@ -235,7 +235,7 @@ nlohmann::ordered_json json_of(const Result& result, const FarOptions& options) 
 
 void run(const FarOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    const voctree::VOctree tree = voctree::read_clip(options.scene);
+    const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
     const Result result = measure(device, tree, options);
     expect_not_stopped();

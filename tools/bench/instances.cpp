@@ -147,7 +147,7 @@ nlohmann::ordered_json json_of(const Result& result, const InstancesOptions& opt
 void run(const InstancesOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     if (!options.image.empty()) prepare_output_file("--image", options.image);
-    const voctree::VOctree tree = voctree::read_clip(options.scene);
+    const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();

@@ -230,7 +230,8 @@ nlohmann::ordered_json json_of(const Result& result, const RenderOptions& option
 
 void run(const RenderOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    const voctree::VOctree tree = voctree::read_clip(options.scene);
+    const voctree::VOctree tree =
+        voctree::read_clip(options.scene);  // the paths that it is compared with take linear light
     const gpu::Device device(common.device);
     const Result result = measure_all(device, tree, options);
     expect_not_stopped();

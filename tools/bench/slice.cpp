@@ -72,7 +72,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
 
 void run(const SliceOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    const voctree::VOctree tree = voctree::read_clip(options.scene);
+    const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const SliceTimes times = measure(device, field, options);

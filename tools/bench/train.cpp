@@ -161,7 +161,8 @@ void add_train(tools::Command app, const tools::CommonOptions& common) {
                   "and prints the median GPU time of each pass, their ratio, and the share of the device's "
                   "bandwidth that the\n"
                   "optimiser reaches. Weights stay as they are. ",
-                  {"build/performer.nvv build/performer --repeats 50"}},
+                  {"build/performer.nvv build/performer --repeats 50"},
+                  "The .nvv"},
                  run);
     verb.add_option("dataset", options.dataset, "The data set's folder").required();
     tools::add_format_option(verb, options.format);

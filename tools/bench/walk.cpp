@@ -138,7 +138,7 @@ nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays) {
 
 void run(const BenchOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
-    const voctree::VOctree tree = voctree::read_clip(options.scene);
+    const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
     const media::ImageSize size = tools::parse_size(options.size);
     const std::vector<tools::ViewStep> orbit = tools::orbit_path(tree, size);
