@@ -106,8 +106,10 @@ void run_runtimes(Program& program) {
     editor::DeviceLosses losses;
     for (RetryLimit retries(program);;) {
         std::string why;
+        bool has_device = false;
         try {
             RuntimeContext context(program);
+            has_device = true;
             run_sessions(program, context);
             return;
         } catch (const xr::XrFailure& failure) {
@@ -116,7 +118,7 @@ void run_runtimes(Program& program) {
             why = failure.what();
             print_line("the headset's runtime was lost; waiting for it");
         } catch (const gpu::VulkanError& failure) {
-            program.interaction.grab.release(program.state);
+            program.interaction.release_all(program.state);
             if (failure.out_of_memory() || !retries.has_run()) throw;
             why = failure.what();
             if (failure.device_lost()) {
@@ -125,8 +127,12 @@ void run_runtimes(Program& program) {
                 program.notify();
             }
         } catch (const RuntimeFailure& failure) {
+            program.interaction.release_all(program.state);
             if (!retries.has_run()) throw;
             why = failure.what();
+        } catch (const InputError& failure) {
+            if (has_device || !retries.has_run()) throw;
+            why = failure.what();  // while a device is reset, none has the name that the user chose
         }
         if (stop_requested() || program.leaving) return;
         return_freed_memory();  // runtime, device and renderer are gone

@@ -169,8 +169,10 @@ void Viewer::recover_device(std::string why) {
             is_there = true;
         } catch (const RuntimeFailure& failure) {
             why = failure.what();
-            std::this_thread::sleep_for(std::chrono::seconds(1));
+        } catch (const InputError& failure) {  // while a device is reset, none has the name that the user chose
+            why = failure.what();
         }
+        if (!is_there) std::this_thread::sleep_for(std::chrono::seconds(1));
     }
     device_->shaders().set(shaders);
     screenshots_.request_again();
