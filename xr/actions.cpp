@@ -31,10 +31,10 @@ bool is_bound(BoundHands hands, int hand) {
 
 }  // namespace
 
-Actions::Actions(const Session& session) : session_(session) {
+Actions::Actions(const Session& session, bool with_gaze) : session_(session) {
     create_actions();
     create_tracker_action();
-    create_gaze_action();
+    if (with_gaze) create_gaze_action();
     suggest_bindings();
     const XrActionSet set = set_.get();
     const XrSessionActionSetsAttachInfo info{XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO, nullptr, 1, &set};

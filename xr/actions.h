@@ -14,8 +14,9 @@ namespace neuvv::xr {
 class Actions {
   public:
     // Creates the actions, suggests their bindings and attaches them to the session, which OpenXR allows once for each
-    // session. The session must outlive this object. Throws XrFailure.
-    explicit Actions(const Session& session);
+    // session. The session must outlive this object. `with_gaze`: whether locate_gaze() will be called; the user's eyes
+    // are not asked for otherwise. Throws XrFailure.
+    Actions(const Session& session, bool with_gaze);
 
     // The present state of buttons and sticks, and the poses of the hands as predicted for `time`. All is at rest while
     // the session does not have the input focus. Call it once a frame: buttons count as pressed since the last call.
