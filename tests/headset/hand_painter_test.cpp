@@ -3,9 +3,11 @@
 
 #include <fstream>
 #include <set>
+#include <utility>
 
 #include "edit/paint_layers.h"
 #include "edit/select.h"
+#include "gpu/device.h"
 #include "headset/hands_at_a_stage.h"
 #include "support/segmented_copy.h"
 #include "tools/headset/pictures.h"
@@ -224,8 +226,34 @@ TEST_F(PictureTest, WhereItCannotBePutANoticeSaysWhy) {
     state.picture = folder.path / "none.png";
     settle();
     EXPECT_TRUE(was_notified("none.png"));
+    press_at(head_of_ben);
+    EXPECT_TRUE(was_notified("none.png")) << "each press tries again";
+    media::write_png(folder.path / "none.png", media::Image(40, 20));
+    press_at(head_of_ben);
+    EXPECT_FALSE(was_notified("none.png")) << "it is there now";
     EXPECT_TRUE(projected.empty());
     EXPECT_EQ(undo_all(), 0u);
+}
+
+// As where the program makes the device anew.
+TEST_F(PictureTest, APictureOutlivesALostDevice) {
+    choose();
+    const headset::ProjectPicture working =
+        std::exchange(interaction.painter.project_picture, [](auto&&...) -> std::optional<editor::PaintSession> {
+            throw gpu::VulkanError(VK_ERROR_DEVICE_LOST, "the device is lost");
+        });
+    ray_to(head_of_ben);
+    EXPECT_THROW((press(true), settle()), gpu::VulkanError);
+    interaction.painter.project_picture = working;
+    press(false);
+    settle();
+    EXPECT_EQ(projected.size(), 1u);
+    EXPECT_EQ(undo_all(), 1u);
+    interaction.painter.project_picture = [](auto&&...) -> std::optional<editor::PaintSession> {
+        throw gpu::VulkanError(VK_ERROR_OUT_OF_DEVICE_MEMORY, "no memory");
+    };
+    press_at(head_of_ben);
+    EXPECT_TRUE(was_notified("no memory"));
 }
 
 TEST_F(PictureTest, TheNextPictureOfTheFolderFollows) {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "edit/paint_layers.h"
+#include "gpu/device.h"
 #include "media/colour.h"
 #include "render/trace.h"
 
@@ -26,13 +27,6 @@ editor::PaintOperation operation_of(const HandBrush& brush, float frame, uint32_
     operation.frames = {frame, frame, edit::Follow::kRun};
     if (brush.whole_clip) operation.frames = {0, static_cast<float>(frames - 1), edit::Follow::kNot};
     return operation;
-}
-
-// The frame of its clip that a performer shows.
-float frame_of(const HeadsetState& state, uint32_t index) {
-    for (const stage::EvaluatedPerformer& at : state.evaluated.performers)
-        if (at.performer == index) return at.frame;
-    return 0;
 }
 
 }  // namespace
@@ -115,6 +109,7 @@ void HandPainter::read_picture(HeadsetState& state) {
     if (state.brush.mode != HandBrush::Mode::kPicture || picture_file_ == state.picture) return;
     picture_file_ = state.picture;
     picture_.reset();
+    picture_failed_ = false;
     jobs_.start("", [this, &state, file = picture_file_]() -> JobQueue::Then {
         std::shared_ptr<const media::Image> picture;
         std::string problem;
@@ -128,7 +123,9 @@ void HandPainter::read_picture(HeadsetState& state) {
         }
         return [this, &state, file, picture, problem] {
             if (!problem.empty()) state.editor.notify(problem, true);
-            if (file == picture_file_) picture_ = picture;
+            if (file != picture_file_) return;
+            picture_ = picture;
+            picture_failed_ = !picture;
         };
     });
 }
@@ -136,6 +133,7 @@ void HandPainter::read_picture(HeadsetState& state) {
 // The picture's middle is where the ray meets the performer, its upper edge is the hand's, and there it is 2 radius_m
 // wide.
 void HandPainter::put_picture(HeadsetState& state, uint32_t index, Hand& hand) {
+    if (picture_failed_) picture_file_.clear();  // then it is read again: somebody may have mended the file
     if (!picture_ || picture_file_ != state.picture)
         return state.editor.notify(
             state.picture.empty() ? "choose a picture on the panel" : "the picture is being read", true);
@@ -254,7 +252,7 @@ void HandPainter::update(HeadsetState& state, Hands& hands) {
         status_ =
             fmt::format("Paints {} at the time at which a stroke begins", state.stage->performers[*performer].name);
     } else if (strokes_.empty()) {
-        if (const auto target = load_target(state, *performer, frame_of(state, *performer)))
+        if (const auto target = load_target(state, *performer, state.frame_of(*performer)))
             update_status(state, *target);
     }
     if (state.tool == HandTool::kRegion) return drag_region(state, *performer, hand);
@@ -283,7 +281,7 @@ std::shared_ptr<HandPainter::Stroke> HandPainter::begin_stroke(const HeadsetStat
     stroke->brush = state.brush;
     stroke->description = fmt::format("{} {} in the air", performer.name,
                                       state.brush.mode == HandBrush::Mode::kErase ? "erased" : "painted");
-    stroke->frame = frame_of(state, index);
+    stroke->frame = state.frame_of(index);
     return stroke;
 }
 
@@ -345,6 +343,12 @@ void HandPainter::begin_session(HeadsetState& state, Stroke& stroke) {
         if (project_picture)
             stroke.session =
                 project_picture(target.place.segment().file, subject, seen.before, operation, *stroke.picture);
+    } catch (const gpu::VulkanError& failure) {
+        if (failure.device_lost()) {
+            stroke.target.reset();  // it is begun again on the device that is made anew
+            throw;
+        }
+        problem = failure.what();
     } catch (const RuntimeFailure& failure) {
         problem = failure.what();
     }

@@ -1,7 +1,7 @@
-// Painting in the air: a ball or a box at the tip of the right hand, or where its ray meets the performer, colours or
-// erases those leaves of the selected performer that it touches. With the region tool, the hand drags a box from corner
-// to corner, which the panel's buttons colour or erase. With a picture, each press projects it along the hand's ray
-// onto the performer.
+// Painting in the air: a ball or a box at the tip of the hand that paints, or where its ray meets the performer,
+// colours or erases those leaves of the selected performer that it touches. With the region tool, the hand drags a box
+// from corner to corner, which the panel's buttons colour or erase. With a picture, each press projects it along the
+// hand's ray onto the performer. The hand that paints is the right one; for left-handed users the left one.
 //
 // The leaves are searched, and layers made, by the job queue, so that no frame waits. What a stroke touches while a job
 // runs is done by the next job. A stroke that begins while another one is still being applied, or while its performer
@@ -31,7 +31,7 @@ struct PaintRegion {
 
 // Projects a picture onto a performer as it is drawn: a session with the projection, for the file of a clip or segment.
 // Nullopt where that is not on the device. Only a device can do it, so it is given from outside; it waits for the
-// device. It may throw RuntimeFailure.
+// device. It may throw RuntimeFailure; that the device is lost is thrown on.
 using ProjectPicture = std::function<std::optional<editor::PaintSession>(
     const std::filesystem::path& file, editor::PaintSubject subject, editor::Layer before,
     const editor::PaintOperation& operation, editor::PaintArea area)>;
@@ -43,13 +43,12 @@ class HandPainter {
     // `jobs` must outlive this object, or be stopped before it is destroyed.
     explicit HandPainter(JobQueue& jobs) : jobs_(jobs) {}
 
-    // Begins, extends and ends strokes or drags the region, by the selected tool and the right hand.
+    // Begins, extends and ends strokes or drags the region, by the selected tool and the hand that paints.
     void update(HeadsetState& state, Hands& hands);
     // Ends the stroke of the hand. A stroke is one step of the history, including what is still being applied of it.
     void end_stroke(HeadsetState& state);
     // Continues with the oldest stroke, where that is possible: starts its next job or finishes it; and with painting
-    // other segments. update() calls it,
-    // and so do the jobs when they end.
+    // other segments. update() calls it, and so do the jobs when they end.
     void process_strokes(HeadsetState& state);
     // Whether any stroke is unfinished. Until then, the numbers of nodes must not change.
     bool is_busy() const { return !strokes_.empty(); }
@@ -103,6 +102,7 @@ class HandPainter {
     bool reading_ = false;
     std::filesystem::path picture_file_;           // that was read last, or is being read
     std::shared_ptr<const media::Image> picture_;  // null: not yet, or it could not be read
+    bool picture_failed_ = false;                  // it could not be read
     std::string status_;
     std::optional<PaintRegion> region_;
     std::optional<glm::dvec3> corner_;  // performer's space: where the drag of the region began, while it lasts

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "edit/operations.h"
@@ -60,6 +61,7 @@ struct HeadsetState : editor::StageState {
     edit::CopySettings copies{.count = 3};  // that the panel would make of the selected performer
     PanelDialogue dialogue = PanelDialogue::kNone;
     std::string typed;                         // on the keyboard
+    uint32_t typed_for = 0;                    // the node that the keyboard renames
     std::vector<std::filesystem::path> clips;  // that PanelDialogue::kClips offers
     std::optional<NewPerformer> new_performer;
     Comfort comfort;
@@ -68,10 +70,21 @@ struct HeadsetState : editor::StageState {
     std::filesystem::path picture;   // that the brush projects; empty: none has been chosen
     bool picks_colour = false;       // the next press of the painting hand gives the brush the colour under its ray
     bool panel_visible = false, panel_on_wrist = false;
+    bool slider_edits = false;  // a slider of the panel is dragged, and edits the document (Editor::drag)
+    // Ends the drag of a slider: its edit is made.
+    void release_slider() {
+        if (std::exchange(slider_edits, false)) editor.end_drag();
+    }
     bool left_handed = false;  // the hands have each other's roles
     bool hints = true;         // labels at the controllers say what their buttons do
     // The hand that has the role of this hand, and the other way round.
     int hand_of(int role) const { return left_handed ? xr::kHands - 1 - role : role; }
+    // The frame of its clip that a performer of the stage shows.
+    float frame_of(uint32_t performer) const {
+        for (const stage::EvaluatedPerformer& at : evaluated.performers)
+            if (at.performer == performer) return at.frame;
+        return 0;
+    }
 };
 
 }  // namespace neuvv::headset
