@@ -14,11 +14,12 @@ namespace neuvv::test {
 
 class PanelAtAStage : public HandsAtAStage {
   protected:
+    static constexpr float kWidth = 768, kHeight = 1024;  // pixels, as of PanelSurface
     PanelAtAStage() {
         ImGui::CreateContext();
         ImGuiIO& io = ImGui::GetIO();
         io.IniFilename = nullptr;
-        io.DisplaySize = {960, 720};
+        io.DisplaySize = {kWidth, kHeight};
         ui::apply_theme(1.75f);
         io.Fonts->Build();
         draw();
@@ -30,7 +31,7 @@ class PanelAtAStage : public HandsAtAStage {
         frame();
         ImGuiIO& io = ImGui::GetIO();
         io.DeltaTime = 1.0f / 90;
-        io.MousePos = at ? ImVec2{float(at->x) * 960, float(at->y) * 720} : ImVec2{-FLT_MAX, -FLT_MAX};
+        io.MousePos = at ? ImVec2{float(at->x) * kWidth, float(at->y) * kHeight} : ImVec2{-FLT_MAX, -FLT_MAX};
         io.MouseDown[0] = pressed;
         ImGui::NewFrame();
         items = headset::draw_panel(state, interaction, training, {}).items;
@@ -43,7 +44,11 @@ class PanelAtAStage : public HandsAtAStage {
         draw(at);
         draw(at, true);
         draw(at);
-        draw();
+        draw_settled();
+    }
+    // Draws the panel as often as its layout needs.
+    void draw_settled() {
+        for (int i = 0; i < 4; i++) draw();
     }
     // Takes a slider in its middle and drags it sideways, by shares of the panel's width.
     void drag(const std::string& item, std::initializer_list<double> to) {

@@ -1,11 +1,7 @@
 // The panel: where it opens, and where its rows are. It is drawn without a device.
 #include "tools/headset/panel.h"
 
-#include <imgui.h>
-
-#include "headset/hands_at_a_stage.h"
-#include "tools/headset/training.h"
-#include "tools/ui/theme.h"
+#include "headset/panel_at_a_stage.h"
 
 namespace neuvv::test {
 namespace {
@@ -88,112 +84,155 @@ TEST(PanelPlacementTest, AboutNobodyItOpensAwayFromTheHandThatPoints) {
         << "who is not seen does not matter";
 }
 
-// The panel's rows, drawn by ImGui without a device.
-struct PanelRows : HandsAtAStage {
-    PanelRows() {
-        ImGui::CreateContext();
-        ImGui::GetIO().IniFilename = nullptr;
-        ui::apply_theme(1.75f);
-        ImGui::GetIO().Fonts->Build();
+using headset::HandTool, headset::PanelDialogue, headset::PanelPage;
+
+// The panel's rows, and what they do.
+struct PanelRows : PanelAtAStage {
+    static constexpr auto kPages = {PanelPage::kPerformer, PanelPage::kTime, PanelPage::kCopies, PanelPage::kStage,
+                                    PanelPage::kUser};
+    std::map<std::string, glm::dvec2> items_with(std::optional<uint32_t> selected) {
+        state.editor.select(selected);
+        draw_settled();
+        return items;
     }
-    ~PanelRows() override { ImGui::DestroyContext(); }
-    // Draws the panel, as often as its layout needs. The right hand presses `item` in between, where it is given.
-    headset::PanelResult draw(const std::string& item = "") {
-        headset::PanelResult result;
-        for (int i = 0; i < 5; i++) {
-            ImGuiIO& io = ImGui::GetIO();
-            io.DisplaySize = {768, 1024};
-            io.DeltaTime = 1.0f / 90;
-            io.MouseDown[0] = i == 2 && !item.empty();
-            io.MousePos = {-FLT_MAX, -FLT_MAX};
-            if (!item.empty() && i > 0) {
-                const glm::dvec2 at = result.items.at(item);
-                io.MousePos = {static_cast<float>(768 * at.x), static_cast<float>(1024 * at.y)};
-            }
-            ImGui::NewFrame();
-            const auto before = result;
-            result = headset::draw_panel(state, interaction, training, {});
-            result.save |= before.save;
-            ImGui::EndFrame();
-            frame();
-        }
-        return result;
-    }
-    headset::Training training = headset::Training(jobs);
 };
 
 TEST_F(PanelRows, NoRowMovesWhenSomebodyIsSelected) {
-    for (const auto page : {headset::PanelPage::kPerformer, headset::PanelPage::kStage, headset::PanelPage::kUser}) {
+    for (const PanelPage page : kPages) {
         state.page = page;
-        state.editor.select({});
-        const headset::PanelResult nobody = draw();
-        state.editor.select(node("ben"));
-        const headset::PanelResult ben = draw();
-        EXPECT_GT(nobody.items.size(), 10u);
-        EXPECT_EQ(nobody.items, ben.items);
+        const auto nobody = items_with({}), ben = items_with(node("ben"));
+        EXPECT_GT(nobody.size(), 10u);
+        EXPECT_EQ(nobody, ben) << static_cast<int>(page);
     }
 }
 
 TEST_F(PanelRows, EveryItemIsOnThePanel) {
-    for (const auto tool : {headset::HandTool::kArrange, headset::HandTool::kPaint, headset::HandTool::kRegion,
-                            headset::HandTool::kTrain})
-        for (const auto page :
-             {headset::PanelPage::kPerformer, headset::PanelPage::kStage, headset::PanelPage::kUser}) {
-            state.tool = tool;
-            state.page = page;
-            double last_row = 0;
-            const headset::PanelResult drawn = draw();
-            for (const auto& [name, at] : drawn.items) {
-                EXPECT_TRUE(at.x > 0 && at.x < 1 && at.y > 0 && at.y < 1) << name << " " << at.x << " " << at.y;
-                last_row = std::max(last_row, at.y);
+    for (const auto selected : {std::optional<uint32_t>(), std::optional(node("ben"))})
+        for (const HandTool tool : {HandTool::kArrange, HandTool::kPaint, HandTool::kRegion, HandTool::kTrain})
+            for (const PanelPage page : kPages) {
+                state.tool = tool;
+                state.page = page;
+                double last_row = 0;
+                for (const auto& [name, at] : items_with(selected)) {
+                    EXPECT_TRUE(at.x > 0 && at.x < 1 && at.y > 0 && at.y < 1) << name << " " << at.x << " " << at.y;
+                    last_row = std::max(last_row, at.y);
+                }
+                EXPECT_EQ(items.at("leave").y, last_row) << "other rows end above it";
             }
-            EXPECT_EQ(drawn.items.at("leave").y, last_row) << "other rows end above it";
-        }
 }
 
 TEST_F(PanelRows, WhatNeedsASelectionDoesNothingWithoutOne) {
-    for (const char* item : {"copy", "delete", "floor", "spin", "slower", "later"}) draw(item);
-    EXPECT_FALSE(state.editor.modified());
+    const std::pair<PanelPage, std::vector<const char*>> pages[] = {
+        {PanelPage::kPerformer, {"copy", "delete", "floor", "life size", "hide", "rename"}},
+        {PanelPage::kTime,
+         {"once", "performer loop", "to and fro", "freeze", "slower", "faster", "reverse", "earlier", "later", "offset",
+          "spin"}},
+        {PanelPage::kCopies, {"make copies"}}};
+    for (const auto& [page, pressed] : pages) {
+        state.page = page;
+        draw_settled();
+        for (const char* item : pressed) {
+            press(item);
+            EXPECT_FALSE(state.editor.modified()) << item;
+        }
+    }
+    EXPECT_EQ(state.dialogue, PanelDialogue::kNone);
     EXPECT_TRUE(state.editor.take_notices().empty());
-    state.editor.select(node("ben"));
-    draw("spin");
-    EXPECT_TRUE(state.editor.modified());
+    for (const auto& [page, item] : {std::pair{PanelPage::kPerformer, "hide"},
+                                     {PanelPage::kTime, "slower"},
+                                     {PanelPage::kCopies, "make copies"}}) {
+        state.page = page;
+        items_with(node("ben"));
+        press(item);
+        EXPECT_EQ(steps(), 1u) << item;
+    }
 }
 
 TEST_F(PanelRows, AKeyboardRenamesWhoIsSelected) {
-    draw("rename");
-    EXPECT_EQ(state.dialogue, headset::PanelDialogue::kNone) << "nobody is selected";
     state.editor.select(node("ben"));
-    draw("rename");
-    ASSERT_EQ(state.dialogue, headset::PanelDialogue::kKeyboard);
+    draw_settled();
+    press("rename");
+    ASSERT_EQ(state.dialogue, PanelDialogue::kKeyboard);
     EXPECT_EQ(state.typed, "ben");
-    for (int i = 0; i < 3; i++) draw("key back");
-    for (const char* key : {"key e", "key v", "key a", "key space", "key 2"}) draw(key);
+    for (int i = 0; i < 3; i++) press("key back");
+    for (const char* key : {"key e", "key v", "key a", "key space", "key 2"}) press(key);
     EXPECT_EQ(state.typed, "Eva 2");
-    const headset::PanelResult keys = draw();
-    for (const auto& [name, at] : keys.items) EXPECT_TRUE(at.x > 0 && at.x < 1) << name;
-    draw("key done");
-    EXPECT_EQ(state.dialogue, headset::PanelDialogue::kNone);
+    for (const auto& [name, at] : items) EXPECT_TRUE(at.x > 0 && at.x < 1) << name;
+    press("key done");
+    EXPECT_EQ(state.dialogue, PanelDialogue::kNone);
+    draw();
     EXPECT_EQ(state.stage->performers[1].name, "Eva 2");
-    draw("rename");
-    draw("key back");
-    draw("key cancel");
+    press("rename");
+    press("key back");
+    press("key cancel");
     EXPECT_EQ(state.stage->performers[1].name, "Eva 2");
     EXPECT_EQ(undo_all(), 1u);
 }
 
+TEST_F(PanelRows, TheKeyboardGoesWhenSomebodyElseIsSelected) {
+    items_with(node("ben"));
+    press("rename");
+    press("key x");
+    ASSERT_EQ(state.dialogue, PanelDialogue::kKeyboard);
+    items_with(node("anna"));
+    EXPECT_EQ(state.dialogue, PanelDialogue::kNone);
+    EXPECT_FALSE(has("key done"));
+    EXPECT_FALSE(state.editor.modified());
+}
+
+TEST_F(PanelRows, ASliderThatIsNoLongerShownEndsItsEdit) {
+    const auto hold = [&](const char* item) {
+        state.page = PanelPage::kTime;
+        state.panel_visible = true;
+        items_with(node("ben"));
+        const glm::dvec2 at = items.at(item);
+        draw(at);
+        draw(at, true);
+        draw(at + glm::dvec2(0.1, 0), true);
+        EXPECT_TRUE(state.editor.dragging());
+    };
+    const auto expect_ended = [&] {
+        EXPECT_FALSE(state.editor.dragging());
+        draw_settled();
+        EXPECT_EQ(steps(), 1u);
+    };
+    hold("spin");
+    state.page = PanelPage::kPerformer;  // the other hand pressed the page's button
+    draw(glm::dvec2(0.5), true);
+    expect_ended();
+    hold("offset");
+    state.panel_visible = false;  // so nothing is drawn
+    frame();
+    expect_ended();
+    hold("spin");
+    interaction.release_all(state);
+    expect_ended();
+}
+
 TEST_F(PanelRows, TheStagePageAddsAndShowsPerformers) {
-    state.editor.select(node("ben"));
-    draw("hide");
-    state.page = headset::PanelPage::kStage;
-    draw();
-    draw("show ben");
+    items_with(node("ben"));
+    press("hide");
+    press("stage page");
+    press("show ben");
     EXPECT_EQ(state.editor.selected(), node("ben"));
-    draw("add");
-    draw("clip figure.nvv");
+    press("add");
+    press("clip figure.nvv");
     ASSERT_EQ(state.stage->performers.size(), 3u);
-    EXPECT_EQ(state.dialogue, headset::PanelDialogue::kNone);
+    EXPECT_EQ(state.dialogue, PanelDialogue::kNone);
     EXPECT_EQ(undo_all(), 3u);
+}
+
+TEST_F(PanelRows, ClipsOfTheSameNameAreApart) {
+    const std::filesystem::path other = folder.path / "other/figure.nvv";
+    std::filesystem::create_directories(other.parent_path());
+    std::filesystem::copy_file(clip, other);
+    press("stage page");
+    press("add");
+    state.clips = {clip, other};
+    draw_settled();
+    press("clip figure.nvv");  // the position of the last one
+    ASSERT_EQ(state.stage->performers.size(), 3u);
+    EXPECT_EQ(state.stage->clips[state.stage->performers[2].clip].path, other);
 }
 
 TEST_F(PanelRows, ItOpensBesideWhoIsSelected) {

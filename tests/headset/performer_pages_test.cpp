@@ -126,7 +126,7 @@ TEST_F(PerformerPages, ASpinIsDraggedBothWaysAndStopsInTheMiddle) {
     EXPECT_GT(spin, 30);
     EXPECT_LT(spin, 180);
     drag("spin", {-0.05, -0.2});
-    EXPECT_NEAR(settings().spin_deg_per_s, -spin, 1e-6);
+    EXPECT_NEAR(settings().spin_deg_per_s, -spin, 0.6 + 1e-6) << "pixels are 0.1 turns a minute apart";
     drag("spin", {0.1, 0.004});
     EXPECT_EQ(settings().spin_deg_per_s, 0);
     EXPECT_EQ(steps(), 3u);
@@ -151,15 +151,6 @@ TEST_F(PerformerPages, ThePictureButtonGoesThroughTheFolderAndATipPaintsAgain) {
     press("by ray");
     press("pick colour");
     EXPECT_TRUE(state.brush.by_ray && state.picks_colour);
-}
-
-TEST_F(PerformerPages, WithoutAPerformerNothingIsEdited) {
-    state.editor.select({});
-    press("time page");
-    EXPECT_FALSE(has("spin"));
-    press("copies page");
-    press("make copies");
-    EXPECT_EQ(steps(), 0u);
 }
 
 }  // namespace

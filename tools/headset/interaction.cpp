@@ -97,7 +97,7 @@ void Interaction::update_panel(HeadsetState& state, const xr::Pose& head) {
         state.panel_visible = !state.panel_visible;
     if (!state.panel_visible) {
         panel.reset();
-        panel_was_visible_ = false;
+        if (std::exchange(panel_was_visible_, false)) state.release_slider();
         return;
     }
     if (!panel) panel.emplace();
@@ -132,6 +132,7 @@ void Interaction::release_all(HeadsetState& state) {
     grab.release(state);
     lights.release(state);
     painter.end_stroke(state);
+    state.release_slider();
 }
 
 void Interaction::user_was_moved(HeadsetState& state) {

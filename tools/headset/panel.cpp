@@ -85,21 +85,6 @@ void page_row(Rows& rows) {
     page("user page", "You", PanelPage::kUser);
 }
 
-// The time in the performer's clip that is shown now, in seconds.
-double clip_seconds(const HeadsetState& state, const stage::StagePerformer& performer) {
-    for (const stage::EvaluatedPerformer& at : state.evaluated.performers)
-        if (&state.stage->performers[at.performer] == &performer)
-            return at.frame / state.stage->clips[performer.clip].fps;
-    return 0;
-}
-
-void performer_title(const HeadsetState& state, const stage::StagePerformer* performer) {
-    if (!performer) return ImGui::TextDisabled("Point at a performer and pull the trigger.");
-    ImGui::Text("%s", performer->name.c_str());
-    ImGui::SameLine();
-    ImGui::TextDisabled("%s", fmt::format("shows {:.2f} s of its clip", clip_seconds(state, *performer)).c_str());
-}
-
 void name_row(Rows& rows) {
     HeadsetState& state = rows.state;
     const float one = column_width(3);
@@ -108,7 +93,8 @@ void name_row(Rows& rows) {
     if (rows.button("hide", ICON_EYE_OFF " Hide", one)) hide_selected(state);
     ImGui::SameLine();
     if (rows.button("rename", "Rename", one)) {
-        state.typed = edit::name_of(state.editor.file(), *state.editor.selected());
+        state.typed_for = *state.editor.selected();
+        state.typed = edit::name_of(state.editor.file(), state.typed_for);
         state.dialogue = PanelDialogue::kKeyboard;
     }
 }
@@ -128,7 +114,7 @@ void grab_rows(Rows& rows) {
 void performer_rows(Rows& rows) {
     HeadsetState& state = rows.state;
     const stage::StagePerformer* performer = selected_performer(state);
-    performer_title(state, performer);
+    performer_title(state);
     ImGui::BeginDisabled(!performer);
     const float one = column_width(3);
     if (rows.button("copy", ICON_COPY " Copy", one)) duplicate_selected(state);
@@ -149,7 +135,7 @@ void picture_button(Rows& rows, float width) {
     const bool is_on = state.brush.mode == HandBrush::Mode::kPicture;
     if (!rows.button("picture", label.c_str(), width, is_on)) return;
     if (is_on || state.picture.empty())
-        state.picture = next_picture(state.editor.file().path.parent_path(), state.picture);
+        state.picture = next_picture(stage::absolute_path(state.editor.file().path).parent_path(), state.picture);
     if (state.picture.empty()) return state.editor.notify("there is no PNG file beside the stage", true);
     state.brush.mode = HandBrush::Mode::kPicture;
 }
@@ -305,7 +291,7 @@ PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& 
     ImGui::SetNextWindowBgAlpha(1);
     ImGui::Begin("panel", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
-    if (state.dialogue == PanelDialogue::kKeyboard && !state.selected_performer())
+    if (state.dialogue == PanelDialogue::kKeyboard && state.editor.selected() != state.typed_for)
         state.dialogue = PanelDialogue::kNone;  // who was to be renamed is no longer selected
     time_rows(rows);
     ImGui::Separator();
@@ -323,6 +309,7 @@ PanelResult draw_panel(HeadsetState& state, Interaction& interaction, Training& 
     ImGui::EndDisabled();
     notice_rows(rows);
     ImGui::End();
+    if (!rows.slider_held) state.release_slider();  // the hand let go, or the slider is no longer shown
     return rows.result;
 }
 

@@ -14,13 +14,12 @@ constexpr double kMinCone_deg = 2, kMaxCone_deg = 90, kMinView_deg = 10, kMaxVie
 void colour_picker(Rows& rows, uint32_t node, const edit::LightValues& light) {
     ImGui::SetNextItemWidth(0.3f * ImGui::GetContentRegionAvail().x);
     glm::vec3 colour(media::srgb_from_linear(light.color));
-    if (ImGui::ColorPicker3("##colour", &colour.x,
-                            ImGuiColorEditFlags_PickerHueWheel | ImGuiColorEditFlags_NoSidePreview |
-                                ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoAlpha))
-        rows.state.editor.drag([&](edit::Document& document) {
-            return edit::set_light(document.file, node, {.color = media::linear_from_srgb(colour)});
-        });
-    if (ImGui::IsItemDeactivated()) rows.state.editor.end_drag();
+    const bool changed = ImGui::ColorPicker3("##colour", &colour.x,
+                                             ImGuiColorEditFlags_PickerHueWheel | ImGuiColorEditFlags_NoSidePreview |
+                                                 ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoAlpha);
+    rows.drag_by_item(changed, [&](edit::Document& document) {
+        return edit::set_light(document.file, node, {.color = media::linear_from_srgb(colour)});
+    });
     rows.record_item("light colour");
 }
 

@@ -1,5 +1,7 @@
 #include "tools/headset/panel_rows.h"
 
+#include <fmt/format.h>
+
 namespace neuvv::headset {
 
 void Rows::record_item(const char* name) {
@@ -50,9 +52,13 @@ bool Rows::slider(const char* name, const char* format, double& value, double lo
 
 void Rows::edit_slider(const char* name, const char* format, double value, double low, double high,
                        const std::function<std::string(edit::Document&, double)>& operation, ImGuiSliderFlags flags) {
-    if (slider(name, format, value, low, high, flags))
-        state.editor.drag([&](edit::Document& document) { return operation(document, value); });
-    if (ImGui::IsItemDeactivated()) state.editor.end_drag();
+    const bool changed = slider(name, format, value, low, high, flags);
+    drag_by_item(changed, [&](edit::Document& document) { return operation(document, value); });
+}
+
+void Rows::drag_by_item(bool changed, const editor::Editor::Operation& operation) {
+    if (changed) state.slider_edits |= state.editor.drag(operation);
+    slider_held |= ImGui::IsItemActive();
 }
 
 float column_width(int columns) {
@@ -63,6 +69,15 @@ float column_width(int columns) {
 const stage::StagePerformer* selected_performer(const HeadsetState& state) {
     const auto performer = state.selected_performer();
     return performer ? &state.stage->performers[*performer] : nullptr;
+}
+
+void performer_title(const HeadsetState& state) {
+    const stage::StagePerformer* performer = selected_performer(state);
+    if (!performer) return ImGui::TextDisabled("Point at a performer and pull the trigger.");
+    const double seconds = state.frame_of(*state.selected_performer()) / state.stage->clips[performer->clip].fps;
+    ImGui::Text("%s", performer->name.c_str());
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", fmt::format("shows {:.2f} s of its clip", seconds).c_str());
 }
 
 }  // namespace neuvv::headset

@@ -16,6 +16,7 @@ struct Rows {
     Training& training;
     const PanelStatus& status;
     PanelResult result;
+    bool slider_held = false;  // whether a hand holds a slider that edits the document
 
     // Records the position of the last ImGui item under this name.
     void record_item(const char* name);
@@ -32,6 +33,8 @@ struct Rows {
     // previewed while a hand holds the slider, and is one step of the history when the hand lets go.
     void edit_slider(const char* name, const char* format, double value, double low, double high,
                      const std::function<std::string(edit::Document&, double)>& operation, ImGuiSliderFlags flags = 0);
+    // The same for the last ImGui item, whose value has changed or not in this frame.
+    void drag_by_item(bool changed, const editor::Editor::Operation& operation);
 };
 
 // The width of each of so many columns, which fill the rest of the row.
@@ -53,5 +56,7 @@ void lights_rows(Rows& rows);
 
 // The selected performer; null where there is none.
 const stage::StagePerformer* selected_performer(const HeadsetState& state);
+// A line with the name of the selected performer and the time of its clip that is shown.
+void performer_title(const HeadsetState& state);
 
 }  // namespace neuvv::headset

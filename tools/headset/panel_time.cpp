@@ -1,6 +1,4 @@
 // The panel's page of a performer's time: when it begins, how fast and how often it plays, and whether it spins.
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "edit/tracks.h"
@@ -30,13 +28,6 @@ struct Timed {
     }
 };
 
-// The frame of its clip that is shown now.
-float frame_of(const HeadsetState& state, const stage::StagePerformer& performer) {
-    for (const stage::EvaluatedPerformer& at : state.evaluated.performers)
-        if (&state.stage->performers[at.performer] == &performer) return at.frame;
-    return 0;
-}
-
 void repeat_row(const Timed& timed) {
     const stage::TimeMap& map = timed.performer.settings.time;
     const float one = column_width(4);
@@ -56,24 +47,28 @@ void repeat_row(const Timed& timed) {
 }
 
 void pace_row(const Timed& timed) {
-    const float one = column_width(5);
-    const auto change = [&](const char* name, const char* label, bool is_on, const auto& edit) {
-        timed.button(name, label, one, is_on,
-                     [&timed, &edit](const stage::TimeMap& before) { return edit(before, timed.clip); });
+    const float one = column_width(3);
+    const stage::TimeMap& map = timed.performer.settings.time;
+    const auto speed = [&](const char* name, const char* label, double factor) {
+        timed.button(name, label, one, false,
+                     [&](const stage::TimeMap& before) { return edit::sped(before, timed.clip, factor); });
         ImGui::SameLine();
     };
-    using stage::TimeMap, edit::ClipRate;
-    const bool backwards = edit::is_reversed(timed.performer.settings.time);
-    change("slower", "half speed", false,
-           [](const TimeMap& map, const ClipRate& clip) { return edit::sped(map, clip, 0.5); });
-    change("faster", "double speed", false,
-           [](const TimeMap& map, const ClipRate& clip) { return edit::sped(map, clip, 2); });
-    change("reverse", "backwards", backwards, edit::reversed);
-    change("earlier", "0.5 s earlier", false,
-           [](const TimeMap& map, const ClipRate& clip) { return edit::moved(map, clip, -kShift_s); });
-    change("later", "0.5 s later", false,
-           [](const TimeMap& map, const ClipRate& clip) { return edit::moved(map, clip, kShift_s); });
-    ImGui::NewLine();
+    speed("slower", "Half speed", 0.5);
+    speed("faster", "Double speed", 2);
+    timed.button("reverse", "Backwards", one, edit::is_reversed(map),
+                 [&](const stage::TimeMap& before) { return edit::reversed(before, timed.clip); });
+}
+
+void shift_row(const Timed& timed) {
+    const float one = column_width(2);
+    const auto shift = [&](const char* name, const char* label, double by_s) {
+        timed.button(name, label, one, false,
+                     [&](const stage::TimeMap& before) { return edit::moved(before, timed.clip, by_s); });
+    };
+    shift("earlier", "0.5 s earlier", -kShift_s);
+    ImGui::SameLine();
+    shift("later", "0.5 s later", kShift_s);
 }
 
 void offset_row(const Timed& timed) {
@@ -98,19 +93,24 @@ void spin_row(const Timed& timed) {
 
 }  // namespace
 
+// Without a selected performer, the rows are grey and show those of one whose time nobody has edited.
 void performer_time_rows(Rows& rows) {
     const stage::StagePerformer* performer = selected_performer(rows.state);
-    if (!performer) return ImGui::TextUnformatted("Select the performer whose time shall be edited.");
-    const stage::StageClip& clip = rows.state.stage->clips[performer->clip];
-    const Timed timed{rows, *performer, {clip.frames, clip.fps}};
-    ImGui::Text("%s", performer->name.c_str());
-    ImGui::SameLine();
-    ImGui::TextDisabled("%s",
-                        fmt::format("shows {:.2f} s of its clip", frame_of(rows.state, *performer) / clip.fps).c_str());
+    edit::ClipRate clip;
+    if (performer) {
+        const stage::StageClip& of = rows.state.stage->clips[performer->clip];
+        clip = {of.frames, of.fps};
+    }
+    performer_title(rows.state);
+    ImGui::BeginDisabled(!performer);
+    const stage::StagePerformer nobody;
+    const Timed timed{rows, performer ? *performer : nobody, clip};
     repeat_row(timed);
     pace_row(timed);
+    shift_row(timed);
     offset_row(timed);
     spin_row(timed);
+    ImGui::EndDisabled();
 }
 
 }  // namespace neuvv::headset

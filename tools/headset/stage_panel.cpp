@@ -29,8 +29,11 @@ void hidden_rows(Rows& rows) {
     for (size_t i = 0; i < hidden.size(); i++) {
         const std::string& name = rows.state.stage->performers[hidden[i]].name;
         if (i % 2 == 1) ImGui::SameLine();
-        if (rows.button(fmt::format("show {}", name).c_str(), fmt::format(ICON_EYE " {}", name).c_str(), half))
-            show_performer(rows.state, hidden[i]);
+        ImGui::PushID(static_cast<int>(i));  // performers may have the same name
+        const bool pressed =
+            rows.button(fmt::format("show {}", name).c_str(), fmt::format(ICON_EYE " {}", name).c_str(), half);
+        ImGui::PopID();
+        if (pressed) show_performer(rows.state, hidden[i]);
     }
 }
 
@@ -59,7 +62,10 @@ void clip_rows(Rows& rows, const xr::Pose& head) {
     for (size_t i = 0; i < state.clips.size(); i++) {
         if (i % 2 == 1) ImGui::SameLine();
         const std::string name = state.clips[i].filename().string();
-        if (!rows.button(fmt::format("clip {}", name).c_str(), name.c_str(), half)) continue;
+        ImGui::PushID(static_cast<int>(i));  // clips of different folders may have the same name
+        const bool pressed = rows.button(fmt::format("clip {}", name).c_str(), name.c_str(), half);
+        ImGui::PopID();
+        if (!pressed) continue;
         add_performer(state, state.clips[i], head);
         state.dialogue = PanelDialogue::kNone;
         return;
