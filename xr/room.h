@@ -35,7 +35,7 @@ class Room {
     RoomView view() const { return view_; }
 
     // For the end of a frame: the blend mode, and the layer beneath all others, null where none is needed. Where the
-    // room is shown, the other layers must be blended by their alpha.
+    // room is shown, the eyes' layer must be blended by its alpha; the panel, which is opaque, hides the room.
     XrEnvironmentBlendMode blend_mode() const;
     const XrCompositionLayerBaseHeader* layer() const;
 

@@ -93,7 +93,7 @@ void PanelSurface::record(VkImage to) {
 
 const XrCompositionLayerBaseHeader* PanelSurface::layer(const xr::Session& session, const xr::Pose& tracking_from_panel,
                                                         glm::dvec2 size_m) {
-    quad_.layerFlags = 0;  // opaque: no other layer lies beneath the panel
+    quad_.layerFlags = 0;  // opaque: the room's layer, which may lie beneath it, does not shine through
     quad_.space = session.tracking_space();
     quad_.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
     quad_.subImage = images_.sub_image(0);
