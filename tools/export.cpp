@@ -117,7 +117,7 @@ Exporter::Exporter(const ExportOptions& options, const PublishedScene& scene, co
     last_ = static_cast<uint32_t>(range.last);
     if (range.first != first_ || range.last != last_)
         throw InputError("--frames", options.frames, "lies between two frames", "write whole frames");
-    if (!numbered_ && options.output.find('%') != std::string::npos)
+    if (options.output.find('%') != (numbered_ ? options.output.rfind('%') : std::string::npos))
         throw InputError("--output", options.output, "needs one place for the frame's number",
                          fmt::format("write it as in out_%04d{}", format_.ending));
     if (!numbered_ && !format_.holds_many && frame_count() > 1)
@@ -250,7 +250,8 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_option("--size", options->size, "WIDTHxHEIGHT of them; splats look best at about this size")
         .show_default();
     add_up_option(verb, options->up);
-    verb.add_flag("--resume", options->resume, "Keep the numbered files that are there");
+    verb.add_flag("--resume", options->resume,
+                  "Keep the numbered files that are there; give the same other options as before");
     verb.add_flag("--json", options->json, "Print JSON: files, bytes, splats, psnr_db, width, density");
     verb.footer(
         {"Each leaf becomes a round splat, and all of them get the width and the density for which images of the "

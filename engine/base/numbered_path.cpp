@@ -7,8 +7,8 @@
 namespace neuvv {
 
 std::optional<NumberedPath> NumberedPath::parse(const std::string& text) {
-    const size_t percent = text.find('%');
-    if (percent == std::string::npos || text.find('%', percent + 1) != std::string::npos) return {};
+    const size_t percent = text.rfind('%');
+    if (percent == std::string::npos) return {};
     NumberedPath path;
     size_t end = percent + 1;
     if (end + 1 < text.size() && text[end] == '0') {

@@ -9,7 +9,7 @@ namespace neuvv {
 
 class NumberedPath {
   public:
-    // Nothing where the text has not exactly one place for a number, %d or %0Nd with N of 1 to 9.
+    // Nothing where the last % of the text does not begin a place for a number, %d or %0Nd with N of 1 to 9.
     static std::optional<NumberedPath> parse(const std::string& text);
 
     std::string file(uint64_t number) const;

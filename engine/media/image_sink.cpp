@@ -229,7 +229,7 @@ ImageOutput parse_output(const std::string& text) {
         throw InputError("--output", text, "is neither an .mp4 nor a .png nor an .exr",
                          "write out.mp4, out_%04d.png, out.png, out_%04d.exr or out.exr");
     if (text.find('%') == std::string::npos) return {ImageOutput::Kind::kImage, text, exr};
-    if (!NumberedPath::parse(text))
+    if (!NumberedPath::parse(text) || text.find('%') != text.rfind('%'))
         throw InputError("--output", text, "needs one place for the image's number", "write it as in out_%04d.png");
     return {ImageOutput::Kind::kNumberedImages, text, exr};
 }
