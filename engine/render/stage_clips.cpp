@@ -151,6 +151,10 @@ void StageClips::tell(const std::string& problem) {
     if (!problem.empty() && !contains(problems_, problem)) problems_.push_back(problem);
 }
 
+void StageClips::tell_lack_of_memory(const std::string& problem) {
+    if (!std::exchange(told_lack_of_memory_, true)) tell(problem);
+}
+
 void StageClips::fail(const Id& id, const std::string& problem) {
     at(id).readable = false;
     tell(problem);
@@ -158,6 +162,7 @@ void StageClips::fail(const Id& id, const std::string& problem) {
 
 void StageClips::take(const Id& id, std::shared_ptr<const LoadedClip> loaded, ClipFiles::Paints paints) {
     for (const auto& paint : paints) tell(paint->problem);
+    told_lack_of_memory_ = false;
     at(id).loaded = std::move(loaded);
     at(id).paints = std::move(paints);
     on_device_.insert(id);

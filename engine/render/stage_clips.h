@@ -74,6 +74,8 @@ class StageClips {
     // And one for paint of a segment that cannot be read and does not show.
     const std::vector<std::string>& problems() const { return problems_; }
     void tell(const std::string& problem);
+    // The same for a lack of memory, of which each attempt has another text: once, until something was read.
+    void tell_lack_of_memory(const std::string& problem);
     // Why a segment could not be read for want of memory since the last call; empty: there was memory for all. It is
     // none of the problems: whoever can free memory does so, and else calls tell().
     std::string take_lack_of_memory() { return std::exchange(lack_of_memory_, {}); }
@@ -111,6 +113,7 @@ class StageClips {
     std::shared_ptr<ClipFiles> files_;
     std::vector<std::string> problems_;
     std::string lack_of_memory_;
+    bool told_lack_of_memory_ = false;  // since something was read
     // Of segmented clips only:
     std::map<std::filesystem::path, std::vector<Id>> ids_;  // by file
     std::set<Id> first_;                                    // the segment of each that stays on the device

@@ -232,10 +232,8 @@ void StageRenderer::bring_to_device(const stage::EvaluatedStage& evaluated, Miss
     clips_.follow(*stage_, evaluated, missing);
     update_fields();
     if (const std::string problem = clips_.take_lack_of_memory(); !problem.empty()) {
-        if (frames_->slice_budget() > 1)
-            frames_->drop_slices();  // the thread tries again
-        else
-            clips_.tell(problem);
+        // Where there were slices to drop, the thread tries again.
+        if (frames_->slice_budget() <= 1 || !frames_->drop_slices()) clips_.tell_lack_of_memory(problem);
     }
     if (missing == MissingSegments::kWait) {
         try {

@@ -152,13 +152,16 @@ TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
     const stage::EvaluatedStage evaluated = stage::stage_at(*stage, time_s);
     for (const MissingSegments missing : {MissingSegments::kWait, MissingSegments::kHold}) {
         media::Image expected;
-        for (uint64_t more_bytes = uint64_t{2} << 20; more_bytes > 0; more_bytes = more_bytes * 4 / 5) {
+        // Less and less memory, until slices have to go. Below 0 it is that which segments had that are gone by then.
+        constexpr int64_t kStep = 100'000;
+        for (int64_t more_bytes = 20 * kStep;; more_bytes -= more_bytes > 5 * kStep ? more_bytes / 5 : kStep) {
             render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
             if (expected.rgba.empty()) expected = image_at(renderer, *stage, time_s);
             image_at(renderer, *stage, middle_of(0));
             const uint64_t budget = renderer.frames().slice_budget();
             device().memory_pool().clear(device().handle());
-            device().limit_memory(device().memory_pool().allocated() + more_bytes);
+            device().limit_memory(
+                static_cast<uint64_t>(static_cast<int64_t>(device().memory_pool().allocated()) + more_bytes));
             const auto shown_within = [&](int steps) {
                 renderer.show(evaluated, true, missing);
                 for (int i = 0; i < steps && !renderer.shows_all(evaluated); i++) {
@@ -172,9 +175,28 @@ TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
             device().limit_memory(std::nullopt);
             EXPECT_EQ(image_at(renderer, *stage, time_s).rgba, expected.rgba);
             if (renderer.frames().slice_budget() < budget || HasFailure()) break;
-            ASSERT_GT(more_bytes, 1000u);
+            ASSERT_GT(more_bytes, -50 * kStep);
         }
     }
+}
+
+// As a paused window does, which shows again and again and draws nothing.
+TEST_F(StageClipsTest, ASegmentForWhichThereIsNoMemoryIsToldOnce) {
+    write_clip(0, {.node_levels = 3, .leaves = 3000, .bases = 4, .hh_degree = 2, .frames = 2 * kSegments});
+    const stage::EvaluatedStage evaluated = stage::stage_at(*stage, middle_of(kSegments - 1));
+    render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
+    image_at(renderer, *stage, middle_of(0));
+    device().memory_pool().clear(device().handle());
+    device().limit_memory(1);  // what slices had is not enough, either
+    std::vector<std::string> problems;
+    for (int i = 0; i < 1000 && problems.size() < 2; i++) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        renderer.show(evaluated, true, MissingSegments::kHold);
+        for (std::string& problem : renderer.take_problems()) problems.push_back(std::move(problem));
+    }
+    device().limit_memory(std::nullopt);
+    ASSERT_EQ(problems.size(), 1u);
+    EXPECT_NE(problems[0].find("no memory left"), std::string::npos) << problems[0];
 }
 
 TEST_F(StageClipsTest, AfterASeekThePerformerStaysUntilTheSegmentIsRead) {
