@@ -1,5 +1,5 @@
 // Highlight: tints the shaded entries of an instance red, each by its bone. Their luminance stays visible as a lighter
-// or darker red.
+// or darker red. Colours of PlenOctrees, which are sRGB here, become a little darker than others.
 // Reads the bones of entries; reads and writes shaded entries whose bone is tinted. One thread per entry, dispatched
 // indirectly for each view. Bound by memory: 1 byte per entry, and 16 per tinted one.
 #version 460

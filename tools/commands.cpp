@@ -26,8 +26,9 @@ void add_far_levels_option(Command verb, std::optional<bool>& far_levels) {
 
 void add_slice_budget_option(Command verb, double& mebibytes) {
     verb.add_option("--slice-budget", mebibytes,
-                    "MiB on the device for frames' slices that are kept, however many instances there are, or half of "
-                    "what it has left where that is less; 0: no slices, all numbers at each sample (slow)")
+                    "MiB on the device for frames' slices that are kept, however many instances there are; less where "
+                    "half of what it has left, or an eighth of its memory where it does not tell, is less; 0: no "
+                    "slices, all numbers at each sample (slow)")
         .number_between(0, 1048576)
         .show_default();
 }

@@ -309,7 +309,8 @@ bool FrameRenderer::drop_slices() {
     if (taken > 0 && capacity_.slice_budget > 1)
         capacity_.slice_budget = std::max<uint64_t>(std::min(taken, capacity_.slice_budget) / 2, 1);
     performers_.clear();
-    if (far_levels_fit_.value_or(false)) far_levels_fit_.reset();  // where they did not fit, they stay out
+    if (far_levels_fit_.value_or(false))
+        far_levels_fit_.reset();  // where they did not fit, they stay out until fields change
     return taken > 0;
 }
 

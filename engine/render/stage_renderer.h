@@ -49,8 +49,8 @@ class StageRenderer {
     // Where a height is given (world, metres), show() leaves out set and environment until the next call, and
     // performers cast their shadows on a floor at this height (SetRaster::catch_shadows): for headsets that show the
     // user's own room. The environment still gives light. The set casts no shadows on performers then. Where the stage
-    // has no lights, half of its ambient light comes from above, so that there is a shadow; performers look as without
-    // it.
+    // has no lights, half of its ambient light comes from above, so that there is a shadow (none where an image of the
+    // environment alone lights it); performers look as without it.
     void show_room(std::optional<double> floor_m) {
         frames_->finish();
         set_->catch_shadows(floor_m);
