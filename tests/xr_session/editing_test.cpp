@@ -136,10 +136,10 @@ TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
     script.hand(frame, "right", kRightHand, spin);
     script.input(frame + 2, "right", "trigger/value", 1);
     script.hand(frame + 4, "right", kRightHand, spin);
-    script.move_to(frame + 8, "right", kRightHand, spin + glm::dvec3(0.1, 0, 0));
+    script.move_to(frame + 8, "right", kRightHand, spin + glm::dvec3(0.06, 0, 0));
     script.input(frame + 10, "right", "trigger/value", 0);
     frame += 12;
-    for (const char* item : {"stage page"}) press(script, std::exchange(frame, frame + kPress), items, item);
+    press(script, std::exchange(frame, frame + kPress), items, "stage page");
     for (const char* item : {"shadows", "falloff"})
         press(script, std::exchange(frame, frame + kPress), stage_page, item);
     script.save(frame);

@@ -17,7 +17,7 @@ namespace neuvv::headset {
 namespace {
 
 // Heights of the panel's parts, in frame heights: they stay where they are, whatever is selected.
-constexpr float kFileRow = 1.3f, kNoticeLines = 2.2f;
+constexpr float kFileRow = 1.3f, kNoticeLines = 3.2f;
 
 void time_rows(Rows& rows) {
     editor::StageClock& clock = rows.state.clock;
@@ -231,7 +231,8 @@ void file_row(Rows& rows) {
     rows.result.leave = rows.button("leave", "Leave", one);
 }
 
-// One line for what is going on, and one for what is pointed at or happened last.
+// A line for what is being painted; and one for who is pointed at and one for the images, or up to two for what
+// happened last.
 void notice_rows(const Rows& rows) {
     const PanelStatus& status = rows.status;
     if (const std::string& waits = rows.interaction.painter.status(); !waits.empty())

@@ -52,7 +52,7 @@ void view_row(Rows& rows) {
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!training.session().best_view());
-    if (rows.button("show me", ICON_EYE " Show me", one)) training.show_best_view();
+    if (rows.button("show me", "Show me", one)) training.show_best_view();
     ImGui::EndDisabled();
     ImGui::SameLine();
     rows.toggle("mirror image", "Mirrored", one, settings.mirrored);
