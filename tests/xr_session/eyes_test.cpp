@@ -174,13 +174,14 @@ TEST_F(Room, IsShownAndHiddenByThePanel) {
     to_panel.hand(0, "left", kLeftHand, {-3, 1, -4});
     to_panel.hand(0, "right", kRightHand, kAnna);
     to_panel.click(kReady, "left", "y/click");
-    const json items = panel_after(to_panel, 14);
+    press(to_panel, 10, panel_after(to_panel, 14), "user page");
+    const json items = panel_after(to_panel, 10 + kPress + 2);
     XrScript pressed = to_panel;
-    for (const int frame : {10, 20}) {
+    for (const int frame : {20, 30}) {
         press(pressed, frame, items, "room");
         pressed.save(frame + kPress);
     }
-    pressed.end(30);
+    pressed.end(40);
     const XrRun run = this->run(pressed);
     expect_clean(run);
     EXPECT_EQ(run.report["layers"][0]["types"], json({"passthrough", "quad", "projection"}));
