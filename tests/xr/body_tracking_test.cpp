@@ -64,7 +64,7 @@ class BodyTracking : public testing::Test {
             xr::Runtime runtime;
             const gpu::Device device("", gpu::Validation::kOff, runtime.device_extensions(), runtime.device_maker());
             xr::Session session(runtime, device);
-            xr::Actions actions(session);
+            xr::Actions actions(session, false);
             const xr::BodyTracker body(session);
             seen.source = body.source();
             watch(session, actions, body, seen);
