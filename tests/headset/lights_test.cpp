@@ -10,7 +10,8 @@ namespace {
 struct HeadsetLights : PanelAtAStage {
     const glm::dvec3 lamp{-0.5, 2.2, -1}, camera{0.9, 1.6, -0.5};
     HeadsetLights() {
-        for (const auto& [name, at] : {std::pair{"key", lamp}, {"camera", camera}}) {
+        for (const auto& [node, at] : {std::pair{"key", lamp}, {"camera", camera}}) {
+            const char* name = node;  // which clang 14 does not let a lambda capture as a structured binding
             edit::Placement placement;
             placement.at = at;
             placement.aim = glm::dvec3(0, 0, -2);
