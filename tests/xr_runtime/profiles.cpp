@@ -12,7 +12,8 @@ constexpr InputKind kBoolean = InputKind::kBoolean, kFloat = InputKind::kFloat, 
 
 using Inputs = std::vector<ProfileInput>;
 
-Inputs operator+(Inputs a, const Inputs& b) {
+// The inputs of both. This is no operator+, as that would hide the one of vectors where both files are compiled as one.
+Inputs operator|(Inputs a, const Inputs& b) {
     a.insert(a.end(), b.begin(), b.end());
     return a;
 }
@@ -32,20 +33,20 @@ Inputs floats(std::initializer_list<const char*> paths) {
     return inputs;
 }
 
-const Inputs kThumbstick = Inputs{{"/input/thumbstick", kVector, ProfileInput::kBoth}} +
-                           floats({"/input/thumbstick/x", "/input/thumbstick/y"}) +
+const Inputs kThumbstick = Inputs{{"/input/thumbstick", kVector, ProfileInput::kBoth}} |
+                           floats({"/input/thumbstick/x", "/input/thumbstick/y"}) |
                            booleans({"/input/thumbstick/click"});
-const Inputs kTrackpad = Inputs{{"/input/trackpad", kVector, ProfileInput::kBoth}} +
-                         floats({"/input/trackpad/x", "/input/trackpad/y"}) + booleans({"/input/trackpad/touch"});
+const Inputs kTrackpad = Inputs{{"/input/trackpad", kVector, ProfileInput::kBoth}} |
+                         floats({"/input/trackpad/x", "/input/trackpad/y"}) | booleans({"/input/trackpad/touch"});
 
 const Inputs kTouchButtons =
     booleans({"/input/x/click", "/input/x/touch", "/input/y/click", "/input/y/touch", "/input/menu/click"},
-             ProfileInput::kLeftOnly) +
+             ProfileInput::kLeftOnly) |
     booleans({"/input/a/click", "/input/a/touch", "/input/b/click", "/input/b/touch", "/input/system/click"},
              ProfileInput::kRightOnly);
-const Inputs kTouchInputs = floats({"/input/squeeze/value", "/input/trigger/value"}) + kThumbstick +
-                            booleans({"/input/trigger/touch", "/input/thumbstick/touch", "/input/thumbrest/touch"}) +
-                            kPoses + kBuzz;
+const Inputs kTouchInputs = floats({"/input/squeeze/value", "/input/trigger/value"}) | kThumbstick |
+                            booleans({"/input/trigger/touch", "/input/thumbstick/touch", "/input/thumbrest/touch"}) |
+                            kPoses | kBuzz;
 
 // The index of the hand to which a path belongs, 2 for a worn tracker and for the eyes; -1 for none that the profile
 // has.
@@ -76,25 +77,25 @@ std::string user_of(const std::string& binding) {
 const std::vector<Profile>& known_profiles() {
     static const std::vector<Profile> profiles = {
         {"/interaction_profiles/khr/simple_controller", "Simple Controller", nullptr,
-         booleans({"/input/select/click", "/input/menu/click"}) + kPoses + kBuzz},
-        {"/interaction_profiles/oculus/touch_controller", "Touch Controller", nullptr, kTouchButtons + kTouchInputs},
+         booleans({"/input/select/click", "/input/menu/click"}) | kPoses | kBuzz},
+        {"/interaction_profiles/oculus/touch_controller", "Touch Controller", nullptr, kTouchButtons | kTouchInputs},
         {"/interaction_profiles/valve/index_controller", "Index Controller", nullptr,
          booleans({"/input/system/click", "/input/system/touch", "/input/a/click", "/input/a/touch", "/input/b/click",
-                   "/input/b/touch", "/input/trigger/click", "/input/trigger/touch", "/input/thumbstick/touch"}) +
-             floats({"/input/squeeze/value", "/input/squeeze/force", "/input/trigger/value", "/input/trackpad/force"}) +
-             kThumbstick + kTrackpad + kPoses + kBuzz},
+                   "/input/b/touch", "/input/trigger/click", "/input/trigger/touch", "/input/thumbstick/touch"}) |
+             floats({"/input/squeeze/value", "/input/squeeze/force", "/input/trigger/value", "/input/trackpad/force"}) |
+             kThumbstick | kTrackpad | kPoses | kBuzz},
         {"/interaction_profiles/htc/vive_controller", "Vive Controller", nullptr,
          booleans({"/input/system/click", "/input/squeeze/click", "/input/menu/click", "/input/trigger/click",
-                   "/input/trackpad/click"}) +
-             floats({"/input/trigger/value"}) + kTrackpad + kPoses + kBuzz},
+                   "/input/trackpad/click"}) |
+             floats({"/input/trigger/value"}) | kTrackpad | kPoses | kBuzz},
         {"/interaction_profiles/microsoft/motion_controller", "Motion Controller", nullptr,
-         booleans({"/input/menu/click", "/input/squeeze/click", "/input/trackpad/click"}) +
-             floats({"/input/trigger/value"}) + kThumbstick + kTrackpad + kPoses + kBuzz},
+         booleans({"/input/menu/click", "/input/squeeze/click", "/input/trackpad/click"}) |
+             floats({"/input/trigger/value"}) | kThumbstick | kTrackpad | kPoses | kBuzz},
         {"/interaction_profiles/google/daydream_controller", "Daydream Controller", nullptr,
-         booleans({"/input/select/click", "/input/trackpad/click"}) + kTrackpad + kPoses},
+         booleans({"/input/select/click", "/input/trackpad/click"}) | kTrackpad | kPoses},
         {"/interaction_profiles/oculus/go_controller", "Go Controller", nullptr,
-         booleans({"/input/system/click", "/input/trigger/click", "/input/back/click", "/input/trackpad/click"}) +
-             kTrackpad + kPoses},
+         booleans({"/input/system/click", "/input/trigger/click", "/input/back/click", "/input/trackpad/click"}) |
+             kTrackpad | kPoses},
         {kTrackerProfile,
          "Vive Tracker",
          XR_HTCX_VIVE_TRACKER_INTERACTION_EXTENSION_NAME,
@@ -104,35 +105,35 @@ const std::vector<Profile>& known_profiles() {
          XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,
          {{"/input/gaze_ext/pose", kPose, ProfileInput::kBoth}}},
         {"/interaction_profiles/facebook/touch_controller_pro", "Touch Pro Controller", "XR_FB_touch_controller_pro",
-         kTouchButtons + kTouchInputs},
+         kTouchButtons | kTouchInputs},
         {"/interaction_profiles/meta/touch_controller_plus", "Touch Plus Controller", "XR_META_touch_controller_plus",
-         kTouchButtons + kTouchInputs},
+         kTouchButtons | kTouchInputs},
         {"/interaction_profiles/bytedance/pico4_controller", "PICO 4 Controller", "XR_BD_controller_interaction",
-         kTouchButtons + booleans({"/input/squeeze/click", "/input/trigger/touch", "/input/thumbstick/touch"}) +
-             floats({"/input/squeeze/value", "/input/trigger/value"}) + kThumbstick + kPoses + kBuzz},
+         kTouchButtons | booleans({"/input/squeeze/click", "/input/trigger/touch", "/input/thumbstick/touch"}) |
+             floats({"/input/squeeze/value", "/input/trigger/value"}) | kThumbstick | kPoses | kBuzz},
         {"/interaction_profiles/htc/vive_focus3_controller", "Focus 3 Controller",
          "XR_HTC_vive_focus3_controller_interaction",
-         kTouchButtons +
+         kTouchButtons |
              booleans({"/input/squeeze/click", "/input/squeeze/touch", "/input/trigger/click", "/input/trigger/touch",
-                       "/input/thumbstick/touch", "/input/thumbrest/touch"}) +
-             floats({"/input/trigger/value"}) + kThumbstick + kPoses + kBuzz},
+                       "/input/thumbstick/touch", "/input/thumbrest/touch"}) |
+             floats({"/input/trigger/value"}) | kThumbstick | kPoses | kBuzz},
         {"/interaction_profiles/hp/mixed_reality_controller", "HP Controller", "XR_EXT_hp_mixed_reality_controller",
-         booleans({"/input/x/click", "/input/y/click"}, ProfileInput::kLeftOnly) +
-             booleans({"/input/a/click", "/input/b/click"}, ProfileInput::kRightOnly) +
-             booleans({"/input/menu/click"}) + floats({"/input/squeeze/value", "/input/trigger/value"}) + kThumbstick +
-             kPoses + kBuzz},
+         booleans({"/input/x/click", "/input/y/click"}, ProfileInput::kLeftOnly) |
+             booleans({"/input/a/click", "/input/b/click"}, ProfileInput::kRightOnly) |
+             booleans({"/input/menu/click"}) | floats({"/input/squeeze/value", "/input/trigger/value"}) | kThumbstick |
+             kPoses | kBuzz},
         {"/interaction_profiles/ml/ml2_controller", "Magic Leap 2 Controller", "XR_ML_ml2_controller_interaction",
          booleans({"/input/menu/click", "/input/home/click", "/input/trigger/click", "/input/shoulder/click",
-                   "/input/trackpad/click"}) +
-             floats({"/input/trigger/value", "/input/trackpad/force"}) + kTrackpad + kPoses + kBuzz},
+                   "/input/trackpad/click"}) |
+             floats({"/input/trigger/value", "/input/trackpad/force"}) | kTrackpad | kPoses | kBuzz},
         {"/interaction_profiles/microsoft/hand_interaction", "Hand", XR_MSFT_HAND_INTERACTION_EXTENSION_NAME,
-         floats({"/input/select/value", "/input/squeeze/value"}) + kPoses},
+         floats({"/input/select/value", "/input/squeeze/value"}) | kPoses},
         {"/interaction_profiles/ext/hand_interaction_ext", "Hand", "XR_EXT_hand_interaction",
-         floats({"/input/pinch_ext/value", "/input/aim_activate_ext/value", "/input/grasp_ext/value"}) +
+         floats({"/input/pinch_ext/value", "/input/aim_activate_ext/value", "/input/grasp_ext/value"}) |
              booleans(
-                 {"/input/pinch_ext/ready_ext", "/input/aim_activate_ext/ready_ext", "/input/grasp_ext/ready_ext"}) +
+                 {"/input/pinch_ext/ready_ext", "/input/aim_activate_ext/ready_ext", "/input/grasp_ext/ready_ext"}) |
              Inputs{{"/input/pinch_ext/pose", kPose, ProfileInput::kBoth},
-                    {"/input/poke_ext/pose", kPose, ProfileInput::kBoth}} +
+                    {"/input/poke_ext/pose", kPose, ProfileInput::kBoth}} |
              kPoses},
     };
     return profiles;
