@@ -161,7 +161,10 @@ void Exporter::fit_middle_frame() {
         views.push_back({compared.camera_of(i), compared.render_still(still, i)});
     // Two views decide, all of them say what is lost.
     const std::vector<interchange::FitView> some = {views[0], views[views.size() / 2]};
-    exported_.fit = interchange::fit_shape(volume, some, [&] { expect_to_go_on(); });
+    exported_.fit = interchange::fit_shape(volume, some, [&] {
+        expect_to_go_on();
+        progress_.update(0, "comparing splats with images of the middle frame");
+    });
     exported_.fit->psnr = interchange::psnr_of(interchange::splats_of(volume, exported_.fit->shape), views);
 }
 
@@ -185,15 +188,15 @@ void Exporter::write(const std::filesystem::path& file, std::span<const intercha
 
 Exported Exporter::run() {
     catch_stop_signals();
-    fit_middle_frame();
     progress_.set_total(frame_count());
+    fit_middle_frame();
     std::vector<interchange::Splats> kept;  // for one file
     for (uint32_t frame = first_; frame <= last_; frame++) {
         expect_to_go_on();
         const std::filesystem::path file = numbered_ ? numbered_->file(uint64_t{frame}) : options_.output;
         if (!options_.resume || !std::filesystem::exists(file)) {
             const interchange::SplatShape shape = exported_.fit ? exported_.fit->shape : interchange::SplatShape{};
-            kept.push_back(interchange::splats_of(volume_of(frame), shape, {format_.rotation}));
+            kept.push_back(interchange::splats_of(volume_of(frame), shape, format_.rotation));
             if (numbered_ || frame_count() == 1) {
                 write(file, kept);
                 kept.clear();
@@ -254,7 +257,7 @@ void add_export(Command app, CommonOptions& common) {
                   "Keep the numbered files that are there; give the same other options as before");
     verb.add_flag("--json", options->json, "Print JSON: files, bytes, splats, psnr_db, width, density");
     verb.footer(
-        {"Each leaf becomes a round splat, and all of them get the width and the density for which images of the "
+        {"Each leaf becomes a splat of its size, and all of them get the width and the density for which images of the "
          "middle\nframe are most like the clip's. Colours are sRGB with spherical harmonics of the clip's degree.\n"
          ".ply is that of 3D Gaussian Splatting, with +Y down, which viewers turn up by half a turn about z. .glb is "
          "glTF with\nKHR_gaussian_splatting; where it holds several frames, an animation shows one after the other. "

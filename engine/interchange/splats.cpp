@@ -15,7 +15,7 @@ constexpr size_t kSplatsOfPart = 1024;
 // Condon-Shortley: harmonics of odd m change their sign.
 constexpr std::array<float, kMaxShCount> kPhase = {1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1};
 
-// A direction of a quadrature over the sphere, with the harmonics of it before and after it is placed.
+// A direction of a quadrature over the sphere, with the harmonics of it before and after it is turned.
 struct Direction {
     std::array<float, kMaxShCount> of_volume, of_splats;
     float weight;
@@ -54,16 +54,14 @@ SplatColour splat_colour(const voctree::LeafColours& k, uint32_t degree, const s
 
 }  // namespace
 
-Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const Placement& to) {
-    const std::vector<Direction> all = directions(to.rotation);
-    Splats splats{volume.degree, to.rotation, std::vector<Splat>(volume.leaves.size())};
+Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const glm::dquat& rotation) {
+    const std::vector<Direction> all = directions(rotation);
+    Splats splats{volume.degree, rotation, std::vector<Splat>(volume.leaves.size())};
     reshape(splats, volume, shape);
     parallel_for(splats.splats.size(), kSplatsOfPart, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             Splat& splat = splats.splats[i];
-            splat.centre =
-                glm::vec3(to.scale * (to.rotation * glm::dvec3(volume.centre_m(volume.leaves[i]))) + to.offset);
-            splat.deviation *= static_cast<float>(to.scale);
+            splat.centre = glm::vec3(rotation * glm::dvec3(volume.centre_m(volume.leaves[i])));
             splat.colour = splat_colour(volume.leaves[i].colours, volume.degree, all);
         }
     });

@@ -38,16 +38,10 @@ struct SplatShape {
     double width = 0.33, density = 0.6;
 };
 
-// Where splats go: x → scale · rotation · x + offset.
-struct Placement {
-    glm::dquat rotation{1, 0, 0, 0};
-    double scale = 1;
-    glm::dvec3 offset{0};
-};
+// `rotation`: of the splats about the origin, with their colours.
+Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const glm::dquat& rotation = {1, 0, 0, 0});
 
-Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const Placement& to = {});
-
-// Gives splats that were made of a volume, and not placed elsewhere, another shape.
+// Gives splats that were made of a volume another shape.
 void reshape(Splats& splats, const FrameVolume& volume, const SplatShape& shape);
 
 }  // namespace neuvv::interchange

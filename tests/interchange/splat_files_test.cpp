@@ -24,8 +24,8 @@ std::vector<Splats> three_frames() {
     const voctree::VOctree tree = random_tree({.leaves = 60, .frames = 3});
     std::vector<Splats> frames;
     for (uint32_t i = 0; i < 3; i++) {
-        const interchange::Placement to{glm::normalize(glm::dquat(1, 0.2, 0, 0.1)), 1, {0, 1, 0}};
-        frames.push_back(interchange::splats_of(interchange::frame_volume(tree, i), {}, to));
+        const glm::dquat turned = glm::normalize(glm::dquat(1, 0.2, 0, 0.1));
+        frames.push_back(interchange::splats_of(interchange::frame_volume(tree, i), {}, turned));
     }
     return frames;
 }

@@ -103,17 +103,17 @@ TEST(Splats, HaveTheColoursOfLeaves) {
 }
 
 // A splat that is turned shows from the turned direction what it showed before.
-TEST(Splats, ArePlacedWithTheirColours) {
+TEST(Splats, AreTurnedWithTheirColours) {
     const FrameVolume volume = some_volume(3);
-    const interchange::Placement to{glm::normalize(glm::dquat(0.3, -0.5, 0.7, 0.2)), 2.5, {1, -2, 3}};
-    const Splats here = interchange::splats_of(volume, {}), there = interchange::splats_of(volume, {}, to);
+    const glm::dquat turned = glm::normalize(glm::dquat(0.3, -0.5, 0.7, 0.2));
+    const Splats here = interchange::splats_of(volume, {}), there = interchange::splats_of(volume, {}, turned);
     Random random(5);
     for (size_t i = 0; i < here.splats.size(); i++) {
-        const glm::dvec3 centre = 2.5 * (to.rotation * glm::dvec3(here.splats[i].centre)) + to.offset;
+        const glm::dvec3 centre = turned * glm::dvec3(here.splats[i].centre);
         EXPECT_LT(glm::distance(centre, glm::dvec3(there.splats[i].centre)), 1e-5);
-        EXPECT_LT(glm::distance(2.5f * here.splats[i].deviation, there.splats[i].deviation), 1e-6f);
+        EXPECT_LT(glm::distance(here.splats[i].deviation, there.splats[i].deviation), 1e-6f);
         const glm::dvec3 d = direction(random);
-        EXPECT_LT(glm::distance(shown_by_splat(here, i, d), shown_by_splat(there, i, to.rotation * d)), 0.06);
+        EXPECT_LT(glm::distance(shown_by_splat(here, i, d), shown_by_splat(there, i, turned * d)), 0.06);
     }
 }
 
@@ -123,7 +123,7 @@ TEST(Splats, LookAsTheirFileDoesByTheDefinition) {
     const interchange::SplatShape shape{0.45, 0.8};
     const TemporaryFolder folder;
     interchange::write_splat_ply(folder.path / "x.ply",
-                                 interchange::splats_of(volume, shape, {interchange::kPlyRotation}));
+                                 interchange::splats_of(volume, shape, interchange::kPlyRotation));
     EXPECT_LT(
         std::filesystem::file_size(folder.path / "x.ply") - volume.leaves.size() * interchange::ply_bytes_of_splat(2),
         2000u);

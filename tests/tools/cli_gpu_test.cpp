@@ -2,15 +2,12 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <regex>
-
 #include "base/error.h"
 #include "media/video.h"
 #include "motion/skeleton_file.h"
 #include "motion/triangulate.h"
 #include "stage/stage.h"
 #include "support/edit_image.h"
-#include "support/losable_device.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/metrics.h"
@@ -24,26 +21,6 @@ size_t count_of(const std::string& text, const std::string& part) {
     size_t count = 0;
     for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
     return count;
-}
-
-TEST_F(CliGpu, DevicesAreListed) {
-    const ProgramResult result = run_neuvv({"devices", "--json"});
-    ASSERT_EQ(result.code, 0) << result.err;
-    const auto devices = nlohmann::json::parse(result.out);
-    ASSERT_GE(devices.size(), 1u);
-    bool usable = false;
-    for (const auto& device : devices) {
-        EXPECT_FALSE(device.at("name").get<std::string>().empty());
-        EXPECT_EQ(device.at("usable").get<bool>(), device.at("missing").empty());
-        EXPECT_GT(device.at("memory_bytes"), 0);
-        EXPECT_TRUE(device.at("memory_budget_bytes").is_null() || device.at("memory_budget_bytes") > 0);
-        EXPECT_GE(device.at("memory_used_bytes"), 0);
-        usable |= device.at("usable").get<bool>();
-        EXPECT_EQ(device.at("buffers").at("profiles").at(0), "texel");
-        EXPECT_GE(device.at("buffers").at("max_texels").get<uint64_t>(), 65536u);
-    }
-    EXPECT_TRUE(usable);
-    EXPECT_NE(run_neuvv({"devices"}).out.find(devices[0].at("name").get<std::string>()), std::string::npos);
 }
 
 TEST_F(CliGpu, RenderWritesNumberedPictures) {
@@ -361,73 +338,6 @@ TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
         expect_refused({"eval", scene, file("data"), option, file("wall/out")}, 2, {option, "wall"});
     const ProgramResult per_frame = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--per", "frame"});
     EXPECT_EQ(count_of(per_frame.out, "\n"), 1u + 3u + 1u + 1u) << "frames, their mean, flicker: " << per_frame.out;
-}
-
-// Texel buffers of fp16 convert as unpackHalf2x16 does, so not a bit may differ.
-TEST_F(CliGpu, ArraysInStorageBuffersGiveTheSameImages) {
-    const auto image = [&](const std::string& profile, const std::vector<std::string>& options) {
-        const std::string out = file(options.empty() ? "out.exr" : "out.png");
-        std::vector<std::string> arguments = {"render", scene, "-o", out, "--size", "64x48", "--frames", "1.5"};
-        arguments.insert(arguments.end(), options.begin(), options.end());
-        const ProgramResult result = run_neuvv(arguments, "NEUVV_BUFFERS=" + profile);
-        EXPECT_EQ(result.code, 0) << result.err;
-        return read_text(out);
-    };
-    for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
-             {}, {"--direct"}, {"--slice-budget", "0"}, {"--scale", "0.5"}, {"--level"}})
-        EXPECT_TRUE(image("texel", options) == image("storage", options)) << (options.empty() ? "" : options[0]);
-    const ProgramResult listed = run_neuvv({"devices"}, "NEUVV_BUFFERS=storage");
-    EXPECT_NE(listed.out.find("arrays in storage buffers"), std::string::npos) << listed.out;
-    const ProgramResult refused = run_neuvv({"devices"}, "NEUVV_BUFFERS=neither");
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_NE(refused.err.find("give texel or storage"), std::string::npos) << refused.err;
-}
-
-TEST_F(CliGpu, DeviceChoiceThatFitsNoneIsBadInput) {
-    expect_refused({"render", scene, "-o", file("x.mp4"), "--device", "no such card"}, 2,
-                   {"no such card", "neuvv devices"});
-}
-
-// With less and less memory: the same images, and in the end one line.
-TEST_F(CliGpu, RenderTakesNoMoreMemoryThanItMay) {
-    voctree::write_nvv(file("many.nvv"),
-                       test::random_tree({.node_levels = 3, .leaves = 8000, .hh_degree = 2, .frames = 3}));
-    const auto rendered = [&](const std::string& environment) {
-        const ProgramResult result =
-            run_neuvv({"render", file("many.nvv"), "-o", file("many_%d.png"), "--size", "40x24"}, environment);
-        return std::pair(result, result.code == 0 ? read_text(file("many_1.png")) : "");
-    };
-    const std::string image = rendered("").second;
-    ASSERT_FALSE(image.empty());
-    uint32_t mebibytes = 64, same = 0;
-    for (; mebibytes > 0; mebibytes /= 2) {
-        std::filesystem::remove(file("many_1.png"));
-        const auto [result, found] = rendered("NEUVV_DEVICE_MEMORY=" + std::to_string(mebibytes));
-        if (result.code == 0) {
-            same += found == image;
-            EXPECT_EQ(found, image) << mebibytes;
-            continue;
-        }
-        EXPECT_EQ(result.code, 1);
-        EXPECT_EQ(count_of(result.err, "has no memory left for"), 1u) << result.err;
-        EXPECT_NE(result.err.find("of " + std::to_string(mebibytes) + " MiB"), std::string::npos) << result.err;
-        EXPECT_NE(result.err.find("choose a smaller --size or --slice-budget"), std::string::npos) << result.err;
-        break;
-    }
-    EXPECT_GE(same, 1u);
-    EXPECT_GT(mebibytes, 0u) << "there is a limit below which it cannot be drawn";
-    EXPECT_EQ(rendered("NEUVV_DEVICE_MEMORY=much").first.code, 2);
-}
-
-TEST_F(CliGpu, RenderSaysAtWhichImageTheDeviceWasLost) {
-    const test::LosableDevice losable(folder.path);
-    losable.lose();
-    const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("turn_%d.png"), "--frames", "0:3", "--size", "16x16", "--fps", "30"},
-                  "NEUVV_LOSE_DEVICE_AFTER=12");
-    EXPECT_EQ(result.code, 1);
-    const std::regex line("neuvv: image [0-9]+: vkQueueSubmit2 failed for .*: device lost; .*--device\n");
-    EXPECT_TRUE(std::regex_search(result.err, line)) << result.err;
 }
 
 TEST_F(CliGpu, SkeletonViewsAreADataSetOfTheWholeClip) {
