@@ -1,0 +1,107 @@
+// neuvv export: writes frames of a clip, or of a performer of a stage with its paint, for other programs.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "tools/export/export_run.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+// As what a frame is written: --as. Where two kinds have the same ending, the first one is meant.
+struct Kind {
+    const char* name;
+    std::vector<std::string> endings;
+    std::unique_ptr<FrameExport> (*begin)(const ExportOptions& options, const std::string& ending, ExportedClip& clip,
+                                          const CommonOptions& common);
+};
+
+const std::array kKinds = {
+    Kind{"splats", {".ply", ".glb", ".usda"}, export_splats},
+};
+
+std::vector<std::string> kind_names() {
+    std::vector<std::string> names;
+    for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+    return names;
+}
+
+// Throws InputError where no kind, or not that of --as, has the output's ending.
+const Kind& kind_of(const ExportOptions& options) {
+    const std::string ending = std::filesystem::path(options.output).extension().string();
+    std::vector<std::string> endings;
+    for (const Kind& kind : kKinds) {
+        if (!options.kind.empty() && options.kind != kind.name) continue;
+        if (std::find(kind.endings.begin(), kind.endings.end(), ending) != kind.endings.end()) return kind;
+        endings.insert(endings.end(), kind.endings.begin(), kind.endings.end());
+    }
+    throw InputError("--output", options.output, fmt::format("does not end with {}", fmt::join(endings, " or ")),
+                     fmt::format("name it so, as in out_%04d{}", endings[0]));
+}
+
+void run(const ExportOptions& options, const CommonOptions& common) {
+    const Kind& kind = kind_of(options);
+    ExportedClip clip(read_published_scene(options.scene, options.performer, options.up));
+    const std::string ending = std::filesystem::path(options.output).extension().string();
+    const std::unique_ptr<FrameExport> frames = kind.begin(options, ending, clip, common);
+    ExportRun run(options, clip, *frames);
+    run.run();
+    if (!options.json) {
+        fmt::print("{}: {} in {} files, {}\n", options.output, size_text(run.bytes()), run.files(), frames->summary());
+        return;
+    }
+    nlohmann::ordered_json json = {{"output", options.output}, {"files", run.files()}, {"bytes", run.bytes()}};
+    frames->report(json);
+    fmt::print("{}", json_text(json));
+}
+
+}  // namespace
+
+void add_export(Command app, CommonOptions& common) {
+    Command verb = app.add_verb("export", "Write frames of a clip as Gaussian splats, for other programs");
+    const auto options = std::make_shared<ExportOptions>();
+    verb.add_option("scene", options->scene,
+                    "The .nvv, in segments or not, the .nvs, the .npz of a PlenOctree, or a stage, .gltf or .glb")
+        .required();
+    verb.add_option("--performer", options->performer,
+                    "Of a stage: which, by its name or index; may be left out where there is one");
+    verb.add_option("-o,--output", options->output,
+                    "out_%04d.ply, .glb or .usda for a file each frame; a .glb or .usda may hold them all")
+        .required();
+    verb.add_option("--as", options->kind, "What each frame becomes; without it, the first that has the ending")
+        .one_of(kind_names());
+    verb.add_option("--frames", options->frames, "FIRST:LAST of the clip (all)");
+    verb.add_option("--most-splats", options->most_splats, "Of each frame: what agrees best is merged (no limit)");
+    verb.add_option("--views", options->views, "Images of the middle frame by which the loss is measured")
+        .in_range(2, 100)
+        .show_default();
+    verb.add_option("--size", options->size, "WIDTHxHEIGHT of them; splats look best at about this size")
+        .show_default();
+    add_up_option(verb, options->up);
+    verb.add_flag("--resume", options->resume,
+                  "Keep the numbered files that are there; give the same other options as before");
+    verb.add_flag(
+        "--json", options->json,
+        "Print JSON: output, files, bytes, and what the kind says; of splats: splats, psnr_db, width, density");
+    verb.footer(
+        {"Each leaf becomes a splat of its size, and all of them get the width and the density for which images of the "
+         "middle\nframe are most like the clip's. Colours are sRGB with spherical harmonics of the clip's degree.\n"
+         ".ply is that of 3D Gaussian Splatting, with +Y down, which viewers turn up by half a turn about z. .glb is "
+         "glTF with\nKHR_gaussian_splatting; where it holds several frames, an animation shows one after the other. "
+         ".usda is OpenUSD's\nParticleField3DGaussianSplat (26.03 and later) with time samples.\n",
+         kDeviceHelp, kExamplesHead,
+         "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:4\n"
+         "  neuvv export build/performer.nvv -o build/performer.glb --frames 0:4 --most-splats 20000\n"
+         "  neuvv export build/performer.nvv -o build/performer.usda --frames 0 --most-splats 20000"});
+    verb.callback([options, &common] { run(*options, common); });
+}
+
+}  // namespace neuvv::tools

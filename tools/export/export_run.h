@@ -1,0 +1,38 @@
+// A run of `neuvv export`: the frames and files that are asked for, room on the disk, progress, and the way to stop.
+#pragma once
+
+#include <optional>
+
+#include "base/numbered_path.h"
+#include "tools/export/exported_clip.h"
+#include "tools/export/frame_export.h"
+#include "tools/report.h"
+
+namespace neuvv::tools {
+
+class ExportRun {
+  public:
+    // Throws InputError where frames and output do not fit together. All of them must outlive it.
+    ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExport& kind);
+
+    // Throws RuntimeFailure where the user stops it, and where a file cannot be written.
+    void run();
+    uint64_t files() const { return files_; }  // those that were there already do not count
+    uint64_t bytes() const { return bytes_; }
+
+  private:
+    void expect_files_for_frames(const std::string& ending) const;
+    void expect_room(const FrameExport::Estimate& estimate) const;
+    void write(const std::filesystem::path& file);
+    Working working(uint64_t done);
+    uint32_t frame_count() const { return last_ - first_ + 1; }
+
+    const ExportOptions& options_;
+    FrameExport& kind_;
+    std::optional<NumberedPath> numbered_;
+    uint32_t first_ = 0, last_ = 0;  // frames of the clip
+    uint64_t files_ = 0, bytes_ = 0;
+    Progress progress_{"export"};
+};
+
+}  // namespace neuvv::tools
