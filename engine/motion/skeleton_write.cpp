@@ -3,22 +3,18 @@
 
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "base/platform.h"
 #include "motion/skeleton_file.h"
+#include "stage/glb_writer.h"
 
 namespace neuvv::motion {
 
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr int kFloat = 5126, kUnsignedShort = 5123;
 
 // Positions of all joints in all frames. A joint that a frame does not know stays where it was, and until it is known
 // for the first time it is where it will be then; one that is never known is at its parent.
@@ -116,43 +112,12 @@ std::array<glm::dquat, kJoints> rotations_of(const Positions& rest, const Positi
     return world;
 }
 
-// Collects the binary chunk, with an accessor for each array.
-struct GlbWriter {
-    std::vector<uint8_t> bytes;
-    ordered_json views = ordered_json::array(), accessors = ordered_json::array();
-
-    template <typename T>
-    size_t add(const std::vector<T>& values, const char* type, int components, int component_type) {
-        const size_t begin = bytes.size(), size = values.size() * sizeof(T);
-        bytes.resize(begin + size);
-        std::memcpy(bytes.data() + begin, values.data(), size);
-        bytes.resize((bytes.size() + 3) / 4 * 4);
-        views.push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", size}});
-        accessors.push_back({{"bufferView", views.size() - 1},
-                             {"componentType", component_type},
-                             {"count", values.size() / static_cast<size_t>(components)},
-                             {"type", type}});
-        return accessors.size() - 1;
-    }
-    size_t add_vectors(const std::vector<glm::vec3>& values) {
-        std::vector<float> numbers;
-        for (const glm::vec3& v : values) numbers.insert(numbers.end(), {v.x, v.y, v.z});
-        const size_t index = add(numbers, "VEC3", 3, kFloat);
-        return index;
-    }
-    // glTF asks for the bounds of positions and of key times.
-    void set_bounds(size_t accessor, const std::vector<float>& low, const std::vector<float>& high) {
-        accessors[accessor]["min"] = low;
-        accessors[accessor]["max"] = high;
-    }
-};
-
 std::vector<float> list_of(const glm::vec3& v) {
     return {v.x, v.y, v.z};
 }
 
 // An octahedron for each bone, thick near its parent. All of it follows the parent's joint but for the tip.
-ordered_json bone_mesh(GlbWriter& glb, const Positions& rest) {
+ordered_json bone_mesh(stage::GlbWriter& glb, const Positions& rest) {
     std::vector<glm::vec3> positions;
     std::vector<uint16_t> joints, indices;
     std::vector<float> weights;
@@ -178,15 +143,13 @@ ordered_json bone_mesh(GlbWriter& glb, const Positions& rest) {
             indices.insert(indices.end(), {base, b, a, static_cast<uint16_t>(base + 5), a, b});
         }
     }
-    glm::vec3 low = positions[0], high = positions[0];
-    for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
-    const size_t position = glb.add_vectors(positions);
-    glb.set_bounds(position, list_of(low), list_of(high));
-    const size_t joint = glb.add(joints, "VEC4", 4, kUnsignedShort), weight = glb.add(weights, "VEC4", 4, kFloat);
+    const size_t position = glb.add_positions(positions);
+    const size_t joint = glb.add(joints, "VEC4", 4, stage::kGltfUnsignedShort),
+                 weight = glb.add(weights, "VEC4", 4, stage::kGltfFloat);
     return {{"name", "bones"},
             {"primitives",
              {{{"attributes", {{"POSITION", position}, {"JOINTS_0", joint}, {"WEIGHTS_0", weight}}},
-               {"indices", glb.add(indices, "SCALAR", 1, kUnsignedShort)},
+               {"indices", glb.add(indices, "SCALAR", 1, stage::kGltfUnsignedShort)},
                {"material", 0}}}}};
 }
 
@@ -203,7 +166,7 @@ ordered_json nodes_of(const Positions& rest) {
     return nodes;
 }
 
-ordered_json skin_of(GlbWriter& glb, const Positions& rest) {
+ordered_json skin_of(stage::GlbWriter& glb, const Positions& rest) {
     std::vector<float> inverse_binds;
     ordered_json joints = ordered_json::array();
     for (size_t j = 0; j < kJoints; ++j) {
@@ -211,10 +174,12 @@ ordered_json skin_of(GlbWriter& glb, const Positions& rest) {
         inverse_binds.insert(inverse_binds.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, p.x, p.y, p.z, 1});
         joints.push_back(j);
     }
-    return {{"joints", joints}, {"skeleton", 0}, {"inverseBindMatrices", glb.add(inverse_binds, "MAT4", 16, kFloat)}};
+    return {{"joints", joints},
+            {"skeleton", 0},
+            {"inverseBindMatrices", glb.add(inverse_binds, "MAT4", 16, stage::kGltfFloat)}};
 }
 
-ordered_json animation_of(GlbWriter& glb, const std::vector<Positions>& frames, double fps) {
+ordered_json animation_of(stage::GlbWriter& glb, const std::vector<Positions>& frames, double fps) {
     std::vector<float> times;
     std::array<std::vector<glm::vec3>, kJoints> places;
     std::array<std::vector<float>, kJoints> turns;
@@ -229,18 +194,14 @@ ordered_json animation_of(GlbWriter& glb, const std::vector<Positions>& frames, 
             turns[j].insert(turns[j].end(), {turn.x, turn.y, turn.z, turn.w});
         }
     }
-    const size_t time = glb.add(times, "SCALAR", 1, kFloat);
-    glb.set_bounds(time, {times.front()}, {times.back()});
-    ordered_json samplers = ordered_json::array(), channels = ordered_json::array();
-    const auto channel = [&](size_t node, const char* path, size_t values) {
-        samplers.push_back({{"input", time}, {"output", values}});
-        channels.push_back({{"sampler", samplers.size() - 1}, {"target", {{"node", node}, {"path", path}}}});
-    };
+    const size_t time = glb.add_times(times);
+    ordered_json animation = {
+        {"name", "motion"}, {"samplers", ordered_json::array()}, {"channels", ordered_json::array()}};
     for (size_t j = 0; j < kJoints; ++j) {
-        channel(j, "translation", glb.add_vectors(places[j]));
-        channel(j, "rotation", glb.add(turns[j], "VEC4", 4, kFloat));
+        stage::add_gltf_channel(animation, time, glb.add_vectors(places[j]), j, "translation");
+        stage::add_gltf_channel(animation, time, glb.add(turns[j], "VEC4", 4, stage::kGltfFloat), j, "rotation");
     }
-    return {{"name", "motion"}, {"samplers", samplers}, {"channels", channels}};
+    return animation;
 }
 
 ordered_json extension_of(const SkeletonClip& clip) {
@@ -260,10 +221,6 @@ ordered_json extension_of(const SkeletonClip& clip) {
     return {{"version", 1}, {"fps", clip.fps}, {"measured", measured}, {"confidence", confidence}};
 }
 
-void append_word(std::vector<uint8_t>& bytes, size_t word) {
-    for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<uint8_t>(word >> shift));
-}
-
 }  // namespace
 
 void write_skeleton(const std::filesystem::path& file, const SkeletonClip& clip) {
@@ -272,40 +229,19 @@ void write_skeleton(const std::filesystem::path& file, const SkeletonClip& clip)
         throw InputError(file.string(), "", fmt::format("would have more than {} frames", kMaxSkeletonFrames),
                          "cut the clip");
     const std::vector<Positions> frames = filled_positions(clip);
-    GlbWriter glb;
-    ordered_json root = {{"asset", {{"version", "2.0"}, {"generator", "NeuVV"}}},
-                         {"scene", 0},
-                         {"scenes", {{{"nodes", {0, kJoints}}}}},
-                         {"nodes", nodes_of(frames[0])}};
-    root["meshes"] = {bone_mesh(glb, frames[0])};
-    root["materials"] = {
+    stage::GlbWriter glb;
+    glb.json["scene"] = 0;
+    glb.json["scenes"] = {{{"nodes", {0, kJoints}}}};
+    glb.json["nodes"] = nodes_of(frames[0]);
+    glb.json["meshes"] = {bone_mesh(glb, frames[0])};
+    glb.json["materials"] = {
         {{"name", "bone"},
          {"pbrMetallicRoughness", {{"baseColorFactor", {0.85, 0.85, 0.8, 1}}, {"metallicFactor", 0}}}}};
-    root["skins"] = {skin_of(glb, frames[0])};
-    root["animations"] = {animation_of(glb, frames, clip.fps)};
-    root["bufferViews"] = std::move(glb.views);
-    root["accessors"] = std::move(glb.accessors);
-    root["buffers"] = {{{"byteLength", glb.bytes.size()}}};
-    root["extensionsUsed"] = {kSkeletonExtension};
-    root["extensions"] = {{kSkeletonExtension, extension_of(clip)}};
-
-    std::string json = root.dump();
-    json.resize((json.size() + 3) / 4 * 4, ' ');
-    std::vector<uint8_t> head;
-    append_word(head, kGlbMagic);
-    append_word(head, 2);
-    append_word(head, 12 + 8 + json.size() + 8 + glb.bytes.size());
-    append_word(head, json.size());
-    append_word(head, kJsonChunk);
-    std::vector<uint8_t> middle;
-    append_word(middle, glb.bytes.size());
-    append_word(middle, kBinaryChunk);
-    write_file_atomically(file, [&](const ByteSink& sink) {
-        sink(head.data(), head.size());
-        sink(json.data(), json.size());
-        sink(middle.data(), middle.size());
-        sink(glb.bytes.data(), glb.bytes.size());
-    });
+    glb.json["skins"] = {skin_of(glb, frames[0])};
+    glb.json["animations"] = {animation_of(glb, frames, clip.fps)};
+    glb.json["extensionsUsed"] = {kSkeletonExtension};
+    glb.json["extensions"] = {{kSkeletonExtension, extension_of(clip)}};
+    glb.write(file, "cut the clip");
 }
 
 }  // namespace neuvv::motion
