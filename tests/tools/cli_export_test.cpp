@@ -97,7 +97,7 @@ TEST_F(CliExport, StreamsAreExportedToo) {
 }
 
 TEST_F(CliExport, SaysWhatIsWrong) {
-    expect_refused({"export", scene, "-o", file("x.obj")}, 2, {"x.obj", ".ply, .glb or .usda"});
+    expect_refused({"export", scene, "-o", file("x.xyz")}, 2, {"x.xyz", ".ply, .glb, .usda"});
     expect_refused({"export", scene, "-o", file("x.ply")}, 2, {"x.ply", "holds one frame, not 4", "out_%04d.ply"});
     expect_refused({"export", scene, "-o", file("x_%s.ply")}, 2, {"x_%s.ply", "out_%04d.ply"});
     expect_refused({"export", scene, "-o", file("x_%d.ply"), "--frames", "0.5"}, 2, {"0.5", "whole frames"});

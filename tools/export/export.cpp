@@ -43,7 +43,7 @@ const Kind& kind_of(const ExportOptions& options) {
         if (std::find(kind.endings.begin(), kind.endings.end(), ending) != kind.endings.end()) return kind;
         endings.insert(endings.end(), kind.endings.begin(), kind.endings.end());
     }
-    throw InputError("--output", options.output, fmt::format("does not end with {}", fmt::join(endings, " or ")),
+    throw InputError("--output", options.output, fmt::format("does not end with one of {}", fmt::join(endings, ", ")),
                      fmt::format("name it so, as in out_%04d{}", endings[0]));
 }
 
