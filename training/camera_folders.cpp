@@ -5,14 +5,20 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <span>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "media/video.h"
 #include "training/calibration.h"
+#include "training/image_reader.h"
 
 namespace neuvv::training {
 
 namespace {
+
+constexpr const char* kImageEndings[] = {".png", ".jpg", ".jpeg"};
+constexpr const char* kVideoEndings[] = {".mp4", ".mkv", ".mov", ".avi", ".webm"};
 
 bool is_digit(char c) {
     return std::isdigit(static_cast<unsigned char>(c)) != 0;
@@ -28,24 +34,53 @@ std::string_view take_digits(const std::string& text, size_t& at) {
 }
 
 std::string lower_extension(const std::filesystem::path& path) {
-    std::string text = path.extension().string();
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return lower_case(path.extension().string());
+}
+
+bool is_image(const std::filesystem::path& path) {
+    return std::ranges::find(kImageEndings, lower_extension(path)) != std::end(kImageEndings);
+}
+
+std::string upper_case(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     return text;
 }
 
-Frames frames_of_video(const std::filesystem::path& path, double& fps) {
-    const media::VideoReader video(path);
-    fps = video.fps();
-    Frames frames;
-    for (uint32_t i = 0; i < video.frames(); ++i) frames[fmt::format("{:06}", i)] = {path, i};
-    return frames;
+// The file of this name with one of these endings, in small or in capital letters.
+std::filesystem::path find_file(const std::filesystem::path& folder, const std::string& stem,
+                                std::span<const char* const> endings) {
+    std::error_code ignored;
+    for (const std::string ending : endings)
+        for (const std::string& as_written : {ending, upper_case(ending)})
+            if (auto path = folder / (stem + as_written); std::filesystem::is_regular_file(path, ignored)) return path;
+    return {};
 }
 
+// The video <camera>.*, else the one whose name ends in _<camera>.
 std::filesystem::path find_video(const std::filesystem::path& folder, const std::string& camera) {
-    std::error_code ignored;
-    for (const char* ending : {".mp4", ".mkv", ".mov", ".avi", ".webm"})
-        if (auto path = folder / (camera + ending); std::filesystem::is_regular_file(path, ignored)) return path;
-    return {};
+    if (auto path = find_file(folder, camera, kVideoEndings); !path.empty()) return path;
+    std::filesystem::path found;
+    std::error_code error;
+    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+        if (!is_video(entry->path()) || !entry->path().stem().string().ends_with("_" + camera)) continue;
+        if (!found.empty())
+            throw InputError(entry->path().string(), "",
+                             fmt::format("is named after the camera {}, as is {}", camera, found.filename().string()),
+                             "keep one video a camera");
+        found = entry->path();
+    }
+    return found;
+}
+
+Frames still_in(const std::filesystem::path& folder, const std::string& camera) {
+    const std::filesystem::path file = find_file(folder, camera, kImageEndings);
+    return file.empty() ? Frames() : Frames{{kOnlyFrame, ImageSource{file, -1}}};
+}
+
+Frames still_of_camera(const std::filesystem::path& folder, const std::string& camera) {
+    Frames still = still_in(folder / "images", camera);
+    return still.empty() ? still_in(folder, camera) : still;
 }
 
 // The time of each frame's name.
@@ -82,14 +117,25 @@ Frames images_in(const std::filesystem::path& folder) {
     std::error_code error;
     for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
          entry.increment(error)) {
-        const std::string extension = lower_extension(entry->path());
-        if (extension != ".png" && extension != ".jpg" && extension != ".jpeg") continue;
+        if (!is_image(entry->path())) continue;
         const auto [same, fresh] = frames.try_emplace(entry->path().stem().string(), ImageSource{entry->path(), -1});
         if (!fresh)
             throw InputError(entry->path().string(), "",
                              fmt::format("is named like {}", same->second.path.filename().string()),
                              "keep one image a frame");
     }
+    return frames;
+}
+
+bool is_video(const std::filesystem::path& path) {
+    return std::ranges::find(kVideoEndings, lower_extension(path)) != std::end(kVideoEndings);
+}
+
+Frames frames_of_video(const std::filesystem::path& path, double& fps) {
+    const media::VideoReader video(path);
+    fps = video.fps();
+    Frames frames;
+    for (uint32_t i = 0; i < video.frames(); ++i) frames[fmt::format("{:06}", i)] = {path, i};
     return frames;
 }
 
@@ -101,11 +147,30 @@ Frames frames_of_camera(const std::filesystem::path& folder, const std::string& 
     return {};
 }
 
+std::vector<std::string> videos_in(const std::filesystem::path& folder) {
+    std::set<std::string, NaturalOrder> names;
+    std::error_code error;
+    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+        if (is_video(entry->path())) names.insert(entry->path().stem().string());
+    return {names.begin(), names.end()};
+}
+
 std::filesystem::path first_folder(const std::filesystem::path& folder, std::initializer_list<const char*> names) {
     std::error_code ignored;
     for (const char* name : names)
         if (std::filesystem::is_directory(folder / name, ignored)) return folder / name;
     return {};
+}
+
+std::filesystem::path masks_folder(const std::filesystem::path& folder) {
+    return first_folder(folder, {"masks", "mask", "mask_cihp"});
+}
+
+std::string without_extension(const std::string& name) {
+    const std::filesystem::path path(name);
+    const std::string extension = lower_extension(path);
+    const bool other = extension == ".tif" || extension == ".tiff" || extension == ".exr" || extension == ".dng";
+    return other || is_image(path) || is_video(path) ? name.substr(0, name.size() - extension.size()) : name;
 }
 
 Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames) {
@@ -131,6 +196,38 @@ Frames masks_of_camera(const std::filesystem::path& masks, const std::string& ca
             throw InputError((masks / camera).string(), "", fmt::format("has no mask {}.png", name),
                              "give every frame its mask, named as the image");
     return found;
+}
+
+std::vector<CameraFrames> find_images(Rig& rig, const std::vector<CalibratedCamera>& calibrated) {
+    const std::filesystem::path masks = masks_folder(rig.folder);
+    std::vector<CameraFrames> cameras;
+    std::set<std::string> seen;
+    for (const CalibratedCamera& from : calibrated) {
+        const std::string& name = from.camera.name;
+        expect_inside(name, rig.file, from.place);
+        if (!seen.insert(name).second)
+            throw InputError(rig.file, from.place, fmt::format("is another camera of the name {}", name),
+                             "give each camera its own name");
+        CameraFrames camera{from.camera, from.place, cameras.size(), frames_of_camera(rig.folder, name, rig.fps), {}};
+        const bool still = camera.frames.empty();
+        if (still) camera.frames = still_of_camera(rig.folder, name);
+        if (camera.frames.empty()) continue;
+        const ImageSource& first = camera.frames.begin()->second;
+        fit_to_images(camera.camera, size_of(first), first.path.string(), rig.file, from.place);
+        if (!masks.empty()) {
+            if (still) camera.masks = still_in(masks, name);
+            if (camera.masks.empty()) camera.masks = masks_of_camera(masks, name, camera.frames);
+        }
+        cameras.push_back(std::move(camera));
+    }
+    if (cameras.empty())
+        throw InputError(rig.folder.string(), "", fmt::format("holds no image of any camera of {}", rig.file),
+                         "put them into images/<camera>/ or videos/<camera>.mp4");
+    if (cameras.size() < calibrated.size())
+        rig.remarks.push_back(fmt::format("{} of {} calibrated cameras have no images, and are left out",
+                                          calibrated.size() - cameras.size(), calibrated.size()));
+    expect_common_frames(rig, cameras);
+    return cameras;
 }
 
 void expect_common_frames(const Rig& rig, const std::vector<CameraFrames>& cameras) {

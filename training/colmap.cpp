@@ -127,6 +127,7 @@ Rig read_colmap_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "colmap";
+    rig.world = "COLMAP's own unit and axes, not turned";
     rig.file = model.file;
     rig.box = box_of(model.points);
     const std::filesystem::path masks = first_folder(folder, {"masks", "mask"});

@@ -18,7 +18,6 @@ namespace {
 
 constexpr size_t kRow = 17;  // 3×5 and two depths
 constexpr double kOrthonormalTolerance = 1e-3;
-constexpr double kStretchTolerance = 0.02;  // as scaled sizes are rounded to whole pixels
 
 std::filesystem::path poses_file(const std::filesystem::path& folder) {
     return folder / "poses_bounds.npy";
@@ -96,6 +95,7 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
     Rig rig;
     rig.folder = folder;
     rig.format = "n3v";
+    rig.world = "the unit and the axes of the structure from motion, not turned";
     rig.file = poses_file(folder).string();
     const NpyArray poses = read_npy(poses_file(folder));
     if (poses.shape.size() != 2 || poses.shape[1] != kRow)
@@ -117,16 +117,9 @@ Rig read_n3v_rig(const std::filesystem::path& folder, Split split) {
     rig.fps = described[0].fps;
     for (size_t i = 0; i < videos.size(); ++i) {
         if ((i == 0) != (split == Split::kTest)) continue;
-        const RigCamera whole = make_camera(&poses.values[i * kRow], videos[i], rig.file, fmt::format("row {}", i));
-        const media::ImageSize size = described[i].size;
-        const double stretch = (size.width / whole.lens.cx) / (size.height / whole.lens.cy);
-        if (std::abs(stretch - 1) > kStretchTolerance)
-            throw InputError(videos[i].string(), "",
-                             fmt::format("is {}×{}, but row {} of {} says {}×{}, another shape", size.width,
-                                         size.height, i, rig.file, whole.lens.width, whole.lens.height),
-                             "give the videos that the poses were found for, or scaled copies");
-        rig.cameras.push_back(whole);
-        rig.cameras.back().lens = scaled(whole.lens, size.width, size.height);
+        const std::string place = fmt::format("row {}", i);
+        rig.cameras.push_back(make_camera(&poses.values[i * kRow], videos[i], rig.file, place));
+        fit_to_images(rig.cameras.back(), described[i].size, videos[i].string(), rig.file, place);
         add_shots(rig, static_cast<uint32_t>(rig.cameras.size() - 1), videos[i], frames);
     }
     return rig;

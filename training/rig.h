@@ -46,13 +46,16 @@ struct Shot {
 
 struct Rig {
     std::filesystem::path folder;
-    std::string format;  // "nerf", "n3v", "colmap", "easymocap"
+    std::string format;  // its name in formats.cpp
     std::string file;    // the file of the calibration, for errors
     std::vector<RigCamera> cameras;
     std::vector<Shot> shots;  // those of one split
     MaskMeaning masks = MaskMeaning::kMatte;
     std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // min, max in metres, where the files give one
     double fps = 0;                                        // 0 where the files give none
+    // What a person checks before training: the unit of the poses and the way up, and what else the loader decided.
+    std::string world;
+    std::vector<std::string> remarks;
 };
 
 }  // namespace neuvv::training
