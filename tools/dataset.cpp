@@ -258,11 +258,13 @@ void run(const DatasetOptions& options) {
                                                      names_text(split->found->cameras))
                                        : "none: " + split->missing);
     fmt::print("of the {} split:\n", options.split);
+    print_field("world", rig.world);
     print_lenses(rig, images);
     print_frames(rig);
     print_layers(rig, options, matte);
     print_box(rig.box, hull);
     print_memory(rig, sample, images);
+    for (const std::string& remark : rig.remarks) print_field("note", remark);
     fmt::print("{}", doubtful_mattes_text(images, doubtful));
     if (options.output.empty()) return;
     const auto cameras = [](const Finding<training::Rig>& split) {

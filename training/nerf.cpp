@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -10,6 +11,8 @@
 #include "base/error.h"
 #include "media/image.h"
 #include "training/calibration.h"
+#include "training/camera_folders.h"
+#include "training/image_reader.h"
 #include "training/transforms.h"
 
 namespace neuvv::training {
@@ -57,7 +60,7 @@ bool holds_file(const std::filesystem::path& file) {
 struct SplitFrames {
     std::filesystem::path file;
     Transforms transforms;
-    std::vector<std::string> other_images;  // file_paths of the other splits
+    std::vector<TransformsFrame> other_frames;  // of the other splits
 };
 
 constexpr const char* kSplitNames[] = {"train", "test", "val"};  // by Split
@@ -78,8 +81,7 @@ SplitFrames read_file_of_split(const std::filesystem::path& folder, Split split)
     for (const char* other : kSplitNames) {
         const auto file = split_file(folder, other);
         if (file == result.file || !holds_file(file)) continue;
-        for (TransformsFrame& frame : read_transforms(file).frames)
-            result.other_images.push_back(std::move(frame.file_path));
+        for (TransformsFrame& frame : read_transforms(file).frames) result.other_frames.push_back(std::move(frame));
     }
     return result;
 }
@@ -135,10 +137,7 @@ SplitFrames read_shared_file(const std::filesystem::path& folder, Split split) {
     const std::vector<bool> members = (listed ? members_by_list : members_by_camera)(result.file.string(), all, split);
     std::vector<TransformsFrame> kept;
     for (size_t i = 0; i < all.frames.size(); ++i) {
-        if (members[i])
-            kept.push_back(std::move(all.frames[i]));
-        else
-            result.other_images.push_back(std::move(all.frames[i].file_path));
+        (members[i] ? kept : result.other_frames).push_back(std::move(all.frames[i]));
     }
     all.frames = std::move(kept);
     return result;
@@ -150,21 +149,110 @@ SplitFrames read_split(const std::filesystem::path& folder, Split split) {
     return one_file_each ? read_file_of_split(folder, split) : read_shared_file(folder, split);
 }
 
-// The image `path`, or `path` with the extension of an image, as D-NeRF gives none.
-std::filesystem::path find_image(const Rig& rig, const std::string& path, const std::string& place) {
+// The image `path`, or `path` with the extension of an image, as D-NeRF gives none; empty where there is neither.
+std::filesystem::path image_at(const std::filesystem::path& folder, const std::string& path) {
     std::error_code ignored;
     for (const char* ending : {"", ".png", ".jpg", ".jpeg"}) {
-        std::filesystem::path candidate = rig.folder / (path + ending);
+        std::filesystem::path candidate = folder / (path + ending);
         if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
     }
+    return {};
+}
+
+std::filesystem::path find_image(const Rig& rig, const std::string& path, const std::string& place) {
+    const std::filesystem::path image = image_at(rig.folder, path);
+    if (!image.empty()) return image;
     throw InputError(rig.file, place, fmt::format("there is no image {0} nor {0}.png", (rig.folder / path).string()),
                      "put it there or correct the path");
 }
 
-RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t number,
-                      const std::filesystem::path& first_image) {
+// A frame of the file, or one image of the folder or of the video that it names: its file_path then ends in the name of
+// the image, or in the number of the video's frame.
+struct ImageFrame {
+    TransformsFrame frame;
+    ImageSource image, mask;
+};
+
+// The images of a frame that names a folder or a video; empty where it names an image, or what does not exist.
+std::vector<ImageFrame> images_of_sequence(Rig& rig, const TransformsFrame& from) {
+    const std::filesystem::path path = rig.folder / from.file_path, image = image_at(rig.folder, from.file_path);
+    if (from.file_path.empty() || (!image.empty() && !is_video(image))) return {};
+    const Frames frames = image.empty() ? images_in(path) : frames_of_video(path, rig.fps);
+    if (!frames.empty() && from.time)
+        throw InputError(rig.file, from.place + ".time", "is given beside a file_path of many images",
+                         "remove it: images of the same name, or number in their videos, are of the same time");
+    const std::filesystem::path mask = rig.folder / from.mask_path;
+    const Frames masks = frames.empty() || from.mask_path.empty()
+                             ? Frames()
+                             : masks_of_camera(mask.parent_path(), mask.stem().string(), frames);
+    std::vector<ImageFrame> result;
+    for (const auto& [name, source] : frames) {
+        ImageFrame added{from, source, masks.empty() ? ImageSource() : masks.at(name)};
+        added.frame.file_path =
+            (std::filesystem::path(from.file_path).replace_extension() / (name + ".png")).generic_string();
+        added.frame.place += fmt::format(", image {}", name);
+        result.push_back(std::move(added));
+    }
+    return result;
+}
+
+std::vector<ImageFrame> image_frames(Rig& rig, const std::vector<TransformsFrame>& frames) {
+    std::vector<ImageFrame> result;
+    for (const TransformsFrame& frame : frames) {
+        if (frame.file_path.empty()) throw InputError(rig.file, frame.place, "has no file_path", "name its image");
+        std::vector<ImageFrame> sequence = images_of_sequence(rig, frame);
+        if (sequence.empty()) {
+            sequence.push_back({frame, {find_image(rig, frame.file_path, frame.place + ".file_path"), -1}, {}});
+            if (!frame.mask_path.empty())
+                sequence[0].mask.path = find_image(rig, frame.mask_path, frame.place + ".mask_path");
+        }
+        std::ranges::move(sequence, std::back_inserter(result));
+    }
+    return result;
+}
+
+// The frames of the other splits, with their sequences spread out. Their images need not exist.
+std::vector<TransformsFrame> spread_frames(Rig& rig, const std::vector<TransformsFrame>& frames) {
+    std::vector<TransformsFrame> result;
+    for (const TransformsFrame& frame : frames) {
+        const std::vector<ImageFrame> sequence = images_of_sequence(rig, frame);
+        if (sequence.empty()) result.push_back(frame);
+        for (const ImageFrame& image : sequence) result.push_back(image.frame);
+    }
+    return result;
+}
+
+std::string stem(const TransformsFrame& frame) {
+    return std::filesystem::path(frame.file_path).stem().string();
+}
+
+// Where no frame has a time and a camera has several, images of one name are of one time, whatever their split: the
+// i-th of N names has the time i/(N−1).
+void time_by_name(const Rig& rig, std::vector<ImageFrame>& frames, const std::vector<TransformsFrame>& others) {
+    std::vector<TransformsFrame> all = others;
+    for (const ImageFrame& frame : frames) all.push_back(frame.frame);
+    if (std::ranges::any_of(all, [](const TransformsFrame& frame) { return frame.time.has_value(); })) return;
+    const std::vector<uint32_t> cameras = number_cameras(all);
+    std::set<std::pair<uint32_t, std::string>> images;  // an image may be of two splits
+    std::map<std::string, double, NaturalOrder> times;
+    for (size_t i = 0; i < all.size(); ++i) {
+        images.emplace(cameras[i], normal(all[i].file_path));
+        times.try_emplace(stem(all[i]), 0);
+    }
+    const size_t count = 1 + *std::max_element(cameras.begin(), cameras.end());
+    if (images.size() == count) return;
+    if (count > 1 && times.size() == images.size())
+        throw InputError(rig.file, "frames", "have no time, and no image of one camera is named as one of another",
+                         "give each frame its time, or images of the same time the same name, in a folder a camera");
+    const double last = std::max(1.0, static_cast<double>(times.size()) - 1);
+    double next = 0;
+    for (auto& [name, time] : times) time = next++ / last;
+    for (ImageFrame& frame : frames) frame.frame.time = times.at(stem(frame.frame));
+}
+
+RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t number, const ImageSource& first_image) {
     const Intrinsics& in = frame.intrinsics;
-    const media::ImageSize size = in.width ? media::ImageSize{in.width, in.height} : media::image_size(first_image);
+    const media::ImageSize size = in.width ? media::ImageSize{in.width, in.height} : size_of(first_image);
     RigCamera camera;
     camera.name = fmt::format("{}", number);
     camera.world_from_camera = frame.world_from_camera;
@@ -174,20 +262,21 @@ RigCamera make_camera(const Rig& rig, const TransformsFrame& frame, uint32_t num
     return camera;
 }
 
-void add_cameras_and_shots(Rig& rig, const std::vector<TransformsFrame>& frames) {
+void add_cameras_and_shots(Rig& rig, const std::vector<ImageFrame>& images) {
+    std::vector<TransformsFrame> frames;
+    for (const ImageFrame& image : images) frames.push_back(image.frame);
     const std::vector<uint32_t> cameras = number_cameras(frames);
     std::vector<const TransformsFrame*> first;  // by camera
     for (size_t i = 0; i < frames.size(); ++i) {
         const TransformsFrame& frame = frames[i];
-        if (frame.file_path.empty()) throw InputError(rig.file, frame.place, "has no file_path", "name its image");
         Shot shot;
         shot.camera = cameras[i];
         shot.time = frame.time.value_or(0);
         shot.place = frame.place;
-        shot.image.path = find_image(rig, frame.file_path, frame.place + ".file_path");
+        shot.image = images[i].image;
         if (shot.camera == first.size()) {
             first.push_back(&frame);
-            rig.cameras.push_back(make_camera(rig, frame, shot.camera, shot.image.path));
+            rig.cameras.push_back(make_camera(rig, frame, shot.camera, shot.image));
         }
         if (frame.background_path != first[shot.camera]->background_path)
             throw InputError(rig.file, frame.place + ".background_path",
@@ -199,41 +288,42 @@ void add_cameras_and_shots(Rig& rig, const std::vector<TransformsFrame>& frames)
 
 // Whether all frames have a field. Throws InputError where only some have it.
 template <typename HasField>
-bool has_everywhere(const Rig& rig, const std::vector<TransformsFrame>& frames, const char* field,
+bool has_everywhere(const Rig& rig, const std::vector<ImageFrame>& frames, const char* field,
                     const HasField& has_field) {
     const auto lacking = std::find_if_not(frames.begin(), frames.end(), has_field);
     if (lacking == frames.end()) return true;
     if (std::none_of(frames.begin(), frames.end(), has_field)) return false;
-    throw InputError(rig.file, lacking->place, fmt::format("has no {}, but other frames have one", field),
+    throw InputError(rig.file, lacking->frame.place, fmt::format("has no {}, but other frames have one", field),
                      "give it to all frames or none");
 }
 
 // Finds the masks: nerfstudio names one for every frame, instant-ngp looks for a file beside each image.
-void find_masks(Rig& rig, const std::vector<TransformsFrame>& frames) {
-    if (has_everywhere(rig, frames, "mask_path", [](const auto& frame) { return !frame.mask_path.empty(); })) {
+void find_masks(Rig& rig, const std::vector<ImageFrame>& frames) {
+    if (has_everywhere(rig, frames, "mask_path", [](const auto& image) { return !image.frame.mask_path.empty(); })) {
         rig.masks = MaskMeaning::kUsable;
-        for (size_t i = 0; i < frames.size(); ++i)
-            rig.shots[i].mask.path = find_image(rig, frames[i].mask_path, frames[i].place + ".mask_path");
+        for (size_t i = 0; i < frames.size(); ++i) rig.shots[i].mask = frames[i].mask;
         return;
     }
     rig.masks = MaskMeaning::kIgnore;
     for (Shot& shot : rig.shots) {
         const auto& image = shot.image.path;
         const auto mask = image.parent_path() / fmt::format("dynamic_mask_{}.png", image.stem().string());
-        if (holds_file(mask)) shot.mask.path = mask;
+        if (shot.image.video_frame < 0 && holds_file(mask)) shot.mask.path = mask;
     }
 }
 
 // Names each image after its file; where another image of any split has the same name, folders become part of the
 // names.
-void name_shots(Rig& rig, const std::vector<TransformsFrame>& frames, const std::vector<std::string>& other_images) {
-    const auto stem = [](const std::string& path) { return std::filesystem::path(path).stem().string(); };
+void name_shots(Rig& rig, const std::vector<ImageFrame>& frames, const std::vector<TransformsFrame>& others) {
     std::map<std::string, int> uses;
-    for (const TransformsFrame& frame : frames) ++uses[stem(frame.file_path)];
-    for (const std::string& path : other_images) ++uses[stem(path)];
+    for (const ImageFrame& image : frames) ++uses[stem(image.frame)];
+    for (const TransformsFrame& frame : others) ++uses[stem(frame)];
     const bool distinct = std::all_of(uses.begin(), uses.end(), [](const auto& use) { return use.second == 1; });
     for (size_t i = 0; i < frames.size(); ++i) {
-        const auto path = rig.shots[i].image.path.lexically_relative(rig.folder).lexically_normal();
+        const ImageSource& image = frames[i].image;
+        std::filesystem::path path = frames[i].frame.file_path;
+        if (image.video_frame < 0) path = image.path.lexically_relative(rig.folder);
+        path = path.lexically_normal();
         std::string name =
             distinct ? path.stem().string() : std::filesystem::path(path).replace_extension().generic_string();
         std::replace(name.begin(), name.end(), '/', '_');
@@ -250,17 +340,22 @@ bool has_nerf_files(const std::filesystem::path& folder) {
 }
 
 Rig read_nerf_rig(const std::filesystem::path& folder, Split split) {
-    const auto [file, transforms, other_images] = read_split(folder, split);
+    const auto [file, transforms, other_frames] = read_split(folder, split);
     Rig rig;
     rig.folder = folder;
     rig.format = "nerf";
+    rig.world =
+        transforms.z_up ? "the file's unit, a metre; +Y up, turned from +Z up" : "the file's unit, a metre; +Y up";
     rig.file = file.string();
     rig.box = transforms.box;
     rig.fps = transforms.fps;
-    has_everywhere(rig, transforms.frames, "time", [](const auto& frame) { return frame.time.has_value(); });
-    add_cameras_and_shots(rig, transforms.frames);
-    find_masks(rig, transforms.frames);
-    name_shots(rig, transforms.frames, other_images);
+    std::vector<ImageFrame> images = image_frames(rig, transforms.frames);
+    const std::vector<TransformsFrame> others = spread_frames(rig, other_frames);
+    has_everywhere(rig, images, "time", [](const auto& image) { return image.frame.time.has_value(); });
+    time_by_name(rig, images, others);
+    add_cameras_and_shots(rig, images);
+    find_masks(rig, images);
+    name_shots(rig, images, others);
     return rig;
 }
 

@@ -192,7 +192,8 @@ void convert_world(const JsonNode& root, Transforms& result) {
         const NgpCube cube = read_ngp_cube(root);
         result.box = {cube.to_world(result.box->first), cube.to_world(result.box->second)};
     }
-    const glm::dmat3 turn = is_z_up(root) ? kYUpFromZUp : glm::dmat3(1);
+    result.z_up = is_z_up(root);
+    const glm::dmat3 turn = result.z_up ? kYUpFromZUp : glm::dmat3(1);
     for (TransformsFrame& frame : result.frames) {
         frame.world_from_camera = glm::dmat4(turn) * frame.world_from_camera;
         frame.world_from_camera[3] = glm::dvec4(glm::dvec3(frame.world_from_camera[3]) / scale, 1);

@@ -41,6 +41,7 @@ struct Transforms {
     std::vector<TransformsFrame> frames;  // at least one
     std::optional<std::pair<glm::dvec3, glm::dvec3>> box;
     double fps = 0;
+    bool z_up = false;  // whether the file's world had +Z up, and was turned
     // Of a camera path alone:
     bool loop = false;
     std::optional<double> duration_s;

@@ -94,6 +94,7 @@ TEST_F(DatasetVerb, ACaptureWithoutMattesNamesTheMend) {
     EXPECT_NE(text.find("data: colmap, calibrated by "), std::string::npos) << text;
     EXPECT_EQ(field(text, "train"), "7 cameras: eye1 eye2 eye3 eye4 eye5 eye6 eye7");
     EXPECT_EQ(field(text, "test"), "2 cameras: eye0 eye8");
+    EXPECT_EQ(field(text, "world"), "COLMAP's own unit and axes, not turned");
     EXPECT_EQ(field(text, "lenses").find("pinhole, radial and tangential distortion; focal length 60.0 to 70.0"), 0u)
         << text;
     EXPECT_NE(field(text, "mattes").find("none"), std::string::npos);

@@ -7,6 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "media/video.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 #include "training/dataset.h"
@@ -232,6 +233,106 @@ TEST_F(NerfTest, InstantNgp) {
     EXPECT_TRUE(data.views[1].ignores(5, 0));
     EXPECT_FALSE(data.views[1].ignores(5, 4));
     EXPECT_FALSE(data.views[0].ignores(5, 0));
+}
+
+// A multi-view video: each frame names a folder of images, or a video, of its camera.
+struct Sequences : NerfTest {
+    json document = {{"camera_model", "OPENCV_FISHEYE"}, {"w", 10}, {"h", 8}, {"fl_x", 12.0}, {"k1", 0.01}};
+
+    void SetUp() override {
+        for (int i = 0; i < 3; ++i) {
+            const std::string camera = "cam" + std::to_string(i);
+            for (int frame = 8; frame < 11; ++frame) {
+                const std::string name = "/" + std::to_string(frame) + ".png";
+                if (i != 1 || frame != 8) put("images/" + camera + name, image(static_cast<uint8_t>(10 * i + frame)));
+                put("masks/" + camera + name, media::Image(10, 8));
+            }
+            document["frames"].push_back({{"file_path", "images/" + camera}, {"transform_matrix", z_up_pose(i)}});
+        }
+    }
+    training::Rig rig(training::Split split = training::Split::kTrain) {
+        put("transforms.json", document);
+        return training::read_rig(folder.path, split);
+    }
+};
+
+TEST_F(Sequences, AFolderHasTheFramesOfItsCamera) {
+    const training::Rig train = rig(), test = rig(training::Split::kTest);
+    ASSERT_EQ(train.cameras.size(), 2u);
+    EXPECT_EQ(train.cameras[0].lens.model, training::LensModel::kFisheye);
+    ASSERT_EQ(train.shots.size(), 5u);
+    EXPECT_EQ(train.shots[0].name, "images_cam1_9");
+    EXPECT_EQ(train.shots[0].time, 0.5) << "cam1 has no frame 8, and others have: the same as in the test split";
+    EXPECT_EQ(train.shots[1].time, 1) << "10 comes after 9";
+    EXPECT_EQ(train.shots[1].image.path, folder.path / "images" / "cam1" / "10.png");
+    EXPECT_EQ(train.shots[2].time, 0);
+    EXPECT_EQ(test.shots.at(1).time, 0.5);
+    for (int i = 0; i < 3; ++i) document["frames"][i]["mask_path"] = "masks/cam" + std::to_string(i);
+    const training::Rig masked = rig();
+    EXPECT_EQ(masked.masks, training::MaskMeaning::kUsable);
+    EXPECT_EQ(masked.shots[1].mask.path, folder.path / "masks" / "cam1" / "10.png");
+}
+
+TEST_F(Sequences, AVideoHasTheFramesOfItsCamera) {
+    for (int i = 0; i < 3; ++i) {
+        const std::string name = "cam" + std::to_string(i) + ".mp4";
+        media::VideoWriter writer(folder.path / name, 10, 8, 25);
+        for (int frame = 0; frame < 3; ++frame) writer.add(image(100));
+        writer.finish();
+        document["frames"][i]["file_path"] = name;
+    }
+    const training::Rig train = rig();
+    ASSERT_EQ(train.shots.size(), 6u);
+    EXPECT_EQ(train.shots[4].name, "cam2_000001");
+    EXPECT_EQ(train.shots[4].image.video_frame, 1);
+    EXPECT_EQ(train.shots[4].time, 0.5);
+    EXPECT_EQ(train.fps, 25);
+}
+
+// The same as single images, a frame each, and none with a time.
+TEST_F(Sequences, FramesWithoutTimesAreTimedByName) {
+    json frames = json::array();
+    for (int i = 0; i < 3; ++i)
+        for (const char* name : {"/9", "/10"})
+            frames.push_back(
+                {{"file_path", "images/cam" + std::to_string(i) + name}, {"transform_matrix", z_up_pose(i)}});
+    document["frames"] = frames;
+    const training::Rig train = rig();
+    ASSERT_EQ(train.shots.size(), 4u);
+    EXPECT_EQ(train.shots[2].time, 0);
+    EXPECT_EQ(train.shots[3].time, 1);
+    for (int i = 0; i < 6; ++i) put("flat/c" + std::to_string(i) + ".png", image(100));
+    for (size_t i = 0; i < 6; ++i) document["frames"][i]["file_path"] = "flat/c" + std::to_string(i);
+    expect_input_error([&] { rig(); }, {"transforms.json", "no time", "a folder a camera"});
+    for (size_t i = 0; i < 6; ++i) document["frames"][i]["time"] = static_cast<double>(i % 2);
+    EXPECT_EQ(rig().shots.at(3).time, 1);
+}
+
+TEST_F(Sequences, WhatContradictsIsRefused) {
+    document["frames"][1]["time"] = 0.5;
+    expect_input_error([&] { rig(); }, {"frames[1].time", "many images"});
+    document["frames"][1].erase("time");
+    document["frames"][1]["file_path"] = "images/none";
+    expect_input_error([&] { rig(); }, {"frames[1].file_path", "images/none"});
+    document["frames"][1]["file_path"] = "images/cam1";
+    for (int i = 0; i < 3; ++i) document["frames"][i]["mask_path"] = "masks/cam" + std::to_string(i);
+    std::filesystem::remove(folder.path / "masks" / "cam1" / "9.png");
+    expect_input_error([&] { rig(); }, {"masks/cam1", "9.png"});
+}
+
+// A split may have images of another one: they are stills, not a video.
+TEST_F(NerfTest, ImagesOfTwoSplitsStayStills) {
+    for (const char* split : {"train", "test"}) {
+        json document = {{"camera_angle_x", 0.7}};
+        for (int i = 0; i < 3; ++i) {
+            const std::string path = "r_" + std::to_string(i);
+            put(path + ".png", image(100));
+            document["frames"].push_back({{"file_path", path}, {"transform_matrix", z_up_pose(i)}});
+        }
+        put(std::string("transforms_") + split + ".json", document);
+    }
+    for (const training::Shot& shot : training::read_rig(folder.path, training::Split::kTrain).shots)
+        EXPECT_EQ(shot.time, 0);
 }
 
 }  // namespace
