@@ -291,7 +291,9 @@ void add_dataset(Command app, CommonOptions& common) {
     verb.footer(
         {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times; --rig\n"
          "reads all training images.\n"
-         "training/README.md describes the layouts.\n\n"
+         "Layouts: transforms.json, COLMAP, EasyMocap, Neural 3D Video, Metashape (.xml), RealityCapture (.csv),\n"
+         "Qualisys (.qca.txt), Pose2Sim (Calib.toml), OpenCV (<camera>.yml).\n"
+         "training/README.md describes them.\n\n"
          "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
          "  neuvv dataset build/performer\n"
          "  neuvv dataset build/performer -o build/look\n"

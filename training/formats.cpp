@@ -7,8 +7,13 @@
 #include "base/error.h"
 #include "training/colmap.h"
 #include "training/easymocap.h"
+#include "training/metashape.h"
 #include "training/n3v.h"
 #include "training/nerf.h"
+#include "training/opencv_cameras.h"
+#include "training/pose2sim.h"
+#include "training/qualisys.h"
+#include "training/realitycapture.h"
 
 namespace neuvv::training {
 
@@ -28,6 +33,11 @@ constexpr Format kFormats[] = {
     {"n3v", "poses_bounds.npy", has_n3v_files, read_n3v_rig, false},
     {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig, false},
     {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, false},
+    {"metashape", "cameras.xml", has_metashape_files, read_metashape_rig, false},
+    {"realitycapture", "a .csv of cameras", has_realitycapture_files, read_realitycapture_rig, false},
+    {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, false},
+    {"pose2sim", "Calib.toml", has_pose2sim_files, read_pose2sim_rig, false},
+    {"opencv", "<camera>.yml", has_opencv_files, read_opencv_rig, false},
 };
 
 const Format& find_format(const std::filesystem::path& folder, const std::string& name) {

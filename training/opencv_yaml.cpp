@@ -67,6 +67,13 @@ std::optional<double> OpencvYaml::number(const std::string& key) const {
     return finite_number(file_, key, node);
 }
 
+std::string OpencvYaml::text(const std::string& key) const {
+    const YAML::Node node = find(key);
+    if (!node.IsDefined()) throw InputError(file_, key, "is missing");
+    if (!node.IsScalar()) throw InputError(file_, place_of(key, node), "is no text");
+    return node.Scalar();
+}
+
 std::optional<std::vector<double>> OpencvYaml::matrix(const std::string& key,
                                                       std::initializer_list<size_t> sizes) const {
     const YAML::Node node = find(key);

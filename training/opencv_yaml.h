@@ -20,6 +20,7 @@ class OpencvYaml {
     // A list of strings, at least one. Throws where it is missing.
     std::vector<std::string> names(const std::string& key) const;
     std::optional<double> number(const std::string& key) const;
+    std::string text(const std::string& key) const;  // throws where it is missing or no scalar
     // The numbers of a matrix, row by row, all finite; nothing where the key is missing. Throws where their count is
     // none of `sizes`.
     std::optional<std::vector<double>> matrix(const std::string& key, std::initializer_list<size_t> sizes) const;
