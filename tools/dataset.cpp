@@ -292,7 +292,7 @@ void add_dataset(Command app, CommonOptions& common) {
         {"Reads the calibration whole, and of the images those of at most 64 cameras at 3 times; --rig\n"
          "reads all training images.\n"
          "Layouts: transforms.json, COLMAP, EasyMocap, Neural 3D Video, Metashape (.xml), RealityCapture (.csv),\n"
-         "Qualisys (.qca.txt), Pose2Sim (Calib.toml), OpenCV (<camera>.yml).\n"
+         "Qualisys (.qca.txt), Pose2Sim (Calib.toml), OpenCV (<camera>.yml), Polycam, Record3D.\n"
          "training/README.md describes them.\n\n"
          "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
          "  neuvv dataset build/performer\n"

@@ -11,9 +11,11 @@
 #include "training/n3v.h"
 #include "training/nerf.h"
 #include "training/opencv_cameras.h"
+#include "training/polycam.h"
 #include "training/pose2sim.h"
 #include "training/qualisys.h"
 #include "training/realitycapture.h"
+#include "training/record3d.h"
 
 namespace neuvv::training {
 
@@ -30,6 +32,8 @@ struct Format {
 // In the order in which layouts are tried, as a folder often contains files of several programs.
 constexpr Format kFormats[] = {
     {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig, true},
+    {"polycam", "keyframes/cameras/*.json", has_polycam_files, read_polycam_rig, false},
+    {"record3d", "metadata and rgb/", has_record3d_files, read_record3d_rig, false},
     {"n3v", "poses_bounds.npy", has_n3v_files, read_n3v_rig, false},
     {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig, false},
     {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, false},

@@ -109,6 +109,22 @@ TEST_F(DatasetVerb, ACaptureWithoutMattesNamesTheMend) {
     EXPECT_EQ(field(masked, "mattes").find("yes"), 0u) << masked;
 }
 
+TEST_F(DatasetVerb, ThePicturesOfAPhoneAreSaidToBeAStill) {
+    for (int i = 0; i < 2; ++i) {
+        const auto keyframes = folder.path / "data" / "keyframes";
+        write_text(keyframes / "cameras" / fmt::format("{}.json", i),
+                   fmt::format(R"({{"fx": 90, "fy": 90, "cx": 32, "cy": 24, "width": 64, "height": 48,
+                                    "t_00": 1, "t_01": 0, "t_02": 0, "t_03": {}, "t_10": 0, "t_11": 1, "t_12": 0,
+                                    "t_13": 0, "t_20": 0, "t_21": 0, "t_22": 1, "t_23": 0}})",
+                               i));
+        test::write_grey_png(keyframes / "images" / fmt::format("{}.png", i), 64, 48);
+    }
+    const std::string text = say();
+    EXPECT_EQ(field(text, "world"), "metres, +Y up");
+    EXPECT_EQ(field(text, "frames").find('1'), 0u) << text;
+    EXPECT_NE(field(text, "note").find("needs several cameras at each moment"), std::string::npos) << text;
+}
+
 TEST_F(DatasetVerb, DrawsTheRigAndTheSheet) {
     write_colmap_capture();
     const auto look = folder.path / "look";
