@@ -260,6 +260,11 @@ GltfPrimitive load_primitive(const GltfScene& scene, AccessorReader& reader, con
     return std::move(loader.out);
 }
 
+// Points and lines are left out. Splats of KHR_gaussian_splatting are points, too.
+bool is_of_points_or_lines(const tinygltf::Primitive& primitive) {
+    return primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode <= TINYGLTF_MODE_LINE_STRIP;
+}
+
 }  // namespace
 
 void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<MaterialTransforms>& transforms) {
@@ -272,11 +277,13 @@ void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<Mat
         if (source.primitives.empty()) throw InputError(scene.file, place, "has no primitives");
         for (size_t p = 0; p < source.primitives.size(); ++p) {
             const std::string at = fmt::format("{}/primitives/{}", place, p);
+            if (is_of_points_or_lines(source.primitives[p])) continue;
             mesh.primitives.push_back(load_primitive(scene, reader, source.primitives[p], at, transforms));
-            if (mesh.primitives[p].targets.size() != mesh.primitives[0].targets.size())
+            if (mesh.primitives.back().targets.size() != mesh.primitives[0].targets.size())
                 throw InputError(scene.file, at, "has another number of morph targets than the mesh's first primitive");
         }
-        const size_t targets = mesh.primitives[0].targets.size();
+        const size_t targets =
+            mesh.primitives.empty() ? source.primitives[0].targets.size() : mesh.primitives[0].targets.size();
         if (!source.weights.empty() && source.weights.size() != targets)
             throw InputError(scene.file, place + "/weights",
                              fmt::format("has {} weights for {} morph targets", source.weights.size(), targets));

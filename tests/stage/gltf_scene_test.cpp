@@ -369,8 +369,22 @@ TEST(GltfHostile, Indices) {
     primitive(glb)["indices"] = glb.add(std::vector<uint16_t>{0, 1}, test::kU16, "SCALAR", 1);
     expect_error(glb, "/indices", "whole triangles");
     primitive(glb).erase("indices");
-    primitive(glb)["mode"] = 1;
+    primitive(glb)["mode"] = 7;
     expect_error(glb, "/mode", "triangles");
+}
+
+// A stage may hold them, as exported splats are points; triangles of the same mesh are drawn.
+TEST(GltfScene, PointsAndLinesAreLeftOut) {
+    for (const int mode : {0, 1, 2, 3}) {
+        GlbBuilder glb = triangle();
+        primitive(glb)["mode"] = mode;
+        EXPECT_TRUE(scene_of(glb).meshes.at(0).primitives.empty());
+        json triangles = primitive(glb);
+        triangles["mode"] = 4;
+        glb.root["meshes"][0]["primitives"].push_back(triangles);
+        ASSERT_EQ(scene_of(glb).meshes.at(0).primitives.size(), 1u);
+        EXPECT_EQ(scene_of(glb).meshes[0].primitives[0].indices.size(), 3u);
+    }
 }
 
 TEST(GltfHostile, NodeGraph) {
