@@ -59,10 +59,13 @@ std::map<std::string, size_t> read_header(const std::vector<std::string>& fields
     std::map<std::string, size_t> columns;
     for (size_t i = 0; i < fields.size(); ++i)
         columns.try_emplace(fields[i].starts_with('#') ? fields[i].substr(1) : fields[i], i);
-    for (const char* column : kRequired)
+    const auto expect = [&](const char* column) {
         if (!columns.contains(column))
             throw InputError(file, "header", fmt::format("has no column {}", column),
                              "export Internal/External camera parameters");
+    };
+    expect("name");
+    for (const char* column : kRequired) expect(column);
     return columns;
 }
 
