@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "interchange/gltf_frames.h"
 #include "media/image.h"
 #include "stage/glb_writer.h"
 
@@ -84,25 +85,6 @@ Json primitive_of(const Splats& splats, stage::GlbWriter& glb) {
                 {"sortingMethod", "cameraDistance"}}}}}};
 }
 
-// Node i has its own size during frame i, and none at other times.
-Json animation_of(size_t frames, double fps, stage::GlbWriter& glb) {
-    Json animation = {{"name", "frames"}, {"samplers", Json::array()}, {"channels", Json::array()}};
-    const auto time = [&](size_t frame) { return static_cast<float>(static_cast<double>(frame) / fps); };
-    for (size_t i = 0; i < frames; i++) {
-        std::vector<float> times, scales;
-        const auto key = [&](size_t frame, float scale) {
-            times.push_back(time(frame));
-            scales.insert(scales.end(), 3, scale);
-        };
-        if (i > 0) key(0, 0);
-        key(i, 1);
-        key(i + 1, i + 1 < frames ? 0.0f : 1.0f);
-        const size_t input = glb.add_times(times);
-        stage::add_gltf_channel(animation, input, glb.add(scales, "VEC3", 3, stage::kGltfFloat), i, "scale", "STEP");
-    }
-    return animation;
-}
-
 }  // namespace
 
 size_t glb_bytes_of_splat(uint32_t degree) {
@@ -112,22 +94,11 @@ size_t glb_bytes_of_splat(uint32_t degree) {
 void write_splat_glb(const std::filesystem::path& file, std::span<const Splats> frames, double fps) {
     stage::GlbWriter glb;
     glb.json["extensionsUsed"] = {kExtension};
-    glb.json["scene"] = 0;
-    Json nodes = Json::array(), meshes = Json::array(), shown = Json::array();
-    for (size_t i = 0; i < frames.size(); i++) {
-        Json node = {{"name", fmt::format("frame {}", i)}};
-        if (i > 0) node["scale"] = {0, 0, 0};  // where nothing plays the animation
-        if (!frames[i].splats.empty()) {       // a mesh without vertices is not valid
-            meshes.push_back({{"primitives", Json::array({primitive_of(frames[i], glb)})}});
-            node["mesh"] = meshes.size() - 1;
-        }
-        nodes.push_back(std::move(node));
-        shown.push_back(i);
-    }
-    glb.json["scenes"] = Json::array({{{"nodes", shown}}});
-    glb.json["nodes"] = std::move(nodes);
-    if (!meshes.empty()) glb.json["meshes"] = std::move(meshes);
-    if (frames.size() > 1) glb.json["animations"] = Json::array({animation_of(frames.size(), fps, glb)});
+    std::vector<Json> meshes;
+    for (const Splats& splats : frames)
+        meshes.push_back(splats.splats.empty() ? Json()
+                                               : Json{{"primitives", Json::array({primitive_of(splats, glb)})}});
+    add_gltf_frames(glb, meshes, fps);
     glb.write(file, "export fewer --frames, or a file for each, as in out_%04d.glb");
 }
 

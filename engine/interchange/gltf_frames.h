@@ -1,0 +1,15 @@
+// Frames of a clip in glTF.
+#pragma once
+
+#include <vector>
+
+#include "stage/glb_writer.h"
+
+namespace neuvv::interchange {
+
+// A scene with a node for each frame, whose mesh is `meshes`[i], or nothing where that is null: glTF has no mesh
+// without vertices. Where there are several, an animation shows one after the other by their scales, `fps` of them a
+// second.
+void add_gltf_frames(stage::GlbWriter& glb, const std::vector<nlohmann::ordered_json>& meshes, double fps);
+
+}  // namespace neuvv::interchange
