@@ -117,6 +117,25 @@ float cost_of(const FrameVolume& volume, const Siblings& siblings) {
 
 }  // namespace
 
+namespace {
+
+// One leaf in place of each group of `chosen`, which are in the order of their leaves.
+void merge(FrameVolume& volume, const std::vector<Siblings>& chosen) {
+    std::vector<VolumeLeaf> leaves;
+    leaves.reserve(volume.leaves.size());
+    auto next = volume.leaves.begin();
+    for (const Siblings& siblings : chosen) {
+        const auto first = volume.leaves.begin() + static_cast<std::ptrdiff_t>(siblings.first);
+        leaves.insert(leaves.end(), next, first);
+        leaves.push_back(merged(volume, siblings));
+        next = first + static_cast<std::ptrdiff_t>(siblings.count);
+    }
+    leaves.insert(leaves.end(), next, volume.leaves.end());
+    volume.leaves = std::move(leaves);
+}
+
+}  // namespace
+
 FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves) {
     for (uint32_t depth = volume.depth; depth > 1 && volume.leaves.size() > most_leaves; depth--) {
         std::vector<Siblings> all = siblings_at(volume, depth);
@@ -130,17 +149,15 @@ FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves) {
         while (chosen < all.size() && left > most_leaves) left -= all[chosen++].count - 1;
         all.resize(chosen);
         std::sort(all.begin(), all.end(), [](const Siblings& a, const Siblings& b) { return a.first < b.first; });
-        std::vector<VolumeLeaf> leaves;
-        leaves.reserve(left);
-        size_t next = 0;
-        for (const Siblings& siblings : all) {
-            leaves.insert(leaves.end(), volume.leaves.begin() + static_cast<std::ptrdiff_t>(next),
-                          volume.leaves.begin() + static_cast<std::ptrdiff_t>(siblings.first));
-            leaves.push_back(merged(volume, siblings));
-            next = siblings.first + siblings.count;
-        }
-        leaves.insert(leaves.end(), volume.leaves.begin() + static_cast<std::ptrdiff_t>(next), volume.leaves.end());
-        volume.leaves = std::move(leaves);
+        merge(volume, all);
+    }
+    return volume;
+}
+
+FrameVolume with_depth(FrameVolume volume, uint32_t most_depth) {
+    for (; volume.depth > std::max(most_depth, 1u); volume.depth--) {
+        merge(volume, siblings_at(volume, volume.depth));
+        for (VolumeLeaf& leaf : volume.leaves) leaf.cell >>= 3;
     }
     return volume;
 }

@@ -39,4 +39,7 @@ FrameVolume frame_volume(const voctree::VOctree& tree, uint32_t frame, std::span
 // those first of which images show least difference. What they hide and show together stays about the same.
 FrameVolume with_fewer_leaves(FrameVolume volume, size_t most_leaves);
 
+// The same volume without leaves below a depth, which becomes its finest.
+FrameVolume with_depth(FrameVolume volume, uint32_t most_depth);
+
 }  // namespace neuvv::interchange
