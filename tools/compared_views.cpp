@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/frame.h"
+#include "render/linear_image.h"
 #include "tools/commands.h"
 #include "training/metrics.h"
 
@@ -50,6 +51,17 @@ media::Image ComparedViews::render_still(const voctree::VOctree& tree, size_t i)
     ViewStep view = views_[i];
     view.frame = 0;
     return render(tree, {}, {view})[0];
+}
+
+media::LinearImage ComparedViews::light_of_still(const voctree::VOctree& tree, size_t i) const {
+    const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
+    render::FrameSettings settings;
+    settings.width = size_.width;
+    settings.height = size_.height;
+    settings.samples = kDefaultSamples;
+    renderer.render(views_[i].camera, settings);
+    return render::linear_image(renderer.radiance(), renderer.depth(), size_.width, size_.height, kDefaultSamples);
 }
 
 double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {

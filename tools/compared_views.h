@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gpu/device.h"
+#include "media/exr.h"
 #include "media/image.h"
 #include "tools/view_path.h"
 #include "voctree/slice_paint.h"
@@ -22,6 +23,8 @@ class ComparedViews {
                                      std::span<const voctree::PaintStep> paint = {}) const;
     // One image of a tree of one frame, as view `i` sees it.
     media::Image render_still(const voctree::VOctree& tree, size_t i) const;
+    // The same as light and depth, without a background.
+    media::LinearImage light_of_still(const voctree::VOctree& tree, size_t i) const;
     double frame_of(size_t i) const { return views_[i].frame; }
     const stage::Camera& camera_of(size_t i) const { return views_[i].camera; }
     // Shows whole frames in the views from now on.

@@ -1,6 +1,8 @@
 // neuvv export on the command line: its files as an independent reader and renderer of splats sees them.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "reference/splats.h"
 #include "stream/nvs_writer.h"
 #include "tests/tools/cli_gpu.h"
@@ -103,6 +105,70 @@ TEST_F(CliExport, SaysWhatIsWrong) {
     expect_refused({"export", scene, "-o", file("x_%d.ply"), "--frames", "0.5"}, 2, {"0.5", "whole frames"});
     expect_refused({"export", scene, "-o", file("x.glb"), "--resume"}, 2, {"--resume"});
     expect_refused({"export", file("none.nvv"), "-o", file("x.glb")}, 2, {"none.nvv"});
+}
+
+// An opaque, grey ball that two frames show.
+struct CliMesh : CliExport {
+    void SetUp() override {
+        std::vector<voctree::LeafPosition> positions;
+        for (uint32_t i = 0; i < 32 * 32 * 32; i++) {
+            const glm::uvec3 cell(i % 32, i / 32 % 32, i / 1024);
+            if (glm::distance(glm::vec3(cell) + 0.5f, glm::vec3(16)) < 12)
+                positions.push_back({cell.x, cell.y, cell.z, 5});
+        }
+        tree = {};
+        tree.node_levels = 3;
+        tree.bases = 1;
+        tree.hh_degree = 0;
+        tree.frames = 2;
+        tree.sigma_basis = {1, 1};
+        tree.gamma_basis = {0, 0};
+        voctree::build_topology(tree, positions);
+        for (uint32_t i = 0; i < tree.leaf_count; i++) tree.leaf(i)[0] = 1e4f;
+        CliGpu::SetUp();
+    }
+};
+
+TEST_F(CliMesh, ObjHasATextureAndSaysItsLoss) {
+    const nlohmann::json json = exported(scene, file("m_%02d.obj"), {"--most-triangles", "1000", "--texture", "128"});
+    EXPECT_EQ(json.at("files"), 2);
+    EXPECT_LE(json.at("triangles"), 2000);
+    EXPECT_GT(json.at("triangles"), 1900);
+    EXPECT_GT(json.at("iou"), 0.96);
+    EXPECT_LT(json.at("depth_mean_mm"), 15) << "half of a leaf";
+    EXPECT_GT(json.at("psnr_db"), 25);
+    uint64_t bytes = 0;
+    for (const char* name : {"m_00.obj", "m_00.mtl", "m_00.png", "m_01.obj", "m_01.mtl", "m_01.png"})
+        bytes += std::filesystem::file_size(file(name));
+    EXPECT_EQ(json.at("bytes"), bytes);
+    EXPECT_EQ(media::read_png(file("m_01.png")).width, 128u);
+}
+
+TEST_F(CliMesh, GlbIsDrawnAsScenery) {
+    EXPECT_EQ(exported(scene, file("m.glb"), {"--as", "mesh", "--texture", "128"}).at("files"), 1);
+    const ProgramResult run =
+        run_neuvv({"render", file("m.glb"), "-o", file("m.png"), "--time", "0", "--size", "96x96"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const media::Image image = media::read_png(file("m.png"));
+    int grey = 0;
+    for (size_t i = 0; i < image.rgba.size(); i += 4)
+        if (std::abs(image.rgba[i] - 188) <= 2 && image.rgba[i] == image.rgba[i + 2]) grey++;  // 0.5 of linear light
+    EXPECT_GT(grey, 100);
+}
+
+TEST_F(CliMesh, PlyHasFacesOnlyWhereAMeshIsMeant) {
+    exported(scene, file("mesh.ply"), {"--as", "mesh", "--frames", "0"});
+    exported(scene, file("splats.ply"), {"--frames", "0"});
+    const auto has_faces = [&](const char* name) {
+        return read_text(file(name)).find("element face") != std::string::npos;
+    };
+    EXPECT_TRUE(has_faces("mesh.ply"));
+    EXPECT_FALSE(has_faces("splats.ply"));
+}
+
+TEST_F(CliExport, MeshesSayWhatIsWrong) {
+    expect_refused({"export", scene, "-o", file("x.usda"), "--as", "mesh"}, 2, {"x.usda", ".obj, .glb, .ply"});
+    expect_refused({"export", scene, "-o", file("x.obj")}, 2, {"x.obj", "holds one frame, not 4", "out_%04d.obj"});
 }
 
 }  // namespace

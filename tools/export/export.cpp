@@ -26,6 +26,7 @@ struct Kind {
 
 const std::array kKinds = {
     Kind{"splats", {".ply", ".glb", ".usda"}, export_splats},
+    Kind{"mesh", {".obj", ".glb", ".ply"}, export_meshes},
 };
 
 std::vector<std::string> kind_names() {
@@ -41,7 +42,8 @@ const Kind& kind_of(const ExportOptions& options) {
     for (const Kind& kind : kKinds) {
         if (!options.kind.empty() && options.kind != kind.name) continue;
         if (std::find(kind.endings.begin(), kind.endings.end(), ending) != kind.endings.end()) return kind;
-        endings.insert(endings.end(), kind.endings.begin(), kind.endings.end());
+        for (const std::string& known : kind.endings)
+            if (std::find(endings.begin(), endings.end(), known) == endings.end()) endings.push_back(known);
     }
     throw InputError("--output", options.output, fmt::format("does not end with one of {}", fmt::join(endings, ", ")),
                      fmt::format("name it so, as in out_%04d{}", endings[0]));
@@ -66,7 +68,7 @@ void run(const ExportOptions& options, const CommonOptions& common) {
 }  // namespace
 
 void add_export(Command app, CommonOptions& common) {
-    Command verb = app.add_verb("export", "Write frames of a clip as Gaussian splats, for other programs");
+    Command verb = app.add_verb("export", "Write frames of a clip as Gaussian splats or meshes, for other programs");
     const auto options = std::make_shared<ExportOptions>();
     verb.add_option("scene", options->scene,
                     "The .nvv, in segments or not, the .nvs, the .npz of a PlenOctree, or a stage, .gltf or .glb")
@@ -74,12 +76,23 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_option("--performer", options->performer,
                     "Of a stage: which, by its name or index; may be left out where there is one");
     verb.add_option("-o,--output", options->output,
-                    "out_%04d.ply, .glb or .usda for a file each frame; a .glb or .usda may hold them all")
+                    "out_%04d.ply, .glb, .usda or .obj for a file each frame; a .glb or .usda may hold them all")
         .required();
     verb.add_option("--as", options->kind, "What each frame becomes; without it, the first that has the ending")
         .one_of(kind_names());
     verb.add_option("--frames", options->frames, "FIRST:LAST of the clip (all)");
     verb.add_option("--most-splats", options->most_splats, "Of each frame: what agrees best is merged (no limit)");
+    verb.add_option("--opacity", options->mesh.opacity, "Of meshes: what a ray gets where the surface is")
+        .number_between(0.01, 0.99)
+        .show_default();
+    verb.add_option("--most-triangles", options->mesh.most_triangles, "Of each mesh; 0: no limit").show_default();
+    verb.add_option("--smallest-part", options->mesh.smallest_part,
+                    "Parts of meshes that are smaller are dropped, 1 being the largest part's size")
+        .number_between(0, 1)
+        .show_default();
+    verb.add_option("--texture", options->mesh.texture_px, "The side of textures of meshes, pixels")
+        .in_range(64, 8192)
+        .show_default();
     verb.add_option("--views", options->views, "Images of the middle frame by which the loss is measured")
         .in_range(2, 100)
         .show_default();
@@ -90,17 +103,24 @@ void add_export(Command app, CommonOptions& common) {
                   "Keep the numbered files that are there; give the same other options as before");
     verb.add_flag(
         "--json", options->json,
-        "Print JSON: output, files, bytes, and what the kind says; of splats: splats, psnr_db, width, density");
+        "Print JSON: output, files, bytes, and what the kind says; of splats: splats, psnr_db, width, density;\n"
+        "of meshes: triangles, iou, depth_mean_mm, depth_95_mm, psnr_db");
     verb.footer(
         {"Each leaf becomes a splat of its size, and all of them get the width and the density for which images of the "
          "middle\nframe are most like the clip's. Colours are sRGB with spherical harmonics of the clip's degree.\n"
          ".ply is that of 3D Gaussian Splatting, with +Y down, which viewers turn up by half a turn about z. .glb is "
          "glTF with\nKHR_gaussian_splatting; where it holds several frames, an animation shows one after the other. "
-         ".usda is OpenUSD's\nParticleField3DGaussianSplat (26.03 and later) with time samples.\n",
+         ".usda is OpenUSD's\nParticleField3DGaussianSplat (26.03 and later) with time samples.\n\n"
+         "--as mesh: a closed surface around what images show, where a ray gets half of its opacity, and a texture of "
+         "the clip's own\ncolours, as seen along the surface's normal: how they change with direction is lost. .glb is "
+         "unlit glTF; .obj has a .mtl and\na .png beside it; .ply has colours of vertices. The loss is measured on the "
+         "middle frame: how well silhouettes agree (iou),\ndepth, PSNR.\n",
          kDeviceHelp, kExamplesHead,
          "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:4\n"
          "  neuvv export build/performer.nvv -o build/performer.glb --frames 0:4 --most-splats 20000\n"
-         "  neuvv export build/performer.nvv -o build/performer.usda --frames 0 --most-splats 20000"});
+         "  neuvv export build/performer.nvv -o build/performer.usda --frames 0 --most-splats 20000\n"
+         "  neuvv export build/performer.nvv -o build/mesh_%04d.obj --frames 0:1\n"
+         "  neuvv export build/performer.nvv -o build/meshes.glb --as mesh --frames 0:1 --most-triangles 20000"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

@@ -52,7 +52,7 @@ Working ExportRun::working(uint64_t done) {
 void ExportRun::write(const std::filesystem::path& file) {
     kind_.write(file);
     files_++;
-    bytes_ += std::filesystem::file_size(file);
+    for (const std::filesystem::path& written : kind_.files_of(file)) bytes_ += std::filesystem::file_size(written);
 }
 
 void ExportRun::run() {

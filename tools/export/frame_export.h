@@ -8,7 +8,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "interchange/clip_mesh.h"
 #include "tools/commands.h"
 #include "voctree/plenoctree.h"
 
@@ -17,6 +19,7 @@ namespace neuvv::tools {
 struct ExportOptions {
     std::string scene, performer, output, kind, frames, size = "720x720";
     uint32_t most_splats = 0, views = 8;
+    interchange::MeshSettings mesh;
     std::optional<voctree::UpAxis> up;
     bool resume = false, json = false;
 };
@@ -50,6 +53,9 @@ class FrameExport {
     // Writes all frames that were added since the last one, atomically.
     virtual void write(const std::filesystem::path& file) = 0;
 
+    // What write() has written: some kinds write other files beside that one.
+    virtual std::vector<std::filesystem::path> files_of(const std::filesystem::path& file) const { return {file}; }
+
     // What was written and what was lost, for --json and for people: "5000 splats; images ... have 38.5 dB".
     virtual void report(nlohmann::ordered_json& json) const = 0;
     virtual std::string summary() const = 0;
@@ -57,6 +63,9 @@ class FrameExport {
 
 // `ending` is that of the output, as in ".ply"; it is one of the kind's. The clip must outlive the result.
 std::unique_ptr<FrameExport> export_splats(const ExportOptions& options, const std::string& ending, ExportedClip& clip,
+                                           const CommonOptions& common);
+
+std::unique_ptr<FrameExport> export_meshes(const ExportOptions& options, const std::string& ending, ExportedClip& clip,
                                            const CommonOptions& common);
 
 }  // namespace neuvv::tools
