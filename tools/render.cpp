@@ -95,8 +95,8 @@ void add_options(Command verb, RenderOptions& options) {
                     "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (neuvv stage)")
         .required();
     verb.add_option("-o,--output", options.output,
-                    "out.mp4, or out_%04d.png, or out.png for a single image: with --frames F, the orbit's first view "
-                    "of frame F; "
+                    "out.mp4; out.mov: ProRes 4444 with straight alpha; out_%04d.png, or out.png for a single image: "
+                    "with --frames F, the orbit's first view of frame F; "
                     ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         .required();
     Option orbit =
@@ -123,7 +123,7 @@ void add_options(Command verb, RenderOptions& options) {
                     "WIDTHxHEIGHT (default: that of --camera, else 720x720, of a stage 1280x720)");
     verb.add_option(
         "--background", options.background,
-        "A colour's name, '#rrggbb' or clear (default: white for a video, clear for images; of a stage its own). It "
+        "A colour's name, '#rrggbb' or clear (default: white for an .mp4, else clear; of a stage its own). It "
         "hides the image of a stage's environment, whose light stays");
     Option samples = add_samples_option(verb, options.samples);
     Option scale =
@@ -168,18 +168,17 @@ void add_options(Command verb, RenderOptions& options) {
 }  // namespace
 
 render::ResolveSettings resolve_settings(const RenderOptions& options, const media::ImageOutput& output) {
-    const bool video = output.kind == media::ImageOutput::Kind::kVideo;
     render::ResolveSettings resolve;
-    resolve.background =
-        parse_colour("--background", options.background.empty() ? (video ? "white" : "clear") : options.background);
+    resolve.background = parse_colour(
+        "--background", options.background.empty() ? (output.holds_alpha() ? "clear" : "white") : options.background);
     if (options.depth) resolve.show = render::Show::kDepth;
     if (options.alpha) resolve.show = render::Show::kAlpha;
     if (options.level) resolve.show = render::Show::kLevel;
     if (options.cost) resolve.show = render::Show::kCost;
     resolve.cost_max = static_cast<float>(options.cost_max);
-    if (video && resolve.show == render::Show::kColour && resolve.background.a < 1)
-        throw InputError("--background", options.background, "a video holds no transparency",
-                         "choose a colour, or write images: out_%04d.png");
+    if (!output.holds_alpha() && resolve.show == render::Show::kColour && resolve.background.a < 1)
+        throw InputError("--background", options.background, "an .mp4 holds no transparency",
+                         "choose a colour, or write out.mov or out_%04d.png");
     return resolve;
 }
 
@@ -339,6 +338,7 @@ void add_render(Command app, CommonOptions& common) {
          "  neuvv render build/performer.nvv -o build/seen.mp4 --camera build/performer/transforms_test.json "
          "--size 480x480\n"
          "  neuvv render build/performer.nvv -o build/shot/out_%04d.exr --camera path.json --resume\n"
+         "  neuvv render build/performer.nvv -o build/keyed.mov --size 1280x720\n"
          "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
          "  neuvv render build/performer.nvv -o build/half.mp4 --part 1/2\n"
          "  neuvv render build/performer.nvv -o build/half.mp4 --part 2/2\n"

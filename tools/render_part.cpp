@@ -78,7 +78,7 @@ RenderPart::RenderPart(PartNumber number, media::ImageOutput whole, const media:
 }
 
 std::filesystem::path RenderPart::video_of(uint32_t part) const {
-    return folder_of_parts(whole_) / fmt::format("{}-of-{}-{}.mp4", part, number_.parts, facts_hash_);
+    return folder_of_parts(whole_) / fmt::format("{}-of-{}-{}{}", part, number_.parts, facts_hash_, ending());
 }
 
 // Beside the folder of parts, which the process that joins them removes.
@@ -118,7 +118,7 @@ void RenderPart::finish_whole() const {
 void RenderPart::join() const {
     std::vector<std::filesystem::path> parts;
     for (uint32_t part = 1; part <= number_.parts; part++) parts.push_back(video_of(part));
-    const std::filesystem::path joined = folder_of_parts(whole_) / fmt::format("whole-{}.mp4", facts_hash_);
+    const std::filesystem::path joined = folder_of_parts(whole_) / fmt::format("whole-{}{}", facts_hash_, ending());
     media::join_videos(parts, joined, facts_hash_);
     if (finish_) finish_(joined);
     replace_file(link_target(whole_.path), joined);

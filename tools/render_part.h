@@ -56,6 +56,7 @@ class RenderPart {
 
   private:
     uint32_t bound(uint32_t parts) const { return static_cast<uint32_t>(uint64_t{images_} * parts / number_.parts); }
+    std::string ending() const { return whole_.path.extension().string(); }
     bool is_part_of_video() const { return number_.parts > 1 && whole_.kind == media::ImageOutput::Kind::kVideo; }
     std::filesystem::path video_of(uint32_t part) const;
     std::filesystem::path lock_of_join() const;

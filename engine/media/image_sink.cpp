@@ -223,15 +223,19 @@ void ImageSink::finish(uint32_t end, const std::function<void()>& complete) {
 
 ImageOutput parse_output(const std::string& text) {
     const std::string ending = lower_case(std::filesystem::path(text).extension().string());
-    if (ending == ".mp4") return {ImageOutput::Kind::kVideo, text};
+    if (ending == ".mp4" || ending == ".mov") return {ImageOutput::Kind::kVideo, text};
     const bool exr = ending == ".exr";
     if (ending != ".png" && !exr)
-        throw InputError("--output", text, "is neither an .mp4 nor a .png nor an .exr",
-                         "write out.mp4, out_%04d.png, out.png, out_%04d.exr or out.exr");
+        throw InputError("--output", text, "is no .mp4, .mov, .png or .exr",
+                         "write out.mp4, out.mov, out_%04d.png, out.png, out_%04d.exr or out.exr");
     if (text.find('%') == std::string::npos) return {ImageOutput::Kind::kImage, text, exr};
     if (!NumberedPath::parse(text) || text.find('%') != text.rfind('%'))
         throw InputError("--output", text, "needs one place for the image's number", "write it as in out_%04d.png");
     return {ImageOutput::Kind::kNumberedImages, text, exr};
+}
+
+bool ImageOutput::holds_alpha() const {
+    return kind != Kind::kVideo || lower_case(path.extension().string()) == ".mov";
 }
 
 std::filesystem::path ImageOutput::file(const std::string& in_place_of_number) const {

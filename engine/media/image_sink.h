@@ -22,12 +22,14 @@ struct ImageOutput {
     std::filesystem::path path;  // a pattern for kNumberedImages
     bool exr = false;            // linear light and depth, not sRGB
 
+    // Whether images may be transparent there. Of videos, only ProRes 4444 (.mov) has alpha.
+    bool holds_alpha() const;
     // The file of image i.
     std::filesystem::path file(uint32_t i) const;
     // The pattern's file with this text in place of the number; the path itself where it is no pattern.
     std::filesystem::path file(const std::string& in_place_of_number) const;
 };
-// "out.mp4", "out_%04d.png", "out.png", or the same as .exr.
+// "out.mp4", "out.mov", "out_%04d.png", "out.png", or the same as .exr.
 ImageOutput parse_output(const std::string& text);
 
 // What images depend on, by the name that a user knows it by: an option, or the scene.

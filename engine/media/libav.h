@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "base/text.h"
+
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
@@ -21,6 +23,14 @@ inline std::string error_text(int code) {
 // A URL of the file: in a path without a scheme, a colon would be taken for the end of a protocol's name.
 inline std::string file_url(const std::filesystem::path& path) {
     return "file:" + path.string();
+}
+
+// Whether the file is a QuickTime movie by its name; else it is an .mp4 or .m4a.
+inline bool is_mov(const std::filesystem::path& path) {
+    return lower_case(path.extension().string()) == ".mov";
+}
+inline const char* muxer_of(const std::filesystem::path& path) {
+    return is_mov(path) ? "mov" : "mp4";
 }
 
 inline void free_packet(AVPacket* packet) {

@@ -1,4 +1,4 @@
-// An .mp4 of packets that are encoded already. It appears when it is complete.
+// An .mp4, .m4a or .mov of packets that are encoded already. It appears when it is complete.
 #pragma once
 
 #include <fmt/format.h>
@@ -31,7 +31,8 @@ class Mp4File {
 
     void open() {
         AVFormatContext* allocated = nullptr;
-        check(avformat_alloc_output_context2(&allocated, nullptr, "mp4", file_url(temporary_).c_str()), "open a muxer");
+        check(avformat_alloc_output_context2(&allocated, nullptr, muxer_of(path_), file_url(temporary_).c_str()),
+              "open a muxer");
         output_.reset(allocated);
     }
     // Before begin(); owned by this.
@@ -39,7 +40,8 @@ class Mp4File {
         AVStream* stream = avformat_new_stream(output_.get(), nullptr);
         if (!stream) throw std::bad_alloc();
         check(avcodec_parameters_copy(stream->codecpar, &parameters), "describe a stream");
-        stream->codecpar->codec_tag = 0;  // the muxer's own
+        // The muxer's own, but of a .mov, where the muxer would name another profile of ProRes.
+        if (!is_mov(path_)) stream->codecpar->codec_tag = 0;
         stream->time_base = time_base;
         return stream;
     }

@@ -30,6 +30,7 @@ struct VideoWriter::State {
     std::filesystem::path path;
     std::filesystem::path temporary;
     uint32_t width = 0, height = 0;  // of the frames that are added; the sides of the video are even
+    bool has_alpha = false;          // whether it is a .mov of ProRes 4444
     OwnedOutput output;
     OwnedCodec codec;
     OwnedFrame rgba, yuv;
@@ -60,10 +61,25 @@ struct VideoWriter::State {
     }
 
     bool open_encoder(const char* name, AVRational frame_rate);
+    void set_quality(const AVCodec& encoder);
     void open_output(AVRational frame_rate);
     void make_frames();
+    void copy_alpha();
     void encode(const AVFrame* frame);
 };
+
+void VideoWriter::State::set_quality(const AVCodec& encoder) {
+    if (encoder.id == AV_CODEC_ID_PRORES) {
+        for (const auto& [option, value] :
+             {std::pair("profile", "4444"), std::pair("alpha_bits", "16"), std::pair("vendor", "apl0")})
+            check(av_opt_set(codec->priv_data, option, value, 0), "set the quality");
+    } else if (encoder.id == AV_CODEC_ID_H264) {
+        check(av_opt_set(codec->priv_data, "crf", kCrf, 0), "set the quality");
+    } else {
+        codec->flags |= AV_CODEC_FLAG_QSCALE;
+        codec->global_quality = FF_QP2LAMBDA * kMpeg4Quantiser;
+    }
+}
 
 // Returns false where this FFmpeg lacks the encoder or the encoder refuses the size.
 bool VideoWriter::State::open_encoder(const char* name, AVRational frame_rate) {
@@ -72,7 +88,7 @@ bool VideoWriter::State::open_encoder(const char* name, AVRational frame_rate) {
     codec.reset(checked(avcodec_alloc_context3(encoder), "make an encoder"));
     codec->width = static_cast<int>(video_side(width));
     codec->height = static_cast<int>(video_side(height));
-    codec->pix_fmt = AV_PIX_FMT_YUV420P;
+    codec->pix_fmt = has_alpha ? AV_PIX_FMT_YUVA444P10 : AV_PIX_FMT_YUV420P;
     codec->framerate = frame_rate;
     codec->time_base = av_inv_q(frame_rate);
     codec->color_range = AVCOL_RANGE_MPEG;
@@ -80,24 +96,21 @@ bool VideoWriter::State::open_encoder(const char* name, AVRational frame_rate) {
     codec->color_primaries = AVCOL_PRI_BT709;
     codec->color_trc = AVCOL_TRC_BT709;
     if (output->oformat->flags & AVFMT_GLOBALHEADER) codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-    if (encoder->id == AV_CODEC_ID_H264) {
-        check(av_opt_set(codec->priv_data, "crf", kCrf, 0), "set the quality");
-    } else {
-        codec->flags |= AV_CODEC_FLAG_QSCALE;
-        codec->global_quality = FF_QP2LAMBDA * kMpeg4Quantiser;
-    }
+    set_quality(*encoder);
     return avcodec_open2(codec.get(), encoder, nullptr) >= 0;
 }
 
 void VideoWriter::State::open_output(AVRational frame_rate) {
     const std::string url = file_url(temporary);
     AVFormatContext* allocated = nullptr;
-    check(avformat_alloc_output_context2(&allocated, nullptr, "mp4", url.c_str()), "open a muxer for .mp4");
+    check(avformat_alloc_output_context2(&allocated, nullptr, muxer_of(path), url.c_str()), "open a muxer");
     output.reset(allocated);
-    if (!open_encoder("libx264", frame_rate) && !open_encoder("mpeg4", frame_rate))
-        throw RuntimeFailure(
-            fmt::format("{}: no video encoder opens for {}×{}; install an FFmpeg with libx264 or mpeg4", path.string(),
-                        video_side(width), video_side(height)));
+    const bool opened = has_alpha ? open_encoder("prores_ks", frame_rate)
+                                  : open_encoder("libx264", frame_rate) || open_encoder("mpeg4", frame_rate);
+    if (!opened)
+        throw RuntimeFailure(fmt::format("{}: no video encoder opens for {}×{}; install an FFmpeg with {}",
+                                         path.string(), video_side(width), video_side(height),
+                                         has_alpha ? "prores_ks" : "libx264 or mpeg4"));
     stream = checked(avformat_new_stream(output.get(), nullptr), "add a stream");
     stream->time_base = codec->time_base;
     stream->avg_frame_rate = frame_rate;
@@ -116,19 +129,30 @@ void VideoWriter::State::make_frames() {
         frame->reset(checked(av_frame_alloc(), "make a frame"));
         (*frame)->width = codec->width;
         (*frame)->height = codec->height;
-        (*frame)->format = frame == &rgba ? AV_PIX_FMT_RGBA : AV_PIX_FMT_YUV420P;
+        (*frame)->format = frame == &rgba ? AV_PIX_FMT_RGBA : codec->pix_fmt;
         check(av_frame_get_buffer(frame->get(), 0), "allocate a frame");
     }
     yuv->color_range = codec->color_range;
     yuv->colorspace = codec->colorspace;
     yuv->color_primaries = codec->color_primaries;
     yuv->color_trc = codec->color_trc;
+    const int flags = SWS_BICUBIC | SWS_ACCURATE_RND | (has_alpha ? SWS_FULL_CHR_H_INP : 0);
     to_yuv.reset(checked(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGBA, codec->width, codec->height,
-                                        AV_PIX_FMT_YUV420P, SWS_BICUBIC | SWS_ACCURATE_RND, nullptr, nullptr, nullptr),
+                                        codec->pix_fmt, flags, nullptr, nullptr, nullptr),
                          "convert to YUV"));
     // From full-range RGB to limited-range BT.709; the default matrix of swscale is BT.601.
     const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
     check(sws_setColorspaceDetails(to_yuv.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16), "convert to BT.709");
+}
+
+// swscale makes 1020 of 255 where the largest alpha of ten bits is 1023.
+void VideoWriter::State::copy_alpha() {
+    constexpr int kPlane = 3;
+    for (int y = 0; y < yuv->height; ++y) {
+        const uint8_t* from = rgba->data[0] + ptrdiff_t{y} * rgba->linesize[0] + 3;
+        auto* to = reinterpret_cast<uint16_t*>(yuv->data[kPlane] + ptrdiff_t{y} * yuv->linesize[kPlane]);
+        for (int x = 0; x < yuv->width; ++x) to[x] = static_cast<uint16_t>((from[4 * x] * 1023 + 127) / 255);
+    }
 }
 
 // Gives a frame to the encoder (null: the end) and writes the packets that it returns.
@@ -157,7 +181,8 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, uint32_t width, uint
     av_log_set_level(AV_LOG_QUIET);  // only tools print
     state.width = width;
     state.height = height;
-    state.temporary = state.path.string() + ".tmp.mp4";
+    state.has_alpha = is_mov(state.path);
+    state.temporary = state.path.string() + ".tmp." + muxer_of(state.path);
     state.open_output(frame_rate);
     state.make_frames();
 }
@@ -183,6 +208,7 @@ void VideoWriter::add(const Image& image) {
     state.check(
         sws_scale(state.to_yuv.get(), rgba.data, rgba.linesize, 0, rgba.height, state.yuv->data, state.yuv->linesize),
         "convert a frame");
+    if (state.has_alpha) state.copy_alpha();
     state.yuv->pts = state.frames++;
     state.encode(state.yuv.get());
 }

@@ -1,5 +1,6 @@
-// Video by libav*. It writes .mp4 (H.264 where the installed FFmpeg has an encoder for it, else MPEG-4 part 2), 4:2:0.
-// It reads the first video stream of .mp4, .mov, .mkv, .webm or .avi with any codec.
+// Video by libav*. It writes .mp4 (H.264 where the installed FFmpeg has an encoder for it, else MPEG-4 part 2), 4:2:0,
+// without alpha; and .mov (ProRes 4444: 4:4:4, 10 bits, straight alpha). It reads the first video stream of .mp4, .mov,
+// .mkv, .webm or .avi with any codec.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ class VideoWriter {
     VideoWriter(VideoWriter&&) noexcept;
     VideoWriter& operator=(VideoWriter&&) noexcept;
 
-    // Adds a frame of this size. Alpha is ignored: composite first. Throws RuntimeFailure.
+    // Adds a frame of this size. An .mp4 ignores alpha: composite first. Throws RuntimeFailure.
     void add(const Image& frame);
     void finish();
 

@@ -15,7 +15,7 @@ namespace {
 class VideoWithSound {
   public:
     VideoWithSound(const std::filesystem::path& video, const NextSamples& next)
-        : file_(video, ".sound.mp4"), sound_(file_, next) {}
+        : file_(video, ".sound"), sound_(file_, next) {}
 
     void write() {
         open_input();

@@ -196,6 +196,61 @@ TEST(Video, ColoursAreBt709) {
     avformat_close_input(&input);
 }
 
+// A picture whose alpha takes all values, with colours where it is transparent, too.
+media::Image faded(uint32_t width, uint32_t height, int shift) {
+    media::Image image(width, height);
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x) {
+            const uint8_t pixel[4] = {static_cast<uint8_t>(40 + 2 * y), static_cast<uint8_t>(200 - x / 2),
+                                      static_cast<uint8_t>(20 * shift), static_cast<uint8_t>(x)};
+            std::copy(pixel, pixel + 4, image.at(x, y));
+        }
+    return image;
+}
+
+TEST(Video, AMovIsProRes4444WithStraightAlpha) {
+    const TemporaryFolder folder;
+    const std::filesystem::path whole = folder.path / "whole.mov";
+    std::vector<std::filesystem::path> parts;
+    for (const int first : {0, 2}) {
+        parts.push_back(folder.path / (std::to_string(first) + ".mov"));
+        media::VideoWriter writer(parts.back(), 256, 63, 24);
+        for (int i = first; i < first + 2; ++i) writer.add(faded(256, 63, i));
+        writer.finish();
+    }
+    media::join_videos(parts, whole, "of two");
+    EXPECT_EQ(media::comment_of_video(whole), "of two");
+    EXPECT_EQ(folder.entries(), 3u) << "a temporary file stayed";
+    AVFormatContext* input = nullptr;
+    ASSERT_EQ(avformat_open_input(&input, whole.c_str(), nullptr, nullptr), 0);
+    ASSERT_GE(avformat_find_stream_info(input, nullptr), 0);
+    const AVCodecParameters parameters = *input->streams[0]->codecpar;
+    EXPECT_EQ(parameters.codec_id, AV_CODEC_ID_PRORES);
+    EXPECT_EQ(parameters.codec_tag, MKTAG('a', 'p', '4', 'h'));
+    EXPECT_EQ(parameters.color_space, AVCOL_SPC_BT709);
+    EXPECT_EQ(parameters.color_primaries, AVCOL_PRI_BT709);
+    EXPECT_EQ(parameters.color_trc, AVCOL_TRC_BT709);
+    avformat_close_input(&input);
+    media::VideoReader reader(whole);
+    EXPECT_EQ(reader.frames(), 4u);
+    media::Image seen;
+    for (int i = 0; i < 4; ++i) {
+        ASSERT_TRUE(reader.next(seen));
+        ASSERT_EQ(seen.height, 64u) << "the last row is repeated";
+        const media::Image truth = faded(256, 63, i);
+        int worst_colour = 0, worst_alpha = 0;
+        for (size_t p = 0; p < truth.rgba.size(); ++p) {
+            int& worst = p % 4 == 3 ? worst_alpha : worst_colour;
+            worst = std::max(worst, std::abs(seen.rgba[p] - truth.rgba[p]));
+        }
+        EXPECT_LE(worst_alpha, 1) << i;
+        EXPECT_LE(worst_colour, 2) << i;
+        EXPECT_EQ(seen.at(0, 20)[3], 0);
+        EXPECT_EQ(seen.at(255, 20)[3], 255);
+        EXPECT_GT(seen.at(0, 20)[0], 70) << "colours of transparent pixels are kept: alpha is straight";
+    }
+}
+
 TEST(Video, IndexStandsBeforeTheFrames) {
     const TemporaryFolder folder;
     write_video(folder.path / "a.mp4", 32, 32, 25, 5);

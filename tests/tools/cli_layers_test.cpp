@@ -1,0 +1,86 @@
+// neuvv render for compositing: ProRes with alpha.
+#include <gtest/gtest.h>
+
+#include "media/image_sink.h"
+#include "media/sound.h"
+#include "media/video.h"
+#include "support/wav_file.h"
+#include "tests/tools/cli_gpu.h"
+
+namespace neuvv {
+namespace {
+
+struct CliLayers : CliGpu {
+    std::string show = file("show.gltf");
+
+    static void done(const std::vector<std::string>& call) {
+        const ProgramResult run = run_neuvv(call);
+        ASSERT_EQ(run.code, 0) << run.err;
+    }
+    void write_show() {
+        done({"stage", "new", show});
+        done({"stage", "add", show, scene, "--name", "anna", "--time", "loop"});
+        done({"stage", "add", show, scene, "--name", "berta", "--time", "loop", "--at", "0.3,0.2,0.1"});
+    }
+    void render(const std::string& what, const char* output, const std::vector<std::string>& more) const {
+        std::vector<std::string> call = {"render", what, "-o", file(output), "--size", "64x48"};
+        call.insert(call.end(), more.begin(), more.end());
+        done(call);
+    }
+};
+
+// The largest differences of alpha, and of colours over black, in steps of 255.
+std::pair<double, double> difference(const media::Image& a, const media::Image& b) {
+    std::pair<double, double> worst{0, 0};
+    for (size_t p = 0; p < a.rgba.size(); p += 4) {
+        worst.first = std::max(worst.first, std::abs(1.0 * a.rgba[p + 3] - b.rgba[p + 3]));
+        for (size_t c = 0; c < 3; c++)
+            worst.second = std::max(
+                worst.second, std::abs(a.rgba[p + c] * a.rgba[p + 3] / 255.0 - b.rgba[p + c] * b.rgba[p + 3] / 255.0));
+    }
+    return worst;
+}
+
+TEST_F(CliLayers, AMovShowsThePicturesOfTheSameFramesWithAlpha) {
+    render(scene, "o_%d.png", {});
+    render(scene, "one.mov", {});
+    render(scene, "parts.mov", {"--part", "2/2"});
+    render(scene, "parts.mov", {"--part", "1/2"});
+    EXPECT_FALSE(std::filesystem::exists(file("parts.mov.parts")));
+    render(scene, "resumed.mov", {"--resume"});
+    for (const char* video : {"one.mov", "parts.mov", "resumed.mov"}) {
+        media::VideoReader reader(file(video));
+        EXPECT_EQ(reader.frames(), 8u);
+        media::Image seen;
+        bool clear = false, solid = false;
+        for (uint32_t i = 0; reader.next(seen); i++) {
+            const media::Image truth = media::read_png(media::parse_output(file("o_%d.png")).file(i));
+            const auto [alpha, colour] = difference(seen, truth);
+            EXPECT_LE(alpha, 1) << video << " " << i;
+            EXPECT_LE(colour, 3) << video << " " << i;
+            for (size_t p = 3; p < seen.rgba.size(); p += 4) {
+                clear |= seen.rgba[p] == 0;
+                solid |= seen.rgba[p] > 200;
+            }
+        }
+        EXPECT_TRUE(clear && solid);
+    }
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--background", "clear"}, 2, {"no transparency", "out.mov"});
+}
+
+TEST_F(CliLayers, AMovOfAStageHasSoundAndAlpha) {
+    test::write_wav(file("tone.wav"), test::stereo_tone(2 * media::kSoundRate), 2, media::kSoundRate);
+    write_show();
+    done({"stage", "set", show, "anna", "--sound", file("tone.wav")});
+    render(show, "show.mov", {"--time", "0:1", "--fps", "4", "--background", "clear"});
+    EXPECT_NEAR(media::read_sound(file("show.mov")).length_s(), 1, 0.05);
+    media::VideoReader reader(file("show.mov"));
+    EXPECT_EQ(reader.frames(), 4u);
+    media::Image seen;
+    ASSERT_TRUE(reader.next(seen));
+    EXPECT_EQ(seen.at(0, 0)[3], 0) << "above the floor";
+    EXPECT_EQ(seen.at(32, 47)[3], 255) << "the floor";
+}
+
+}  // namespace
+}  // namespace neuvv
