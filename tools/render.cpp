@@ -16,6 +16,7 @@
 #include "stream/nvs_reader.h"
 #include "tools/options.h"
 #include "tools/render.h"
+#include "tools/render_layers.h"
 #include "tools/report.h"
 #include "voctree/clip_index.h"
 
@@ -99,6 +100,9 @@ void add_options(Command verb, RenderOptions& options) {
                     "with --frames F, the orbit's first view of frame F; "
                     ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
         .required();
+    verb.add_option("--layers", options.layers,
+                    "Of an .exr: some of rgba, depth (Z along the camera's axis, metres), ids (Cryptomatte with the "
+                    "performers' names) and deep (deep samples, in a file out_deep.exr beside it); default rgba,depth");
     Option orbit =
         verb.add_flag("--orbit", options.orbit,
                       "Turn around the scene while the clip plays, which repeats until 4 s have passed (default)");
@@ -191,8 +195,12 @@ void expect_fitting_output(const media::ImageOutput& output, size_t images) {
 void expect_fitting_output(const media::ImageOutput& output, const RenderOptions& options) {
     if (!options.pass.empty() && (output.exr || output.kind == media::ImageOutput::Kind::kVideo))
         throw InputError("--pass", options.pass, "is written as PNG", "name out.png or out_%04d.png");
-    const char* fix = "write .png or .mp4, or leave it out";
+    if (!options.layers.empty() && !output.exr)
+        throw InputError("--layers", options.layers, "are those of an .exr", "name out.exr or out_%04d.exr");
     if (!output.exr) return;
+    if (parse_layers(options.layers).needs_segments() && options.direct)
+        throw InputError("--layers", options.layers, "are not drawn by the paper's path", "leave --direct out");
+    const char* fix = "write .png or .mp4, or leave it out";
     for (const auto& [given, flag] : {std::pair(options.depth, "--depth"), std::pair(options.alpha, "--alpha"),
                                       std::pair(options.level, "--level"), std::pair(options.cost, "--cost")})
         if (given) throw InputError(flag, "", "an .exr holds colour, alpha and depth at once", fix);
@@ -220,6 +228,7 @@ media::RenderFacts render_facts(const RenderOptions& options, double fps, media:
             {"--slice-budget", fmt::format("{}", options.slice_budget_mb)},
             {"--depth", fmt::format("{}", options.depth)},
             {"--alpha", fmt::format("{}", options.alpha)},
+            {"--layers", options.layers.empty() ? "default" : options.layers},
             {"--level", fmt::format("{}", options.level)},
             {"--pass", options.pass},
             {"--cost", options.cost ? fmt::format("{}", options.cost_max) : "false"},
@@ -339,6 +348,7 @@ void add_render(Command app, CommonOptions& common) {
          "--size 480x480\n"
          "  neuvv render build/performer.nvv -o build/shot/out_%04d.exr --camera path.json --resume\n"
          "  neuvv render build/performer.nvv -o build/keyed.mov --size 1280x720\n"
+         "  neuvv render build/performer.nvv -o build/comp.exr --layers rgba,depth,ids,deep --frames 0\n"
          "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
          "  neuvv render build/performer.nvv -o build/half.mp4 --part 1/2\n"
          "  neuvv render build/performer.nvv -o build/half.mp4 --part 2/2\n"

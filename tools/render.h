@@ -16,6 +16,7 @@ namespace neuvv::tools {
 struct RenderOptions {
     std::string scene, output, camera, frames, size, background;
     std::string part;                // "2/8": the second of eight parts of the images; empty: all, or by the ranks
+    std::string layers;              // of an .exr: parse_layers
     std::string pass;                // the intermediate buffer to show, of frame_passes(); empty: the frame itself
     std::vector<std::string> paint;  // layers, of a clip
     std::optional<voctree::UpAxis> up;

@@ -17,6 +17,7 @@
 #include "render/segment_paint.h"
 #include "render/shown_segments.h"
 #include "tools/render.h"
+#include "tools/render_layers.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 #include "voctree/chunk_file.h"
@@ -104,6 +105,7 @@ render::LayerFolders parse_paint(const std::vector<std::string>& names) {
 // What is rendered. All of it is known, and wrong options are refused, before the device is opened.
 struct RenderPlan {
     media::ImageOutput output;
+    ExrLayers layers;
     render::ResolveSettings resolve;
     voctree::ClipIndex clip;
     std::pair<glm::dvec3, glm::dvec3> box;  // around the leaves; of several segments, around their trees
@@ -148,6 +150,8 @@ RenderPlan plan_render(const RenderOptions& options) {
     plan.resolve = resolve_settings(options, plan.output);
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
+    plan.layers = parse_layers(options.layers);
+    plan.output.has_deep = plan.layers.deep;
     const media::ImageSize given_size = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
     read_scene(options, plan);
     const double clip_fps = plan.clip.fps;
@@ -165,16 +169,10 @@ RenderPlan plan_render(const RenderOptions& options) {
     return plan;
 }
 
-// Adds the last image of a renderer to the sink.
 template <typename Renderer>
-FrameTimes add_image(const Renderer& renderer, const media::Image& image, const RenderPlan& plan, uint32_t i,
-                     media::ImageSink& sink) {
-    if (sink.exr())
-        sink.add(i, render::linear_image(renderer.radiance(), renderer.depth(), plan.size.width, plan.size.height,
-                                         plan.samples, plan.resolve.background));
-    else
-        sink.add(i, image);
-    return times_of(renderer);
+media::LinearImage linear_image_of(const Renderer& renderer, const RenderPlan& plan, uint32_t i) {
+    return render::linear_image(renderer.radiance(), renderer.depth(), plan.path[i].camera, plan.samples,
+                                plan.resolve.background);
 }
 
 // Draws the images of a plan with the passes that play clips.
@@ -203,8 +201,15 @@ class PlayingRenderer {
         settings.mode = render::TraceMode::kPlay;
         settings.far_levels = options_.far_levels.value_or(true);
         const media::Image image = renderer_->render(plan_.path[i].camera, settings);
-        return add_image(*renderer_, options_.pass.empty() ? image : pass_image(options_, *renderer_, i), plan_, i,
-                         sink);
+        const FrameTimes times = times_of(*renderer_);
+        if (sink.exr()) {
+            const std::string name = std::filesystem::path(options_.scene).stem().string();
+            add_layers(sink, i, plan_.layers, linear_image_of(*renderer_, plan_, i), *renderer_, plan_.path[i].camera,
+                       settings, {&name, 1});
+        } else {
+            sink.add(i, options_.pass.empty() ? image : pass_image(options_, *renderer_, i));
+        }
+        return times;
     }
 
   private:
@@ -268,7 +273,15 @@ class DirectRenderer {
         settings.frame = at.frame;
         settings.samples = plan_.samples;
         settings.resolve = plan_.resolve;
-        return add_image(*renderer_, renderer_->render(plan_.path[i].camera, settings), plan_, i, sink);
+        const media::Image image = renderer_->render(plan_.path[i].camera, settings);
+        if (!sink.exr()) {
+            sink.add(i, image);
+            return times_of(*renderer_);
+        }
+        media::LinearImage linear = linear_image_of(*renderer_, plan_, i);
+        remove_unwanted(linear, plan_.layers);
+        sink.add(i, linear);
+        return times_of(*renderer_);
     }
 
   private:

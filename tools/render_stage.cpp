@@ -12,6 +12,7 @@
 #include "render/stage_renderer.h"
 #include "stage/stage_sound.h"
 #include "tools/render.h"
+#include "tools/render_layers.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
@@ -26,6 +27,7 @@ constexpr double kMinOrbitSeconds = 4;
 
 struct StagePlan {
     media::ImageOutput output;
+    ExrLayers layers;
     render::ResolveSettings resolve;
     stage::Stage stage;
     std::optional<stage::CameraPath> path;  // without: the orbit, or where that is empty a camera of the stage
@@ -149,9 +151,13 @@ StagePlan plan_stage(const RenderOptions& options) {
     plan.output = media::parse_output(options.output);
     expect_fitting_output(plan.output, options);
     prepare_output_file("--output", plan.output.path);
+    plan.layers = parse_layers(options.layers);
+    plan.output.has_deep = plan.layers.deep;
     const media::ImageSize given_size = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
     plan.stage = stage::load_stage(options.scene);
     override_settings(options, plan.stage);
+    if (plan.layers.needs_segments() && plan.stage.settings.blend != stage::StageBlend::kExact)
+        throw InputError("--layers", options.layers, "need performers that are blended exactly", "add --blend exact");
     plan.fps = checked_fps(options, 0, plan.stage.fps);
     if (names_camera_path(options.camera)) {
         plan.path = training::read_camera_path(options.camera, plan.fps);
@@ -210,8 +216,8 @@ media::RenderFacts stage_facts(const RenderOptions& options, const StagePlan& pl
     return facts;
 }
 
-void render_image(render::StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan, uint32_t i,
-                  media::ImageSink& sink) {
+FrameTimes render_image(render::StageRenderer& renderer, const RenderOptions& options, const StagePlan& plan,
+                        uint32_t i, media::ImageSink& sink) {
     const stage::EvaluatedStage evaluated = stage::stage_at(plan.stage, plan.time_s(i));
     const stage::Camera camera = camera_of(options, plan, evaluated);
     renderer.show(evaluated, options.background.empty());
@@ -221,10 +227,17 @@ void render_image(render::StageRenderer& renderer, const RenderOptions& options,
     settings.far_levels = options.far_levels.value_or(true);
     settings.resolve = plan.resolve;
     const media::Image image = renderer.frames().render(camera, settings);
-    if (sink.exr())
-        sink.add(i, renderer.linear_image_of(camera, plan.resolve.background));
-    else
+    const FrameTimes times = times_of(renderer.frames());
+    if (!sink.exr()) {
         sink.add(i, options.pass.empty() ? image : pass_image(options, renderer.frames(), i));
+        return times;
+    }
+    std::vector<std::string> names;
+    for (const stage::StagePerformer& performer : plan.stage.performers) names.push_back(performer.name);
+    const render::SetRays set = renderer.set_rays();
+    add_layers(sink, i, plan.layers, renderer.linear_image_of(camera, set, plan.resolve.background), renderer.frames(),
+               camera, settings, names, set);
+    return times;
 }
 
 }  // namespace
@@ -257,10 +270,8 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
     render::StageRenderer renderer(device, plan.stage, render::StageLoader(device).load(plan.stage, read), capacity);
     reading.finish();
     tell_not_shown(renderer.take_problems());
-    return render_images(options, plan.size, plan.fps, part, sink, device, [&](uint32_t i) {
-        render_image(renderer, options, plan, i, sink);
-        return times_of(renderer.frames());
-    });
+    return render_images(options, plan.size, plan.fps, part, sink, device,
+                         [&](uint32_t i) { return render_image(renderer, options, plan, i, sink); });
 }
 
 }  // namespace neuvv::tools

@@ -3,9 +3,9 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "media/exr_memory.h"
 #include "media/image.h"
 
 namespace neuvv::media {
@@ -22,27 +23,7 @@ namespace neuvv::media {
 namespace {
 
 constexpr uint64_t kMaxExrBytes = uint64_t{4} << 30;
-constexpr float kMaxHalf = 65504;
 constexpr const char* kColourNames[] = {"R", "G", "B", "A"};
-
-// A stream in memory for the library; write_file_atomically writes the bytes to the disk.
-class MemoryOut : public Imf::OStream {
-  public:
-    MemoryOut() : Imf::OStream("memory") {}
-    void write(const char* data, int count) override {
-        const auto size = static_cast<size_t>(count);
-        if (at_ + size > bytes.size()) bytes.resize(at_ + size);
-        std::memcpy(bytes.data() + at_, data, size);
-        at_ += size;
-    }
-    uint64_t tellp() override { return at_; }
-    void seekp(uint64_t position) override { at_ = position; }
-
-    std::vector<char> bytes;
-
-  private:
-    size_t at_ = 0;
-};
 
 class MemoryIn : public Imf::IStream {
   public:
@@ -62,31 +43,37 @@ class MemoryIn : public Imf::IStream {
     size_t at_ = 0;
 };
 
+// Channels whose values lie pixel by pixel behind each other in rows of `width` pixels.
+template <typename T>
+void add_channels(Imf::Header& header, Imf::FrameBuffer& pixels, Imf::PixelType type,
+                  const std::vector<std::string>& names, std::vector<T>& values, uint32_t width) {
+    const size_t stride = names.size() * sizeof(T);
+    for (size_t c = 0; c < names.size(); ++c) {
+        header.channels().insert(names[c], Imf::Channel(type));
+        pixels.insert(names[c], Imf::Slice(type, reinterpret_cast<char*>(values.data() + c), stride, stride * width));
+    }
+}
+
 std::vector<char> encode(const LinearImage& image) {
     Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height),
                        static_cast<float>(image.pixel_aspect));
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::FrameBuffer pixels;
     std::vector<half> colours(image.rgba.size());
-    for (size_t i = 0; i < colours.size(); ++i) colours[i] = half(std::clamp(image.rgba[i], -kMaxHalf, kMaxHalf));
-    for (size_t c = 0; c < 4; ++c) {
-        header.channels().insert(kColourNames[c], Imf::Channel(Imf::HALF));
-        pixels.insert(kColourNames[c], Imf::Slice(Imf::HALF, reinterpret_cast<char*>(colours.data() + c),
-                                                  4 * sizeof(half), 4 * sizeof(half) * image.width));
+    std::transform(image.rgba.begin(), image.rgba.end(), colours.begin(), half_of);
+    std::vector<float> depth = image.depth_m, ids;
+    if (!colours.empty()) add_channels(header, pixels, Imf::HALF, {"R", "G", "B", "A"}, colours, image.width);
+    if (!depth.empty()) add_channels(header, pixels, Imf::FLOAT, {"Z"}, depth, image.width);
+    if (!image.ids.pixels.empty()) {
+        ids = id_values(image.ids);
+        add_channels(header, pixels, Imf::FLOAT, id_channels(), ids, image.width);
+        for (const auto& [name, text] : id_attributes(image.ids)) header.insert(name, Imf::StringAttribute(text));
     }
-    std::vector<float> depth = image.depth_m;
-    if (!depth.empty()) {
-        header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
-        pixels.insert("Z", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(depth.data()), sizeof(float),
-                                      sizeof(float) * image.width));
-    }
-    MemoryOut out;
-    {
+    return encoded([&](Imf::OStream& out) {
         Imf::OutputFile file(out, header);
         file.setFrameBuffer(pixels);
         file.writePixels(static_cast<int>(image.height));
-    }  // its destructor completes the table of lines
-    return std::move(out.bytes);
+    });
 }
 
 // Throws exceptions of the library, and InputError.
@@ -128,16 +115,12 @@ LinearImage decode(const std::string& name, const std::vector<uint8_t>& bytes) {
 }  // namespace
 
 void write_exr(const std::filesystem::path& file, const LinearImage& image) {
-    assert(image.width > 0 && image.height > 0 && "an image to write has pixels");
-    assert(image.rgba.size() == size_t{4} * image.width * image.height && "four values a pixel");
-    assert((image.depth_m.empty() || 4 * image.depth_m.size() == image.rgba.size()) && "a depth a pixel, or none");
-    std::vector<char> bytes;
-    try {
-        bytes = encode(image);
-    } catch (const std::exception& error) {
-        throw RuntimeFailure(fmt::format("{}: cannot encode an EXR: {}", file.string(), error.what()));
-    }
-    write_file_atomically(file, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
+    const size_t pixels = size_t{image.width} * image.height;
+    assert(pixels > 0 && "an image to write has pixels");
+    assert((image.rgba.empty() || image.rgba.size() == 4 * pixels) && "four values a pixel, or none");
+    assert((image.depth_m.empty() || image.depth_m.size() == pixels) && "a depth a pixel, or none");
+    assert((image.ids.pixels.empty() || image.ids.pixels.size() == pixels) && "ranks a pixel, or none");
+    write_encoded(file, [&] { return encode(image); });
 }
 
 LinearImage read_exr(const std::filesystem::path& file) {

@@ -183,7 +183,8 @@ void ImageSink::open_record(bool resume, const std::optional<ImageRange>& range)
 }
 
 bool ImageSink::has(uint32_t i) const {
-    return i >= first_ && i < finished_ && is_file(output_.file(i));
+    return i >= first_ && i < finished_ && is_file(output_.file(i)) &&
+           (!output_.has_deep || is_file(output_.deep_file(i)));
 }
 
 void ImageSink::record_finished(uint32_t i) {
@@ -201,8 +202,10 @@ void ImageSink::add(uint32_t i, const Image& image) {
     record_finished(i);
 }
 
-void ImageSink::add(uint32_t i, const LinearImage& image) {
+void ImageSink::add(uint32_t i, const LinearImage& image, const DeepImage* deep) {
     assert(output_.exr && "this output takes sRGB images");
+    assert((deep != nullptr) == output_.has_deep && "deep images go to deep files");
+    if (deep) write_deep_exr(output_.deep_file(i), *deep);
     write_exr(output_.file(i), image);
     record_finished(i);
 }
@@ -241,6 +244,13 @@ bool ImageOutput::holds_alpha() const {
 std::filesystem::path ImageOutput::file(const std::string& in_place_of_number) const {
     if (kind != Kind::kNumberedImages) return path;
     return NumberedPath::parse(path.string()).value().file(in_place_of_number);
+}
+
+std::filesystem::path ImageOutput::deep_file(uint32_t i) const {
+    std::string pattern = path.string();
+    if (kind != Kind::kNumberedImages) return path.parent_path() / (path.stem().string() + "_deep.exr");
+    pattern.insert(pattern.rfind('%'), "deep_");
+    return NumberedPath::parse(pattern).value().file(uint64_t{i});
 }
 
 std::filesystem::path ImageOutput::file(uint32_t i) const {

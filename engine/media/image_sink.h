@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "media/deep_exr.h"
 #include "media/exr.h"
 #include "media/image.h"
 #include "media/video.h"
@@ -21,6 +22,7 @@ struct ImageOutput {
     enum class Kind { kVideo, kNumberedImages, kImage } kind = Kind::kVideo;
     std::filesystem::path path;  // a pattern for kNumberedImages
     bool exr = false;            // linear light and depth, not sRGB
+    bool has_deep = false;       // whether each .exr has a deep one beside it
 
     // Whether images may be transparent there. Of videos, only ProRes 4444 (.mov) has alpha.
     bool holds_alpha() const;
@@ -28,6 +30,8 @@ struct ImageOutput {
     std::filesystem::path file(uint32_t i) const;
     // The pattern's file with this text in place of the number; the path itself where it is no pattern.
     std::filesystem::path file(const std::string& in_place_of_number) const;
+    // The deep file of image i: out_deep_0001.exr beside out_0001.exr, out_deep.exr beside out.exr.
+    std::filesystem::path deep_file(uint32_t i) const;
 };
 // "out.mp4", "out.mov", "out_%04d.png", "out.png", or the same as .exr.
 ImageOutput parse_output(const std::string& text);
@@ -68,7 +72,8 @@ class ImageSink {
 
     // Adds an image that the sink does not have yet; call it in order of i.
     void add(uint32_t i, const Image& image);
-    void add(uint32_t i, const LinearImage& image);
+    // `deep` must not be null where the output has deep files (assert).
+    void add(uint32_t i, const LinearImage& image, const DeepImage* deep = nullptr);
     // After the last image, whose number is end − 1. `complete` is called when the video is there, while an interrupted
     // run could still make it again.
     void finish(uint32_t end, const std::function<void()>& complete = {});

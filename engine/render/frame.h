@@ -12,6 +12,7 @@
 #include "render/image_list.h"
 #include "render/inspect.h"
 #include "render/performer_shadows.h"
+#include "render/ray_segments.h"
 #include "render/resolve.h"
 #include "render/segments.h"
 #include "render/volume_depth.h"
@@ -130,6 +131,13 @@ class FrameRenderer {
     std::vector<glm::vec4> radiance(uint32_t view = 0) const;
     std::vector<float> depth(uint32_t view = 0) const;
 
+    // Traces the rays of the last image once more, which must have had one view without upscaling and must be finished,
+    // and calls `take` with the segments of each ray that has any, tile by tile. `ray` is its place in the rows of
+    // radiance(). Afterwards radiance() and depth() hold nothing, and the times are those of this work. Throws as
+    // draw() does.
+    using TakeSegments = std::function<void(glm::uvec2 ray, std::span<const RaySegment> segments)>;
+    void read_segments(const TakeSegments& take);
+
     // What the last image left on the device, of a field that was given, without its coarser levels. Null before the
     // first image.
     const Performer* performer(uint32_t field = 0) const {
@@ -162,6 +170,10 @@ class FrameRenderer {
     void record_blank(const FrameSettings& settings);
     void record_rays(const FrameSettings& settings);
     void record_merged(std::span<const DrawnInstance> group, const FrameSettings& settings);
+    void record_segments(std::span<const DrawnInstance> instances, const TileSpan& tiles, const gpu::Buffer& heads);
+    void take_band(std::span<const DrawnInstance> instances, const TileSpan& tiles, const gpu::Buffer& heads,
+                   const TakeSegments& take) const;
+    Segments& segments();
     enum class Destination { kDevice, kHost };
     void choose_far_levels(std::span<const stage::Camera> cameras, FrameSettings& settings) const;
     void draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,

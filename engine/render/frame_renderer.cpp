@@ -204,6 +204,7 @@ void FrameRenderer::write_instances(std::span<const stage::Camera> cameras, cons
             if (settings.mode == TraceMode::kTree) one->shading = Shading::kPerRay;
             if (settings.mode == TraceMode::kShaded) one->shading = Shading::kPerLeaf;
             one->highlight = instance.highlight;
+            one->performer = instance.performer;
             if (instance.highlight) one->shading = Shading::kPerLeaf;
             one->output = settings.blend == Blend::kPaper ? RayOutput::kLayerByDepth : RayOutput::kLayer;
             one->rays.stop = settings.stop;
@@ -271,11 +272,15 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
         for (const DrawnInstance& instance : shadows_->drawn)
             performers_[instance.field]->prepare(kLightTarget, instance, nullptr);
     for (const auto& group : drawn_) {
-        if (group.size() > 1 && !segments_)
-            segments_ = std::make_unique<Segments>(device_, target_, kMaxMerges, capacity_.segment_budget);
+        if (group.size() > 1) segments();
         for (const DrawnInstance& instance : group)
             performers_[instance.field]->prepare(kEyeTarget, instance, segments_.get());
     }
+}
+
+Segments& FrameRenderer::segments() {
+    if (!segments_) segments_ = std::make_unique<Segments>(device_, target_, kMaxMerges, capacity_.segment_budget);
+    return *segments_;
 }
 
 // Returns whether the image needed more room on the device than there was. Then there is more room now, or the image

@@ -6,8 +6,15 @@
 
 namespace neuvv::render {
 
-media::LinearImage linear_image(std::span<const glm::vec4> radiance, std::span<const float> depth, uint32_t width,
-                                uint32_t height, uint32_t samples, const glm::vec4& background) {
+float axis_per_ray(const stage::Camera& rays, glm::uvec2 ray) {
+    const glm::dvec2 at = (glm::dvec2(ray) + 0.5 - glm::dvec2(rays.cx, rays.cy)) / glm::dvec2(rays.fx, rays.fy);
+    return static_cast<float>(1 / glm::length(glm::dvec3(at, 1)));
+}
+
+media::LinearImage linear_image(std::span<const glm::vec4> radiance, std::span<const float> depth,
+                                const stage::Camera& camera, uint32_t samples, const glm::vec4& background) {
+    const uint32_t width = camera.width, height = camera.height;
+    const stage::Camera rays = stage::enlarged(camera, samples);
     const size_t row = size_t{samples} * width;
     assert(radiance.size() == row * samples * height && depth.size() == radiance.size());
     media::LinearImage image{width, height};
@@ -22,7 +29,8 @@ media::LinearImage linear_image(std::span<const glm::vec4> radiance, std::span<c
                 const size_t ray = (samples * y + i / samples) * row + samples * x + i % samples;
                 light += radiance[ray];
                 if (!(radiance[ray].a > 0) || std::isinf(depth[ray])) continue;  // a background has no depth
-                metres += radiance[ray].a * depth[ray];
+                const glm::uvec2 at(ray % row, ray / row);
+                metres += radiance[ray].a * axis_per_ray(rays, at) * depth[ray];
                 weight += radiance[ray].a;
             }
             const size_t pixel = y * width + x;

@@ -23,6 +23,7 @@ struct Instance {
     float density = 1;                  // above 0: what its densities are multiplied by, also in its shadows
     bool casts_shadow = true, receives_shadow = true;
     std::shared_ptr<const Highlight> highlight;  // null: none
+    uint32_t performer = 0;                      // whose segments of rays these are: of a stage, its index there
 };
 
 // Returns Shading::kPerLeaf where shading once a leaf looks the same as shading along each ray and is less work, else
@@ -41,6 +42,7 @@ struct DrawnInstance {
     uint32_t range_level = 0;  // of the nodes that tile ranges are computed from
     InstanceRays rays;
     std::shared_ptr<const Highlight> highlight;  // only with Shading::kPerLeaf
+    uint32_t performer = 0;                      // of the Instance
     SliceKey slice() const { return {frame, paint}; }
 };
 

@@ -31,6 +31,8 @@ class Segments {
 
     const gpu::Buffer& pages() const { return pages_; }
     const gpu::Buffer& heads() const { return heads_; }
+    // How many pages there are; page 0 is none of them that are used.
+    uint64_t page_count() const { return page_count_; }
     const gpu::Buffer& used_pages() const { return used_pages_; }
     const gpu::ComputePass& pass() const { return pass_; }
     const gpu::BindingSet& bindings() const { return set_; }

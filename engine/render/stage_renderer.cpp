@@ -269,26 +269,28 @@ void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_envir
     set_->light(lights, ambient, {shadows && !room_floor_m_, shadows});
 }
 
+SetRays StageRenderer::set_rays() const {
+    SetRays set{download_halves(device_, set_->colour), download_halves(device_, set_->front), {}};
+    set.axis_m.resize(set.behind.size());
+    gpu::download(device_, set_->depth, set.axis_m.data(), set.axis_m.size() * sizeof(float));
+    return set;
+}
+
 // Composites as with_set of show.glsl does.
-media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, const glm::vec4& background) const {
+media::LinearImage StageRenderer::linear_image_of(const stage::Camera& camera, const SetRays& set,
+                                                  const glm::vec4& background) const {
     std::vector<glm::vec4> light = frames_->radiance();
     std::vector<float> metres = frames_->depth();
-    const std::vector<glm::vec4> behind = download_halves(device_, set_->colour);
-    const std::vector<glm::vec4> front = download_halves(device_, set_->front);
-    std::vector<float> axis_metres(behind.size());
-    gpu::download(device_, set_->depth, axis_metres.data(), axis_metres.size() * sizeof(float));
-    const stage::Camera texels = stage::enlarged(camera, capacity_.samples);
+    const stage::Camera rays = stage::enlarged(camera, capacity_.samples);
     for (size_t i = 0; i < light.size(); i++) {
-        const glm::dvec2 at(static_cast<double>(i % texels.width) + 0.5, static_cast<double>(i / texels.width) + 0.5);
-        const glm::dvec2 line = (at - glm::dvec2(texels.cx, texels.cy)) / glm::dvec2(texels.fx, texels.fy);
-        const float alpha = light[i].a, through = std::isinf(axis_metres[i]) ? 0.0f : 1 - alpha;
-        const float set_metres = axis_metres[i] * static_cast<float>(glm::length(glm::dvec3(line, 1)));
+        const float alpha = light[i].a, through = std::isinf(set.axis_m[i]) ? 0.0f : 1 - alpha;
+        const float set_metres = set.axis_m[i] / axis_per_ray(rays, {i % rays.width, i / rays.width});
         if (through > 0)
             metres[i] = ((alpha > 0 ? alpha * metres[i] : 0.0f) + through * set_metres) / (alpha + through);
-        light[i] += (1 - alpha) * behind[i];
-        light[i] = front[i] + (1 - front[i].a) * light[i];
+        light[i] += (1 - alpha) * set.behind[i];
+        light[i] = set.front[i] + (1 - set.front[i].a) * light[i];
     }
-    return linear_image(light, metres, capacity_.width, capacity_.height, capacity_.samples, background);
+    return linear_image(light, metres, camera, capacity_.samples, background);
 }
 
 Instance StageRenderer::instance_at(const stage::EvaluatedPerformer& performer, const StageClips::Place& place) const {
@@ -301,7 +303,8 @@ Instance StageRenderer::instance_at(const stage::EvaluatedPerformer& performer, 
                     place.share,
                     performer.casts_shadow,
                     performer.receives_shadow && !has_room_lamp_,
-                    nullptr};
+                    nullptr,
+                    performer.performer};
 }
 
 std::optional<Instance> StageRenderer::instance_of(const stage::EvaluatedPerformer& performer) const {

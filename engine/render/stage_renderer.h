@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "render/frame.h"
+#include "render/image_layers.h"
 #include "render/linear_image.h"
 #include "render/stage_clips.h"
 
@@ -83,9 +84,12 @@ class StageRenderer {
         set_->hide(corners);
     }
 
-    // The last image as linear light and depth, set included. It must have had one view, and the size and samples of
+    // What the set contributes to the rays of the last image, which must have had one view, and the size and samples of
     // settings_at.
-    media::LinearImage linear_image_of(const stage::Camera& camera, const glm::vec4& background) const;
+    SetRays set_rays() const;
+    // The last image as linear light and depth, set included.
+    media::LinearImage linear_image_of(const stage::Camera& camera, const SetRays& set,
+                                       const glm::vec4& background) const;
 
     FrameRenderer& frames() { return *frames_; }
     const FrameRenderer& frames() const { return *frames_; }

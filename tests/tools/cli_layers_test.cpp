@@ -1,9 +1,14 @@
-// neuvv render for compositing: ProRes with alpha.
+// neuvv render for compositing: ProRes with alpha, and the layers of .exr files.
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfStringAttribute.h>
 #include <gtest/gtest.h>
 
+#include "media/exr.h"
 #include "media/image_sink.h"
 #include "media/sound.h"
 #include "media/video.h"
+#include "support/read_deep.h"
 #include "support/wav_file.h"
 #include "tests/tools/cli_gpu.h"
 
@@ -80,6 +85,65 @@ TEST_F(CliLayers, AMovOfAStageHasSoundAndAlpha) {
     ASSERT_TRUE(reader.next(seen));
     EXPECT_EQ(seen.at(0, 0)[3], 0) << "above the floor";
     EXPECT_EQ(seen.at(32, 47)[3], 255) << "the floor";
+}
+
+TEST_F(CliLayers, DeepSamplesOfAStageAreItsFlatImage) {
+    write_show();
+    render(show, "s.exr", {"--time", "0.5", "--background", "clear", "--layers", "rgba,depth,ids,deep"});
+    const media::LinearImage flat = media::read_exr(file("s.exr"));
+    const media::DeepImage deep = test::read_deep(file("s_deep.exr"));
+    ASSERT_EQ(deep.counts.size(), flat.depth_m.size());
+    double worst = 0, nearest = 0;
+    size_t floor = 0;
+    auto sample = deep.samples.begin();
+    for (size_t i = 0; i < deep.counts.size(); i++) {
+        double sum[4] = {}, last_m = 0;
+        for (const auto end = sample + deep.counts[i]; sample != end; ++sample) {
+            const double through = 1 - sum[3];
+            for (size_t c = 0; c < 4; c++) sum[c] += through * double{sample->rgba[c]};
+            EXPECT_LE(last_m, double{sample->near_m});
+            last_m = double{sample->far_m};
+        }
+        for (size_t c = 0; c < 4; c++)
+            worst = std::max(
+                worst, std::abs(sum[c] - double{flat.rgba[4 * i + c]}) / std::max(1.0, double{flat.rgba[4 * i + c]}));
+        if (deep.counts[i] == 0) continue;
+        floor += deep.counts[i] <= 4;  // a surface for each ray
+        nearest = std::max(nearest, double{flat.depth_m[i]} - last_m);
+    }
+    EXPECT_LE(worst, 1.0 / 512) << "halves have 11 bits";
+    EXPECT_LE(nearest, 1e-3) << "no depth of the flat image lies behind all samples";
+    EXPECT_GT(floor, 100u);
+    const Imf::InputFile file_of(file("s.exr").c_str());
+    const auto* manifest = file_of.header().findTypedAttribute<Imf::StringAttribute>("cryptomatte/3ae39a5/manifest");
+    ASSERT_TRUE(manifest);
+    for (const char* name : {"\"anna\"", "\"berta\"", "\"set\""})
+        EXPECT_NE(manifest->value().find(name), std::string::npos) << name;
+}
+
+TEST_F(CliLayers, LayersAreThoseThatWereAskedFor) {
+    render(scene, "d_%02d.exr",
+           {"--frames", "0:3", "--fps", "1", "--layers", "depth,deep", "--resume", "--samples", "1"});
+    EXPECT_TRUE(std::filesystem::exists(file("d_deep_03.exr")));
+    const Imf::InputFile flat(file("d_00.exr").c_str());
+    EXPECT_TRUE(flat.header().channels().findChannel("Z"));
+    EXPECT_FALSE(flat.header().channels().findChannel("R"));
+    std::filesystem::remove(file("d_deep_01.exr"));
+    render(scene, "d_%02d.exr",
+           {"--frames", "0:3", "--fps", "1", "--layers", "depth,deep", "--resume", "--samples", "1"});
+    EXPECT_TRUE(std::filesystem::exists(file("d_deep_01.exr"))) << "what is missing is rendered again";
+    const auto refused = [&](const char* output, const std::vector<std::string>& more, const char* word) {
+        std::vector<std::string> call = {"render", scene, "-o", file(output), "--frames", "0"};
+        call.insert(call.end(), more.begin(), more.end());
+        expect_refused(call, 2, {"--layers", word});
+    };
+    refused("x.exr", {"--layers", "rgb"}, "there is no layer \"rgb\"");
+    refused("x.exr", {"--layers", "deep"}, "add rgba");
+    refused("x.png", {"--layers", "ids"}, "name out.exr");
+    refused("x.exr", {"--layers", "rgba,ids", "--direct"}, "--direct");
+    write_show();
+    expect_refused({"render", show, "-o", file("x.exr"), "--layers", "rgba,ids", "--blend", "paper"}, 2,
+                   {"--layers", "--blend exact"});
 }
 
 }  // namespace
