@@ -45,8 +45,11 @@ void draw(const Drawn& drawn, uint32_t triangle, const stage::Camera& camera, st
     if (area == 0) return;
     const glm::dvec2 low = glm::ceil(glm::min(glm::min(a, b), c) - 0.5);
     const glm::dvec2 high = glm::floor(glm::max(glm::max(a, b), c) - 0.5);
-    const int x0 = static_cast<int>(std::max(low.x, 0.0)), x1 = static_cast<int>(std::min(high.x, camera.width - 1.0));
-    const int y0 = static_cast<int>(std::max(low.y, 0.0)), y1 = static_cast<int>(std::min(high.y, camera.height - 1.0));
+    const double width = camera.width, height = camera.height;
+    const int x0 = static_cast<int>(std::clamp(low.x, 0.0, width)),
+              y0 = static_cast<int>(std::clamp(low.y, 0.0, height));
+    const int x1 = static_cast<int>(std::clamp(high.x, -1.0, width - 1));
+    const int y1 = static_cast<int>(std::clamp(high.y, -1.0, height - 1));
     for (int y = y0; y <= y1; y++)
         for (int x = x0; x <= x1; x++) {
             const glm::dvec2 p = glm::dvec2(x, y) + 0.5;
