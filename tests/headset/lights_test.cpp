@@ -1,7 +1,10 @@
 // Lights and cameras in the headset: pointed at, held, aimed, and changed by the panel.
+#include <fmt/format.h>
+
 #include "edit/light_values.h"
 #include "headset/panel_at_a_stage.h"
 #include "tools/headset/hand_shapes.h"
+#include "tools/headset/labels.h"
 #include "tools/headset/markers.h"
 
 namespace neuvv::test {
@@ -127,6 +130,101 @@ TEST_F(HeadsetLights, TheStickPushesWhatIsHeldAndNobodyWalks) {
     EXPECT_EQ(state.clock.speed, speed);
 }
 
+TEST_F(HeadsetLights, SidewaysTheStickChangesTheOpeningInTheSameStep) {
+    for (const auto& [name, at] : {std::pair{"key", lamp}, {"camera", camera}}) {
+        const bool is_light = name == std::string("key");
+        const auto opening = [&] {
+            return is_light ? light().outer_cone_deg
+                            : glm::degrees(edit::camera_on(state.editor.file(), node("camera"))->vertical_angle_rad);
+        };
+        const double before = opening(), softness = edit::softness_of(light().inner_cone_deg, light().outer_cone_deg);
+        point(xr::kRight, kRightHand, at);
+        draw();
+        inputs[xr::kRight].grab = 1;
+        draw();
+        inputs[xr::kRight].stick = {0.5, 0.3};
+        const uint64_t id = state.editor.id();
+        for (int i = 0; i < 45; i++) draw();
+        EXPECT_EQ(state.editor.id(), id) << "a hold alone edits nothing";
+        const double wide = before * std::exp2(0.5 * 45 / 90);
+        if (is_light)
+            EXPECT_NEAR(state.evaluated.lights[0].cos_outer, std::cos(glm::radians(wide)), 1e-9) << "it is seen";
+        else
+            EXPECT_NEAR(state.evaluated.cameras[0].vertical_angle_rad, glm::radians(wide), 1e-9);
+        const auto label = headset::label_of_ray(state, interaction, xr::kRight);
+        ASSERT_TRUE(label);
+        EXPECT_EQ(label->text, fmt::format("{} {:.0f}°", is_light ? "shines" : "sees", wide));
+        EXPECT_NEAR(label->distance_m, glm::distance(kRightHand, at), 1e-6) << "it is not pushed";
+        inputs[xr::kRight].stick = {0, 0};
+        inputs[xr::kRight].grab = 0;
+        draw();
+        draw();
+        EXPECT_NEAR(opening(), wide, 1e-6) << name;
+        if (is_light) {
+            EXPECT_NEAR(edit::softness_of(light().inner_cone_deg, light().outer_cone_deg), softness, 1e-6);
+        }
+        EXPECT_LT(glm::distance(position(name), at), 1e-6) << name;
+        EXPECT_FALSE(headset::label_of_ray(state, interaction, xr::kRight));
+        EXPECT_EQ(state.rig.yaw_rad, 0) << "nobody is turned";
+        EXPECT_EQ(steps(), 1u);
+    }
+}
+
+TEST_F(HeadsetLights, TheStickOpensNoFurtherThanThePanel) {
+    point(xr::kRight, kRightHand, camera);
+    draw();
+    inputs[xr::kRight].grab = 1;
+    draw();
+    for (const auto& [stick, end_deg] : {std::pair{1.0, 120.0}, {-1.0, 10.0}}) {
+        inputs[xr::kRight].stick = {stick, 0};
+        for (int i = 0; i < 500; i++) draw();
+        EXPECT_NEAR(state.evaluated.cameras[0].vertical_angle_rad, glm::radians(end_deg), 1e-9);
+    }
+}
+
+TEST_F(HeadsetLights, TheSetIsMetAndLookedAt) {
+    // The floor's disk as a wall behind the user's right hand.
+    edit_stage([&](stage::StageFile& file) {
+        edit::Placement wall;
+        wall.at = glm::dvec3(1.5, 1, 0);
+        wall.turn_deg = glm::dvec3(0, 0, 90);
+        return edit::place_node(file, node("floor"), wall);
+    });
+    select(lamp);
+    const glm::dvec3 on_wall(1.5, 1.3, 0.2);
+    point(xr::kRight, kRightHand, on_wall);
+    draw();
+    ASSERT_EQ(hit().target, headset::PointerHit::Target::kSet);
+    EXPECT_NEAR(hit().distance_m, glm::distance(kRightHand, on_wall), 1e-5);
+    select(on_wall);
+    draw();
+    expect_looks_at("key", lamp, on_wall);
+    const Ray beyond{kRightHand, glm::normalize(on_wall - kRightHand)};
+    point(xr::kRight, beyond.origin, beyond.origin + beyond.direction);
+    state.shows_room = true;
+    draw();
+    EXPECT_NE(hit().target, headset::PointerHit::Target::kSet) << "the room is shown in its place";
+    state.shows_room = false;
+    state.tool = headset::HandTool::kArrange;
+    draw();
+    EXPECT_NE(hit().target, headset::PointerHit::Target::kSet) << "with other tools, rays go through it";
+}
+
+TEST_F(HeadsetLights, TheSetHidesPerformersButNoMarkers) {
+    edit_stage([&](stage::StageFile& file) {
+        edit::Placement wall;
+        wall.at = glm::dvec3(0, 1, -0.4);
+        wall.turn_deg = glm::dvec3(90, 0, 0);
+        return edit::place_node(file, node("floor"), wall);
+    });
+    point(xr::kRight, kRightHand, kBen);
+    draw();
+    EXPECT_EQ(hit().target, headset::PointerHit::Target::kSet);
+    point(xr::kRight, kRightHand, lamp);
+    draw();
+    EXPECT_EQ(hit().target, headset::PointerHit::Target::kMarker) << "a lamp in a ceiling can be held";
+}
+
 TEST_F(HeadsetLights, TheTriggerAimsTheSelectedOne) {
     for (const auto& [name, at] : {std::pair{"key", lamp}, {"camera", camera}}) {
         select(at);
@@ -184,12 +282,26 @@ TEST_F(HeadsetLights, WhatIsLockedStays) {
     EXPECT_EQ(steps(), 0u);
 }
 
+TEST_F(HeadsetLights, ItsRowsAreTheSameWhateverIsSelected) {
+    draw_settled();
+    const auto nothing = items;
+    for (const char* name : {"light colour", "brightness", "cone", "field of view"}) {
+        EXPECT_TRUE(has(name)) << name;
+        drag(name, {-0.01, -0.03});
+    }
+    EXPECT_EQ(steps(), 0u) << "they are grey";
+    for (const glm::dvec3 at : {lamp, camera}) {
+        select(at);
+        draw_settled();
+        EXPECT_EQ(items, nothing);
+    }
+}
+
 TEST_F(HeadsetLights, ThePanelSetsBrightnessAndColourOfALight) {
-    EXPECT_FALSE(has("brightness")) << "of nothing";
     select(lamp);
     draw();
     const edit::LightValues before = light();
-    EXPECT_FALSE(has("field of view"));
+    drag("field of view", {0.05});
     drag("brightness", {0.05, 0.1});
     EXPECT_GT(light().intensity, 1.2 * before.intensity);
     drag("cone", {0.05});
@@ -203,7 +315,8 @@ TEST_F(HeadsetLights, ThePanelSetsBrightnessAndColourOfALight) {
 TEST_F(HeadsetLights, ThePanelSetsACamerasFieldOfView) {
     select(camera);
     draw();
-    EXPECT_FALSE(has("brightness"));
+    drag("brightness", {0.05});
+    drag("cone", {0.05});
     const double before = edit::camera_on(state.editor.file(), node("camera"))->vertical_angle_rad;
     drag("field of view", {0.05, 0.2});
     EXPECT_GT(edit::camera_on(state.editor.file(), node("camera"))->vertical_angle_rad, before);

@@ -74,6 +74,26 @@ TEST_F(HeadsetSettingsTest, WhereNothingWasChosenNothingIsWritten) {
     nowhere.save(state, grab);
 }
 
+TEST_F(HeadsetSettingsTest, TheRoomIsKeptOnceTheUserHasChosen) {
+    headset::HeadsetSettings settings(file);
+    settings.load(state, grab);
+    state.comfort.smooth_turn = true;
+    settings.save(state, grab);
+    EXPECT_FALSE(read().contains("room")) << "the runtime's preference is not the user's";
+    for (const bool shown : {true, false}) {
+        state.wants_room = shown;
+        settings.save(state, grab);
+        headset::HeadsetState later;
+        headset::HeadsetSettings(file).load(later, grab);
+        EXPECT_EQ(later.wants_room, std::optional(shown));
+    }
+    write(R"({"room": {"shown": 1}})");
+    headset::HeadsetState later;
+    headset::HeadsetSettings(file).load(later, grab);
+    EXPECT_EQ(later.wants_room, std::nullopt);
+    EXPECT_NE(later.editor.take_notices().at(0).text.find("room.shown"), std::string::npos);
+}
+
 TEST_F(HeadsetSettingsTest, WhatANewerProgramWroteStays) {
     write(R"({"comfort": {"snap_deg": 45, "seated": true}, "gloves": [1, 2]})");
     headset::HeadsetSettings settings(file);

@@ -188,6 +188,19 @@ TEST_F(Room, IsShownAndHiddenByThePanel) {
     EXPECT_EQ(run.report["layers"][1]["types"], json({"quad", "projection"}));
 }
 
+TEST_F(Room, IsKeptFromRunToRun) {
+    script.json["blend_modes"] = {"opaque", "alpha_blend"};
+    EXPECT_EQ(run(script, {"--room"}).report["layers"][0]["blend"], "alpha_blend");
+    const XrRun again = run(script);
+    expect_clean(again);
+    EXPECT_EQ(again.report["layers"][0]["blend"], "alpha_blend");
+    script.json["blend_modes"] = {"opaque"};
+    for (int i = 0; i < 2; i++)
+        EXPECT_NE(run(script).log.find("cannot show your room"), std::string::npos) << "a headset that cannot show it";
+    script.json["blend_modes"] = {"opaque", "alpha_blend"};
+    EXPECT_EQ(run(script).report["layers"][0]["blend"], "alpha_blend") << "does not change what the user wants";
+}
+
 TEST_F(Room, HasAShadowEvenWithoutLights) {
     stage = clip;  // on a stage of its own, without set and lights
     script.json["blend_modes"] = {"opaque", "alpha_blend"};

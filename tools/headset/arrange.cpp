@@ -79,10 +79,14 @@ void put_selected_on_floor(HeadsetState& state) {
     move_node_to(state, node, on_floor(world_from_node, low, high, state.floor_m));
 }
 
-void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node) {
+void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node,
+                  const editor::Editor::Operation& more) {
     edit::Placement placement;
     placement.to = glm::inverse(world_from_parent(state, node)) * world_from_node;
-    state.editor.edit([&](edit::Document& document) { return edit::place_node(document.file, node, placement); });
+    state.editor.edit([&](edit::Document& document) {
+        std::string text = edit::place_node(document.file, node, placement);
+        return more ? more(document) : text;
+    });
 }
 
 void aim_node_at(HeadsetState& state, uint32_t node, const glm::dvec3& at) {

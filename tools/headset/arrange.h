@@ -22,8 +22,9 @@ void delete_selected(HeadsetState& state);
 void put_selected_on_floor(HeadsetState& state);
 constexpr double kFloorReach_m = 1;
 
-// Edits the document: gives a node this transform.
-void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node);
+// Edits the document: gives a node this transform, and applies `more`, where there is any, in the same step.
+void move_node_to(HeadsetState& state, uint32_t node, const glm::dmat4& world_from_node,
+                  const editor::Editor::Operation& more = {});
 // Edits the document: turns a node so that its −Z points at this point of the world.
 void aim_node_at(HeadsetState& state, uint32_t node, const glm::dvec3& at);
 // The transform that aim_node_at gives the node, world from node; nullopt where it cannot be done.

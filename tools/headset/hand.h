@@ -12,7 +12,7 @@ namespace neuvv::headset {
 
 // The nearest thing that a pointer ray hits.
 struct PointerHit {
-    enum class Target { kNothing, kPanel, kPerformer, kMarker, kFloor } target = Target::kNothing;
+    enum class Target { kNothing, kPanel, kPerformer, kMarker, kSet, kFloor } target = Target::kNothing;
     double distance_m = 0;   // along the ray
     glm::dvec2 panel_uv{0};  // on the panel: 0..1 from the upper left
     uint32_t performer = 0;  // index into Stage::performers
@@ -60,11 +60,12 @@ inline bool starts_grab(Hand& hand, PointerHit::Target target) {
 inline bool ends_grab(const Hand& hand) {
     return hand.input.has_grab ? !hand.grab.is_down() : !hand.select.is_down();
 }
+constexpr double kStickDeadZone = 0.15;
 // How far the stick of a hand pushes away in this frame what the hand holds; negative: pulls nearer.
 inline double pushed_m(const Hand& hand, double dt_s) {
-    constexpr double kPush_m_per_s = 2.5, kDeadZone = 0.15;
+    constexpr double kPush_m_per_s = 2.5;
     const double stick = hand.input.stick.y;
-    return std::abs(stick) > kDeadZone ? stick * kPush_m_per_s * dt_s : 0;
+    return std::abs(stick) > kStickDeadZone ? stick * kPush_m_per_s * dt_s : 0;
 }
 
 }  // namespace neuvv::headset

@@ -23,11 +23,12 @@ void draw_controller(xr::EyeShapes& shapes, const Hand& hand) {
                      glm::mix(kTrim, kBlue, hand.select.is_down() ? 1.0f : 0.5f * pressed));
 }
 
-// `floor_counts`: whether the trigger does something where the ray meets the floor.
-void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> grabbed_m, bool floor_counts) {
+// `set_counts`: whether the trigger does something where the ray meets the set or the floor.
+void draw_ray(xr::EyeShapes& shapes, const Hand& hand, std::optional<double> grabbed_m, bool set_counts) {
     if (!hand.aim) return;
     using enum PointerHit::Target;
-    const bool hits = hand.hit.target != kNothing && (hand.hit.target != kFloor || floor_counts);
+    const bool hits =
+        hand.hit.target != kNothing && ((hand.hit.target != kFloor && hand.hit.target != kSet) || set_counts);
     const double distance_m = grabbed_m ? *grabbed_m : hits ? hand.hit.distance_m : kIdleRay_m;
     const Ray ray = xr::ray_of(*hand.aim);
     const glm::dvec3 end = ray.origin + distance_m * ray.direction;

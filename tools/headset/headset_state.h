@@ -66,9 +66,12 @@ struct HeadsetState : editor::StageState {
     std::optional<NewPerformer> new_performer;
     Comfort comfort;
     HandBrush brush;
-    std::optional<bool> wants_room;  // to see the user's own room; nothing: as the headset's runtime prefers
-    std::filesystem::path picture;   // that the brush projects; empty: none has been chosen
-    bool picks_colour = false;       // the next press of the painting hand gives the brush the colour under its ray
+    // Whether to show the user's own room; nothing: as the headset's runtime prefers.
+    std::optional<bool> wants_room;
+    bool refused_room = false;      // the headset cannot show it, and the user was told so
+    bool shows_room = false;        // the room is shown, in place of the set
+    std::filesystem::path picture;  // that the brush projects; empty: none has been chosen
+    bool picks_colour = false;      // the next press of the painting hand gives the brush the colour under its ray
     bool panel_visible = false, panel_on_wrist = false;
     bool slider_edits = false;  // a slider of the panel is dragged, and edits the document (Editor::drag)
     // Ends the drag of a slider: its edit is made.

@@ -40,7 +40,9 @@ void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, cons
     update_panel(state, head);
     move_panel(state);
     land_new_performer(state);
-    point(hands, state, panel, find_surfaces);
+    const bool meets_set = state.tool == HandTool::kLights && !state.shows_room;
+    if (meets_set) set_.follow(state.stage->scene, state.evaluated.pose);
+    point(hands, state, panel, find_surfaces, meets_set ? &set_ : nullptr);
     track_presses();
     handle_buttons(state);
     if (!state.is_behind()) select(state);
@@ -88,10 +90,10 @@ void Interaction::note_used_buttons(int which) {
 
 void Interaction::update_panel(HeadsetState& state, const xr::Pose& head) {
     Hand& left = hands[xr::kLeft];
-    const bool long_press_on_nothing = left.input.lacks_menu && left.select_down_s > kPanelPress_s &&
-                                       !left.long_press &&
-                                       (left.pressed_on.target == PointerHit::Target::kNothing ||
-                                        left.pressed_on.target == PointerHit::Target::kFloor);
+    const bool long_press_on_nothing =
+        left.input.lacks_menu && left.select_down_s > kPanelPress_s && !left.long_press &&
+        (left.pressed_on.target == PointerHit::Target::kNothing || left.pressed_on.target == PointerHit::Target::kSet ||
+         left.pressed_on.target == PointerHit::Target::kFloor);
     if (long_press_on_nothing) left.long_press = true;
     if (left.input.menu || hands[xr::kRight].input.menu || long_press_on_nothing)
         state.panel_visible = !state.panel_visible;

@@ -57,6 +57,7 @@ class Interaction {
     void change_speed(HeadsetState& state, Hand& hand);
     void step_through(HeadsetState& state, Hand& hand);
     void move_panel(const HeadsetState& state);
+    editor::SetSurface set_;         // while the tool kLights is selected
     int pointer_hand_ = xr::kRight;  // the hand whose ray is the panel's mouse
     struct PanelGrab {
         int hand = xr::kRight;

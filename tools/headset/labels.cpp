@@ -63,19 +63,28 @@ void draw_hints(xr::EyeShapes& shapes, const LabelFont& font, const HeadsetState
     }
 }
 
+std::optional<RayLabel> label_of_ray(const HeadsetState& state, const Interaction& interaction, int role) {
+    const Hand& hand = interaction.hands[role];
+    if (const auto opening = interaction.lights.opening(); opening && interaction.lights.is_holding(role))
+        return RayLabel{fmt::format("{} {:.0f}°", opening->verb, opening->degrees), interaction.lights.distance_m()};
+    if (hand.hit.target != PointerHit::Target::kPerformer || interaction.grab.is_active()) return std::nullopt;
+    return RayLabel{state.stage->performers[hand.hit.performer].name, hand.hit.distance_m};
+}
+
 void draw_names(xr::EyeShapes& shapes, const LabelFont& font, const HeadsetState& state, const Interaction& interaction,
                 const xr::Pose& world_head) {
     for (int which = 0; which < xr::kHands; which++) {
         const Hand& hand = interaction.hands[which];
-        if (hand.hit.target != PointerHit::Target::kPerformer || !hand.aim || interaction.grab.is_active()) continue;
+        const auto label = hand.aim ? label_of_ray(state, interaction, which) : std::nullopt;
+        if (!label) continue;
         const Ray ray = xr::ray_of(*hand.aim);
-        const glm::dvec3 dot = ray.origin + hand.hit.distance_m * ray.direction;
+        const glm::dvec3 dot = ray.origin + label->distance_m * ray.direction;
         const glm::dvec3 at = glm::mix(world_head.position, dot, kNearer);
         const double distance_m = glm::distance(at, world_head.position);
         if (distance_m < 0.05) continue;
         const glm::dquat facing = upright_towards((at - world_head.position) / distance_m);
         const double line_m = distance_m * kLine_rad;
-        const std::string_view name = state.stage->performers[hand.hit.performer].name;
+        const std::string_view name = label->text;
         font.draw(shapes, {at + facing * glm::dvec3(0, kAbove * line_m, 0), facing}, line_m, std::span(&name, 1));
     }
 }

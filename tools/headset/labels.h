@@ -1,4 +1,5 @@
-// Labels in the stage: the name of whom a ray hits, at the ray's end; what buttons do, at the controllers.
+// Labels in the stage: the name of whom a ray hits, or the opening of what a hand holds, at the ray's end; what buttons
+// do, at the controllers.
 #pragma once
 
 #include "tools/headset/interaction.h"
@@ -7,8 +8,15 @@
 
 namespace neuvv::headset {
 
-// Adds the names of the performers that rays hit, above the rays' ends and facing `world_head`. They are seen under the
-// same angle from everywhere.
+// What stands at the end of a hand's ray: the name of the performer that it hits, or the opening of the light or camera
+// that the hand holds; nothing where there is neither.
+struct RayLabel {
+    std::string text;
+    double distance_m = 0;  // along the ray
+};
+std::optional<RayLabel> label_of_ray(const HeadsetState& state, const Interaction& interaction, int role);
+
+// Adds the labels above the rays' ends, facing `world_head`. They are seen under the same angle from everywhere.
 void draw_names(xr::EyeShapes& shapes, const LabelFont& font, const HeadsetState& state, const Interaction& interaction,
                 const xr::Pose& world_head);
 

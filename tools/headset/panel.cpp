@@ -209,8 +209,11 @@ void user_rows(Rows& rows) {
     rows.checkbox("wrist", "Panel on the wrist", &rows.state.panel_on_wrist);
     rows.checkbox("left-handed", "Left-handed", &rows.state.left_handed);
     rows.checkbox("hints", "Hints at the buttons", &rows.state.hints);
-    bool room = rows.state.wants_room.value_or(false);
-    if (rows.checkbox("room", "Show your own room", &room)) rows.state.wants_room = room;
+    bool room = rows.state.shows_room;
+    if (rows.checkbox("room", "Show your own room", &room)) {
+        rows.state.wants_room = room;
+        rows.state.refused_room = false;
+    }
 }
 
 void file_row(Rows& rows) {

@@ -7,7 +7,7 @@ namespace neuvv::headset {
 
 namespace {
 
-constexpr double kMaxRay_m = 30, kTick = 0.12;
+constexpr double kMaxRay_m = 30, kTick = 0.12, kSame_m = 1e-3;
 
 std::optional<SurfaceHit> nearest_box(const Ray& ray, const HeadsetState& state) {
     std::optional<SurfaceHit> nearest;
@@ -21,18 +21,31 @@ std::optional<SurfaceHit> nearest_box(const Ray& ray, const HeadsetState& state)
     return nearest;
 }
 
-PointerHit hit_on_stage(const Ray& ray, const HeadsetState& state, std::optional<SurfaceHit> surface) {
+// The floor or, with `set`, what of the set is nearer. The set mostly has a floor of its own in the same place.
+PointerHit hit_on_set(const Ray& ray, const HeadsetState& state, const editor::SetSurface* set) {
+    const double down = -ray.direction.y, to_floor = (ray.origin.y - state.floor_m) / down;
+    PointerHit hit;
+    if (down > 1e-3 && to_floor > 0) hit = {PointerHit::Target::kFloor, to_floor};
+    const auto on_set = set ? set->meet(ray) : std::nullopt;
+    const bool is_floor = hit.target == PointerHit::Target::kFloor && on_set && on_set->distance_m > to_floor - kSame_m;
+    if (on_set && !is_floor) hit = {PointerHit::Target::kSet, on_set->distance_m};
+    return hit.distance_m < kMaxRay_m ? hit : PointerHit{};
+}
+
+PointerHit hit_on_stage(const Ray& ray, const HeadsetState& state, std::optional<SurfaceHit> surface,
+                        const editor::SetSurface* set) {
     const auto marker = marker_on(ray, state);
     if (marker && (!surface || marker->distance_m < surface->distance_m))
         return {PointerHit::Target::kMarker, marker->distance_m, {}, 0, marker->node};
     // What a light looks at is a surface.
     const bool boxes_count = state.tool != HandTool::kLights;
     if (boxes_count && (!surface || surface->distance_m >= kMaxRay_m)) surface = nearest_box(ray, state);
-    if (surface && surface->distance_m < kMaxRay_m)
+    const PointerHit behind = hit_on_set(ray, state, set);
+    const bool is_hidden =
+        behind.target == PointerHit::Target::kSet && surface && behind.distance_m < surface->distance_m;
+    if (surface && surface->distance_m < kMaxRay_m && !is_hidden)
         return {PointerHit::Target::kPerformer, surface->distance_m, {}, surface->performer, 0, surface->colour};
-    const double down = -ray.direction.y, to_floor = (ray.origin.y - state.floor_m) / down;
-    if (down > 1e-3 && to_floor > 0 && to_floor < kMaxRay_m) return {PointerHit::Target::kFloor, to_floor};
-    return {};
+    return behind;
 }
 
 void feel_change(Hand& hand, const HeadsetState& state) {
@@ -46,7 +59,7 @@ void feel_change(Hand& hand, const HeadsetState& state) {
 }  // namespace
 
 void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPlacement>& panel,
-           const FindSurfaces& find_surfaces) {
+           const FindSurfaces& find_surfaces, const editor::SetSurface* set) {
     std::vector<Ray> rays;
     std::vector<Hand*> pointing;  // at the stage, by ray
     for (int which = 0; which < xr::kHands; which++) {
@@ -66,7 +79,7 @@ void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPla
     }
     std::vector<std::optional<SurfaceHit>> surfaces(rays.size());
     if (find_surfaces && !rays.empty()) surfaces = find_surfaces(rays);
-    for (size_t i = 0; i < rays.size(); i++) pointing[i]->hit = hit_on_stage(rays[i], state, surfaces[i]);
+    for (size_t i = 0; i < rays.size(); i++) pointing[i]->hit = hit_on_stage(rays[i], state, surfaces[i], set);
     for (Hand& hand : hands) feel_change(hand, state);
 }
 

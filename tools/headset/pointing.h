@@ -1,10 +1,12 @@
-// What the pointer rays of hands hit: the panel, else a performer, or the marker of a light or camera, else the floor.
+// What the pointer rays of hands hit: the panel, else a performer, or the marker of a light or camera, else the set or
+// the floor.
 #pragma once
 
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "editor/set_surface.h"
 #include "tools/headset/hand.h"
 #include "tools/headset/headset_state.h"
 #include "tools/headset/panel_placement.h"
@@ -23,10 +25,11 @@ using FindSurfaces = std::function<std::vector<std::optional<SurfaceHit>>(std::s
 
 // Sets Hand::hit and Hand::pointed_node of both hands. A ray takes the performer whose surface it meets; where it meets
 // none, or where `find_surfaces` is empty, the performer whose box it enters first, so that one may also point between
-// a performer's legs. While the tool kLights is selected, boxes do not count, but markers do (markers.h). A hand whose
-// ray comes to another performer or marker than before is vibrated shortly.
+// a performer's legs. While the tool kLights is selected, boxes do not count, but markers do (markers.h), also behind
+// the set. A hand whose ray comes to another performer or marker than before is vibrated shortly. With `set`, rays meet
+// the set, too, whose triangles hide performers behind them; without it, they go through it.
 void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPlacement>& panel,
-           const FindSurfaces& find_surfaces);
+           const FindSurfaces& find_surfaces, const editor::SetSurface* set = nullptr);
 
 // The performer that a hand points at, an index into Stage::performers; the right hand goes first.
 std::optional<uint32_t> pointed_performer(const Hands& hands);

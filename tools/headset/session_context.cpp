@@ -117,15 +117,17 @@ void update_panel(Program& program, SessionContext& session, double dt_s) {
 
 // Shows or hides the user's own room, as the user wants it; where that was not said yet, as the runtime prefers it.
 void update_room(Program& program, RuntimeContext& context, SessionContext& session) {
-    std::optional<bool>& wanted = program.state.wants_room;
-    if (!wanted) wanted = context.runtime.blend_modes()[0] != XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
-    session.room.show(*wanted);
-    program.room = session.room.is_shown() ? session.room.view() : xr::RoomView::kNone;
-    if (!*wanted || session.room.is_shown()) return;
-    program.state.editor.notify(
+    HeadsetState& state = program.state;
+    const bool prefers = context.runtime.blend_modes()[0] != XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+    const bool wanted = state.wants_room.value_or(prefers) && !state.refused_room;
+    session.room.show(wanted);
+    state.shows_room = session.room.is_shown();
+    program.room = state.shows_room ? session.room.view() : xr::RoomView::kNone;
+    if (!wanted || state.shows_room) return;
+    state.editor.notify(
         "this headset cannot show your room: its runtime offers neither XR_FB_passthrough nor "
         "a blend mode for that");
-    wanted = false;
+    state.refused_room = true;
 }
 
 // The point at which the eyes look; nothing where that is not known. How far away it is makes little difference to

@@ -95,6 +95,11 @@ void HeadsetSettings::load(HeadsetState& state, PerformerGrabSettings& grab) {
     const ordered_json& hands = reader.object(file.document, "hands");
     reader.boolean(hands, "hands.", "leftHanded", state.left_handed);
     reader.boolean(hands, "hands.", "hints", state.hints);
+    const ordered_json& room = reader.object(file.document, "room");
+    bool shown = false;
+    reader.boolean(room, "room.", "shown", shown);
+    if (const ordered_json* member = reader.find(room, "shown"); member && member->is_boolean())
+        state.wants_room = shown;
     const std::string problem = file.message.empty() ? editor::wrong_members(path_, reader.wrong) : file.message;
     if (!problem.empty()) state.editor.notify(problem, true);
     saved_ = to_json(state, grab, file.document);
@@ -113,6 +118,7 @@ ordered_json HeadsetSettings::to_json(const HeadsetState& state, const Performer
     ordered_json& hands = editor::object_in(base, "hands");
     hands["leftHanded"] = state.left_handed;
     hands["hints"] = state.hints;
+    if (state.wants_room) editor::object_in(base, "room")["shown"] = *state.wants_room;
     return base;
 }
 

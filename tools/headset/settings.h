@@ -4,7 +4,7 @@
 //    "vignette": true}, "panel": {"onWrist": false}, "hands": {"leftHanded": false, "hints": true},
 //    "hold": {"upright": true, "snapsToFloor": true, "stepsHeading": false, "stepsPlace": false},
 //    "brush": {"tip": "ball", "does": "paint", "radius_m": 0.06, "colour": {"red": 0.9, "green": 0.25,
-//    "blue": 0.1}, "opacity": 1, "wholeClip": true, "byRay": false}}
+//    "blue": 0.1}, "opacity": 1, "wholeClip": true, "byRay": false}, "room": {"shown": false}}
 //
 // Every member may be missing. Members that this program does not know stay in the file.
 #pragma once
