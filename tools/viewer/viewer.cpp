@@ -11,11 +11,11 @@
 #include <thread>
 
 #include "base/platform.h"
-#include "media/colour.h"
 #include "tools/viewer/report_facts.h"
 #include "tools/viewer/timeline/camera_path_view.h"
 #include "tools/viewer/timeline/timeline_view.h"
 #include "tools/viewer/tools/overlay.h"
+#include "tools/viewer/view_request.h"
 
 namespace neuvv::viewer {
 
@@ -36,14 +36,6 @@ Eye initial_eye(const stage::Stage& stage, const stage::EvaluatedStage& evaluate
         if (!camera.orthographic) return eye_of(camera, stage, evaluated);
     const auto [low, high] = stage::performers_box(stage, evaluated);
     return framed(seen_from(Eye{}, EyeSide::kFront), low, high, aspect);
-}
-
-bool same_image(const editor::ViewRequest& a, const editor::ViewRequest& b) {
-    return a.camera.world_from_camera == b.camera.world_from_camera && a.camera.fx == b.camera.fx &&
-           a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
-           a.camera.width == b.camera.width && a.camera.height == b.camera.height && a.time_s == b.time_s &&
-           a.resolve == b.resolve && a.highlight == b.highlight && a.overrides_background == b.overrides_background &&
-           a.moving == b.moving && a.max_scale == b.max_scale && a.samples == b.samples && a.far_levels == b.far_levels;
 }
 
 std::filesystem::path preferences_file() {
@@ -459,30 +451,12 @@ void Viewer::request_document() {
 }
 
 void Viewer::request_view() {
-    const editor::StageClock& clock = view_.clock;
     const stage::Camera& camera = input_.camera;
     if (!input_.stage || camera.width < 2 || camera.height < 2) return;
-    editor::ViewRequest view;
-    view.camera = camera;
-    view.time_s = clock.displayed_s();
+    const bool moving = view_.clock.playing || in_motion() || editor_.dragging();
+    editor::ViewRequest view = requested_view(input_, view_, moving);
     view.highlight = coaching_.session().highlight();
-    view.resolve.show = view_.image.show;
-    view.resolve.cost_max = view_.image.cost_max;
-    view.overrides_background = view_.image.overrides_background;
-    view.resolve.background = glm::vec4(media::linear_from_srgb(view_.image.background), 1);
-    view.moving = clock.playing || in_motion() || editor_.dragging();
-    view.max_scale = view_.image.max_scale;
-    view.samples = static_cast<uint32_t>(view_.image.samples);
-    view.far_levels = view_.image.far_levels;
-    const auto [low, high] = stage::performers_box(*input_.stage, input_.evaluated);
-    const double distance = distance_to(camera.world_from_camera, low, high), size = glm::length(high - low);
-    view.resolve.depth_near_m = static_cast<float>(std::max(0.0, distance - size));
-    view.resolve.depth_far_m = static_cast<float>(distance + size);
-    // Where the device is too slow to draw every frame, it is not known which times will be displayed next.
-    const bool keeps_pace = input_.rendered.displayed.milliseconds * clock.fps() * std::abs(clock.speed) < 1000;
-    if (clock.playing && keeps_pace)
-        for (int32_t i = 1; i <= 2; i++) view.next_s.push_back(clock.displayed_after_s(i));
-    if (view_request_ && same_image(*view_request_, view)) return;
+    if (view_request_ && is_same_image(*view_request_, view)) return;
     view.id = view_request_ ? view_request_->id + 1 : 1;
     view_request_ = view;
     render_thread_.request(std::move(view));
