@@ -22,11 +22,17 @@ uint32_t stream_threads() {
     return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 3u);
 }
 
-std::shared_ptr<const voctree::SolidLeaves> solid_leaves(const voctree::VOctree& tree) {
-    return std::make_shared<const voctree::SolidLeaves>(tree);
+// Of a stream, which cannot be painted unless it is a single frame, no hash is computed.
+voctree::PaintedField painted_field_of(const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
+    const bool is_frame = segment.stream && segment.stream->index().frames.size() > 1;
+    return is_frame ? voctree::PaintedField{} : voctree::painted_field(tree);
 }
 
 }  // namespace
+
+std::shared_ptr<const voctree::SolidLeaves> ClipFiles::solid_leaves_of(const voctree::VOctree& tree) const {
+    return solid_ == SolidParts::kYes ? std::make_shared<const voctree::SolidLeaves>(tree) : nullptr;
+}
 
 ClipFiles::~ClipFiles() {
     {
@@ -82,7 +88,7 @@ std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& se
         const voctree::VOctree tree = voctree::read_shown_segment(segment);
         auto clip =
             std::make_shared<const LoadedClip>(LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree),
-                                                          voctree::painted_field(tree), solid_leaves(tree)});
+                                                          painted_field_of(segment, tree), solid_leaves_of(tree)});
         end_reading(segment, clip);
         return clip;
     } catch (...) {
@@ -157,14 +163,16 @@ void ClipFiles::read_coarse(const voctree::ClipSegment& segment) {
     try {
         const auto tree = voctree::read_nvv_coarse(segment.file);
         if (!tree || tree->frames != segment.frames_of_file()) return;
-        add_result(
-            {segment.file,
-             stamp,
-             std::make_shared<const LoadedClip>(LoadedClip{
-                 segment.file, stamp, upload_field(device_, *tree, WeightPrecision::kHalf), {}, solid_leaves(*tree)}),
-             "",
-             true,
-             {}});
+        add_result({segment.file,
+                    stamp,
+                    std::make_shared<const LoadedClip>(LoadedClip{segment.file,
+                                                                  stamp,
+                                                                  upload_field(device_, *tree, WeightPrecision::kHalf),
+                                                                  {},
+                                                                  solid_leaves_of(*tree)}),
+                    "",
+                    true,
+                    {}});
     } catch (const InputError&) {
     }
 }
@@ -182,7 +190,7 @@ bool ClipFiles::read_in_time(const voctree::ClipSegment& segment) {
         const TraceSpan span("read a part of frame", segment.first);
         const voctree::VOctree tree = voctree::read_shown_segment(segment, last);
         auto clip = std::make_shared<const LoadedClip>(
-            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), {}, solid_leaves(tree)});
+            LoadedClip{segment.file, stamp, upload_segment(device_, segment, tree), {}, solid_leaves_of(tree)});
         add_result({segment.file, stamp, std::move(clip), "", true, {}});
     } catch (...) {
         end_reading(segment, nullptr);

@@ -26,9 +26,12 @@ struct LoadedClip {
     std::filesystem::path path;
     FileStamp stamp;
     Field field;
-    voctree::PaintedField painted;
-    std::shared_ptr<const voctree::SolidLeaves> solid;  // of the file; never null, and needs no device
+    voctree::PaintedField painted;                      // nothing of a frame of a stream, which has no paint
+    std::shared_ptr<const voctree::SolidLeaves> solid;  // of the file, needs no device; null without SolidParts::kYes
 };
+
+// Whether it is found what is solid of each file, which takes a tenth of the time in which a frame of a stream is read.
+enum class SolidParts { kNo, kYes };
 
 // A segment on the device, as stages show it: with far levels, but for frames of streams, because to merge leaves would
 // take longer than a frame is shown.
@@ -38,7 +41,8 @@ Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segm
 class ClipFiles {
   public:
     // The device must outlive this and all that it reads.
-    explicit ClipFiles(const gpu::Device& device) : device_(device) {}
+    explicit ClipFiles(const gpu::Device& device, SolidParts solid = SolidParts::kNo)
+        : device_(device), solid_(solid) {}
     // Waits for the files that are being read, but not for servers.
     ~ClipFiles();
     ClipFiles(const ClipFiles&) = delete;
@@ -97,7 +101,9 @@ class ClipFiles {
     // The next that is wanted and nobody reads.
     std::deque<Wanted>::iterator next_locked(bool streams);
     void run(bool streams);
+    std::shared_ptr<const voctree::SolidLeaves> solid_leaves_of(const voctree::VOctree& tree) const;
     const gpu::Device& device_;
+    const SolidParts solid_;
     std::mutex mutex_;  // guards all that follows
     std::condition_variable changed_;
     std::vector<std::weak_ptr<const LoadedClip>> known_;  // all that are in use

@@ -39,7 +39,8 @@ SliceCache::SliceCache(const gpu::Device& device, const Field& field, const Live
       field_(field),
       live_(live),
       paints_(paints),
-      trees_(device, field, entries, slice_count(device, field, paints.count(), entries, budget_bytes)),
+      trees_(device, field, entries, slice_count(device, field, paints.count(), entries, budget_bytes),
+             TreesBegin::kUndefined),  // as a new field of a stream comes while images are drawn
       slicer_(device, field, live, trees_),
       slices_(trees_.slices) {}
 
@@ -153,6 +154,7 @@ void SliceCache::build(gpu::Commands& commands, uint32_t slice, uint32_t parts) 
 }
 
 void SliceCache::record_slices(gpu::Commands& commands) {
+    if (!std::exchange(trees_are_defined_, true)) record_empty(commands, trees_);
     const auto is_missing = [this](const CachedSlice& cached) {
         return cached.key && cached.last_used == images_ && cached.parts < kSliceParts;
     };

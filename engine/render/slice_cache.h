@@ -84,6 +84,7 @@ class SliceCache {
     const LiveLeaves& live_;
     const Paints& paints_;
     SliceTrees trees_;
+    bool trees_are_defined_ = false;  // what makes them empty was recorded
     TreeSlicer slicer_;
     std::vector<CachedSlice> slices_;  // by index; at most one is partly built, and uses the live leaves
     std::optional<uint32_t> shared_;   // the slice whose memory painted slices share in this image

@@ -21,7 +21,8 @@ uint64_t slice_bytes(const Field& field, uint32_t entries) {
     return entry * entries + field.nodes.bytes + sizeof(LiveCount);
 }
 
-SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slice_count)
+SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slice_count,
+                       TreesBegin begin)
     : capacity(std::max(entry_capacity, 1u)),
       slices(slice_count),
       node_count(field.node_count()),
@@ -36,11 +37,15 @@ SliceTrees::SliceTrees(const gpu::Device& device, const Field& field, uint32_t e
             fmt::format("{} live leaves and nodes at once are more than this device dispatches; it may "
                         "show the scene without slices (--slice-budget 0)",
                         capacity));
-    const std::vector<LiveCount> none(slices);
-    gpu::upload(device, counts, none.data(), none.size() * sizeof(LiveCount));
+    if (begin == TreesBegin::kEmpty)
+        gpu::run_once(device, "empty trees", [this](gpu::Commands& commands) { record_empty(commands, *this); });
+}
+
+void record_empty(gpu::Commands& commands, const SliceTrees& trees) {
+    gpu::fill(commands, trees.counts, 0);
     // Entries of a node that is left out for lack of room are never written.
-    gpu::run_once(device, "leaves of entries",
-                  [this](gpu::Commands& commands) { gpu::fill(commands, entry_leaf, kNoLeaf); });
+    gpu::fill(commands, trees.entry_leaf, kNoLeaf);
+    gpu::compute_barrier(commands);
 }
 
 TreeSlicer::TreeSlicer(const gpu::Device& device, const Field& given_field, const LiveLeaves& given_live,

@@ -8,12 +8,17 @@
 
 namespace neuvv::render {
 
+// What new trees are: empty, or nothing until record_empty() is recorded, which has to come before all other use.
+enum class TreesBegin { kEmpty, kUndefined };
+
 // Several slices of one field, one after the other in the same buffers.
 struct SliceTrees {
     // Each slice has room for `entry_capacity` entries: one for each live leaf and each live node but the root. Where a
     // node finds no room for its entries the node is left out, and they are counted in LiveCount::overflow. Throws
     // RuntimeFailure where the device cannot dispatch so many entries.
-    SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slices);
+    // It waits for the device, unless the trees are to be emptied later.
+    SliceTrees(const gpu::Device& device, const Field& field, uint32_t entry_capacity, uint32_t slices,
+               TreesBegin begin = TreesBegin::kEmpty);
 
     uint32_t capacity, slices, node_count;
     gpu::Buffer nodes;       // per slice and node of the field: mask of live cells, first entry, wide octants
@@ -24,6 +29,9 @@ struct SliceTrees {
     uint32_t node_base(uint32_t slice) const { return slice * node_count; }
     uint32_t entry_base(uint32_t slice) const { return slice * capacity; }
 };
+
+// Makes all slices empty, so that their counts are 0 and entries that no node finds room for have no leaf.
+void record_empty(gpu::Commands& commands, const SliceTrees& trees);
 
 // The largest number of entries that a slice of the field can have, and the bytes of a slice with room for `entries`.
 uint32_t max_entries(const Field& field);

@@ -13,8 +13,8 @@
 
 namespace neuvv::render {
 
-StageLoader::StageLoader(const gpu::Device& device, PaintSource paint)
-    : device_(device), paint_source_(std::move(paint)), files_(std::make_shared<ClipFiles>(device)) {}
+StageLoader::StageLoader(const gpu::Device& device, PaintSource paint, SolidParts solid)
+    : device_(device), paint_source_(std::move(paint)), files_(std::make_shared<ClipFiles>(device, solid)) {}
 
 StageAssets StageLoader::load(const stage::Stage& stage, const Loaded& loaded) {
     paint_files_.drop_unused();

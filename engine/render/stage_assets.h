@@ -60,12 +60,14 @@ class StageLoader {
     using Loaded = std::function<void(size_t, size_t)>;
 
     // The device must outlive the loader and all that it loads. Layers that `paint` returns are not read from the disk.
-    explicit StageLoader(const gpu::Device& device, PaintSource paint = {});
+    explicit StageLoader(const gpu::Device& device, PaintSource paint = {}, SolidParts solid = SolidParts::kNo);
 
     // Of a segmented clip, the first segment is read, and of the others their heads alone. Throws InputError for a file
     // that cannot be read, for a segmented clip of which no segment can be, and for paint of another clip;
     // RuntimeFailure where the device has no memory.
     StageAssets load(const stage::Stage& stage, const Loaded& loaded = {});
+    // What it reads clips with: what is read by others beforehand and still in use is not read again.
+    const std::shared_ptr<ClipFiles>& files() const { return files_; }
 
   private:
     struct KnownEnvironment {

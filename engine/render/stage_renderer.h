@@ -110,8 +110,8 @@ class StageRenderer {
     std::vector<std::string> take_problems();
     // ClipOnDevice::leaf_box.
     std::pair<glm::dvec3, glm::dvec3> leaf_box(uint32_t clip) const { return clips_.clips()[clip].leaf_box; }
-    // What is solid of a performer in the segment of its time, and the frame of that segment; nothing where nothing of
-    // the performer is shown.
+    // What is solid of a performer in the segment of its time, null where the loader does not find that, and the frame
+    // of that segment; nothing where nothing of the performer is shown.
     struct SolidAt {
         std::shared_ptr<const voctree::SolidLeaves> leaves;
         double frame = 0;

@@ -4,10 +4,14 @@
 #include <chrono>
 #include <thread>
 
+#include "base/trace_file.h"
+#include "render/frame.h"
 #include "render/stage_clips.h"
 #include "stream/served_stream.h"
 #include "support/gpu_test.h"
+#include "support/look_at.h"
 #include "support/stage_on_disk.h"
+#include "voctree/clip.h"
 
 namespace neuvv::test::stage_stream_test {
 namespace {
@@ -71,6 +75,52 @@ TEST_F(StageStreamTest, ImagesThatNobodyWaitsForHaveAllOfAFrame) {
         ASSERT_TRUE(clips.clips()[0].segments[frame].loaded) << frame;
         EXPECT_EQ(clips.places_of(evaluated.performers[0])[0].field, &clips.clips()[0].segments[frame].loaded->field);
     }
+}
+
+TEST_F(StageStreamTest, OfAFrameNothingIsFoundThatNobodyAsksFor) {
+    const auto plain = render::StageLoader(device()).load(*stage).clips[0].first;
+    EXPECT_FALSE(plain->solid);
+    EXPECT_EQ(plain->painted, voctree::PaintedField{}) << "a stream cannot be painted";
+    const auto with_solid = render::StageLoader(device(), {}, render::SolidParts::kYes).load(*stage).clips[0].first;
+    ASSERT_TRUE(with_solid->solid);
+    const auto [low, high] = with_solid->solid->box_at(0);
+    EXPECT_TRUE(glm::all(glm::lessThan(low, high)));
+}
+
+// How often the host has waited for the device, in all threads, since begin_trace().
+size_t waits_until_now(const std::filesystem::path& file) {
+    write_trace(file);
+    std::ifstream stream(file);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}}, name = "wait for the device";
+    size_t waits = 0;
+    for (size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) waits++;
+    return waits;
+}
+
+TEST_F(StageStreamTest, AnImageThatShowsAnotherFieldWaitsForTheDeviceNoMoreThanOthers) {
+    const stage::Stage local = stage::load_stage(folder.path / "show.gltf");
+    const auto& segments = local.clips[0].index->segments;
+    std::vector<render::Field> fields;
+    for (uint32_t i = 0; i < 2; i++)
+        fields.push_back(render::upload_segment(device(), segments[i], voctree::read_shown_segment(segments[i])));
+    render::FrameRenderer frames(device(), {&fields[0]}, {48, 36});
+    const stage::Camera camera = look_at({0.5, 0.5, 3}, {0.5, 0.5, 0.5}, 48, 36, 1);
+    render::FrameSettings settings;
+    settings.width = 48;
+    settings.height = 36;
+    settings.mode = render::TraceMode::kPlay;
+    settings.instances = {render::Instance{}};
+    frames.draw({&camera, 1}, settings);
+    begin_trace();
+    const auto waits_of_an_image = [&] {
+        const size_t before = waits_until_now(folder.path / "trace.json");
+        frames.draw({&camera, 1}, settings);
+        return waits_until_now(folder.path / "trace.json") - before;
+    };
+    const size_t usual = waits_of_an_image();
+    EXPECT_GT(usual, 0u);
+    frames.change_fields({&fields[1]});
+    EXPECT_EQ(waits_of_an_image(), usual);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ void RuntimeContext::make_renderer(Program& program, const EyeImages& eyes) {
         return voctree::files_of_layer(program.state.editor.document().paint, stage::absolute_path(layer));
     };
     drawn_stage = program.state.stage;
-    loader = std::make_unique<render::StageLoader>(device, paint);
+    loader = std::make_unique<render::StageLoader>(device, paint, render::SolidParts::kYes);
     renderer =
         std::make_unique<render::StageRenderer>(device, *drawn_stage, loader->load(*drawn_stage), eyes.capacity());
     update_clips(program.state, *this);
