@@ -42,6 +42,16 @@ std::filesystem::path clip_of(const stage::StageFile& file, uint32_t node) {
     return stage::file_or_address_of_uri(file, performer_of(file, node).value("uri", ""), title_of(file, node));
 }
 
+std::vector<std::filesystem::path> clips_of(const stage::StageFile& file) {
+    std::vector<std::filesystem::path> clips;
+    for (uint32_t node = 0; node < node_count(file); node++) {
+        if (kind_of(file, node) != NodeKind::kPerformer) continue;
+        std::filesystem::path clip = clip_of(file, node);
+        if (std::ranges::find(clips, clip) == clips.end()) clips.push_back(std::move(clip));
+    }
+    return clips;
+}
+
 stage::StageSettings stage_settings_of(const stage::StageFile& file) {
     const ordered_json* extension = stage_extension(file);
     if (!extension) return {};

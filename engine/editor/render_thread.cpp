@@ -2,42 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "base/error.h"
 #include "base/trace_file.h"
-#include "editor/blocks.h"
+#include "edit/read.h"
 
 namespace neuvv::editor {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kLookAgain = std::chrono::milliseconds(10);     // for what a view lacks
-constexpr auto kRefineDelay = std::chrono::milliseconds(100);  // without a new view; then the view is refined
 constexpr auto kPresentTimeout = std::chrono::milliseconds(30);
 constexpr VkExtent2D kInitialCapacity{1280, 720};
-constexpr uint32_t kCapacityStep = 128;
-
-double milliseconds_since(Clock::time_point from) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
-}
-
-// The capacity for this many pixels, with room for blocks that are a few rays larger than their share of the image, and
-// for windows that grow a little.
-uint32_t roomy(uint32_t pixels) {
-    return (pixels + 8 + kCapacityStep - 1) / kCapacityStep * kCapacityStep;
-}
-
-void add_passes(std::vector<gpu::PassTime>& to, const std::vector<gpu::PassTime>& passes) {
-    for (const gpu::PassTime& pass : passes) {
-        const auto known = std::find_if(to.begin(), to.end(), [&](const auto& p) { return p.name == pass.name; });
-        if (known != to.end())
-            known->milliseconds += pass.milliseconds;
-        else
-            to.push_back(pass);
-    }
-}
 
 }  // namespace
 
@@ -47,7 +23,7 @@ struct RenderThread::Job {
     std::optional<Replacement> replacement;
     Task task;
     std::optional<ViewRequest> view;
-    bool refine = false, look = false;
+    bool refine = false, look = false, preloaded = false;
     Idle idle;
 };
 
@@ -86,6 +62,9 @@ void RenderThread::release() {
     refinement_.reset();
     look_at_.reset();
     view_.reset();
+    waiting_.reset();
+    preload_.reset();
+    preloaded_ = false;
     renderer_.reset();
     loader_.reset();
     image_.reset();
@@ -157,14 +136,15 @@ RenderThreadState RenderThread::state() const {
     return state_;
 }
 
-// Waits for the next job and returns it, in this order: the newest stage, new shaders, tasks, the newest view, the next
-// block of a view that does not change, idle work. Returns false where the thread must end.
+// Waits for the next job and returns it, in this order: the newest stage, the one whose clips have been read, new
+// shaders, tasks, the newest view, the next block of a view that does not change, idle work. Tasks are for the stage
+// that was sent last, and wait for it. Returns false where the thread must end.
 bool RenderThread::wait_for_job(Job& job) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, kPresentTimeout, [&] { return stop_ || presented_ >= state_.displayed.number; });
     const auto ready = [&] {
-        return stop_ || next_stage_ || next_replacement_ ||
-               (stage_ && (!tasks_.empty() || next_view_ || !idle_.empty()));
+        return stop_ || next_stage_ || preloaded_ || next_replacement_ ||
+               (stage_ && ((!tasks_.empty() && !waiting_) || next_view_ || !idle_.empty()));
     };
     if ((refinement_ || look_at_) && stage_)
         changed_.wait_until(lock, refinement_ ? refinement_->start : *look_at_, ready);
@@ -174,9 +154,11 @@ bool RenderThread::wait_for_job(Job& job) {
     if (next_stage_) {
         job.stage = std::exchange(next_stage_, nullptr);
         job.stage_id = next_stage_id_;
+    } else if (std::exchange(preloaded_, false)) {
+        job.preloaded = true;
     } else if (next_replacement_) {
         job.replacement = std::exchange(next_replacement_, std::nullopt);
-    } else if (!tasks_.empty()) {
+    } else if (!tasks_.empty() && !waiting_) {
         job.task = std::move(tasks_.front());
         tasks_.pop_front();
     } else if (next_view_) {
@@ -211,8 +193,12 @@ void RenderThread::run() {
 
 void RenderThread::do_job(Job& job) {
     if (job.stage) {
+        waiting_.reset();
+        if (preloads({job.stage, job.stage_id})) return;
         load(job.stage, job.stage_id);
         draw_newest();
+    } else if (job.preloaded) {
+        end_preload();
     } else if (job.replacement) {
         replace_shaders_now(*job.replacement);
     } else if (job.task) {
@@ -286,6 +272,53 @@ void RenderThread::replace_shaders_now(const Replacement& replacement) {
     replacement.done(problem);
 }
 
+// Whether the stage has clips that the one before has not, and that are not read yet: then they are, by a thread, and
+// the stage waits. One thread reads at a time; what another stage wants meanwhile is read when it is done.
+bool RenderThread::preloads(const Waiting& stage) {
+    if (!stage_) return false;
+    std::vector<std::filesystem::path> unknown;
+    try {
+        unknown = edit::clips_of(stage.document->file);
+    } catch (const InputError&) {
+        return false;  // load() tells what is wrong
+    }
+    std::erase_if(unknown, [this](const std::filesystem::path& clip) {
+        return std::ranges::find(stage_->clips, clip, &stage::StageClip::path) != stage_->clips.end();
+    });
+    if (unknown.empty() || (preload_ && preload_->is_done() && preload_->clips() == unknown)) return false;
+    report_progress(unknown[0].filename().string(), 0, unknown.size());
+    waiting_ = stage;
+    if (preload_ && !preload_->is_done()) return true;
+    preload_ = std::make_unique<render::ClipPreload>(loader_->files(), unknown, [this] {
+        {
+            const std::lock_guard lock(mutex_);
+            preloaded_ = true;
+        }
+        changed_.notify_all();
+    });
+    return true;
+}
+
+// The stage that waited is drawn, or told why it cannot be. Nobody may want what was read any more.
+void RenderThread::end_preload() {
+    const std::optional<Waiting> waiting = std::exchange(waiting_, std::nullopt);
+    if (!waiting) {
+        preload_.reset();
+        const std::lock_guard lock(mutex_);
+        state_.loading.clear();
+        return;
+    }
+    if (preloads(*waiting)) return;  // for other clips than those that were read
+    try {
+        preload_->expect_read();
+        load(waiting->document, waiting->id);
+        draw_newest();
+    } catch (const InputError& error) {
+        report_problem(error.what(), is_sound(*waiting->document) ? 0 : waiting->id);
+    }
+    preload_.reset();
+}
+
 // Loads the stage of the document. Keeps the old stage where the new one cannot be drawn.
 void RenderThread::load(const std::shared_ptr<const edit::Document>& document, uint64_t id) {
     const auto progress = [&, file = document->file.path.filename().string()](size_t done, size_t of) {
@@ -356,164 +389,6 @@ void RenderThread::make_renderer(const stage::Stage& stage, const render::StageL
     renderer_ = std::make_unique<render::StageRenderer>(device_, stage, loader_->load(stage, progress),
                                                         render::FrameCapacity{capacity.width, capacity.height});
     capacity_ = capacity;
-}
-
-// Makes sure that the image and the renderer have at least this size.
-void RenderThread::fit(VkExtent2D size) {
-    if (size.width + 8 > capacity_.width || size.height + 8 > capacity_.height) {
-        capacity_ = {std::max(capacity_.width, roomy(size.width)), std::max(capacity_.height, roomy(size.height))};
-        renderer_->resize(capacity_.width, capacity_.height);
-    }
-    if (image_ && image_->shape.width == capacity_.width && image_->shape.height == capacity_.height) return;
-    const gpu::ImageShape shape{
-        capacity_.width, capacity_.height, VK_FORMAT_R8G8B8A8_UNORM,
-        VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
-    auto created = render::with_memory_of_slices(
-        renderer_->frames(), [&] { return std::make_shared<gpu::DeviceImage>(device_, "displayed image", shape); });
-    gpu::run_once(device_, "displayed image", [&](gpu::Commands& commands) {
-        gpu::move_layout(commands, *created, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    });
-    image_ = std::move(created);
-}
-
-render::FrameSettings RenderThread::settings_of(const ViewRequest& view, const stage::EvaluatedStage& evaluated) const {
-    render::FrameSettings settings = renderer_->settings_at(evaluated, view.highlight);
-    const glm::vec4 background = settings.resolve.background;
-    settings.resolve = view.resolve;
-    if (!view.overrides_background) settings.resolve.background = background;
-    settings.width = view.camera.width;
-    settings.height = view.camera.height;
-    settings.samples = 1;
-    settings.far_levels = view.far_levels;
-    return settings;
-}
-
-// Performers stay as they are shown until what they lack has been read; so does the view.
-void RenderThread::look_for_missing() {
-    look_at_.reset();
-    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view_->time_s);
-    renderer_->show(evaluated, !view_->overrides_background, render::MissingSegments::kHold);
-    report_unreadable_segments();
-    if (renderer_->shown(evaluated) != shown_ || renderer_->shows_all(evaluated))
-        draw(*view_);
-    else
-        look_at_ = Clock::now() + kLookAgain;
-}
-
-void RenderThread::note_waiting(bool waits, const stage::EvaluatedStage& evaluated) {
-    const auto before = std::exchange(shown_, renderer_->shown(evaluated));
-    const std::lock_guard lock(mutex_);
-    if (!waits) state_.waits_since.reset();
-    if (waits && (shown_ != before || !state_.waits_since)) state_.waits_since = Clock::now();
-}
-
-void RenderThread::draw(const ViewRequest& view) {
-    refinement_.reset();
-    look_at_.reset();
-    const VkExtent2D size{view.camera.width, view.camera.height};
-    if (size.width == 0 || size.height == 0) return;
-    fit(size);
-    const Clock::time_point begin = Clock::now();
-    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.overrides_background, render::MissingSegments::kHold);
-    report_unreadable_segments();
-    render::FrameSettings settings = settings_of(view, evaluated);
-    const bool lacks = !view.moving && !renderer_->shows_all(evaluated);
-    note_waiting(lacks || renderer_->holds(evaluated), evaluated);
-    settings.scale = std::min(scale_.scale(), view.max_scale);
-    settings.next_instances = renderer_->instances_at(view.next_s);
-    draw_to_image(view.camera, settings, {0, 0});
-    const double milliseconds = milliseconds_since(begin);
-    scale_.drawn(settings.scale, milliseconds);
-
-    DisplayedImage displayed{0,
-                             view.id,
-                             stage_id_,
-                             image_,
-                             size,
-                             settings.scale,
-                             view.moving,
-                             milliseconds,
-                             renderer_->frames().pass_times(),
-                             renderer_->frames().live_entries()};
-    if (lacks) {
-        look_at_ = Clock::now() + kLookAgain;
-    } else if (!view.moving) {
-        displayed.finished = settings.scale == 1 && view.samples == 1;
-        if (!displayed.finished) {
-            // First one ray for each pixel, then all rays. A block has no more rays than the renderer has room for,
-            // which is one ray per pixel of the image.
-            const uint32_t samples = settings.scale < 1 ? 1 : view.samples;
-            grid_.begin(samples);
-            refinement_ = Refinement{0, samples, begin + kRefineDelay, displayed};
-        }
-    }
-    publish(displayed);
-}
-
-// Draws the next block of the view that does not change, with all its rays.
-void RenderThread::refine() {
-    Refinement& refinement = *refinement_;
-    if (refinement.next == 0) {
-        refinement.displayed.milliseconds = 0;
-        refinement.displayed.passes.clear();
-    }
-    const uint32_t side = grid_.side();
-    const Clock::time_point begin = Clock::now();
-    draw_block(*view_, refinement.next, side, refinement.samples);
-    const double milliseconds = milliseconds_since(begin);
-    refinement.displayed.milliseconds += milliseconds;
-    refinement.displayed.scale = refinement.samples;
-    add_passes(refinement.displayed.passes, renderer_->frames().pass_times());
-    const bool whole = ++refinement.next == side * side;
-    refinement.displayed.finished = whole && refinement.samples == view_->samples;
-    publish(refinement.displayed);
-    if (refinement.displayed.finished) {
-        refinement_.reset();
-    } else if (whole) {
-        refinement.samples = view_->samples;
-        grid_.begin(refinement.samples);
-        refinement.next = 0;
-    } else if (grid_.drawn(milliseconds)) {
-        refinement.next = 0;
-    }
-}
-
-void RenderThread::draw_block(const ViewRequest& view, uint32_t block, uint32_t side, uint32_t samples) {
-    const Block part = block_of(view.camera, block, side);
-    const stage::Camera& camera = part.camera;
-    if (camera.width == 0 || camera.height == 0) return;
-    const stage::EvaluatedStage evaluated = stage::stage_at(*stage_, view.time_s);
-    renderer_->show(evaluated, !view.overrides_background);  // all is there, unless an export took its place
-    render::FrameSettings settings = settings_of(view, evaluated);
-    settings.width = camera.width;
-    settings.height = camera.height;
-    settings.samples = samples;
-    draw_to_image(camera, settings, {static_cast<int32_t>(part.left), static_cast<int32_t>(part.top)});
-}
-
-// The image, and its copy to a place in image_, in one submission.
-void RenderThread::draw_to_image(const stage::Camera& camera, const render::FrameSettings& settings, VkOffset2D at) {
-    renderer_->frames().draw({&camera, 1}, settings, [&](gpu::Commands& commands, const gpu::Buffer& pixels) {
-        gpu::full_barrier(commands);
-        gpu::move_layout(commands, *image_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-        VkBufferImageCopy region{};
-        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.imageOffset = {at.x, at.y, 0};
-        region.imageExtent = {camera.width, camera.height, 1};
-        vkCmdCopyBufferToImage(commands.handle(), pixels.buffer, image_->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
-                               &region);
-        gpu::move_layout(commands, *image_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    });
-}
-
-void RenderThread::publish(DisplayedImage displayed) {
-    {
-        const std::lock_guard lock(mutex_);
-        displayed.number = state_.displayed.number + 1;
-        state_.displayed = std::move(displayed);
-    }
-    wake_();
 }
 
 }  // namespace neuvv::editor

@@ -20,6 +20,7 @@
 #include "edit/edited_stage.h"
 #include "editor/block_grid.h"
 #include "editor/dynamic_scale.h"
+#include "render/clip_preload.h"
 #include "render/stage_renderer.h"
 
 namespace neuvv::editor {
@@ -95,7 +96,9 @@ class RenderThread {
     RenderThread(const RenderThread&) = delete;
     RenderThread& operator=(const RenderThread&) = delete;
 
-    // Draw this stage, and this view, from now on. Where several wait, only the newest is drawn.
+    // Draw this stage, and this view, from now on. Where several wait, only the newest is drawn. The clips of a stage
+    // that the one before does not have are read by another thread first: until then, views show the stage before, and
+    // tasks wait.
     void show(std::shared_ptr<const edit::Document> stage, uint64_t id);
     void request(ViewRequest view);
 
@@ -132,6 +135,10 @@ class RenderThread {
         std::function<void(const std::string&)> done;
     };
     struct Job;
+    struct Waiting {
+        std::shared_ptr<const edit::Document> document;
+        uint64_t id = 0;
+    };
     void begin();
     void run();
     void do_job(Job& job);
@@ -139,10 +146,15 @@ class RenderThread {
     void report_progress(const std::string& file, size_t done, size_t of);
     void report_problem(std::string problem, uint64_t unsound_id);
     bool wait_for_job(Job& job);
+    bool preloads(const Waiting& stage);
+    void end_preload();
     void load(const std::shared_ptr<const edit::Document>& document, uint64_t id);
     bool is_sound(const edit::Document& document) const;
     void report_unreadable_segments();
     void make_renderer(const stage::Stage& stage, const render::StageLoader::Loaded& progress);
+    // The capacity for this many pixels, with room for blocks that are a few rays larger than their share of the image,
+    // and for windows that grow a little.
+    static uint32_t roomy(uint32_t pixels);
     void fit(VkExtent2D size);
     void draw_newest();
     void draw(const ViewRequest& view);
@@ -167,6 +179,7 @@ class RenderThread {
     std::deque<Task> tasks_;
     std::deque<Idle> idle_;
     uint64_t presented_ = 0;
+    bool preloaded_ = false;  // what preload_ reads is there, or cannot be read
     RenderThreadState state_;
 
     // Used by the render thread alone.
@@ -174,6 +187,8 @@ class RenderThread {
     std::shared_ptr<const stage::Stage> stage_;
     std::unique_ptr<render::StageLoader> loader_;  // null before the first renderer
     std::unique_ptr<render::StageRenderer> renderer_;
+    std::unique_ptr<render::ClipPreload> preload_;  // null: no clip is being read
+    std::optional<Waiting> waiting_;                // the stage whose clips are being read
     VkExtent2D capacity_{};
     uint64_t stage_id_ = 0;
     std::shared_ptr<const gpu::DeviceImage> image_;  // to be displayed once something was drawn into it

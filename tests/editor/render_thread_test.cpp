@@ -85,6 +85,53 @@ TEST_F(RenderThreads, BeginAgainOnAnotherDevice) {
     EXPECT_TRUE(ran) << "tasks that waited run on the new one";
 }
 
+// Views go on while the clip of a new performer is read, here from a server that does not answer yet.
+TEST_F(RenderThreads, DrawTheStageBeforeUntilANewClipIsRead) {
+    ServedStream served;
+    served.start(3);
+    editor::ViewRequest view;
+    view.camera = look_at({0, 0.5, 3}, {0, 0.5, 0}, 48, 36, 1);
+    const auto show = [&](uint64_t id) {
+        view.id = id;
+        view.camera = look_at({0, 0.5 + 0.01 * static_cast<double>(id), 3}, {0, 0.5, 0}, 48, 36, 1);
+        thread.request(view);
+        return wait_for([&](const auto& state) { return state.displayed.view == id; });
+    };
+    ASSERT_TRUE(show(1)) << thread.state().problem;
+    const auto with_performer = [&](const std::filesystem::path& clip) {
+        edit::Document document;
+        document.file = edit::new_stage(folder.path / "show.gltf");
+        edit::PerformerEdit performer;
+        performer.clip = clip;
+        edit::add_performer(document.file, "anna", performer, {});
+        return std::make_shared<const edit::Document>(std::move(document));
+    };
+    thread.show(with_performer(served.address("shut")), 2);
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.loading == "show.nvs"; }));
+    bool ran = false, ran_on_new = false;
+    thread.post([&](editor::OnDevice& on) {
+        ran = true;
+        ran_on_new = on.stage.performers.size() == 1;
+    });
+    for (uint64_t id = 3; id < 6; id++) {
+        ASSERT_TRUE(show(id)) << "images go on";
+        EXPECT_EQ(thread.state().displayed.stage, 1u);
+    }
+    EXPECT_FALSE(ran) << "a task is for the stage that was sent last";
+    EXPECT_EQ(thread.state().loading, "show.nvs");
+    std::ofstream(served.folder.path / "open").put('1');
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.stage_id == 2; })) << thread.state().problem;
+    ASSERT_TRUE(wait_for([&](const auto& state) { return state.displayed.stage == 2 && state.displayed.finished; }));
+    EXPECT_EQ(thread.state().loading, "");
+    ASSERT_EQ(thread.state().stage->performers.size(), 1u);
+    thread.show(with_performer(folder.path / "nobody.nvv"), 3);
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.problem.find("nobody.nvv") != std::string::npos; }));
+    EXPECT_EQ(thread.state().stage_id, 2u) << "the stage before stays";
+    EXPECT_EQ(thread.state().loading, "");
+    thread.stop();
+    EXPECT_TRUE(ran_on_new);
+}
+
 // A server that does not answer holds up neither tasks nor other views.
 TEST_F(RenderThreads, ShowWhatTheyHaveUntilAServerSendsTheRest) {
     ServedStream served;

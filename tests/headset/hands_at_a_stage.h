@@ -48,6 +48,7 @@ class HandsAtAStage : public testing::Test {
         jobs.run_posted();
         state.follow_document();
         state.evaluate();
+        if (state.new_performer) state.new_performer->is_read |= clips_are_read;
         interaction.update(state, inputs, head, dt_s, find_surfaces);
         for (xr::HandInput& input : inputs) input.menu = input.play = input.undo = input.duplicate = false;
     }
@@ -89,6 +90,7 @@ class HandsAtAStage : public testing::Test {
     TemporaryFolder folder;
     std::filesystem::path clip = folder.path / "figure.nvv";
     xr::HandInputs inputs;
+    bool clips_are_read = true;           // those of new performers, at once
     headset::FindSurfaces find_surfaces;  // of the rays; empty: none is known
     xr::Pose head{{0, 1.5, 0}, {1, 0, 0, 0}};
     headset::HeadsetState state;

@@ -51,7 +51,17 @@ TEST_F(PerformerEdits, ANewPerformerStandsBeforeTheUserAndIsOneStep) {
     state.rig.position = {1, 0, 2};
     const std::vector<std::filesystem::path> clips = headset::clips_at_hand(state.editor);
     ASSERT_EQ(clips.size(), 1u) << "the clip of both, which lies beside the stage, too";
+    clips_are_read = false;
     headset::add_performer(state, clips[0], head);
+    const uint64_t id = state.editor.id();
+    frames(3);
+    EXPECT_EQ(state.editor.id(), id) << "nothing is edited while its clip is read";
+    ASSERT_TRUE(state.new_performer);
+    state.new_performer->is_read = true;
+    state.slider_edits = true;
+    frames(3);
+    EXPECT_EQ(state.editor.id(), id) << "nor while a hand holds a slider that edits";
+    state.slider_edits = false;
     frames(3);
     ASSERT_EQ(state.stage->performers.size(), 3u);
     EXPECT_EQ(state.selected_performer(), 2u);

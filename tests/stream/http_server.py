@@ -41,7 +41,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def send_data(self, mode, count, data):
         wanted = self.headers["Range"].removeprefix("bytes=").split("-")
         first, last = int(wanted[0]), min(int(wanted[1]), len(data) - 1)
-        while mode == "gate" and last >= 2 << 18 and not (FOLDER / "open").exists():
+        shut = mode == "gate" and last >= 2 << 18 or mode == "shut"
+        while shut and not (FOLDER / "open").exists():
             time.sleep(0.01)
         if mode == "other-range":
             first += 1

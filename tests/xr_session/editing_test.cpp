@@ -158,6 +158,30 @@ TEST_F(Editing, ThePanelRetimesSpinsAndTurnsShadowsOff) {
     EXPECT_EQ(check_golden("xr_panel", run.image(frame, "left_seen")), "");
 }
 
+TEST_F(Editing, APerformerIsAddedAndABrokenClipIsTold) {
+    std::filesystem::copy_file(clip, folder.path / "cleo.nvv");
+    std::filesystem::copy_file(clip, folder.path / "dora.nvv");
+    std::filesystem::resize_file(folder.path / "dora.nvv", std::filesystem::file_size(clip) / 2);
+    const json& items = arrange_panel();
+    const json stage_page = page("stage page");
+    XrScript script = with_panel();
+    script.json["time"] = "real";
+    press(script, 16, items, "stage page");
+    press(script, 24, stage_page, "add");
+    const json clips = panel_after(script, 24 + kPress + 2);
+    press(script, 32, clips, "clip dora.nvv");
+    press(script, 100, stage_page, "add");
+    press(script, 108, clips, "clip cleo.nvv");
+    save(script, 190, items);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_NE(run.log.find("dora.nvv"), std::string::npos) << run.log;
+    const json document = saved();
+    EXPECT_THROW(node(document, "dora"), std::runtime_error);
+    EXPECT_LT(glm::distance(position(node(document, "cleo")) + glm::dvec3(0.5, 0, 0.5), glm::dvec3(0, 0, -2)), 0.6)
+        << node(document, "cleo");
+}
+
 TEST_F(Editing, ABrushInTheAirPaintsAndIsSaved) {
     XrScript to_paint = with_panel();
     const json& arrange = arrange_panel();

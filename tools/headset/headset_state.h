@@ -25,10 +25,13 @@ enum class PanelPage { kPerformer, kTime, kCopies, kStage, kUser };
 // What stands on the panel in place of the tool's rows.
 enum class PanelDialogue { kNone, kKeyboard, kClips };
 
-// A performer that is being added: its feet are not known before its clip is on the stage.
+// A performer that is being added. It is no part of the document before its clip has been read, and its feet are not
+// known before its clip is on the stage.
 struct NewPerformer {
     std::filesystem::path clip;
     glm::dmat4 world_from_node{1};
+    bool is_read = false;   // the clip can be put on the stage without waiting; whoever draws the stage sets it
+    bool is_shown = false;  // the document has the performer, as the preview of an edit (Editor::drag)
 };
 
 struct Comfort {

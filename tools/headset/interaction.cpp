@@ -39,7 +39,7 @@ void Interaction::update(HeadsetState& state, const xr::HandInputs& inputs, cons
     update_hands(state, inputs, dt_s);
     update_panel(state, head);
     move_panel(state);
-    land_new_performer(state);
+    land_new_performer(state, is_holding() || painter.is_busy() || state.slider_edits);
     const bool meets_set = state.tool == HandTool::kLights && !state.shows_room;
     if (meets_set) set_.follow(state.stage->scene, state.evaluated.pose);
     point(hands, state, panel, find_surfaces, meets_set ? &set_ : nullptr);

@@ -234,12 +234,14 @@ void file_row(Rows& rows) {
     rows.result.leave = rows.button("leave", "Leave", one);
 }
 
-// A line for what is being painted; and one for who is pointed at and one for the images, or up to two for what
+// A line for what is being painted or read; and one for who is pointed at and one for the images, or up to two for what
 // happened last.
 void notice_rows(const Rows& rows) {
     const PanelStatus& status = rows.status;
     if (const std::string& waits = rows.interaction.painter.status(); !waits.empty())
         ImGui::TextDisabled("%s", waits.c_str());
+    else if (rows.state.new_performer)
+        ImGui::TextDisabled(ICON_LOOP " reading %s", rows.state.new_performer->clip.filename().string().c_str());
     if (status.notices.empty()) {
         if (const auto performer = pointed_performer(rows.interaction.hands))
             ImGui::Text(ICON_PERSON " %s", rows.state.stage->performers[*performer].name.c_str());

@@ -79,13 +79,7 @@ void rename_selected(HeadsetState& state, const std::string& name) {
 
 std::vector<std::filesystem::path> clips_at_hand(const editor::Editor& editor) {
     const stage::StageFile& file = editor.file();
-    std::vector<std::filesystem::path> clips;
-    const auto add = [&](const std::filesystem::path& clip) {
-        if (clips.size() < kMaxClips && std::find(clips.begin(), clips.end(), clip) == clips.end())
-            clips.push_back(clip);
-    };
-    for (uint32_t node = 0; node < editor.node_count(); node++)
-        if (edit::kind_of(file, node) == edit::NodeKind::kPerformer) add(edit::clip_of(file, node));
+    std::vector<std::filesystem::path> clips = edit::clips_of(file);
     std::error_code error;
     std::vector<std::filesystem::path> beside;
     for (std::filesystem::directory_iterator entry(stage::absolute_path(file.path).parent_path(), error), end;
@@ -96,7 +90,9 @@ std::vector<std::filesystem::path> clips_at_hand(const editor::Editor& editor) {
         if (is_clip && (is_file || voctree::is_segmented(path))) beside.push_back(path);
     }
     std::sort(beside.begin(), beside.end());
-    for (const std::filesystem::path& clip : beside) add(clip);
+    for (const std::filesystem::path& clip : beside)
+        if (std::find(clips.begin(), clips.end(), clip) == clips.end()) clips.push_back(clip);
+    if (clips.size() > kMaxClips) clips.resize(kMaxClips);
     return clips;
 }
 
@@ -120,20 +116,26 @@ void add_performer(HeadsetState& state, const std::filesystem::path& clip, const
     const glm::dvec3 before = xr::turn_by(yaw_rad) * glm::dvec3(0, 0, -kNewPerformer_m);
     NewPerformer performer{clip, xr::matrix_of({world.position + before, xr::turn_by(yaw_rad)})};
     performer.world_from_node[3].y = state.floor_m;
-    const auto node = static_cast<uint32_t>(state.editor.node_count());
-    if (!preview_new_performer(state, performer)) return;
-    state.editor.select(node);
+    if (state.new_performer && state.new_performer->is_shown) state.editor.end_drag();
     state.new_performer = performer;
 }
 
-void land_new_performer(HeadsetState& state) {
-    if (!state.new_performer || state.is_behind()) return;
-    NewPerformer performer = *std::exchange(state.new_performer, std::nullopt);
+void land_new_performer(HeadsetState& state, bool is_busy) {
+    std::optional<NewPerformer>& performer = state.new_performer;
+    if (!performer || !performer->is_read || state.is_behind()) return;
+    if (!performer->is_shown) {
+        if (is_busy) return;
+        const auto node = static_cast<uint32_t>(state.editor.node_count());
+        performer->is_shown = preview_new_performer(state, *performer);
+        if (!performer->is_shown) return performer.reset();
+        return state.editor.select(node);
+    }
+    NewPerformer shown = *std::exchange(performer, std::nullopt);
     const auto selected = state.selected_performer();
     if (!selected || !state.editor.dragging()) return state.editor.end_drag();
-    const glm::dvec3 feet = glm::dmat3(performer.world_from_node) * feet_of(state, *selected);
-    performer.world_from_node[3] -= glm::dvec4(feet, 0);
-    preview_new_performer(state, performer);
+    const glm::dvec3 feet = glm::dmat3(shown.world_from_node) * feet_of(state, *selected);
+    shown.world_from_node[3] -= glm::dvec4(feet, 0);
+    preview_new_performer(state, shown);
     state.editor.end_drag();
 }
 

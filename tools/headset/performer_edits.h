@@ -27,12 +27,14 @@ void rename_selected(HeadsetState& state, const std::string& name);
 constexpr size_t kMaxClips = 24;
 std::vector<std::filesystem::path> clips_at_hand(const editor::Editor& editor);
 // Begins to add a performer of a clip, kNewPerformer_m before the user whose head is at `head` (tracking space), and
-// turned to the user. land_new_performer() ends it. It is selected.
+// turned to the user. While its clip is being read (NewPerformer::is_read), the stage stays as it is; a performer that
+// is chosen meanwhile takes its place.
 constexpr double kNewPerformer_m = 2;
 void add_performer(HeadsetState& state, const std::filesystem::path& clip, const xr::Pose& head);
-// To be called in each frame. Once the clip of a new performer is on the stage, so that its feet are known, puts them
-// on the floor: then the performer is one step of the history.
-void land_new_performer(HeadsetState& state);
+// To be called in each frame. Edits the document: adds the new performer once its clip has been read, and selects it;
+// once the clip is on the stage, so that its feet are known, puts them on the floor. Both are one step of the history.
+// Nothing begins while `is_busy`, because hands do something that another edit would end.
+void land_new_performer(HeadsetState& state, bool is_busy);
 
 // "show.gltf" becomes "show-2.gltf", "show-2.gltf" becomes "show-3.gltf": the first of these names that no file has.
 std::filesystem::path next_numbered(const std::filesystem::path& path);

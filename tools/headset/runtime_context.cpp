@@ -43,7 +43,29 @@ void update_clips(HeadsetState& state, RuntimeContext& context) {
 
 }  // namespace
 
+// The clip of a new performer is read by a thread; what was read is kept until the performer is on the stage.
+void RuntimeContext::read_new_clip(HeadsetState& state) {
+    std::optional<NewPerformer>& performer = state.new_performer;
+    const bool reads = preload && !preload->is_done();
+    if (reads || (performer && performer->is_shown)) return;
+    if (!performer || (preload && preload->clips()[0] != performer->clip)) preload.reset();
+    if (!performer || performer->is_read) return;
+    if (!preload && !clips.contains(performer->clip)) {
+        preload = std::make_unique<render::ClipPreload>(loader->files(), std::vector{performer->clip}, nullptr);
+        return;
+    }
+    try {
+        if (preload) preload->expect_read();
+        performer->is_read = true;
+    } catch (const InputError& error) {
+        state.editor.notify(error.what(), true);
+        performer.reset();
+        preload.reset();
+    }
+}
+
 void RuntimeContext::follow(Program& program) {
+    read_new_clip(program.state);
     program.state.follow_document();
     if (drawn_stage == program.state.stage) return;
     try {

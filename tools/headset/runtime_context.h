@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "render/clip_preload.h"
 #include "render/stage_renderer.h"
 #include "tools/headset/program.h"
 #include "xr/runtime.h"
@@ -18,8 +19,10 @@ struct RuntimeContext {
     RuntimeContext& operator=(const RuntimeContext&) = delete;
     // Creates the renderer, where there is none yet, for the first session's images.
     void make_renderer(Program& program, const EyeImages& eyes);
-    // Shows the document where it was edited since. An edit that cannot be shown is taken back.
+    // Shows the document where it was edited since. An edit that cannot be shown is taken back. Has the clip of a new
+    // performer read meanwhile.
     void follow(Program& program);
+    void read_new_clip(HeadsetState& state);
     // Sets state.solid for the time of state.evaluated.
     void update_solid(HeadsetState& state) const;
     // As FindSurfaces (pointing.h), on the stage as it was drawn last.
@@ -34,6 +37,7 @@ struct RuntimeContext {
     // clips, it is the first segment.
     std::map<std::filesystem::path, std::shared_ptr<const render::Field>> clips;
     std::unique_ptr<render::StageLoader> loader;
+    std::unique_ptr<render::ClipPreload> preload;     // of the clip of a new performer
     std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
     std::shared_ptr<const stage::Stage> drawn_stage;
     HandPainter& painter;  // projects pictures on this device
