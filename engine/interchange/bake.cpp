@@ -11,7 +11,7 @@ namespace neuvv::interchange {
 namespace {
 
 constexpr float kBefore = 2, kBehind = 6, kStep = 0.25f;  // cells
-constexpr float kLeastOpacity = 1e-3f;
+constexpr float kLeastSeen = 1e-3f;
 // The mean of harmonics of each degree over a hemisphere, weighted by the cosine with its axis, relative to their value
 // there (Ramamoorthi and Hanrahan, "An efficient representation for irradiance environment maps", 2001).
 constexpr std::array<double, 4> kMeanOfDegree = {1, 2.0 / 3, 0.25, 0};
@@ -42,7 +42,7 @@ glm::vec4 seen_at(const LeafGrid& grid, const glm::vec3& point, const glm::vec3&
     float transmittance = 1;
     const VolumeLeaf* last = nullptr;
     glm::vec3 colour(0);
-    for (float at = kBefore * cell; at > -kBehind * cell && transmittance > kLeastOpacity; at -= step) {
+    for (float at = kBefore * cell; at > -kBehind * cell && transmittance > kLeastSeen; at -= step) {
         const VolumeLeaf* leaf = grid.leaf_at(point + at * normal);
         if (leaf == nullptr) continue;
         if (leaf != last) colour = colour_of(*leaf, grid.volume().degree, basis);
@@ -52,7 +52,7 @@ glm::vec4 seen_at(const LeafGrid& grid, const glm::vec3& point, const glm::vec3&
         transmittance = left;
     }
     const float opacity = 1 - transmittance;
-    return opacity > kLeastOpacity ? glm::vec4(sum / opacity, 1) : glm::vec4(0);
+    return opacity > kLeastSeen ? glm::vec4(sum / opacity, 1) : glm::vec4(0);
 }
 
 // Gives all colours of weight 0 those of their surroundings: ever smaller images have means of what is known, and are

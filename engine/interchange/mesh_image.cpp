@@ -9,7 +9,7 @@ namespace neuvv::interchange {
 
 namespace {
 
-constexpr double kNear_m = 0.01;
+constexpr double kNearest_m = 0.01;
 
 // A triangle in an image. Weights of its corners are linear in the image once they are divided by depth.
 struct Drawn {
@@ -27,7 +27,7 @@ bool project(const ColouredMesh& mesh, const glm::uvec3& triangle, const stage::
              const glm::dmat4& camera_from_world, Drawn& to) {
     for (size_t k = 0; k < 3; k++) {
         const glm::dvec4 at = camera_from_world * glm::dvec4(mesh.mesh.positions[triangle[static_cast<int>(k)]], 1);
-        if (-at.z < kNear_m) return false;
+        if (-at.z < kNearest_m) return false;
         to.inverse_depth[k] = -1 / at.z;
         to.at[k] = {camera.cx + camera.fx * at.x * to.inverse_depth[k],
                     camera.cy - camera.fy * at.y * to.inverse_depth[k]};

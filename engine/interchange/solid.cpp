@@ -16,7 +16,7 @@ namespace {
 // its opposite go, does not count.
 constexpr size_t kThrough = 3;
 // The cells within which a ray must get the opacity: a wall is rarely opaque within one.
-constexpr float kReach = 2;
+constexpr float kReach_cells = 2;
 
 // Corner i of a block of 2×2×2 cells.
 constexpr glm::ivec3 corner(uint32_t i) {
@@ -178,7 +178,7 @@ Solid solid_of(const LeafGrid& grid, double opacity, const std::function<void()>
     solid.opacity = depths_before(solid, sigma, between);
     const float edge_m = (solid.cell_m.x + solid.cell_m.y + solid.cell_m.z) / 3;
     for (size_t i = 0; i < sigma.size(); i++)
-        solid.opacity[i] = -std::expm1(-solid.opacity[i] - kReach * edge_m * sigma[i]);
+        solid.opacity[i] = -std::expm1(-solid.opacity[i] - kReach_cells * edge_m * sigma[i]);
     make_well_composed(solid);
     const std::vector<bool> outside = outside_of(solid);
     for (size_t i = 0; i < outside.size(); i++)
