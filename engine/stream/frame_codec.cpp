@@ -11,10 +11,10 @@
 
 namespace neuvv::stream {
 
-std::vector<double> weights_of(const std::vector<double>& areas, const std::vector<int16_t>& opacity) {
-    std::vector<double> weights = areas;
-    for (size_t i = 0; i < weights.size(); i++) weights[i] *= std::max(opacity[i], kLeastOpacity);
-    return weights;
+std::vector<int16_t> colour_factors_of(const std::vector<int16_t>& opacity) {
+    std::vector<int16_t> factors = opacity;
+    for (int16_t& factor : factors) factor = std::max(factor, kLeastOpacity);
+    return factors;
 }
 
 namespace {
@@ -25,39 +25,46 @@ constexpr int kMaxNumber = 32000;
 // Frames that would repeat less than this share of their leaves are key frames: they are decoded without any others.
 constexpr double kWorthRepeating = 0.05;
 
+// Coefficients as numbers of steps.
+std::vector<std::array<int16_t, kPairs>> numbers_of(const Coefficients& coefficients, double step, Kind kind) {
+    const double up = kind >= kShLuma ? kRoundUpSh : kRoundUp;
+    std::vector<std::array<int16_t, kPairs>> numbers(coefficients.values.size());
+    for (size_t cell = 0; cell < numbers.size(); cell++)
+        for (size_t n = 1; n < kPairs; n++) {
+            const double value = coefficients.values[cell][n];
+            const double number = std::floor(std::min(std::abs(value) / step + 1 - up, double{kMaxNumber}));
+            numbers[cell][n] = static_cast<int16_t>(value < 0 ? -number : number);
+        }
+    return numbers;
+}
+
 // Encodes some planes, from `first` on, and sets those of `decoded` to what will be decoded.
-void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, const std::vector<double>& weights,
+void encode_planes(const Slice& slice, const Octree& tree, const Pairs& pairs, std::span<const int16_t> factors,
                    uint32_t first, uint32_t count, FrameSymbols& frame, Slice& decoded) {
-    std::vector<std::vector<int16_t>> numbers(count);
-    std::vector<PlaneOfTree> planes(count);
-    parallel_for(count, 1, [&](size_t begin, size_t end) {
-        for (auto p = static_cast<uint32_t>(begin); p < end; p++) {
-            const uint32_t plane = first + p;
+    parallel_for(count, 3, [&](size_t begin, size_t end) {
+        std::vector<std::vector<std::array<int16_t, kPairs>>> numbers;
+        std::vector<PlaneOfTree> planes;
+        for (uint32_t plane = first + static_cast<uint32_t>(begin); plane < first + end; plane++) {
             const Kind kind = kind_of(plane);
-            const Coefficients coefficients = transform(tree, pairs, weights, slice.planes[plane]);
-            const double step = frame.steps[kind], up = kind >= kShLuma ? kRoundUpSh : kRoundUp;
-            for (const double value : coefficients.values) {
-                const double number = std::floor(std::min(std::abs(value) / step + 1 - up, double{kMaxNumber}));
-                numbers[p].push_back(static_cast<int16_t>(value < 0 ? -number : number));
-            }
+            const Coefficients coefficients = transform(tree, pairs, factors, slice.planes[plane]);
+            numbers.push_back(numbers_of(coefficients, frame.steps[kind], kind));
             frame.roots[plane] = rounded_value(static_cast<float>(coefficients.root), plane);
             decoded.planes[plane].resize(tree.leaf_count);
-            planes[p] = {plane, static_cast<float>(frame.roots[plane]), static_cast<float>(frame.steps[kind]),
-                         numbers[p], decoded.planes[plane]};
+            planes.push_back({plane, static_cast<float>(frame.roots[plane]), static_cast<float>(frame.steps[kind]),
+                              numbers.back(), decoded.planes[plane]});
         }
+        code_planes(std::span(frame.coarse).subspan(first + begin, end - begin),
+                    std::span(frame.fine).subspan(first + begin, end - begin), tree, pairs, slice.depth, planes);
     });
-    code_planes(std::span(frame.coarse).subspan(first, count), std::span(frame.fine).subspan(first, count), tree, pairs,
-                slice.depth, planes);
 }
 
 // The planes of a slice without repeated blocks. Colours need the decoded opacity.
 void encode_all_planes(const Slice& slice, const Octree& tree, FrameSymbols& frame, Slice& decoded) {
-    const std::vector<double> areas = areas_of(slice.leaves, slice.depth);
     const auto planes = static_cast<uint32_t>(slice.planes.size());
     decoded.planes.resize(planes);
-    encode_planes(slice, tree, pairs_of_areas(tree, areas), areas, kOpacityPlane, 1, frame, decoded);
-    const std::vector<double> weights = weights_of(areas, decoded.planes[kOpacityPlane]);
-    encode_planes(slice, tree, pairs_of(tree, weights, 1.0 / kUnit), weights, kFirstColourPlane, planes - 1, frame,
+    encode_planes(slice, tree, pairs_of_areas(tree), {}, kOpacityPlane, 1, frame, decoded);
+    const std::vector<int16_t> factors = colour_factors_of(decoded.planes[kOpacityPlane]);
+    encode_planes(slice, tree, pairs_of(tree, factors, 1.0 / kUnit), factors, kFirstColourPlane, planes - 1, frame,
                   decoded);
 }
 

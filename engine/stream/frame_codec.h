@@ -19,9 +19,9 @@ using Steps = std::array<uint16_t, kKinds>;  // by Kind
 // are, colours are the same from all sides.
 enum Part : uint32_t { kShape, kCoarse, kShCoarse, kFine, kShFine, kParts };
 
-// What weighs a leaf's colours: its area and how opaque it is, but this opacity at least.
+// What weighs a leaf's colours: its area times this factor: how opaque it is, but kLeastOpacity at least.
 constexpr int16_t kLeastOpacity = 20;
-std::vector<double> weights_of(const std::vector<double>& areas, const std::vector<int16_t>& opacity);
+std::vector<int16_t> colour_factors_of(const std::vector<int16_t>& opacity);
 
 // The first of the planes whose streams a part has, and the end; `planes` are all.
 constexpr std::pair<uint32_t, uint32_t> planes_of_part(Part part, uint32_t planes) {

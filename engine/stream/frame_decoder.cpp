@@ -59,11 +59,8 @@ class PlanesReader {
     // Of the leaves that are not repeated.
     Planes read() {
         if (tree_.leaf_count == 0) return std::move(decoded_);
-        // Where nothing is repeated, they are all leaves.
-        const std::vector<double> areas =
-            areas_of(shape_.merged.repeats_any ? leaves_of(tree_, depth_) : shape_.merged.leaves, depth_);
-        decode_planes(pairs_of_areas(tree_, areas), kOpacityPlane, 1);
-        decode_colours(pairs_of(tree_, weights_of(areas, decoded_[kOpacityPlane]), 1.0 / kUnit));
+        decode_planes(pairs_of_areas(tree_), kOpacityPlane, 1);
+        decode_colours(pairs_of(tree_, colour_factors_of(decoded_[kOpacityPlane]), 1.0 / kUnit));
         return std::move(decoded_);
     }
 

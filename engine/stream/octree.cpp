@@ -15,17 +15,23 @@ uint32_t child_of(const Cell& cell, uint32_t octant) {
 
 }  // namespace
 
-size_t Octree::most_cells(size_t depths) const {
+size_t Octree::most_cells() const {
     size_t most = 0;
-    for (size_t d = 0; d < depths; d++) most = std::max(most, cells[d].size());
+    for (const std::vector<Cell>& of_depth : cells) most = std::max(most, of_depth.size());
     return most;
+}
+
+size_t Octree::large_count() const {
+    size_t count = 0;
+    for (const std::vector<Cell>& of_depth : cells) count += of_depth.size();
+    return count - divided_count;
 }
 
 Octree octree_of(const std::vector<Leaf>& leaves, uint32_t depth) {
     Octree tree;
     if (leaves.empty()) return tree;
-    tree.cells.resize(depth + 1);
-    for (uint32_t d = 0; d <= depth; d++) {
+    tree.cells.resize(depth);
+    for (uint32_t d = 0; d < depth; d++) {
         std::vector<Cell>& cells = tree.cells[d];
         for (const Leaf& leaf : leaves) {
             if (leaf.depth < d) continue;
@@ -41,52 +47,51 @@ Octree octree_of(const std::vector<Leaf>& leaves, uint32_t depth) {
 }
 
 void link_cells(Octree& tree) {
-    const size_t finest = tree.cells.size() - 1;
-    // How many leaves lie below each cell; at the finest depth each is one.
-    std::vector<std::vector<uint32_t>> below(finest);
-    for (size_t d = 0; d < finest; d++) {
-        below[d].resize(tree.cells[d].size());
+    const size_t last = tree.cells.size() - 1;
+    // How many leaves lie below each cell.
+    std::vector<std::vector<uint32_t>> below(tree.cells.size());
+    tree.divided_count = 0;
+    for (size_t d = tree.cells.size(); d-- > 0;) {
+        below[d].reserve(tree.cells[d].size());
         uint32_t next = 0;
         for (Cell& cell : tree.cells[d]) {
+            const uint32_t children = octant_count(cell.children);
             cell.first = next;
-            next += octant_count(cell.children);
+            uint32_t leaves = d == last ? children : 0;
+            for (uint32_t c = 0; d < last && c < children; c++) leaves += below[d + 1][next + c];
+            next += children;
+            below[d].push_back(children > 0 ? leaves : 1);
+            tree.divided_count += children > 0;
         }
     }
-    for (size_t d = finest; d-- > 0;)
-        for (size_t i = 0; i < below[d].size(); i++) {
-            const Cell& cell = tree.cells[d][i];
-            const uint32_t children = octant_count(cell.children);
-            if (!cell.children)
-                below[d][i] = 1;
-            else if (d + 1 == finest)
-                below[d][i] = children;
-            else
-                for (uint32_t c = 0; c < children; c++) below[d][i] += below[d + 1][cell.first + c];
-        }
     tree.leaf_count = below[0][0];
     // The number of the first of them, from the root down.
     std::vector<uint32_t> first = {0}, first_below;
-    for (size_t d = 0; d < finest; d++) {
+    for (size_t d = 0; d < last; d++) {
         first_below.resize(tree.cells[d + 1].size());
-        for (size_t i = 0; i < below[d].size(); i++) {
+        for (size_t i = 0; i < first.size(); i++) {
             Cell& cell = tree.cells[d][i];
             uint32_t next = first[i];
             for (uint32_t c = 0; c < octant_count(cell.children); c++) {
                 first_below[cell.first + c] = next;
-                next += d + 1 == finest ? 1 : below[d + 1][cell.first + c];
+                next += below[d + 1][cell.first + c];
             }
             if (!cell.children) cell.first = first[i];
         }
         first.swap(first_below);
     }
-    for (size_t i = 0; i < first.size(); i++) tree.cells[finest][i].first = first[i];
+    for (size_t i = 0; i < first.size(); i++) tree.cells[last][i].first = first[i];
 }
 
 std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth) {
     std::vector<Leaf> leaves(tree.leaf_count);
     for (uint32_t d = 0; d < tree.cells.size(); d++)
-        for (const Cell& cell : tree.cells[d])
+        for (const Cell& cell : tree.cells[d]) {
             if (!cell.children) leaves[cell.first] = {cell.code << 3 * (depth - d), d};
+            if (d + 1 < depth) continue;
+            Leaf* leaf = &leaves[cell.first];
+            for_octants(cell.children, [&](uint32_t octant) { *leaf++ = {cell.code << 3 | octant, depth}; });
+        }
     return leaves;
 }
 

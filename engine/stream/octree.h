@@ -29,27 +29,30 @@ void for_octants(uint32_t children, const Visit& visit) {
     for (; children; children &= children - 1) visit(static_cast<uint32_t>(std::countr_zero(children)));
 }
 
-// A cell of an octree that is a leaf, or has children.
+// A cell of an octree above the finest depth: a leaf, or one that is divided and has children.
 struct Cell {
     uint64_t code = 0;     // Morton code at its depth
     uint8_t children = 0;  // the octants that are cells; 0: a leaf
-    // The index of its first child in the next depth; the others follow in the order of their octants. Of a leaf, its
-    // number in leaves_of.
+    // The index of its first child in the next depth; the others follow in the order of their octants. Where the
+    // children are of the finest depth, which are all leaves, the first one's number in leaves_of. Of a leaf, its own.
     uint32_t first = 0;
 };
 
 struct Octree {
-    // By depth, the root first; each in order of code. The finest depth has leaves alone. Empty where there are none.
+    // By depth, the root first, without the finest; each in order of code. Empty where there are no leaves.
     std::vector<std::vector<Cell>> cells;
     uint32_t leaf_count = 0;
-    size_t most_cells(size_t depths) const;  // that one of the first so many depths has
+    uint32_t divided_count = 0;  // of cells
+    size_t most_cells() const;   // that one of the depths has
+    size_t large_count() const;  // of leaves above the finest depth
 };
 
 // The leaves of a slice must be in order and must not overlap (assert).
 Octree octree_of(const std::vector<Leaf>& leaves, uint32_t depth);
 // The leaves in order of their cells.
 std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth);
-// Sets Cell::first of all cells, and the number of leaves, where the cells' codes and children are known.
+// Sets Cell::first of all cells, and the numbers of leaves and of divided cells, where the cells' codes and children
+// are known.
 void link_cells(Octree& tree);
 
 // The six face neighbours of the cells of a depth, by index; kNone where there is no cell: −x, +x, −y, +y, −z, +z.

@@ -4,31 +4,15 @@
 #include <array>
 #include <bit>
 #include <cassert>
-#include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <stdexcept>
 
-#include "base/parallel.h"
+#include "stream/activity.h"
 
 namespace neuvv::stream {
 
 namespace {
-
-// How large the coefficients around are, 0 to 15: half of what it is around the larger cell, and twice the coefficient
-// that divides that one. It is half in a cell without any.
-using Activity = uint8_t;
-Activity activity_below(Activity activity, int32_t number) {
-    return static_cast<Activity>(std::min(activity / 2 + 2 * std::min(std::abs(number), 8), 15));
-}
-constexpr uint32_t activity_context(Activity activity) {
-    constexpr uint8_t kContexts[16] = {0, 1, 2, 3, 3, 4, 4, 4, 5, 5, 5, 5, 5, 5, 5, 5};
-    return kContexts[activity];
-}
-
-// The classes of depths: that of the finest pairs, the next, all others.
-uint32_t depth_class(size_t depth, uint32_t finest) {
-    return static_cast<uint32_t>(std::min<size_t>(finest - 1 - depth, kDepthClasses - 1));
-}
 
 // Of a number that has no symbol of its own: what it is beyond the largest symbol, as bits.
 template <typename Coder>
@@ -40,15 +24,16 @@ uint32_t code_escaped(Coder& coder, uint32_t more) {
     return 1u << bits | high << low_bits | low;
 }
 
-// Numbers from −7 to 7 are symbols; larger ones follow an escape.
+// Numbers from −7 to 7 are symbols; larger ones follow an escape. `activity` becomes what it is below.
 template <typename Coder>
-inline int16_t code_number(Coder& coder, uint32_t table, int32_t number) {
-    constexpr uint32_t kEscape = kNumbers - 1;
-    const auto folded = static_cast<uint32_t>(number > 0 ? 2 * number - 1 : -2 * number);
-    uint32_t symbol = coder.take(table, std::min(folded, kEscape));
+inline int16_t code_number(Coder& coder, uint32_t first_table, int32_t number, Activity& activity) {
+    const uint32_t given = folded(number);
+    uint32_t symbol = coder.take(first_table + activity_context(activity), std::min(given, kEscape));
+    activity = activity_below(activity, symbol);
     if (symbol == kEscape) [[unlikely]]
-        symbol = kEscape - 1 + code_escaped(coder, folded - kEscape + 1);
-    return static_cast<int16_t>(symbol % 2 ? symbol / 2 + 1 : -(symbol / 2));
+        symbol = kEscape - 1 + code_escaped(coder, given - kEscape + 1);
+    const auto size = static_cast<int32_t>((symbol + 1) / 2), sign = -static_cast<int32_t>(~symbol & 1);
+    return static_cast<int16_t>((size ^ sign) - sign);
 }
 
 float least_value(uint32_t plane) {
@@ -64,149 +49,208 @@ int16_t rounded(float value, float least, float most) {
     return static_cast<int16_t>(static_cast<float>(cut) > raised ? cut - 1 : cut);
 }
 
-// One walk over a tree, depth by depth, for `Planes` of its planes.
-template <typename Coder, size_t Planes>
+// Four numbers that a processor computes at once, and the bits of four.
+using Four = float __attribute__((vector_size(16)));
+using FourBits = int32_t __attribute__((vector_size(16)));
+
+Four four_at(const float* numbers) {
+    Four four;
+    std::memcpy(&four, numbers, sizeof four);
+    return four;
+}
+Four four_at(const int16_t* numbers) {
+    return Four{static_cast<float>(numbers[0]), static_cast<float>(numbers[1]), static_cast<float>(numbers[2]),
+                static_cast<float>(numbers[3])};
+}
+Four where(const FourBits& bits, const Four& four) {
+    return std::bit_cast<Four>(bits & std::bit_cast<FourBits>(four));
+}
+
+using Numbers = std::array<int16_t, kPairs>;  // of the pairs of a cell; 0 where there is no pair
+using Values = std::array<float, 8>;          // of the octants of a cell
+
+// Divides a cell: v_a = v − β e, v_b = v_a + e, for all octants at once. Where there is no pair, e is 0.
+Values values_of(float value, const Numbers& numbers, float step, const CellPairs& pairs) {
+    const float* scale = pairs.inverse_scale.data();
+    const Four apart = four_at(numbers.data()) * step * four_at(scale);  // of pairs 0 to 3
+    const Four apart_x = four_at(numbers.data() + 4) * step * four_at(scale + 4);
+    const Four part = four_at(pairs.share_b.data()) * apart, part_x = four_at(pairs.share_b.data() + 4) * apart_x;
+    Four v = value - __builtin_shufflevector(part, part, 1, 1, 1, 1);
+    v += where(FourBits{0, 0, -1, -1}, __builtin_shufflevector(apart, apart, 1, 1, 1, 1));
+    v -= __builtin_shufflevector(part, part, 2, 2, 3, 3);
+    v += where(FourBits{0, -1, 0, -1}, __builtin_shufflevector(apart, apart, 2, 2, 3, 3));
+    const Four a = v - part_x, b = a + apart_x;
+    const std::array<Four, 2> both = {__builtin_shufflevector(a, b, 0, 4, 1, 5),
+                                      __builtin_shufflevector(a, b, 2, 6, 3, 7)};
+    return std::bit_cast<Values>(both);
+}
+
+// Writes something for each child of a cell, from the places that `from` says, or the same for all: eight of them,
+// which is faster than to count. Those behind the cell's own children are written later.
+template <typename Number>
+void write_children(const std::array<Number, 8>& numbers, const std::array<uint8_t, 8>& from, Number* to) {
+    for (size_t child = 0; child < 8; child++) to[child] = numbers[from[child]];
+}
+template <typename Number>
+void fill_children(Number number, Number* to) {
+    for (size_t child = 0; child < 8; child++) to[child] = number;
+}
+
+// One walk over a tree, depth by depth, for some of its planes.
+template <typename Coder>
 class Walk {
   public:
     Walk(const Octree& tree, const Pairs& pairs, uint32_t finest, std::span<const PlaneOfTree> planes)
-        : tree_(tree),
-          next_pair_(pairs.data()),
-          finest_(finest),
-          planes_(planes),
-          places_(std::make_unique_for_overwrite<Place[]>(tree.most_cells(finest))),
-          below_(std::make_unique_for_overwrite<Place[]>(tree.most_cells(finest))) {
-        Place& root = places_[0] = {};
-        for (size_t p = 0; p < Planes; p++) {
-            root.values[p] = planes[p].root;
-            steps_[p] = planes[p].step;
-            least_[p] = least_value(planes[p].number);
-            most_[p] = most_value(planes[p].number);
-            leaves_[p] = planes[p].leaves.data();
+        : tree_(tree), pairs_(pairs), finest_(finest) {
+        size_t cells = 8;  // write_children may write that many more
+        for (const std::vector<Cell>& of_depth : tree.cells) cells += of_depth.size();
+        for (const PlaneOfTree& plane : planes) {
+            Plane& own = planes_.emplace_back(plane);
+            own.values = std::make_unique_for_overwrite<float[]>(cells);
+            own.activities = std::make_unique_for_overwrite<Activity[]>(cells);
+            own.values[0] = plane.root;
+            own.activities[0] = 0;
         }
     }
 
     // The streams may be empty.
     void run(std::span<Coder> coarse, std::span<Coder> fine) {
+        std::vector<std::pair<uint32_t, uint32_t>> large;  // leaves above the finest depth, and their cells
+        large.reserve(tree_.large_count());
+        uint32_t number = 0;  // of the cell
         for (size_t d = 0; d < finest_; d++) {
             const std::vector<Cell>& cells = tree_.cells[d];
-            const std::span<Coder> coders = d + 1 < finest_ ? coarse : fine;
-            set_tables(d);
-            for (size_t i = 0; i < cells.size(); i++) {
-                if (cells[i].children)
-                    divide(cells[i], places_[i], coders, d + 1);
+            const bool is_last = d + 1 == finest_;
+            coders_ = is_last ? fine : coarse;
+            below_ = number + cells.size();
+            for (Plane& plane : planes_) plane.first_table = first_plane_table(kind_of(plane.given.number), d, finest_);
+            for (const Cell& cell : cells) {
+                if (!cell.children)
+                    large.emplace_back(cell.first, number);
+                else if (is_last)
+                    divide<true>(cell, number);
                 else
-                    set_leaf(cells[i].first, places_[i].values);
+                    divide<false>(cell, number);
+                number++;
             }
-            places_.swap(below_);
         }
+        // Now there is nothing more that is written over them.
+        for (const Plane& plane : planes_)
+            for (const auto& [leaf, cell] : large)
+                plane.given.leaves[leaf] = rounded(plane.values[cell], plane.least, plane.most);
     }
 
   private:
-    // Four at a time, so that the processor computes them at once.
-    static constexpr size_t kValues = Planes < 4 ? Planes : (Planes + 3) / 4 * 4;
-    using Values = std::array<float, kValues>;
-    using Activities = std::array<Activity, Planes>;
-    struct alignas(16) Place {  // what is known of a cell
-        Values values;
-        Activities activities;
+    struct Plane {
+        explicit Plane(const PlaneOfTree& plane)
+            : given(plane), least(least_value(plane.number)), most(most_value(plane.number)) {}
+        PlaneOfTree given;
+        float least, most;
+        uint32_t first_table = 0;
+        // Of all cells above the finest depth.
+        std::unique_ptr<float[]> values;
+        std::unique_ptr<Activity[]> activities;
     };
 
-    void set_tables(size_t depth) {
-        for (size_t p = 0; p < Planes; p++)
-            first_table_[p] = (kind_of(planes_[p].number) * kDepthClasses + depth_class(depth, finest_)) * kActivities;
-    }
-
-    // Gives the children of a cell, which are at depth `below`, their values.
-    void divide(const Cell& cell, const Place& place, std::span<Coder> coders, size_t below) {
+    // Gives the children of a cell their values. `number` is the cell's among all.
+    template <bool kLast>
+    void divide(const Cell& cell, size_t number) {
         const Splits& splits = kSplits[cell.children];
-        uint32_t some = 0;  // planes with a number that is not 0
-        if (!coders.empty() && splits.count > 0)
-            for (size_t p = 0; p < Planes; p++) some |= code_any(coders[p], p, splits.count, place.activities[p]) << p;
-        std::array<Place, 8> list;
-        list[0] = place;
-        if (splits.count > 0)
-            for (Activity& activity : list[0].activities) activity /= 2;
-        for (uint32_t k = 0; k < splits.count; k++) list[k + 1] = list[0];
-        if (some) code_numbers(coders, some, splits, place.activities, list);
-        next_pair_ += splits.count;
-        number_ += splits.count;
-        if (below == finest_) {
-            const Cell* leaves = &tree_.cells[below][cell.first];
-            for (uint32_t child = 0; child <= splits.count; child++)
-                set_leaf(leaves[child].first, list[splits.order[child]].values);
+        uint64_t some = 0;  // planes with a number that is not 0
+        if (!coders_.empty() && splits.count > 0)
+            for (size_t p = 0; p < planes_.size(); p++)
+                some |= uint64_t{code_any(coders_[p], planes_[p], splits, planes_[p].activities[number])} << p;
+        if constexpr (kLast) {
+            const uint32_t first = cell.first;
+            if (first + 8 <= tree_.leaf_count) {
+                for (size_t p = 0; p < planes_.size(); p++)
+                    set_leaves(p, number, splits, some >> p & 1, planes_[p].given.leaves.data() + first);
+            } else {  // there may be no place for eight
+                for (size_t p = 0; p < planes_.size(); p++) {
+                    std::array<int16_t, 8> leaves;
+                    set_leaves(p, number, splits, some >> p & 1, leaves.data());
+                    std::copy_n(leaves.data(), splits.count + 1, planes_[p].given.leaves.data() + first);
+                }
+            }
         } else {
-            for (uint32_t child = 0; child <= splits.count; child++)
-                below_[cell.first + child] = list[splits.order[child]];
+            for (size_t p = 0; p < planes_.size(); p++)
+                set_cells(p, number, splits, some >> p & 1, below_ + cell.first);
         }
+        divided_++;
     }
 
-    // Whether any number of a cell's splits is not 0.
-    uint32_t code_any(Coder& coder, size_t p, uint32_t count, Activity activity) {
+    void set_leaves(size_t p, size_t number, const Splits& splits, bool has_numbers, int16_t* leaves) {
+        const Plane& plane = planes_[p];
+        const float value = plane.values[number];
+        if (!has_numbers) return fill_children(rounded(value, plane.least, plane.most), leaves);
+        std::array<Activity, 8> activities;
+        activities[0] = plane.activities[number];
+        const Values values = coded_values(p, value, splits, activities);
+        std::array<int16_t, 8> whole;
+        for (size_t k = 0; k < 8; k++) whole[k] = rounded(values[k], plane.least, plane.most);
+        write_children(whole, splits.octant, leaves);
+    }
+
+    void set_cells(size_t p, size_t number, const Splits& splits, bool has_numbers, size_t first) {
+        const Plane& plane = planes_[p];
+        const float value = plane.values[number];
+        const Activity activity = plane.activities[number];
+        if (!has_numbers) {
+            fill_children(value, &plane.values[first]);
+            fill_children(static_cast<Activity>(splits.count > 0 ? activity / 2 : activity), &plane.activities[first]);
+            return;
+        }
+        std::array<Activity, 8> activities;
+        activities[0] = activity;
+        write_children(coded_values(p, value, splits, activities), splits.octant, &plane.values[first]);
+        write_children(activities, splits.of_child, &plane.activities[first]);
+    }
+
+    // Whether any number of a cell's pairs is not 0.
+    uint32_t code_any(Coder& coder, const Plane& plane, const Splits& splits, Activity activity) {
         uint32_t any = 0;
         if constexpr (Coder::kWrites)
-            for (uint32_t k = 0; k < count; k++) any |= planes_[p].numbers[number_ + k] != 0;
-        return coder.take_either(kAnyTables + first_table_[p] + activity_context(activity), any);
+            for (uint32_t k = 0; k < splits.count; k++) any |= plane.given.numbers[divided_][splits.pair[k]] != 0;
+        return coder.take_either(kAnyTables + plane.first_table + activity_context(activity), any);
     }
 
-    // Codes the numbers of the planes of which some are not 0.
-    void code_numbers(std::span<Coder> coders, uint32_t some, const Splits& splits, const Activities& activities,
-                      std::array<Place, 8>& list) {
-        std::array<Values, 7> numbers;
-        for (uint32_t k = 0; k < splits.count; k++) numbers[k] = {};
-        for (; some; some &= some - 1) {
-            const auto p = static_cast<size_t>(std::countr_zero(some));
-            const uint32_t table = kNumberTables + first_table_[p];
-            list[0].activities[p] = activities[p];
-            int32_t seen = 0;  // 0 where all numbers are
-            for (uint32_t k = 0; k < splits.count; k++) {
-                Activity& activity = list[splits.from[k]].activities[p];
-                const int16_t given = Coder::kWrites ? planes_[p].numbers[number_ + k] : int16_t{0};
-                const int16_t number = code_number(coders[p], table + activity_context(activity), given);
-                seen |= number;
-                activity = list[k + 1].activities[p] = activity_below(activity, number);
-                numbers[k][p] = number;
-            }
-            if (seen == 0) throw std::runtime_error("has a cell of which all coefficients are 0");
+    // Codes numbers of which some are not 0, and returns the values that they make. `activities` begins with that of
+    // the cell and becomes those below.
+    Values coded_values(size_t p, float value, const Splits& splits, std::array<Activity, 8>& activities) {
+        const Plane& plane = planes_[p];
+        Numbers numbers{};
+        if constexpr (Coder::kWrites) {
+            numbers = plane.given.numbers[divided_];
+            code_numbers(coders_[p], plane.first_table, splits, numbers, activities);
+        } else {
+            Coder coder = coders_[p];  // as one of its own, it is kept in registers
+            code_numbers(coder, plane.first_table, splits, numbers, activities);
+            coders_[p] = coder;
         }
+        return values_of(value, numbers, plane.given.step, pairs_[divided_]);
+    }
+
+    static void code_numbers(Coder& coder, uint32_t first_table, const Splits& splits, Numbers& numbers,
+                             std::array<Activity, 8>& activities) {
+        int32_t seen = 0;  // 0 where all numbers are
         for (uint32_t k = 0; k < splits.count; k++) {
-            const Pair& pair = next_pair_[k];
-            Values &a = list[splits.from[k]].values, &b = list[k + 1].values;
-            for (size_t p = 0; p < kValues; p++) {
-                const float apart = numbers[k][p] * steps_[p] * pair.inverse_scale;
-                a[p] = a[p] - pair.share_b * apart;
-                b[p] = a[p] + apart;
-            }
+            Activity activity = activities[splits.above[k]];
+            int16_t& number = numbers[splits.pair[k]];
+            number = code_number(coder, kNumberTables + first_table, number, activity);
+            seen |= number;
+            activities[k + 1] = activity;
         }
-    }
-
-    void set_leaf(uint32_t leaf, const Values& values) {
-        std::array<int16_t, kValues> whole;
-        for (size_t p = 0; p < kValues; p++) whole[p] = rounded(values[p], least_[p], most_[p]);
-        for (size_t p = 0; p < Planes; p++) leaves_[p][leaf] = whole[p];
+        if (seen == 0) throw std::runtime_error("has a cell of which all coefficients are 0");
     }
 
     const Octree& tree_;
-    const Pair* next_pair_;
-    size_t number_ = 0;  // of the next pair
+    const Pairs& pairs_;
+    size_t divided_ = 0;  // cells
+    size_t below_ = 0;    // the number of the first cell of the next depth
     uint32_t finest_;
-    std::span<const PlaneOfTree> planes_;
-    Values steps_{}, least_{}, most_{};
-    std::array<int16_t*, Planes> leaves_;
-    std::array<uint32_t, Planes> first_table_{};
-    std::unique_ptr<Place[]> places_, below_;  // of the cells of a depth, and of the next
+    std::span<Coder> coders_;
+    std::vector<Plane> planes_;
 };
-
-// Streams of planes do not depend on each other: where several are coded in one walk, the processor takes symbols of
-// the one while it waits for a table of another. 9 in a walk took 25 ms where 3 took 29. Fewer leave work to other
-// cores. Returns the first plane of each walk, and how many it has.
-std::vector<std::pair<size_t, size_t>> planes_together(size_t planes) {
-    std::vector<std::pair<size_t, size_t>> groups;
-    for (size_t first = 0; first < planes; first += groups.back().second) {
-        const size_t rest = planes - first;
-        groups.emplace_back(first, rest >= 9 ? 9 : rest >= 3 ? 3 : 1);
-    }
-    return groups;
-}
 
 }  // namespace
 
@@ -217,22 +261,8 @@ int16_t rounded_value(float value, uint32_t plane) {
 template <typename Coder>
 void code_planes(std::span<Coder> coarse, std::span<Coder> fine, const Octree& tree, const Pairs& pairs,
                  uint32_t finest, std::span<const PlaneOfTree> planes) {
-    assert(tree.leaf_count > 0 && pairs.size() + 1 == tree.leaf_count);
-    const std::vector<std::pair<size_t, size_t>> groups = planes_together(planes.size());
-    parallel_for(groups.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
-            const auto [first, count] = groups[i];
-            const std::span<Coder> in_coarse = coarse.empty() ? coarse : coarse.subspan(first, count);
-            const std::span<Coder> in_fine = fine.empty() ? fine : fine.subspan(first, count);
-            const std::span<const PlaneOfTree> own = planes.subspan(first, count);
-            if (count == 9)
-                Walk<Coder, 9>(tree, pairs, finest, own).run(in_coarse, in_fine);
-            else if (count == 3)
-                Walk<Coder, 3>(tree, pairs, finest, own).run(in_coarse, in_fine);
-            else
-                Walk<Coder, 1>(tree, pairs, finest, own).run(in_coarse, in_fine);
-        }
-    });
+    assert(tree.leaf_count > 0 && pairs.size() == tree.divided_count);
+    Walk<Coder>(tree, pairs, finest, planes).run(coarse, fine);
 }
 
 template void code_planes<SymbolWriter>(std::span<SymbolWriter>, std::span<SymbolWriter>, const Octree&, const Pairs&,

@@ -25,8 +25,8 @@ int16_t rounded_value(float value, uint32_t plane);
 struct PlaneOfTree {
     uint32_t number = 0;
     float root = 0, step = 1;
-    // Of a writer: the numbers of all pairs, coefficients in steps.
-    std::span<const int16_t> numbers{};
+    // Of a writer: the numbers of the pairs of all cells that are divided: coefficients in steps.
+    std::span<const std::array<int16_t, kPairs>> numbers{};
     std::span<int16_t> leaves{};  // receives the values
 };
 

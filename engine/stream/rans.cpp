@@ -44,14 +44,17 @@ Table Table::of_shares(std::vector<uint16_t> shares) {
 }
 
 void Table::finish() {
-    ranges_.resize(shares_.size());
-    symbols_.resize(kAll);
     share_of_0_ = shares_[0];
     uint32_t next = 0;
     for (size_t i = 0; i < shares_.size(); i++) {
         ranges_[i] = {static_cast<uint16_t>(next), shares_[i]};
-        std::fill_n(symbols_.begin() + next, shares_[i], static_cast<uint8_t>(i));
         next += shares_[i];
+    }
+    uint32_t symbol = 0;
+    for (uint32_t bucket = 0; bucket < first_symbols_.size(); bucket++) {
+        const uint32_t value = bucket << kBucketBits;
+        while (value - ranges_[symbol].first >= ranges_[symbol].share) symbol++;
+        first_symbols_[bucket] = static_cast<uint8_t>(symbol);
     }
 }
 

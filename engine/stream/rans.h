@@ -2,6 +2,7 @@
 // bytes are written.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,13 +29,19 @@ class Table {
     Range range(uint32_t symbol) const { return ranges_[symbol]; }
     uint32_t share_of_0() const { return share_of_0_; }
     // The symbol of a value below 2^kTableBits.
-    uint32_t symbol(uint32_t value) const { return symbols_[value]; }
+    uint32_t symbol(uint32_t value) const {
+        uint32_t symbol = first_symbols_[value >> kBucketBits];
+        while (value - ranges_[symbol].first >= ranges_[symbol].share) symbol++;
+        return symbol;
+    }
 
   private:
     void finish();
     std::vector<uint16_t> shares_;
-    std::vector<Range> ranges_;
-    std::vector<uint8_t> symbols_;
+    std::array<Range, 256> ranges_{};
+    // That of the first of each 16 values. A table of all values is too large for the processor's fastest memory.
+    static constexpr uint32_t kBucketBits = 4;
+    std::array<uint8_t, 1u << (kTableBits - kBucketBits)> first_symbols_{};
     uint32_t share_of_0_ = 0;
 };
 

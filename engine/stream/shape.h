@@ -61,7 +61,7 @@ template <typename Coder>
 Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t most) {
     const bool writes = !tree.cells.empty();
     Octree coded;
-    coded.cells.resize(depth + 1);
+    coded.cells.resize(depth);
     coded.cells[0] = {{0, writes ? tree.cells[0][0].children : uint8_t{0}, 0}};
     std::vector<uint8_t> leaves = {0};
     std::vector<uint8_t> patterns = {0};
@@ -69,13 +69,13 @@ Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t mos
     for (uint32_t d = 0; d < depth; d++) {
         std::vector<Cell>& cells = coded.cells[d];
         code_octants(coder, cells, leaves, patterns, d + 1 == depth);
+        if (d + 1 == depth) break;
         coded.cells[d + 1] = children_of(cells, most);
         uint32_t next = 0;
         for (Cell& cell : cells) {
             cell.first = next;
             next += octant_count(cell.children);
         }
-        if (d + 1 == depth) break;
         const std::vector<Cell>* below = writes ? &tree.cells[d + 1] : nullptr;
         leaves = code_leaves(coder, cells, below, d + 2 == depth);
         if (below)

@@ -8,99 +8,108 @@ namespace neuvv::stream {
 
 namespace {
 
-constexpr uint32_t kDepths = kMaxDepth + 1;
-
-// Sums numbers of the leaves over the cells of a tree, from the leaves to the root, and returns those of the root.
-// Before the halves of a pair are added, calls visit(number of the pair, sums of a, of b); the last pair comes first.
+// Sums numbers of the leaves, of_leaf(number of the leaf, its area), over the cells of a tree, from the leaves to the
+// root, and returns those of the root.
+// Calls visit(number of the cell among those that are divided, its children, sums by half) for each; the last cell
+// comes first. Halves without cells have 0.
 template <size_t Numbers, typename OfLeaf, typename Visit>
 std::array<double, Numbers> sum_up(const Octree& tree, const OfLeaf& of_leaf, const Visit& visit) {
     using Sums = std::array<double, Numbers>;
-    size_t pair = tree.leaf_count - 1;
-    auto sums = std::make_unique_for_overwrite<Sums[]>(tree.most_cells(tree.cells.size()));
-    auto below = std::make_unique_for_overwrite<Sums[]>(tree.most_cells(tree.cells.size()));
-    for (size_t d = tree.cells.size(); d-- > 0;) {
+    const auto finest = static_cast<uint32_t>(tree.cells.size());
+    size_t divided = tree.divided_count;
+    auto sums = std::make_unique_for_overwrite<Sums[]>(tree.most_cells());
+    auto below = std::make_unique_for_overwrite<Sums[]>(tree.most_cells());
+    for (uint32_t d = finest; d-- > 0;) {
         const std::vector<Cell>& cells = tree.cells[d];
+        const double area = area_of(d, finest);
         for (size_t i = cells.size(); i-- > 0;) {
             const Cell& cell = cells[i];
             if (!cell.children) {
-                sums[i] = of_leaf(cell.first);
+                sums[i] = of_leaf(cell.first, area);
                 continue;
             }
             const Splits& splits = kSplits[cell.children];
-            std::array<Sums, 8> values;
+            std::array<Sums, 16> halves{};
             for (uint32_t child = 0; child <= splits.count; child++)
-                values[splits.order[child]] = below[cell.first + child];
-            for (uint32_t k = splits.count; k-- > 0;) {
-                Sums& a = values[splits.from[k]];
-                const Sums& b = values[k + 1];
-                visit(--pair, a, b);
-                for (size_t n = 0; n < Numbers; n++) a[n] += b[n];
-            }
-            sums[i] = values[0];
+                halves[8 + splits.octant[child]] =
+                    d + 1 == finest ? of_leaf(cell.first + child, 1) : below[cell.first + child];
+            for (size_t n = 8; n-- > 1;)
+                for (size_t k = 0; k < Numbers; k++) halves[n][k] = halves[2 * n][k] + halves[2 * n + 1][k];
+            visit(--divided, cell.children, halves);
+            sums[i] = halves[1];
         }
         sums.swap(below);
     }
     return below[0];
 }
 
-Pair pair_of(double a, double b, double unit) {
-    const double sum = a + b;
-    return {static_cast<float>(std::sqrt(sum / (a * b * unit))), static_cast<float>(b / sum)};
+using Halves = std::array<std::array<double, 1>, 16>;
+
+CellPairs cell_pairs_of(const Halves& weights, double unit) {
+    CellPairs pairs;
+    for (size_t n = 1; n < kPairs; n++) {
+        const double a = weights[2 * n][0], b = weights[2 * n + 1][0], sum = a + b, product = a * b;
+        const bool is_pair = product > 0;
+        const double scale = std::sqrt(sum / (is_pair ? product * unit : 1)), share = b / (is_pair ? sum : 1);
+        pairs.inverse_scale[n] = is_pair ? static_cast<float>(scale) : 0;
+        pairs.share_b[n] = is_pair ? static_cast<float>(share) : 0;
+    }
+    return pairs;
 }
 
 }  // namespace
 
-Pairs pairs_of(const Octree& tree, const std::vector<double>& weights, double unit) {
-    Pairs pairs(tree.leaf_count - 1);
-    using Sums = std::array<double, 1>;
+double area_of(uint32_t depth, uint32_t finest) {
+    return static_cast<double>(uint64_t{1} << 2 * (finest - depth));
+}
+
+Pairs pairs_of(const Octree& tree, std::span<const int16_t> factors, double unit) {
+    Pairs pairs(tree.divided_count);
     sum_up<1>(
-        tree, [&](uint32_t leaf) { return Sums{weights[leaf]}; },
-        [&](size_t pair, const Sums& a, const Sums& b) { pairs[pair] = pair_of(a[0], b[0], unit); });
+        tree, [&](uint32_t leaf, double area) { return std::array<double, 1>{area * factors[leaf]}; },
+        [&](size_t cell, uint8_t, const Halves& halves) { pairs[cell] = cell_pairs_of(halves, unit); });
     return pairs;
 }
 
-// Most cells are small: their pairs come from a table.
-Pairs pairs_of_areas(const Octree& tree, const std::vector<double>& areas) {
-    constexpr size_t kSmall = 32;
-    static const std::vector<Pair> kPairs = [] {
-        std::vector<Pair> all(kSmall * kSmall);
-        for (size_t a = 1; a < kSmall; a++)
-            for (size_t b = 1; b < kSmall; b++)
-                all[a * kSmall + b] = pair_of(static_cast<double>(a), static_cast<double>(b), 1);
+// Most cells have the finest leaves alone: their pairs come from a table, by which octants are cells.
+Pairs pairs_of_areas(const Octree& tree) {
+    static const std::vector<CellPairs> kOfFinest = [] {
+        std::vector<CellPairs> all(256);
+        for (uint32_t children = 0; children < 256; children++) {
+            Halves halves{};
+            for (size_t octant = 0; octant < 8; octant++) halves[8 + octant][0] = children >> octant & 1;
+            for (size_t n = 8; n-- > 1;) halves[n][0] = halves[2 * n][0] + halves[2 * n + 1][0];
+            all[children] = cell_pairs_of(halves, 1);
+        }
         return all;
     }();
-    Pairs pairs(tree.leaf_count - 1);
-    using Sums = std::array<double, 1>;
+    Pairs pairs(tree.divided_count);
     sum_up<1>(
-        tree, [&](uint32_t leaf) { return Sums{areas[leaf]}; },
-        [&](size_t pair, const Sums& a, const Sums& b) {
-            const bool small = a[0] < kSmall && b[0] < kSmall;
-            pairs[pair] =
-                small ? kPairs[static_cast<size_t>(a[0]) * kSmall + static_cast<size_t>(b[0])] : pair_of(a[0], b[0], 1);
+        tree, [](uint32_t, double area) { return std::array<double, 1>{area}; },
+        [&](size_t cell, uint8_t children, const Halves& halves) {
+            const bool is_finest = halves[1][0] == octant_count(children);
+            pairs[cell] = is_finest ? kOfFinest[children] : cell_pairs_of(halves, 1);
         });
     return pairs;
 }
 
-std::vector<double> areas_of(const std::vector<Leaf>& leaves, uint32_t depth) {
-    std::array<double, kDepths> of_depth;
-    for (uint32_t d = 0; d <= depth; d++) of_depth[d] = std::exp2(2 * (depth - d));
-    std::vector<double> areas(leaves.size());
-    for (size_t i = 0; i < leaves.size(); i++) areas[i] = of_depth[leaves[i].depth];
-    return areas;
-}
-
-Coefficients transform(const Octree& tree, const Pairs& pairs, const std::vector<double>& weights,
+Coefficients transform(const Octree& tree, const Pairs& pairs, std::span<const int16_t> factors,
                        std::span<const int16_t> leaves) {
     Coefficients result;
     result.values.resize(pairs.size());
     using Sums = std::array<double, 2>;  // of weights, of values by weight: whole numbers, so that none is rounded
     const Sums root = sum_up<2>(
         tree,
-        [&](uint32_t leaf) {
-            return Sums{weights[leaf], weights[leaf] * leaves[leaf]};
+        [&](uint32_t leaf, double area) {
+            const double weight = factors.empty() ? area : area * factors[leaf];
+            return Sums{weight, weight * leaves[leaf]};
         },
-        [&](size_t pair, const Sums& a, const Sums& b) {
-            result.values[pair] = (b[1] / b[0] - a[1] / a[0]) / double{pairs[pair].inverse_scale};
+        [&](size_t cell, uint8_t, const std::array<Sums, 16>& halves) {
+            for (size_t n = 1; n < kPairs; n++) {
+                const Sums &a = halves[2 * n], &b = halves[2 * n + 1];
+                if (a[0] > 0 && b[0] > 0)
+                    result.values[cell][n] = (b[1] / b[0] - a[1] / a[0]) / double{pairs[cell].inverse_scale[n]};
+            }
         });
     result.root = root[1] / root[0];
     return result;

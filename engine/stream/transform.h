@@ -13,62 +13,70 @@
 
 namespace neuvv::stream {
 
-// How a cell is divided into its octants: into halves by z, these by y, these by x, where both halves have cells; a
-// value stands for a half, or for both where the other is empty. Values are kept in a list, in which the cell's own
-// comes first. Split k takes the value at from[k], which becomes that of the first half, and appends that of the
-// second. At the end, the value of the cell's child r is at order[r].
+// The pairs of halves of a cell, numbered as a heap: pair 1 divides the cell by z, 2 and 3 divide its halves by y, 4 to
+// 7 theirs by x. Half 2n and half 2n + 1 are those of pair n; halves 8 to 15 are the octants 0 to 7. Where one half has
+// no cells, there is no such pair.
+constexpr size_t kPairs = 8;  // 0 is none
+
+// Which pairs a cell has, by its children.
 struct Splits {
-    uint8_t count = 0;  // one less than the octants
-    std::array<uint8_t, 7> from{};
-    std::array<uint8_t, 8> order{};
+    uint8_t count = 0;                  // of pairs: one less than the octants that are cells
+    std::array<uint8_t, 7> pair{};      // their numbers, in order
+    std::array<uint8_t, 7> above{};     // by pair, in that order: 0, or 1 more than the place of the pair above it
+    std::array<uint8_t, 8> of_child{};  // the same of the cell's child r
+    std::array<uint8_t, 8> octant{};    // of the cell's child r; 0 where there are fewer
 };
 
-// By which octants are cells.
 constexpr std::array<Splits, 256> kSplits = [] {
     std::array<Splits, 256> all{};
     for (uint32_t children = 1; children < 256; children++) {
         Splits& splits = all[children];
-        std::array<uint8_t, 8> place{};  // in the list, of the value for the octants from each one on
-        for (uint32_t s = 4; s > 0; s /= 2)
-            for (uint32_t i = 0; i < 8; i += 2 * s) {
-                const uint32_t half = (1u << s) - 1;
-                if (!(children >> (i + s) & half)) continue;
-                place[i + s] = place[i];
-                if (!(children >> i & half)) continue;
-                splits.from[splits.count++] = place[i];
-                place[i + s] = splits.count;
+        std::array<bool, 16> has_cells{};
+        for (uint32_t octant = 0; octant < 8; octant++) has_cells[8 + octant] = children >> octant & 1;
+        for (uint32_t n = 7; n > 0; n--) has_cells[n] = has_cells[2 * n] || has_cells[2 * n + 1];
+        std::array<uint8_t, 16> above{};  // by half
+        for (uint8_t n = 1; n < 8; n++) {
+            if (has_cells[2 * n] && has_cells[2 * n + 1]) {
+                splits.pair[splits.count] = n;
+                splits.above[splits.count++] = above[n];
+                above[2 * n] = above[2 * n + 1] = splits.count;
+            } else {
+                above[2 * n] = above[2 * n + 1] = above[n];
             }
+        }
         uint32_t child = 0;
-        for (uint32_t octant = 0; octant < 8; octant++)
-            if (children >> octant & 1) splits.order[child++] = place[octant];
+        for (uint8_t octant = 0; octant < 8; octant++)
+            if (has_cells[8 + octant]) {
+                splits.of_child[child] = above[8 + octant];
+                splits.octant[child++] = octant;
+            }
     }
     return all;
 }();
 
-// Two halves of a cell that are split.
-struct Pair {
-    float inverse_scale = 0;  // of the coefficient: √(w / (w_a w_b))
-    float share_b = 0;        // w_b / w
+// What a cell's pairs do with their coefficients; all is 0 where there is no pair.
+struct alignas(16) CellPairs {
+    std::array<float, kPairs> inverse_scale{};  // √(w / (w_a w_b)), w the weights of the two halves and of both
+    std::array<float, kPairs> share_b{};        // w_b / w
 };
 
-// All pairs, one less than leaves: those of the root first, depth by depth, in each depth in order of cells, in each
-// cell in order of splits.
-using Pairs = std::vector<Pair>;
+// Of the cells that are divided, which are those that are no leaves: those of the root first, depth by depth, in each
+// depth in order.
+using Pairs = std::vector<CellPairs>;
 
-// The pairs of a tree by the weights of its leaves, which must be whole numbers, in units of `unit`.
-Pairs pairs_of(const Octree& tree, const std::vector<double>& weights, double unit);
-// The same where the weights are areas, in units of 1.
-Pairs pairs_of_areas(const Octree& tree, const std::vector<double>& areas);
+// A leaf's weight is its area, 1 for the finest, 4 for the next, times its factor where there are any.
+double area_of(uint32_t depth, uint32_t finest);
+// The pairs of a tree by weights in units of 1, and with factors in units of `unit`.
+Pairs pairs_of_areas(const Octree& tree);
+Pairs pairs_of(const Octree& tree, std::span<const int16_t> factors, double unit);
 
-// The area of each leaf as a weight: 1 for the finest, 4 for the next.
-std::vector<double> areas_of(const std::vector<Leaf>& leaves, uint32_t depth);
-
-// The coefficients of a plane, (b − a) / inverse_scale by pair, and the mean of the root.
+// The coefficients of a plane, (b − a) / inverse_scale, kPairs for each cell that is divided, and the mean of the root.
 struct Coefficients {
     double root = 0;
-    std::vector<double> values;
+    std::vector<std::array<double, kPairs>> values;  // 0 where there is no pair
 };
-Coefficients transform(const Octree& tree, const Pairs& pairs, const std::vector<double>& weights,
+// `factors` may be empty.
+Coefficients transform(const Octree& tree, const Pairs& pairs, std::span<const int16_t> factors,
                        std::span<const int16_t> leaves);
 
 }  // namespace neuvv::stream
