@@ -61,7 +61,7 @@ media::LinearImage ComparedViews::light_of_still(const voctree::VOctree& tree, s
     settings.height = size_.height;
     settings.samples = kDefaultSamples;
     renderer.render(views_[i].camera, settings);
-    return render::linear_image(renderer.radiance(), renderer.depth(), size_.width, size_.height, kDefaultSamples);
+    return render::linear_image(renderer.radiance(), renderer.depth(), views_[i].camera, kDefaultSamples);
 }
 
 double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {
