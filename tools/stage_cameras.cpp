@@ -50,14 +50,8 @@ struct PathOptions : StageTarget {
 };
 
 // A key at a time, with the transform and angle of view that the camera of the stage has then.
-stage::CameraPathKey key_of(const stage::Stage& stage, const std::string& name, double time_s) {
-    const stage::Camera camera = stage::camera_of(stage, name, stage::stage_at(stage, time_s), 2, 2);
-    stage::CameraPathKey key;
-    key.time_s = time_s;
-    key.position = glm::dvec3(camera.world_from_camera[3]);
-    key.world_from_camera = glm::normalize(glm::quat_cast(glm::dmat3(camera.world_from_camera)));
-    key.angle_y = 2 * std::atan(0.5 * camera.height / camera.fy);
-    return key;
+stage::CameraPathKey key_at(const stage::Stage& stage, const std::string& camera, double time_s) {
+    return stage::key_of(stage::camera_of(stage, camera, stage::stage_at(stage, time_s), 2, 2), time_s);
 }
 
 // Sets the path, with the options that concern it as a whole.
@@ -75,7 +69,7 @@ std::string change_path(stage::StageFile& file, const PathOptions& options) {
     const stage::Stage stage = stage::make_stage(file);
     const double frame_s = 1 / stage.fps;
     if (options.from) return change_whole_path(file, options, training::read_camera_path(*options.from, stage.fps));
-    if (options.key_s) return edit::add_path_key(file, key_of(stage, options.camera, *options.key_s), frame_s);
+    if (options.key_s) return edit::add_path_key(file, key_at(stage, options.camera, *options.key_s), frame_s);
     if (options.remove_key) return edit::remove_path_key(file, *options.remove_key);
     if (options.move_key) return edit::move_path_key(file, *options.move_key, *options.to_s, frame_s);
     if (!options.interpolation && !options.cyclic && !options.duration_s)
@@ -90,7 +84,10 @@ void add_path_verb(Command stage) {
         stage, "path", "Give a stage a camera path, and change it; `neuvv render --camera path` follows it",
         change_path);
     Command what = verb.add_group("One of these");
-    what.add_option("--from", options.from, "The path of a file: instant-ngp's, nerfstudio's, a transforms.json");
+    what.add_option(
+        "--from", options.from,
+        "The path of a file: instant-ngp's, nerfstudio's, a transforms.json, OpenUSD's camera (.usda), or that of a "
+        "glTF scene (.glb, .gltf)");
     Option key = what.add_option("--key", options.key_s, "A key at this second of the stage")
                      .number_between(0, stage::kMaxStageSeconds);
     what.add_option("--remove-key", options.remove_key, "Remove the key of this number, from 0");

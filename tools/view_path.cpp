@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "training/evaluate.h"
 #include "voctree/occupied_box.h"
 
@@ -119,7 +120,8 @@ std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& 
 }
 
 bool names_camera_path(const std::string& camera) {
-    return std::filesystem::path(camera).extension() == ".json";
+    const std::string ending = lower_case(std::filesystem::path(camera).extension().string());
+    return ending == ".json" || ending == ".usda" || ending == ".glb" || ending == ".gltf";
 }
 
 size_t path_images(const stage::CameraPath& path, double fps, double still_s) {

@@ -41,8 +41,8 @@ stage::Camera centred_camera(media::ImageSize size, double focal_length_px, cons
 std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& playback, uint32_t clip_frames,
                                  media::ImageSize size, media::ImageSize fallback);
 
-// Whether the --camera of a stage is a camera path, which is a file named .json; else it is the name of one of the
-// stage's cameras.
+// Whether the --camera of a stage is a camera path, a file that ends with .json, .usda, .glb or .gltf; else it is the
+// name of one of the stage's cameras.
 bool names_camera_path(const std::string& camera);
 
 // How many images a path has at a rate; an open path shows both of its ends. A path of one key without a clip time is a

@@ -2,16 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <glm/gtc/matrix_access.hpp>
 #include <numbers>
 
 #include "base/error.h"
 #include "base/platform.h"
-#include "media/image.h"
+#include "base/text.h"
+#include "interchange/camera_usd.h"
 #include "stage/camera_path_json.h"
-#include "training/transforms.h"
+#include "stage/evaluated_stage.h"
+#include "training/camera_path_formats.h"
 
 namespace neuvv::training {
 
@@ -19,33 +19,7 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr double kNgpDefault_s = 5;      // instant-ngp's duration, where the file gives none
-constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length
 constexpr double kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
-constexpr double kMinFps = 0.01, kMaxFps = 1e4;
-
-void set_pose(stage::CameraPathKey& key, const glm::dmat4& world_from_camera) {
-    key.position = glm::dvec3(world_from_camera[3]);
-    key.world_from_camera = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
-}
-
-double degrees(const JsonNode& node) {
-    return json_number(node, kMinAngle_deg, kMaxAngle_deg, "an angle of view in degrees") * std::numbers::pi / 180;
-}
-
-// Checks what CameraPath promises about the times of its keys.
-void expect_path_times(const stage::CameraPath& path, const JsonNode& keys) {
-    for (size_t i = 1; i < path.keys.size(); ++i)
-        if (!(path.keys[i].time_s > path.keys[i - 1].time_s))
-            keys[i].fail(fmt::format("is at {} s, not after the key before it", path.keys[i].time_s),
-                         "give times that ascend");
-    const double last = path.keys.back().time_s;
-    const bool long_enough = path.cyclic ? path.duration_s > last : path.duration_s >= last;
-    if (path.keys.size() > 1 && !long_enough)
-        keys[path.keys.size() - 1].fail(
-            fmt::format("is at {} s of a path of {} s", last, path.duration_s),
-            path.cyclic ? "give a loop time to come back to its first key" : "give the whole duration");
-}
 
 // One frame of a transforms.json as a key, without its time.
 stage::CameraPathKey key_of(const TransformsFrame& frame, const std::string& file) {
@@ -107,181 +81,6 @@ stage::CameraPath transforms_path(const JsonFile& file, double views_per_s) {
     return path;
 }
 
-// R is a unit quaternion (x, y, z, w) and T a position: both take camera coordinates with OpenCV axes (x right, y down,
-// z forward) to instant-ngp's cube.
-stage::CameraPathKey ngp_key(const JsonNode& node, const NgpCube& cube) {
-    for (const char* name : {"R", "T", "fov"})
-        if (!node.has(name)) node.fail(fmt::format("has no {}", name), "save the camera path with instant-ngp");
-    expect_array(node["R"], 4);
-    expect_array(node["T"], 3);
-    double r[4];
-    glm::dvec3 position;
-    for (size_t i = 0; i < 4; ++i) r[i] = json_number(node["R"][i]);
-    for (size_t i = 0; i < 3; ++i) position[static_cast<int>(i)] = json_number(node["T"][i]);
-    const glm::dquat turn(r[3], r[0], r[1], r[2]);
-    if (std::abs(glm::length(turn) - 1) > kUnitTolerance)
-        node["R"].fail("is not a unit quaternion", "give x, y, z, w of a rotation");
-    // Directions are transformed as positions are, but without scale and offset.
-    const NgpCube turned{1, glm::dvec3(0)};
-    const glm::dmat3 axes = glm::mat3_cast(glm::normalize(turn));
-    glm::dmat4 pose(
-        glm::dvec4(kYUpFromZUp * turned.to_world(axes[0]), 0), glm::dvec4(kYUpFromZUp * turned.to_world(-axes[1]), 0),
-        glm::dvec4(kYUpFromZUp * turned.to_world(-axes[2]), 0), glm::dvec4(kYUpFromZUp * cube.to_world(position), 1));
-    expect_rigid(node, pose);
-    stage::CameraPathKey key;
-    set_pose(key, pose);
-    key.angle_y = degrees(node["fov"]);
-    return key;
-}
-
-// The timestamps of keys. A key's timestamp is the time of the *next* key: the first key is at 0, and the timestamp of
-// the last key is the end of a loop. Where timestamps do not ascend, instant-ngp spaces keys evenly.
-std::vector<double> ngp_stamps(const JsonNode& keys) {
-    const size_t count = keys.value.size();
-    std::vector<double> stamps;
-    bool ascend = true;
-    for (size_t i = 0; i < count; ++i) {
-        const JsonNode key = keys[i];
-        const double stamp = key.has("timestamp") ? json_number(key["timestamp"]) : 0;
-        ascend = ascend && stamp > (i ? stamps.back() : 0) && stamp <= kMaxPathSeconds;
-        stamps.push_back(stamp);
-    }
-    if (!ascend)
-        for (size_t i = 0; i < count; ++i) stamps[i] = static_cast<double>(i + 1) / static_cast<double>(count);
-    return stamps;
-}
-
-stage::CameraPath ngp_path(const JsonNode& root) {
-    const JsonNode keys = root["path"];
-    expect_list(keys);
-    stage::CameraPath path;
-    path.cyclic = root.has("loop") && json_flag(root["loop"]);
-    const NgpCube cube = read_ngp_cube(root);
-    const std::vector<double> stamps = ngp_stamps(keys);
-    const size_t count = stamps.size();
-    const double whole = path.cyclic ? stamps[count - 1] : count > 1 ? stamps[count - 2] : 1;
-    path.duration_s = kNgpDefault_s;
-    if (root.has("duration_seconds"))
-        path.duration_s = json_number(root["duration_seconds"], 1e-3, kMaxPathSeconds, "a duration in seconds");
-    if (root.has("spline_order")) {
-        const double order = json_number(root["spline_order"], 0, 3, "the order of a spline");
-        path.interpolation = order < 1   ? stage::Interpolation::kCut
-                             : order < 2 ? stage::Interpolation::kLinear
-                                         : stage::Interpolation::kSmooth;
-    }
-    for (size_t i = 0; i < count; ++i) {
-        stage::CameraPathKey key = ngp_key(keys[i], cube);
-        key.time_s = i == 0 ? 0 : stamps[i - 1] * (path.duration_s / whole);
-        path.keys.push_back(key);
-    }
-    if (!path.cyclic) path.duration_s = path.keys.back().time_s;
-    expect_path_times(path, keys);
-    return path;
-}
-
-// nerfstudio's data parser turns, moves and scales the world of a data set. This takes poses back to the data set's
-// world, with +Y up, by the `transform` and `scale` of dataparser_transforms.json, where they were added to the file.
-struct NerfstudioWorld {
-    glm::dmat4 dataset_from_parsed{1};
-    double scale = 1;
-
-    explicit NerfstudioWorld(const JsonNode& root) {
-        if (root.has("transform")) dataset_from_parsed = glm::inverse(json_pose(root["transform"]));
-        if (root.has("scale")) scale = json_number(root["scale"], 1 / kMaxDistance_m, kMaxDistance_m, "a scale");
-    }
-    glm::dmat4 pose(glm::dmat4 parsed) const {
-        parsed[3] = glm::dvec4(glm::dvec3(parsed[3]) / scale, 1);
-        return glm::dmat4(kYUpFromZUp) * dataset_from_parsed * parsed;
-    }
-};
-
-stage::CameraPathKey nerfstudio_key(const JsonNode& node, const char* matrix, const NerfstudioWorld& world) {
-    for (const char* name : {matrix, "fov"})
-        if (!node.has(name)) node.fail(fmt::format("has no {}", name), "save the path in nerfstudio's render panel");
-    const JsonNode numbers = node[matrix];
-    if (numbers.value.is_string())
-        numbers.fail("is text, as old viewers wrote keyframes", "save the path anew, with its camera_path");
-    expect_array(numbers, 16);
-    glm::dmat4 parsed(1);
-    for (size_t i = 0; i < 16; ++i) parsed[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = json_number(numbers[i]);
-    if (glm::length(glm::row(parsed, 3) - glm::dvec4(0, 0, 0, 1)) > 1e-3)
-        numbers.fail("does not end with 0 0 0 1", "give 4×4 numbers row by row, camera to world");
-    expect_rigid(numbers, parsed);
-    stage::CameraPathKey key;
-    set_pose(key, world.pose(parsed));
-    key.angle_y = degrees(node["fov"]);
-    if (node.has("render_time") && !node["render_time"].value.is_null())
-        key.clip_time = json_number(node["render_time"], 0, 1, "a time of the clip");
-    return key;
-}
-
-double nerfstudio_seconds(const JsonNode& node, const char* name) {
-    return json_number(node[name], 1e-6, kMaxPathSeconds, "a duration in seconds");
-}
-
-// `camera_path` lists every image of the path, `fps` of them a second.
-void add_nerfstudio_images(stage::CameraPath& path, const JsonNode& root) {
-    if (path.fps == 0) root.fail("has no fps", "save the path in nerfstudio's render panel");
-    const double fps = path.fps;
-    const NerfstudioWorld world(root);
-    const JsonNode images = root["camera_path"];
-    for (size_t i = 0; i < images.value.size(); ++i) {
-        path.keys.push_back(nerfstudio_key(images[i], "camera_to_world", world));
-        path.keys.back().time_s = static_cast<double>(i) / fps;
-    }
-    path.duration_s = static_cast<double>(path.keys.size() - (path.cyclic ? 0 : 1)) / fps;
-    expect_path_times(path, images);
-}
-
-// Where there are only `keyframes`, each has the time that it takes from the key before; the first key of a cycle has
-// the time from the last.
-void add_nerfstudio_keys(stage::CameraPath& path, const JsonNode& root) {
-    const JsonNode keys = root["keyframes"];
-    const auto steps = static_cast<double>(std::max<size_t>(1, keys.value.size() - (path.cyclic ? 0 : 1)));
-    double usual = 0;
-    if (root.has("default_transition_sec"))
-        usual = nerfstudio_seconds(root, "default_transition_sec");
-    else if (root.has("seconds"))
-        usual = nerfstudio_seconds(root, "seconds") / steps;
-    else
-        root.fail("has neither default_transition_sec nor seconds", "save the path in nerfstudio's render panel");
-    const NerfstudioWorld world(root);
-    double first_step = 0;
-    for (size_t i = 0; i < keys.value.size(); ++i) {
-        const JsonNode node = keys[i];
-        stage::CameraPathKey key = nerfstudio_key(node, "matrix", world);
-        const bool overridden = node.has("override_transition_enabled") &&
-                                json_flag(node["override_transition_enabled"]) && node.has("override_transition_sec");
-        const double step = overridden ? nerfstudio_seconds(node, "override_transition_sec") : usual;
-        if (i == 0)
-            first_step = step;
-        else
-            key.time_s = path.keys.back().time_s + step;
-        path.keys.push_back(key);
-    }
-    path.duration_s = path.keys.back().time_s + (path.cyclic ? first_step : 0);
-    expect_path_times(path, keys);
-}
-
-stage::CameraPath nerfstudio_path(const JsonNode& root) {
-    if (root.has("camera_type") && json_string(root["camera_type"]) != "perspective")
-        root["camera_type"].fail("is not perspective: images are rendered by pinholes", "save a perspective path");
-    stage::CameraPath path;
-    path.cyclic = root.has("is_cycle") && json_flag(root["is_cycle"]);
-    if (root.has("render_width") && root.has("render_height")) {
-        const auto side = [&](const char* name) {
-            return static_cast<uint32_t>(json_number(root[name], 1, media::kMaxImageSide, "an image's size"));
-        };
-        path.width = side("render_width");
-        path.height = side("render_height");
-    }
-    if (root.has("fps")) path.fps = json_number(root["fps"], kMinFps, kMaxFps, "a rate of images");
-    const bool images = root.has("camera_path") && (!root["camera_path"].value.empty() || !root.has("keyframes"));
-    expect_list(root[images ? "camera_path" : "keyframes"]);
-    (images ? add_nerfstudio_images : add_nerfstudio_keys)(path, root);
-    return path;
-}
-
 json frame_json(const stage::CameraPath& path, const stage::CameraPathKey& key) {
     json frame = {{"seconds", key.time_s}};
     const glm::dmat3 axes = glm::mat3_cast(key.world_from_camera);
@@ -305,7 +104,33 @@ json frame_json(const stage::CameraPath& path, const stage::CameraPathKey& key) 
 
 }  // namespace
 
+void set_pose(stage::CameraPathKey& key, const glm::dmat4& world_from_camera) {
+    key.position = glm::dvec3(world_from_camera[3]);
+    key.world_from_camera = glm::normalize(glm::quat_cast(glm::dmat3(world_from_camera)));
+}
+
+double path_degrees(const JsonNode& node) {
+    return json_number(node, kMinAngle_deg, kMaxAngle_deg, "an angle of view in degrees") * std::numbers::pi / 180;
+}
+
+// Checks what CameraPath promises about the times of its keys.
+void expect_path_times(const stage::CameraPath& path, const JsonNode& keys) {
+    for (size_t i = 1; i < path.keys.size(); ++i)
+        if (!(path.keys[i].time_s > path.keys[i - 1].time_s))
+            keys[i].fail(fmt::format("is at {} s, not after the key before it", path.keys[i].time_s),
+                         "give times that ascend");
+    const double last = path.keys.back().time_s;
+    const bool long_enough = path.cyclic ? path.duration_s > last : path.duration_s >= last;
+    if (path.keys.size() > 1 && !long_enough)
+        keys[path.keys.size() - 1].fail(
+            fmt::format("is at {} s of a path of {} s", last, path.duration_s),
+            path.cyclic ? "give a loop time to come back to its first key" : "give the whole duration");
+}
+
 stage::CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s) {
+    const std::string ending = lower_case(file.extension().string());
+    if (ending == ".usda") return interchange::read_camera_usda(file);
+    if (ending == ".gltf" || ending == ".glb") return stage::path_of_camera(stage::load_stage(file), "", views_per_s);
     const JsonFile document = read_json(file, "a camera path: a transforms.json, or one of instant-ngp or nerfstudio");
     const JsonNode root = document.root();
     if (root.has("frames")) return transforms_path(document, views_per_s);

@@ -1,4 +1,5 @@
-// Camera paths as files: NeuVV's own, instant-ngp's and nerfstudio's. training/README.md says what is read from each.
+// Camera paths as files: NeuVV's own, instant-ngp's, nerfstudio's, and cameras of glTF and OpenUSD. training/README.md
+// says what is read from each, and what is written.
 #pragma once
 
 #include <filesystem>
@@ -7,12 +8,25 @@
 
 namespace neuvv::training {
 
-// Recognises the format by its keys: `frames` (a transforms.json), `path` (instant-ngp), `camera_path` or `keyframes`
-// (nerfstudio). The frames of a transforms.json without `seconds` are separate views, `views_per_s` of them a second
-// (Interpolation::kCut). Throws InputError with the file and the place in its JSON.
+// A .usda has OpenUSD's camera, a .gltf or .glb that of a stage, with `views_per_s` keys a second where it moves
+// (stage::path_of_camera). Of JSON, recognises the format by its keys: `frames` (a transforms.json), `path`
+// (instant-ngp), `camera_path` or `keyframes` (nerfstudio). The frames of a transforms.json without `seconds` are
+// separate views, `views_per_s` of them a second (Interpolation::kCut). Throws InputError with the file and the place
+// in its JSON.
 stage::CameraPath read_camera_path(const std::filesystem::path& file, double views_per_s);
 
 // Writes a transforms.json with `seconds`, which reads back as the same path. The file is replaced atomically.
 void write_camera_path(const std::filesystem::path& file, const stage::CameraPath& path);
+
+// Both write images (stage::by_images, which have a size and fps) for other programs, in a world with +Z up.
+// read_camera_path reads the same images back. `world` may be empty; else it is the file by which that program moved
+// the world of the data set: instant-ngp's transforms.json with `scale` and `offset`, or nerfstudio's
+// dataparser_transforms.json with `transform` and `scale`; these members are added to the file, so that it can be read
+// back. Lenses have square pixels and no shift. The file is replaced atomically. Throws InputError for a bad `world`.
+void write_ngp_path(const std::filesystem::path& file, const stage::CameraPath& images,
+                    const std::filesystem::path& world);
+// `path` has the keys of which the images were made, which nerfstudio's viewer shows.
+void write_nerfstudio_path(const std::filesystem::path& file, const stage::CameraPath& path,
+                           const stage::CameraPath& images, const std::filesystem::path& world);
 
 }  // namespace neuvv::training

@@ -58,10 +58,14 @@ Transforms read_transforms(const std::filesystem::path& file);
 Transforms transforms_of(const JsonFile& file);
 
 // instant-ngp maps a position p of the data set into a cube: p ↦ cycle(p · scale + offset), where cycle takes (x, y, z)
-// to (y, z, x). to_world() is the inverse.
+// to (y, z, x). from_world() does it, to_world() is the inverse.
 struct NgpCube {
     double scale = 0.33;
     glm::dvec3 offset{0.5};
+    glm::dvec3 from_world(const glm::dvec3& p) const {
+        const glm::dvec3 q = p * scale + offset;
+        return {q.y, q.z, q.x};
+    }
     glm::dvec3 to_world(const glm::dvec3& p) const { return (glm::dvec3(p.z, p.x, p.y) - offset) / scale; }
 };
 // The cube by the keys `scale` and `offset`, or instant-ngp's defaults where they are missing. Throws InputError.

@@ -1,9 +1,13 @@
 #include "stage/camera_path.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "base/error.h"
 
 namespace neuvv::stage {
 
@@ -256,6 +260,40 @@ Camera camera_at(const CameraPath& path, double time_s, uint32_t width, uint32_t
     camera.world_from_camera = glm::dmat4(glm::mat3_cast(key.world_from_camera));
     camera.world_from_camera[3] = glm::dvec4(key.position, 1);
     return camera;
+}
+
+CameraPathKey key_of(const Camera& camera, double time_s) {
+    CameraPathKey key;
+    key.time_s = time_s;
+    key.position = glm::dvec3(camera.world_from_camera[3]);
+    key.world_from_camera = glm::normalize(glm::quat_cast(glm::dmat3(camera.world_from_camera)));
+    key.angle_y = 2 * std::atan(0.5 * camera.height / camera.fy);
+    key.stretch = camera.fx / camera.fy;
+    key.shift = glm::dvec2(camera.cx - 0.5 * camera.width, camera.cy - 0.5 * camera.height) / (1.0 * camera.height);
+    return key;
+}
+
+CameraPath by_images(const CameraPath& path, double fps, uint32_t width, uint32_t height) {
+    constexpr double kRounding = 1e-6;  // of an image: a last key at i / fps is image i
+    double count = 1;
+    if (path.keys.size() > 1)
+        count = path.cyclic ? std::ceil(path.duration_s * fps - kRounding)
+                            : std::floor(path.duration_s * fps + kRounding) + 1;
+    if (!(count <= static_cast<double>(kMaxPathKeys)))
+        throw InputError("camera path", fmt::format("{:.6g} s at {:.6g} fps", path.duration_s, fps),
+                         fmt::format("has more than {} images", kMaxPathKeys), "choose fewer images a second");
+    CameraPath images;
+    images.interpolation = Interpolation::kLinear;
+    images.cyclic = path.cyclic && count > 1;
+    images.width = width;
+    images.height = height;
+    images.fps = fps;
+    for (double i = 0; i < count; ++i) {
+        images.keys.push_back(key_of(camera_at(path, i / fps, width, height), i / fps));
+        images.keys.back().clip_time = clip_time_at(path, i / fps);
+    }
+    images.duration_s = images.cyclic ? path.duration_s : images.keys.back().time_s;
+    return images;
 }
 
 std::optional<double> clip_time_at(const CameraPath& path, double time_s) {

@@ -28,6 +28,8 @@ enum class Interpolation {
     kCut,  // the camera stays at each key until the time of the next
 };
 
+constexpr size_t kMaxPathKeys = 65536;  // of a path in a file
+
 // There is at least one key; the keys' times ascend and are not negative. `duration_s` is at least the last key's time.
 // An open path stays at its last key from that time on. A cyclic path of several keys is back at its first key
 // `duration_s` after it, so its last key must be earlier than `duration_s`.
@@ -60,6 +62,14 @@ struct CameraPath {
 // kLinear: straight lines at constant speed, and turns at constant angular velocity (slerp), with the roll corrected as
 // above.
 Camera camera_at(const CameraPath& path, double time_s, uint32_t width, uint32_t height);
+
+// The key of a camera at a time.
+CameraPathKey key_of(const Camera& camera, double time_s);
+
+// The path as images of `width` × `height` pixels: a key for each, image i at i / fps seconds, linear in between. An
+// open path ends with the last image that is not later than its last key; a cyclic path stays cyclic. `fps` > 0. Throws
+// InputError for more than kMaxPathKeys images.
+CameraPath by_images(const CameraPath& path, double fps, uint32_t width, uint32_t height);
 
 // The clip time at `time_s`, 0 to 1; nothing between two keys of which one has no clip time.
 std::optional<double> clip_time_at(const CameraPath& path, double time_s);

@@ -9,7 +9,6 @@
 namespace neuvv::stage {
 
 constexpr const char* kInterpolationNames[] = {"smooth", "linear", "cut"};  // indexed by Interpolation
-constexpr size_t kMaxPathKeys = 65536;
 constexpr double kMinPathAngle_rad = 1e-3, kMaxPathAngle_rad = 3.14;
 
 // `place` is the path's location in the JSON, for error messages. Throws InputError where a number is out of range or

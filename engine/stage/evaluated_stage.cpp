@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-
 #include <charconv>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
@@ -110,6 +109,19 @@ const EvaluatedCamera& find_camera(const Stage& stage, const std::string& name_o
                 name_or_index.empty() ? "there is no perspective one" : fmt::format("none is \"{}\"", name_or_index));
 }
 
+// The last second at which an animation moves the node or one above it; 0 where none does.
+double last_motion_s(const GltfScene& scene, uint32_t node) {
+    std::vector<bool> carries(scene.nodes.size());
+    for (auto above = static_cast<int32_t>(node); above >= 0; above = scene.nodes[static_cast<size_t>(above)].parent)
+        carries[static_cast<size_t>(above)] = true;
+    double last = 0;
+    for (const GltfAnimation& animation : scene.animations)
+        for (const GltfChannel& channel : animation.channels)
+            if (carries[channel.node] && channel.path != GltfPath::kWeights)
+                last = std::max(last, static_cast<double>(channel.times.back()));
+    return last;
+}
+
 }  // namespace
 
 EvaluatedStage stage_at(const Stage& stage, double stage_s) {
@@ -160,6 +172,24 @@ Camera camera_of(const Stage& stage, const std::string& name_or_index, const Eva
     camera.cy = 0.5 * height;
     camera.fx = camera.fy = 0.5 * height / std::tan(0.5 * found.vertical_angle_rad);
     return camera;
+}
+
+CameraPath path_of_camera(const Stage& stage, const std::string& name_or_index, double fps) {
+    const EvaluatedStage first = stage_at(stage, 0);
+    const auto key_at = [&](double time_s) {
+        return key_of(camera_of(stage, name_or_index, stage_at(stage, time_s), 2, 2), time_s);
+    };
+    CameraPath path;
+    path.interpolation = Interpolation::kLinear;
+    path.keys.push_back(key_at(0));
+    const double last_s = last_motion_s(stage.scene, find_camera(stage, name_or_index, first).node);
+    const double count = std::ceil(last_s * fps - 1e-6);
+    if (!(count < static_cast<double>(kMaxPathKeys)))
+        throw InputError(stage.file.path.string(), "", fmt::format("has animations of {:.6g} s", last_s),
+                         "choose fewer images a second");
+    for (double i = 1; i <= count; ++i) path.keys.push_back(key_at(i / fps));
+    path.duration_s = path.keys.back().time_s;
+    return path;
 }
 
 }  // namespace neuvv::stage

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "stage/camera.h"
+#include "stage/camera_path.h"
 #include "stage/pose.h"
 #include "stage/stage.h"
 
@@ -63,5 +63,10 @@ bool has_camera(const EvaluatedStage& evaluated);
 // lists the stage's cameras where none or several match, or where the camera is orthographic.
 Camera camera_of(const Stage& stage, const std::string& name_or_index, const EvaluatedStage& evaluated, uint32_t width,
                  uint32_t height);
+
+// A camera of the stage, chosen as by camera_of, as a path: where animations move it, a key `fps` times a second from 0
+// s to the end of the last of them, linear in between; else one key. Throws InputError as camera_of does, and for more
+// than kMaxPathKeys keys.
+CameraPath path_of_camera(const Stage& stage, const std::string& name_or_index, double fps);
 
 }  // namespace neuvv::stage

@@ -3,6 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "interchange/splat_gltf.h"
+#include "interchange/usd_xform.h"
+#include "stage/evaluated_stage.h"
 #include "stage/stage.h"
 #include "support/input_error.h"
 #include "tests/stage/stage_files.h"
@@ -87,6 +90,88 @@ TEST_F(StageVerb, AShowFromNothing) {
         EXPECT_NE(text.out.find(part), std::string::npos) << part << " not in: " << text.out;
     expect_done({"set", show, "anna", "--move", "1,0,0", "-o", file("other/copy.gltf")});
     EXPECT_EQ(stage::load_stage(file("other/copy.gltf")).clips.at(0).path, std::filesystem::canonical(clip));
+}
+
+// What other programs get of a stage's path and cameras, and what the program reads back.
+TEST_F(StageVerb, CamerasGoToOtherProgramsAndBack) {
+    expect_done({"new", show});
+    expect_done({"camera", show, "--add", "--name", "left", "--at", "-3,1.6,2", "--aim", "0,1,0", "--angle", "30"});
+    const auto exported = [&](const std::vector<std::string>& more, const std::string& said) {
+        std::vector<std::string> all = {"export", show};
+        all.insert(all.end(), more.begin(), more.end());
+        const ProgramResult result = run_neuvv(all);
+        EXPECT_EQ(result.code, 0) << result.err;
+        EXPECT_NE(result.out.find(said), std::string::npos) << result.out;
+    };
+    exported({"--as", "camera", "--camera", "left", "-o", file("left.usda")}, "1 images of 1280x720");
+    expect_done({"path", show, "--from", file("left.usda")});
+    EXPECT_NEAR(stage::load_stage(show).settings.camera_path->keys.at(0).angle_y, glm::radians(30.0), 1e-6);
+    expect_done({"path", show, "--key", "2", "--camera", "camera"});
+    const stage::CameraPath path = stage::load_stage(show).settings.camera_path.value();
+    for (const std::string name : {"nerfstudio", "instant-ngp"}) {
+        exported({"--as", name, "-o", file("path.json"), "--fps", "10", "--size", "640x360"},
+                 "21 images of 640x360, 10");
+        expect_done({"path", show, "--from", file("path.json")});
+        const stage::CameraPath back = stage::load_stage(show).settings.camera_path.value();
+        ASSERT_EQ(back.keys.size(), 21u) << name;
+        EXPECT_LT(glm::distance(back.keys[20].position, path.keys[1].position), 1e-6) << name;
+    }
+    exported({"--as", "camera", "-o", file("path.glb")}, "glTF has one angle of view");
+    expect_done({"path", show, "--from", file("path.glb")});
+    EXPECT_EQ(stage::load_stage(show).settings.camera_path->keys.size(), 51u) << "25 a second";
+    expect_refused({"export", show, "--as", "camera", "-o", file("path.json")}, 2, {"path.json", ".usda or .glb"});
+    expect_refused({"export", clip, "--as", "camera", "-o", file("path.usda")}, 2, {"eva.nvv", ".gltf"});
+    expect_refused({"export", show, "--as", "camera", "--camera", "nobody", "-o", file("path.usda")}, 2, {"nobody"});
+}
+
+// Performers, cameras and lights of an exported layout are, at each time, where the stage has them.
+TEST_F(StageVerb, LayoutsGoToOpenUsd) {
+    expect_done({"new", show});
+    expect_done({"add", show, clip, "--name", "anna b", "--at", "-1,0,0.5"});
+    expect_done({"set", show, "anna b", "--spin", "90"});
+    expect_done({"set", show, "--duration", "2"});
+    write_text(file("splats/anna b.usda"), "#usda 1.0\n");
+    const ProgramResult run = run_neuvv(
+        {"export", show, "--as", "layout", "-o", file("show.usda"), "--fps", "10", "--splats", file("splats")});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("1 performers, 1 lights, 1 cameras for 2 s"), std::string::npos) << run.out;
+    const stage::Stage stage = stage::load_stage(show);
+    const interchange::UsdLayer layer = interchange::read_usda(file("show.usda"));
+    EXPECT_EQ(layer.number("endTimeCode", 0), 20);
+    EXPECT_EQ(layer.number("timeCodesPerSecond", 0), 10);
+    EXPECT_EQ(layer.number("metersPerUnit", 0), 1);
+    EXPECT_EQ(layer.text("upAxis", ""), "Y");
+    const std::vector<interchange::UsdPrim>& prims = layer.prims.at(0).children;
+    ASSERT_EQ(prims.size(), 4u);
+    EXPECT_EQ(prims[0].name, "anna_b");
+    EXPECT_EQ(prims[0].metadata.at("references").texts.at(0), "./splats/anna b.usda");
+    EXPECT_EQ(prims[1].metadata.at("references").texts.at(0), "./show.gltf");
+    EXPECT_EQ(prims[2].type, "SphereLight");
+    EXPECT_EQ(prims[3].type, "Camera");
+    EXPECT_EQ(prims[2].attributes.at("inputs:intensity").value.numbers.at(0), 4 * 60);
+    EXPECT_NEAR(prims[2].attributes.at("inputs:shaping:cone:angle").value.numbers.at(0), 36, 1e-3);
+    for (const double code : {0.0, 3.0, 20.0}) {
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, code / 10);
+        const auto expect_at = [&](const interchange::UsdPrim& prim, const glm::dmat4& world) {
+            const glm::dmat4 written = interchange::usd_local_transform(prim, code, "show.usda");
+            for (int i = 0; i < 4; ++i) EXPECT_LT(glm::distance(written[i], world[i]), 1e-6) << prim.name << code;
+        };
+        expect_at(prims[0], evaluated.performers[0].world_from_performer);
+        expect_at(prims[2], evaluated.pose.world_from_node[evaluated.lights[0].node]);
+        expect_at(prims[3], evaluated.cameras[0].world_from_camera);
+        const auto frame = interchange::usd_value_at(prims[0].attributes.at("neuvv:frame"), code);
+        EXPECT_NEAR(frame.numbers.at(0), static_cast<double>(evaluated.performers[0].frame), 1e-4);
+    }
+}
+
+TEST_F(StageVerb, ExportedSplatsMayLieInAStage) {
+    interchange::Splats splats;
+    splats.splats.resize(3);
+    interchange::write_splat_glb(file("splats.glb"), std::vector<interchange::Splats>{splats}, 25);
+    const ProgramResult info_run = run_neuvv({"stage", "info", file("splats.glb")});
+    EXPECT_EQ(info_run.code, 0) << info_run.err;
+    EXPECT_NE(info_run.out.find("points or lines alone, which are not drawn: mesh 0"), std::string::npos)
+        << info_run.out;
 }
 
 // Sixteen lights shine and four cast shadows; `info` names those that do not.

@@ -11,6 +11,8 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "tools/export/export_run.h"
+#include "tools/export/stage_kinds.h"
+#include "tools/stage_verbs.h"
 
 namespace neuvv::tools {
 
@@ -27,11 +29,13 @@ struct Kind {
 const std::array kKinds = {
     Kind{"splats", {".ply", ".glb", ".usda"}, export_splats},
     Kind{"mesh", {".obj", ".glb", ".ply"}, export_meshes},
+    Kind{"plenoctree", {".npz"}, export_plenoctree},
 };
 
 std::vector<std::string> kind_names() {
     std::vector<std::string> names;
     for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+    for (const StageKind& kind : stage_kinds()) names.emplace_back(kind.name);
     return names;
 }
 
@@ -49,7 +53,31 @@ const Kind& kind_of(const ExportOptions& options) {
                      fmt::format("name it so, as in out_%04d{}", endings[0]));
 }
 
+// The kind of --as, where it is one of whole stages. Throws InputError where the output has another ending.
+const StageKind* stage_kind_of(const ExportOptions& options) {
+    const std::string ending = std::filesystem::path(options.output).extension().string();
+    for (const StageKind& kind : stage_kinds()) {
+        if (options.kind != kind.name) continue;
+        if (std::find(kind.endings.begin(), kind.endings.end(), ending) != kind.endings.end()) return &kind;
+        throw InputError("--output", options.output,
+                         fmt::format("does not end with {}", fmt::join(kind.endings, " or ")),
+                         fmt::format("name it so, as in {}{}", kind.name, kind.endings[0]));
+    }
+    return nullptr;
+}
+
+void write_stage(const ExportOptions& options, const StageKind& kind) {
+    expect_stage_name("scene", options.scene);
+    const std::string text = kind.write(options);
+    const uint64_t bytes = std::filesystem::file_size(options.output);
+    if (options.json)
+        fmt::print("{}", json_text({{"output", options.output}, {"files", 1}, {"bytes", bytes}}));
+    else
+        fmt::print("{}: {}, {}\n", options.output, size_text(bytes), text);
+}
+
 void run(const ExportOptions& options, const CommonOptions& common) {
+    if (const StageKind* stage = stage_kind_of(options)) return write_stage(options, *stage);
     const Kind& kind = kind_of(options);
     ExportedClip clip(read_published_scene(options.scene, options.performer, options.up));
     const std::string ending = std::filesystem::path(options.output).extension().string();
@@ -78,7 +106,10 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_option("-o,--output", options->output,
                     "out_%04d.ply, .glb, .usda or .obj for a file each frame; a .glb or .usda may hold them all")
         .required();
-    verb.add_option("--as", options->kind, "What each frame becomes; without it, the first that has the ending")
+    verb.add_option(
+            "--as", options->kind,
+            "What each frame becomes; without it, the first that has the ending. Of a stage also what its camera "
+            "becomes, see below")
         .one_of(kind_names());
     verb.add_option("--frames", options->frames, "FIRST:LAST of the clip (all)");
     verb.add_option("--most-splats", options->most_splats, "Of each frame: what agrees best is merged (no limit)");
@@ -98,6 +129,17 @@ void add_export(Command app, CommonOptions& common) {
         .show_default();
     verb.add_option("--size", options->size, "WIDTHxHEIGHT of them; splats look best at about this size")
         .show_default();
+    verb.add_option(
+        "--camera", options->camera,
+        "Of a stage's camera kinds: path (the stage's own, and the default where it has one), a camera's name "
+        "or index, or a file with a camera path");
+    verb.add_option("--fps", options->fps, "Of those, and of layout: images a second (the stage's)")
+        .number_between(0.01, 1e4);
+    verb.add_option(
+        "--world", options->world,
+        "Of those: nerfstudio's dataparser_transforms.json, or the transforms.json of instant-ngp's data set");
+    verb.add_option("--splats", options->splats,
+                    "Of the kind layout: a folder with the splats of performers, NAME.usda, to which it refers");
     add_up_option(verb, options->up);
     verb.add_flag("--resume", options->resume,
                   "Keep the numbered files that are there; give the same other options as before");
@@ -114,14 +156,22 @@ void add_export(Command app, CommonOptions& common) {
          "--as mesh: a closed surface around what images show, where a ray gets half of its opacity, and a texture of "
          "the clip's own\ncolours, as seen along the surface's normal: how they change with direction is lost. .glb is "
          "unlit glTF; .obj has a .mtl and\na .png beside it; .ply has colours of vertices. The loss is measured on the "
-         "middle frame: how well silhouettes agree (iou),\ndepth, PSNR.\n",
+         "middle frame: how well silhouettes agree (iou),\ndepth, PSNR.\n\n"
+         "A stage's camera becomes what --as says: camera is a .usda or an animated .glb, nerfstudio and instant-ngp "
+         "are the camera\npaths of those programs. --size is that of their images (1280x720). layout is a .usda of "
+         "where performers, lights and\ncameras are, and when.\n",
          kDeviceHelp, kExamplesHead,
          "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:4\n"
          "  neuvv export build/performer.nvv -o build/performer.glb --frames 0:4 --most-splats 20000\n"
          "  neuvv export build/performer.nvv -o build/performer.usda --frames 0 --most-splats 20000\n"
          "  neuvv export build/performer.nvv -o build/mesh_%04d.obj --frames 0:1\n"
-         "  neuvv export build/performer.nvv -o build/meshes.glb --as mesh --frames 0:1 --most-triangles 20000"});
-    verb.callback([options, &common] { run(*options, common); });
+         "  neuvv export build/performer.nvv -o build/meshes.glb --as mesh --frames 0:1 --most-triangles 20000\n"
+         "  neuvv export build/show.gltf --as nerfstudio -o build/camera_path.json\n"
+         "  neuvv export build/show.gltf --as layout -o build/show.usda"});
+    verb.callback([options, verb, &common] {
+        options->sized = verb.count("--size") > 0;
+        run(*options, common);
+    });
 }
 
 }  // namespace neuvv::tools

@@ -18,6 +18,10 @@ namespace neuvv::tools {
 
 struct ExportOptions {
     std::string scene, performer, output, kind, frames, size = "720x720";
+    bool sized = false;         // whether the user gave the size
+    std::string camera, world;  // of kinds that write cameras
+    std::string splats;         // of the kind layout
+    std::optional<double> fps;
     uint32_t most_splats = 0, views = 8;
     interchange::MeshSettings mesh;
     std::optional<voctree::UpAxis> up;
@@ -64,6 +68,8 @@ class FrameExport {
 // `ending` is that of the output, as in ".ply"; it is one of the kind's. The clip must outlive the result.
 std::unique_ptr<FrameExport> export_splats(const ExportOptions& options, const std::string& ending, ExportedClip& clip,
                                            const CommonOptions& common);
+std::unique_ptr<FrameExport> export_plenoctree(const ExportOptions& options, const std::string& ending,
+                                               ExportedClip& clip, const CommonOptions& common);
 
 std::unique_ptr<FrameExport> export_meshes(const ExportOptions& options, const std::string& ending, ExportedClip& clip,
                                            const CommonOptions& common);

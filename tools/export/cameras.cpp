@@ -1,0 +1,87 @@
+// Cameras of stages as paths of other programs.
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/output_path.h"
+#include "interchange/camera_gltf.h"
+#include "interchange/camera_usd.h"
+#include "stage/evaluated_stage.h"
+#include "tools/export/stage_kinds.h"
+#include "tools/options.h"
+#include "tools/view_path.h"
+#include "training/camera_path_file.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+constexpr const char* kStagePath = "path";  // the --camera that is the stage's own camera path, as for `neuvv render`
+
+struct ExportedCamera {
+    stage::CameraPath path, images;
+    std::string text() const {
+        return fmt::format("{} images of {}x{}, {:.6g} a second", images.keys.size(), images.width, images.height,
+                           images.fps);
+    }
+};
+
+ExportedCamera camera_of(const ExportOptions& options) {
+    if (!options.world.empty() && options.kind != "nerfstudio" && options.kind != "instant-ngp")
+        throw InputError("--world", options.world, "is for nerfstudio and instant-ngp", "leave it out");
+    const stage::Stage stage = stage::load_stage(options.scene);
+    const double fps = options.fps.value_or(stage.fps);
+    ExportedCamera camera;
+    if (names_camera_path(options.camera))
+        camera.path = training::read_camera_path(options.camera, fps);
+    else if (stage.settings.camera_path && (options.camera.empty() || options.camera == kStagePath))
+        camera.path = *stage.settings.camera_path;
+    else
+        camera.path = stage::path_of_camera(stage, options.camera, fps);
+    const media::ImageSize size = options.sized ? parse_size(options.size) : kStageSize;
+    camera.images = stage::by_images(camera.path, fps, size.width, size.height);
+    prepare_output_file("--output", options.output);
+    return camera;
+}
+
+std::string write_camera(const ExportOptions& options) {
+    const ExportedCamera camera = camera_of(options);
+    if (std::filesystem::path(options.output).extension() == ".usda") {
+        interchange::write_camera_usda(options.output, camera.images);
+        return camera.text();
+    }
+    interchange::write_camera_glb(options.output, camera.images);
+    double low = camera.images.keys[0].angle_y, high = low;
+    for (const stage::CameraPathKey& key : camera.images.keys) {
+        low = std::min(low, key.angle_y);
+        high = std::max(high, key.angle_y);
+    }
+    if (high - low < 1e-6) return camera.text();
+    return fmt::format("{}; glTF has one angle of view: {:.1f}° in place of {:.1f}° to {:.1f}°", camera.text(),
+                       glm::degrees(camera.images.keys[0].angle_y), glm::degrees(low), glm::degrees(high));
+}
+
+std::string write_nerfstudio(const ExportOptions& options) {
+    const ExportedCamera camera = camera_of(options);
+    training::write_nerfstudio_path(options.output, camera.path, camera.images, options.world);
+    return camera.text();
+}
+
+std::string write_ngp(const ExportOptions& options) {
+    const ExportedCamera camera = camera_of(options);
+    training::write_ngp_path(options.output, camera.images, options.world);
+    return camera.text();
+}
+
+}  // namespace
+
+const std::vector<StageKind>& stage_kinds() {
+    static const std::vector<StageKind> kinds = {
+        {"camera", {".usda", ".glb"}, write_camera},
+        {"layout", {".usda"}, write_layout},
+        {"nerfstudio", {".json"}, write_nerfstudio},
+        {"instant-ngp", {".json"}, write_ngp},
+    };
+    return kinds;
+}
+
+}  // namespace neuvv::tools

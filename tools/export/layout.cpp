@@ -1,0 +1,20 @@
+// The layout of stages for OpenUSD.
+#include <fmt/format.h>
+
+#include "base/output_path.h"
+#include "interchange/stage_usd.h"
+#include "stage/evaluated_stage.h"
+#include "tools/export/stage_kinds.h"
+
+namespace neuvv::tools {
+
+std::string write_layout(const ExportOptions& options) {
+    const stage::Stage stage = stage::load_stage(options.scene);
+    prepare_output_file("--output", options.output);
+    interchange::write_stage_usda(options.output, stage, {options.fps.value_or(stage.fps), options.splats});
+    const stage::EvaluatedStage first = stage::stage_at(stage, 0);
+    return fmt::format("{} performers, {} lights, {} cameras for {:.6g} s", stage.performers.size(),
+                       first.lights.size(), first.cameras.size(), stage.duration_s);
+}
+
+}  // namespace neuvv::tools

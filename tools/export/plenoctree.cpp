@@ -1,0 +1,107 @@
+// Frames as PlenOctrees: .npz of svox and volrend.
+#include "interchange/plenoctree_npz.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "base/error.h"
+#include "tools/compared_views.h"
+#include "tools/export/exported_clip.h"
+#include "tools/export/frame_export.h"
+#include "tools/options.h"
+#include "training/metrics.h"
+#include "voctree/plenoctree.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+class PlenoctreeExport : public FrameExport {
+  public:
+    PlenoctreeExport(const ExportOptions& options, ExportedClip& clip, const CommonOptions& common)
+        : options_(options), clip_(clip), device_(common.device) {}
+
+    bool holds_many() const override { return false; }
+    Estimate estimate(uint32_t frame) override;
+    void measure(uint32_t frame, const Working& working) override;
+    void add(uint32_t frame, const Working& working) override;
+    void write(const std::filesystem::path& file) override;
+    void report(nlohmann::ordered_json& json) const override;
+    std::string summary() const override;
+
+  private:
+    interchange::FrameVolume volume_of(uint32_t frame);
+
+    const ExportOptions& options_;
+    ExportedClip& clip_;
+    gpu::Device device_;
+    std::optional<ComparedViews> compared_;  // with the images of the measured frame
+    std::vector<media::Image> truth_;
+    uint32_t measured_ = 0, waiting_frame_ = 0;
+    interchange::FrameVolume waiting_;
+    uint64_t leaves_ = 0;
+    std::optional<double> psnr_;  // of the measured frame, once it is written
+};
+
+interchange::FrameVolume PlenoctreeExport::volume_of(uint32_t frame) {
+    const ExportedClip::Segment& segment = clip_.segment_of(frame);
+    return interchange::frame_volume(segment.tree, frame - segment.from.first, segment.paint.steps);
+}
+
+FrameExport::Estimate PlenoctreeExport::estimate(uint32_t frame) {
+    const interchange::FrameVolume volume = volume_of(frame);
+    return {interchange::plenoctree_bytes(volume), fmt::format("about {} leaves", volume.leaves.size())};
+}
+
+void PlenoctreeExport::measure(uint32_t frame, const Working& working) {
+    if (volume_of(frame).leaves.empty()) return;
+    measured_ = frame;
+    const voctree::VOctree still = clip_.still(frame);
+    compared_.emplace(device_, still, parse_size(options_.size), options_.views);
+    for (size_t i = 0; i < compared_->count(); ++i) {
+        working("images of the middle frame");
+        truth_.push_back(compared_->render_still(still, i));
+    }
+}
+
+void PlenoctreeExport::add(uint32_t frame, const Working&) {
+    waiting_ = volume_of(frame);
+    waiting_frame_ = frame;
+    if (waiting_.leaves.empty())
+        throw InputError("--frames", fmt::format("frame {}", frame), "is empty, and no PlenOctree is",
+                         "choose frames that show something");
+}
+
+// What is lost is measured on the file.
+void PlenoctreeExport::write(const std::filesystem::path& file) {
+    interchange::write_plenoctree(file, waiting_);
+    leaves_ += waiting_.leaves.size();
+    if (!compared_ || waiting_frame_ != measured_) return;
+    const voctree::VOctree read = voctree::read_plenoctree(file, voctree::PlenoctreeColours::kAsStored);
+    double psnr = 0;
+    for (size_t i = 0; i < truth_.size(); ++i)
+        psnr +=
+            training::compare(truth_[i], compared_->render_still(read, i)).psnr / static_cast<double>(truth_.size());
+    psnr_ = psnr;
+}
+
+void PlenoctreeExport::report(nlohmann::ordered_json& json) const {
+    json["leaves"] = leaves_;
+    if (psnr_) json["psnr_db"] = *psnr_;
+}
+
+std::string PlenoctreeExport::summary() const {
+    if (!psnr_) return fmt::format("{} leaves", leaves_);
+    return fmt::format("{} leaves; images of the middle frame have {:.1f} dB", leaves_, *psnr_);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameExport> export_plenoctree(const ExportOptions& options, const std::string&, ExportedClip& clip,
+                                               const CommonOptions& common) {
+    return std::make_unique<PlenoctreeExport>(options, clip, common);
+}
+
+}  // namespace neuvv::tools

@@ -1,0 +1,22 @@
+// What `neuvv export` makes of a stage as a whole: a file each, without the frames of clips.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/export/frame_export.h"
+
+namespace neuvv::tools {
+
+struct StageKind {
+    const char* name;  // for --as, without which none of them is meant
+    std::vector<std::string> endings;
+    // Writes the output of a stage, and returns what was written, for people. Throws InputError.
+    std::string (*write)(const ExportOptions& options);
+};
+
+const std::vector<StageKind>& stage_kinds();
+
+std::string write_layout(const ExportOptions& options);
+
+}  // namespace neuvv::tools
