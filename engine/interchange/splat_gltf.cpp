@@ -63,10 +63,13 @@ Json primitive_of(const Splats& splats, stage::GlbWriter& glb) {
     glb.json["accessors"].back()["normalized"] = true;
     mark_vertices(glb);
     const std::string prefix = std::string(kExtension) + ":";
-    const glm::quat r(splats.rotation);
-    const glm::vec4 rotation(r.x, r.y, r.z, r.w);
-    attributes[prefix + "ROTATION"] =
-        add_vertices(glb, columns(splats, 4, [&](const Splat&, int c) { return rotation[c]; }), "VEC4", 4);
+    attributes[prefix + "ROTATION"] = add_vertices(glb,
+                                                   columns(splats, 4,
+                                                           [](const Splat& s, int c) {
+                                                               const glm::quat& r = s.rotation;
+                                                               return glm::vec4(r.x, r.y, r.z, r.w)[c];
+                                                           }),
+                                                   "VEC4", 4);
     attributes[prefix + "SCALE"] =
         add_vertices(glb, columns(splats, 3, [](const Splat& s, int c) { return s.deviation[c]; }), "VEC3", 3);
     attributes[prefix + "OPACITY"] =

@@ -40,7 +40,7 @@ glm::vec3 colour_at(const SplatColour& k, uint32_t degree, const glm::vec3& d) {
 }
 
 // False where the splat is not in the image.
-bool project(const Splat& splat, const Splats& all, const stage::Camera& camera, const glm::dmat4& camera_from_world,
+bool project(const Splat& splat, uint32_t degree, const stage::Camera& camera, const glm::dmat4& camera_from_world,
              Footprint& to) {
     const glm::vec3 at(camera_from_world * glm::dvec4(splat.centre, 1));
     const float depth = -at.z;
@@ -49,7 +49,7 @@ bool project(const Splat& splat, const Splats& all, const stage::Camera& camera,
     to.depth = depth;
     to.centre = {static_cast<float>(camera.cx) + fx * at.x / depth, static_cast<float>(camera.cy) - fy * at.y / depth};
     // The rows of the projection's derivative in the camera's axes, then in those of the splat, by deviations.
-    const glm::mat3 splat_from_camera(glm::transpose(glm::dmat3(camera_from_world) * glm::dmat3(all.rotation)));
+    const glm::mat3 splat_from_camera = glm::transpose(glm::mat3(camera_from_world) * glm::mat3_cast(splat.rotation));
     const glm::vec3 x = splat.deviation * (splat_from_camera * glm::vec3(fx / depth, 0, fx * at.x / (depth * depth)));
     const glm::vec3 y = splat.deviation * (splat_from_camera * glm::vec3(0, -fy / depth, -fy * at.y / (depth * depth)));
     const float xx = glm::dot(x, x) + kWidening_px2, yy = glm::dot(y, y) + kWidening_px2, xy = glm::dot(x, y);
@@ -65,8 +65,7 @@ bool project(const Splat& splat, const Splats& all, const stage::Camera& camera,
         to.centre.y + to.reach < 0 || to.centre.y - to.reach > static_cast<float>(camera.height))
         return false;
     to.opacity = splat.opacity;
-    to.colour =
-        colour_at(splat.colour, all.degree, glm::normalize(splat.centre - glm::vec3(camera.world_from_camera[3])));
+    to.colour = colour_at(splat.colour, degree, glm::normalize(splat.centre - glm::vec3(camera.world_from_camera[3])));
     return true;
 }
 
@@ -99,7 +98,8 @@ std::vector<Footprint> footprints_of(const Splats& splats, const stage::Camera& 
     for (size_t i = 0; i < splats.splats.size(); i++) {
         Footprint footprint{};
         footprint.splat = i;
-        if (project(splats.splats[i], splats, camera, camera_from_world, footprint)) footprints.push_back(footprint);
+        if (project(splats.splats[i], splats.degree, camera, camera_from_world, footprint))
+            footprints.push_back(footprint);
     }
     std::sort(footprints.begin(), footprints.end(),
               [](const Footprint& a, const Footprint& b) { return a.depth < b.depth; });

@@ -32,7 +32,7 @@ std::string header(const Splats& splats) {
     return text + "end_header\n";
 }
 
-void append(const Splat& splat, uint32_t degree, const glm::quat& r, std::vector<float>& numbers) {
+void append(const Splat& splat, uint32_t degree, std::vector<float>& numbers) {
     for (int i = 0; i < 3; i++) numbers.push_back(splat.centre[i]);
     for (int i = 0; i < 3; i++) numbers.push_back(0);
     for (int c = 0; c < 3; c++) numbers.push_back(splat.colour[0][c]);
@@ -40,6 +40,7 @@ void append(const Splat& splat, uint32_t degree, const glm::quat& r, std::vector
         for (uint32_t k = 1; k < sh_count(degree); k++) numbers.push_back(splat.colour[k][c]);
     numbers.push_back(logit_of(splat.opacity));
     for (int i = 0; i < 3; i++) numbers.push_back(std::log(splat.deviation[i]));
+    const glm::quat& r = splat.rotation;
     numbers.insert(numbers.end(), {r.w, r.x, r.y, r.z});
 }
 
@@ -52,7 +53,7 @@ size_t ply_bytes_of_splat(uint32_t degree) {
 void write_splat_ply(const std::filesystem::path& file, const Splats& splats) {
     std::vector<float> numbers;
     numbers.reserve(splats.splats.size() * ply_bytes_of_splat(splats.degree) / sizeof(float));
-    for (const Splat& splat : splats.splats) append(splat, splats.degree, glm::quat(splats.rotation), numbers);
+    for (const Splat& splat : splats.splats) append(splat, splats.degree, numbers);
     const std::string text = header(splats);
     write_file_atomically(file, [&](const ByteSink& sink) {
         sink(text.data(), text.size());

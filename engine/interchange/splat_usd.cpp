@@ -94,10 +94,10 @@ void write_splat_usda(const std::filesystem::path& file, std::span<const Splats>
         attributes.write("float3[] extent", extent_text);
         attributes.write_elements("point3f[] positions",
                                   [](const Splat& s, std::string& text) { append_vector(s.centre, text); });
-        const glm::dquat r = frames[0].rotation;
-        const std::string orientation = fmt::format("({:.6g}, {:.6g}, {:.6g}, {:.6g})", r.w, r.x, r.y, r.z);
-        attributes.write_elements("quatf[] orientations",
-                                  [&](const Splat&, std::string& text) { text += orientation; });
+        attributes.write_elements("quatf[] orientations", [](const Splat& s, std::string& text) {
+            const glm::quat& r = s.rotation;
+            fmt::format_to(std::back_inserter(text), "({:.6g}, {:.6g}, {:.6g}, {:.6g})", r.w, r.x, r.y, r.z);
+        });
         attributes.write_elements("float3[] scales",
                                   [](const Splat& s, std::string& text) { append_vector(s.deviation, text); });
         attributes.write_elements("float[] opacities", [](const Splat& s, std::string& text) {

@@ -56,16 +56,37 @@ SplatColour splat_colour(const voctree::LeafColours& k, uint32_t degree, const s
 
 Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const glm::dquat& rotation) {
     const std::vector<Direction> all = directions(rotation);
-    Splats splats{volume.degree, rotation, std::vector<Splat>(volume.leaves.size())};
+    Splats splats{volume.degree, std::vector<Splat>(volume.leaves.size())};
     reshape(splats, volume, shape);
     parallel_for(splats.splats.size(), kSplatsOfPart, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             Splat& splat = splats.splats[i];
+            splat.rotation = glm::quat(rotation);
             splat.centre = glm::vec3(rotation * glm::dvec3(volume.centre_m(volume.leaves[i])));
             splat.colour = splat_colour(volume.leaves[i].colours, volume.degree, all);
         }
     });
     return splats;
+}
+
+void turn(Splats& splats, const glm::dquat& rotation) {
+    const std::vector<Direction> all = directions(rotation);
+    parallel_for(splats.splats.size(), kSplatsOfPart, [&](size_t begin, size_t end) {
+        for (size_t s = begin; s < end; s++) {
+            Splat& splat = splats.splats[s];
+            splat.centre = glm::vec3(rotation * glm::dvec3(splat.centre));
+            splat.rotation = glm::quat(rotation * glm::dquat(splat.rotation));
+            SplatColour turned{};
+            for (const Direction& direction : all) {
+                glm::vec3 shown(0);
+                for (uint32_t i = 0; i < sh_count(splats.degree); i++)
+                    shown += kPhase[i] * direction.of_volume[i] * splat.colour[i];
+                for (uint32_t i = 0; i < sh_count(splats.degree); i++)
+                    turned[i] += direction.weight * direction.of_splats[i] * shown;
+            }
+            splat.colour = turned;
+        }
+    });
 }
 
 void reshape(Splats& splats, const FrameVolume& volume, const SplatShape& shape) {

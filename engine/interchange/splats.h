@@ -19,15 +19,15 @@ using SplatColour = std::array<glm::vec3, kMaxShCount>;
 
 // A Gaussian: its opacity falls by exp(−½ x²) at x standard deviations from the centre.
 struct Splat {
-    glm::vec3 centre{0};     // metres
-    glm::vec3 deviation{0};  // standard deviations along the axes of the splats, metres
-    float opacity = 0;       // 0 to 1, where a ray goes through the centre
-    SplatColour colour{};    // those of higher degrees than the splats' are 0
+    glm::vec3 centre{0};             // metres
+    glm::quat rotation{1, 0, 0, 0};  // of its own axes
+    glm::vec3 deviation{0};          // standard deviations along them, metres
+    float opacity = 0;               // 0 to 1, where a ray goes through the centre
+    SplatColour colour{};            // those of higher degrees than the splats' are 0
 };
 
 struct Splats {
-    uint32_t degree = 0;              // of their harmonics
-    glm::dquat rotation{1, 0, 0, 0};  // of the axes of all of them, which are those of the clip's box
+    uint32_t degree = 0;  // of their harmonics
     std::vector<Splat> splats;
 };
 
@@ -38,8 +38,11 @@ struct SplatShape {
     double width = 0.33, density = 0.6;
 };
 
-// `rotation`: of the splats about the origin, with their colours.
+// Their axes are those of the clip's box. `rotation`: of the splats about the origin, with their axes and colours.
 Splats splats_of(const FrameVolume& volume, const SplatShape& shape, const glm::dquat& rotation = {1, 0, 0, 0});
+
+// Turns splats about the origin, with their axes and colours.
+void turn(Splats& splats, const glm::dquat& rotation);
 
 // Gives splats that were made of a volume another shape.
 void reshape(Splats& splats, const FrameVolume& volume, const SplatShape& shape);

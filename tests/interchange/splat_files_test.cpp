@@ -95,8 +95,8 @@ TEST(SplatFiles, GltfHasEveryFrame) {
                 EXPECT_EQ(scales[3 * i + c], splat.deviation[static_cast<int>(c)]);
                 EXPECT_EQ(last[3 * i + c], splat.colour[3][static_cast<int>(c)]);
             }
-            EXPECT_NEAR(rotations[4 * i + 3], frames[f].rotation.w, 1e-6);
-            EXPECT_NEAR(rotations[4 * i], frames[f].rotation.x, 1e-6);
+            EXPECT_NEAR(rotations[4 * i + 3], splat.rotation.w, 1e-6);
+            EXPECT_NEAR(rotations[4 * i], splat.rotation.x, 1e-6);
         }
     }
 }
@@ -165,8 +165,8 @@ void expect_usd(const std::string& text, const Splats& splats, int time) {
     for (size_t i = 0; i < count; i++) {
         const interchange::Splat& splat = splats.splats[i];
         EXPECT_NEAR(opacities[i], double{splat.opacity}, 1e-5);
-        EXPECT_NEAR(orientations[4 * i], splats.rotation.w, 1e-5);
-        EXPECT_NEAR(orientations[4 * i + 3], splats.rotation.z, 1e-5);
+        EXPECT_NEAR(orientations[4 * i], splats.splats[i].rotation.w, 1e-5);
+        EXPECT_NEAR(orientations[4 * i + 3], splats.splats[i].rotation.z, 1e-5);
         for (size_t c = 0; c < 3; c++) {
             const int axis = static_cast<int>(c);
             EXPECT_NEAR(positions[3 * i + c], double{splat.centre[axis]}, 1e-5);
