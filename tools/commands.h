@@ -66,6 +66,7 @@ void add_eval(Command app, CommonOptions& common);
 void add_convert(Command app, CommonOptions& common);
 void add_publish(Command app, CommonOptions& common);
 void add_export(Command app, CommonOptions& common);
+void add_import(Command app, CommonOptions& common);
 void add_clip(Command app, CommonOptions& common);
 void add_render(Command app, CommonOptions& common);
 void add_stage(Command app, CommonOptions& common);

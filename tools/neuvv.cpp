@@ -6,9 +6,9 @@ int main(int argc, char** argv) {
     CommonOptions common;
     Program program("neuvv", "Neural volumetric video: capture, train, measure, render.", common);
     Command app = program.command();
-    for (const auto add : {add_devices, add_info, add_capture, add_dataset, add_matte, add_skeleton, add_train,
-                           add_cluster, add_eval, add_convert, add_publish, add_export, add_clip, add_render, add_stage,
-                           add_paint, add_view, add_coach, add_xr})
+    for (const auto add : {add_devices, add_info,  add_capture, add_dataset, add_matte,  add_skeleton, add_train,
+                           add_cluster, add_eval,  add_convert, add_publish, add_export, add_import,   add_clip,
+                           add_render,  add_stage, add_paint,   add_view,    add_coach,  add_xr})
         add(app, common);
     app.footer(
         {"Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"

@@ -1,4 +1,4 @@
-// Gaussian splats as the .ply of 3D Gaussian Splatting, which all programs for splats read.
+// Gaussian splats as the .ply of 3D Gaussian Splatting, which all programs for splats read and write.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +11,15 @@ namespace neuvv::interchange {
 // logit), scale_0…2 (their logarithms), rot_0…3 (w, x, y, z). Written atomically; throws RuntimeFailure.
 void write_splat_ply(const std::filesystem::path& file, const Splats& splats);
 size_t ply_bytes_of_splat(uint32_t degree);
+
+// Splats of a file, and how many were left out as their numbers are not finite, or too large or small for floats.
+struct PlySplats {
+    Splats splats;
+    size_t left_out = 0;
+};
+// Reads a binary, little-endian .ply whose vertices have those properties, in any order, of any type, among others.
+// Lengths are multiplied by `scale`, and axes stay as they are. Throws InputError with the file and what is wrong.
+PlySplats read_splat_ply(const std::filesystem::path& file, double scale = 1);
 
 // Files of this kind have +Y down, as COLMAP does. Viewers turn them up again by half a turn about z, so that a
 // performer who faces +Z still does.

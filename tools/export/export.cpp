@@ -30,6 +30,7 @@ const std::array kKinds = {
     Kind{"splats", {".ply", ".glb", ".usda"}, export_splats},
     Kind{"mesh", {".obj", ".glb", ".ply"}, export_meshes},
     Kind{"plenoctree", {".npz"}, export_plenoctree},
+    Kind{"volumes", {".vdb"}, export_volumes},
 };
 
 std::vector<std::string> kind_names() {
@@ -96,7 +97,8 @@ void run(const ExportOptions& options, const CommonOptions& common) {
 }  // namespace
 
 void add_export(Command app, CommonOptions& common) {
-    Command verb = app.add_verb("export", "Write frames of a clip as Gaussian splats or meshes, for other programs");
+    Command verb =
+        app.add_verb("export", "Write frames of a clip as Gaussian splats, meshes or volumes, for other programs");
     const auto options = std::make_shared<ExportOptions>();
     verb.add_option("scene", options->scene,
                     "The .nvv, in segments or not, the .nvs, the .npz of a PlenOctree, or a stage, .gltf or .glb")
@@ -104,7 +106,7 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_option("--performer", options->performer,
                     "Of a stage: which, by its name or index; may be left out where there is one");
     verb.add_option("-o,--output", options->output,
-                    "out_%04d.ply, .glb, .usda or .obj for a file each frame; a .glb or .usda may hold them all")
+                    "out_%04d.ply, .glb, .usda, .obj or .vdb for a file each frame; a .glb or .usda may hold them all")
         .required();
     verb.add_option(
             "--as", options->kind,
@@ -124,6 +126,10 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_option("--texture", options->mesh.texture_px, "The side of textures of meshes, pixels")
         .in_range(64, 8192)
         .show_default();
+    verb.add_option(
+            "--iso", options->iso,
+            "Of a .vdb: write a level set, too, of the surface where the opacity along a voxel falls below this")
+        .number_between(0.001, 0.999);
     verb.add_option("--views", options->views, "Images of the middle frame by which the loss is measured")
         .in_range(2, 100)
         .show_default();
@@ -146,7 +152,7 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_flag(
         "--json", options->json,
         "Print JSON: output, files, bytes, and what the kind says; of splats: splats, psnr_db, width, density;\n"
-        "of meshes: triangles, iou, depth_mean_mm, depth_95_mm, psnr_db");
+        "of meshes: triangles, iou, depth_mean_mm, depth_95_mm, psnr_db; of volumes: leaves, voxel_m, psnr_db");
     verb.footer(
         {"Each leaf becomes a splat of its size, and all of them get the width and the density for which images of the "
          "middle\nframe are most like the clip's. Colours are sRGB with spherical harmonics of the clip's degree.\n"
@@ -157,6 +163,8 @@ void add_export(Command app, CommonOptions& common) {
          "the clip's own\ncolours, as seen along the surface's normal: how they change with direction is lost. .glb is "
          "unlit glTF; .obj has a .mtl and\na .png beside it; .ply has colours of vertices. The loss is measured on the "
          "middle frame: how well silhouettes agree (iou),\ndepth, PSNR.\n\n"
+         ".vdb is OpenVDB's, in metres with +Y up: \"density\" in 1/m, and \"Cd\", the mean of a leaf's colour over "
+         "all directions, in\nlinear light.\n\n"
          "A stage's camera becomes what --as says: camera is a .usda or an animated .glb, nerfstudio and instant-ngp "
          "are the camera\npaths of those programs. --size is that of their images (1280x720). layout is a .usda of "
          "where performers, lights and\ncameras are, and when.\n",
@@ -167,7 +175,8 @@ void add_export(Command app, CommonOptions& common) {
          "  neuvv export build/performer.nvv -o build/mesh_%04d.obj --frames 0:1\n"
          "  neuvv export build/performer.nvv -o build/meshes.glb --as mesh --frames 0:1 --most-triangles 20000\n"
          "  neuvv export build/show.gltf --as nerfstudio -o build/camera_path.json\n"
-         "  neuvv export build/show.gltf --as layout -o build/show.usda"});
+         "  neuvv export build/show.gltf --as layout -o build/show.usda\n"
+         "  neuvv export build/performer.nvv -o build/volume/frame_%04d.vdb --frames 0:2 --iso 0.5"});
     verb.callback([options, verb, &common] {
         options->sized = verb.count("--size") > 0;
         run(*options, common);

@@ -24,6 +24,7 @@ struct ExportOptions {
     std::optional<double> fps;
     uint32_t most_splats = 0, views = 8;
     interchange::MeshSettings mesh;
+    std::optional<double> iso;  // opacity of a surface, 0 to 1
     std::optional<voctree::UpAxis> up;
     bool resume = false, json = false;
 };
@@ -70,6 +71,8 @@ std::unique_ptr<FrameExport> export_splats(const ExportOptions& options, const s
                                            const CommonOptions& common);
 std::unique_ptr<FrameExport> export_plenoctree(const ExportOptions& options, const std::string& ending,
                                                ExportedClip& clip, const CommonOptions& common);
+std::unique_ptr<FrameExport> export_volumes(const ExportOptions& options, const std::string& ending, ExportedClip& clip,
+                                            const CommonOptions& common);
 
 std::unique_ptr<FrameExport> export_meshes(const ExportOptions& options, const std::string& ending, ExportedClip& clip,
                                            const CommonOptions& common);

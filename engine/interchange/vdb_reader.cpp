@@ -1,0 +1,342 @@
+#include "interchange/vdb_reader.h"
+
+#include <blosc.h>
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "stream/bytes.h"
+#include "voctree/half.h"
+
+namespace neuvv::interchange {
+
+namespace {
+
+// The layout is that of openvdb/io/Archive.cc and Compression.h, tree/RootNode.h, InternalNode.h and LeafNode.h.
+constexpr uint64_t kMagic = 0x56444220;
+constexpr uint32_t kOldestVersion = 222, kNewestVersion = 224, kUuidBytes = 36;
+enum Packing : uint32_t { kZip = 1, kActiveMask = 2, kBlosc = 4 };
+// What a node's first byte says of its values that are not active.
+enum Inactive : uint8_t { kBackground, kMinusBackground, kOne, kMaskOfBackgrounds, kMaskAndOne, kMaskAndTwo, kAll };
+// Edges of the cubes that nodes cover, voxels, as powers of two: leaf, its parent, and the root's child.
+constexpr uint32_t kLeafLog2 = 3, kLowerLog2 = 7, kUpperLog2 = 12;
+constexpr uint32_t kMostGrids = 1000, kMostMetadata = 10000;
+
+// Bits of a node's children or values.
+struct Mask {
+    std::vector<uint64_t> words;
+    bool operator[](size_t i) const { return words[i / 64] >> i % 64 & 1; }
+    size_t count() const {
+        size_t sum = 0;
+        for (const uint64_t word : words) sum += static_cast<size_t>(std::popcount(word));
+        return sum;
+    }
+};
+
+class GridReader {
+  public:
+    GridReader(stream::ByteReader& bytes, uint64_t memory) : bytes_(bytes), memory_(memory) {}
+    // Reads what stands behind the grid's descriptor.
+    VdbGrid read(uint32_t channels, bool halves, bool is_instance);
+
+  private:
+    void read_metadata();
+    void read_map();
+    void read_root();
+    void read_node(const glm::ivec3& min, uint32_t log2);
+    void read_leaf_values(VdbBlock& block);
+    Mask read_mask(size_t bits);
+    std::vector<float> read_values(const Mask& active, size_t count);
+    std::vector<uint8_t> unpacked(size_t count);
+    void add_tile(const glm::ivec3& min, uint32_t log2, const float* value);
+    void keep(const float* value);
+    void use_memory(uint64_t bytes) {
+        if (bytes > memory_) throw std::runtime_error("needs more memory than there is");
+        memory_ -= bytes;
+    }
+    glm::ivec3 read_origin(uint32_t log2);
+
+    stream::ByteReader& bytes_;
+    uint64_t memory_;
+    uint32_t packing_ = 0;
+    bool halves_ = false;
+    VdbGrid grid_;
+};
+
+int32_t whole(stream::ByteReader& bytes) {
+    return static_cast<int32_t>(bytes.number(4));
+}
+
+float real(stream::ByteReader& bytes) {
+    return std::bit_cast<float>(static_cast<uint32_t>(bytes.number(4)));
+}
+
+std::string text(stream::ByteReader& bytes) {
+    const auto taken = bytes.take(bytes.number(4));
+    return {taken.begin(), taken.end()};
+}
+
+// Passes over metadata, but for the text of one of this name.
+std::string read_metadata(stream::ByteReader& bytes, const std::string& wanted) {
+    std::string found;
+    const uint64_t count = bytes.number(4);
+    if (count > kMostMetadata) throw std::runtime_error("has too many metadata");
+    for (uint64_t i = 0; i < count; i++) {
+        const std::string name = text(bytes), type = text(bytes), value = text(bytes);
+        if (name == wanted && type == "string") found = value;
+    }
+    return found;
+}
+
+void GridReader::read_metadata() {
+    grid_.grid_class = interchange::read_metadata(bytes_, "class");
+}
+
+void GridReader::read_map() {
+    const std::string type = text(bytes_);
+    const auto vector = [&] {
+        glm::dvec3 v;
+        for (int i = 0; i < 3; i++) v[i] = std::bit_cast<double>(bytes_.number(8));
+        return v;
+    };
+    glm::dmat4& m = grid_.world_from_index;
+    if (type == "AffineMap" || type == "UnitaryMap") {  // its rows are our columns: vectors stand to the left of it
+        for (int c = 0; c < 4; c++)
+            for (int r = 0; r < 4; r++) m[c][r] = std::bit_cast<double>(bytes_.number(8));
+    } else {
+        const bool translates = type.ends_with("TranslateMap") || type == "TranslationMap";
+        const bool scales = type.starts_with("Scale") || type.starts_with("UniformScale");
+        if (!translates && !scales) throw std::runtime_error("has a " + type + ", which is not affine");
+        if (translates) m[3] = glm::dvec4(vector(), 1);
+        if (scales) {
+            const glm::dvec3 scale = vector();
+            for (int i = 0; i < 4; i++) vector();  // what follows from it
+            for (int i = 0; i < 3; i++) m[i][i] = scale[i];
+        }
+    }
+    const double determinant = glm::determinant(glm::dmat3(m));
+    if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(m[3][0] + m[3][1] + m[3][2]))
+        throw std::runtime_error("has a transform without an inverse");
+}
+
+Mask GridReader::read_mask(size_t bits) {
+    Mask mask{std::vector<uint64_t>(bits / 64)};
+    for (uint64_t& word : mask.words) word = bytes_.number(8);
+    return mask;
+}
+
+// The bytes of so many values, 2 or 4 each number.
+std::vector<uint8_t> GridReader::unpacked(size_t count) {
+    const size_t size = count * grid_.channels * (halves_ ? 2 : 4);
+    if (halves_ && count == 0) return {};  // without a size in front
+    if (!(packing_ & (kZip | kBlosc))) {
+        const auto taken = bytes_.take(size);
+        return {taken.begin(), taken.end()};
+    }
+    const auto stored = static_cast<int64_t>(bytes_.number(8));
+    if (stored <= 0) {  // did not become smaller
+        if (stored != -static_cast<int64_t>(size)) throw std::runtime_error("has values of a wrong size");
+        const auto taken = bytes_.take(size);
+        return {taken.begin(), taken.end()};
+    }
+    const auto packed = bytes_.take(static_cast<uint64_t>(stored));
+    std::vector<uint8_t> bytes(size);
+    bool good = false;
+    if (packing_ & kBlosc) {
+        size_t expected = 0;
+        good = blosc_cbuffer_validate(packed.data(), packed.size(), &expected) == 0 && expected == size &&
+               blosc_decompress_ctx(packed.data(), bytes.data(), size, 1) == static_cast<int>(size);
+    } else {
+        uLongf expected = size;
+        good = uncompress(bytes.data(), &expected, packed.data(), packed.size()) == Z_OK && expected == size;
+    }
+    if (!good) throw std::runtime_error("has values that cannot be unpacked");
+    return bytes;
+}
+
+// The values of the active voxels of a node with so many, in order.
+std::vector<float> GridReader::read_values(const Mask& active, size_t count) {
+    const uint64_t inactive = bytes_.number(1);
+    if (inactive > kAll) throw std::runtime_error("has a node of an unknown kind");
+    const int stored = inactive == kMaskAndTwo ? 2 : inactive == kOne || inactive == kMaskAndOne ? 1 : 0;
+    bytes_.take(uint64_t{4} * grid_.channels * static_cast<uint64_t>(stored));
+    if (inactive == kMaskOfBackgrounds || inactive == kMaskAndOne || inactive == kMaskAndTwo) bytes_.take(count / 8);
+    const bool only_active = (packing_ & kActiveMask) && inactive != kAll;
+    const std::vector<uint8_t> raw = unpacked(only_active ? active.count() : count);
+    stream::ByteReader numbers(raw);
+    std::vector<float> values;
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t c = 0; c < grid_.channels && (active[i] || !only_active); c++) {
+            const float value =
+                halves_ ? voctree::float_from_half(static_cast<uint16_t>(numbers.number(2))) : real(numbers);
+            if (active[i]) values.push_back(std::isfinite(value) ? value : 0);
+        }
+    return values;
+}
+
+void GridReader::keep(const float* value) {
+    grid_.values.insert(grid_.values.end(), value, value + grid_.channels);
+}
+
+void GridReader::add_tile(const glm::ivec3& min, uint32_t log2, const float* value) {
+    use_memory(2 * (sizeof(VdbTile) + sizeof(float) * grid_.channels));  // twice: vectors grow so
+    grid_.tiles.push_back({min, 1 << log2, grid_.values.size() / grid_.channels});
+    keep(value);
+}
+
+glm::ivec3 GridReader::read_origin(uint32_t log2) {
+    glm::ivec3 origin;
+    for (int i = 0; i < 3; i++) {
+        origin[i] = whole(bytes_);
+        if (origin[i] < -kMostVdbIndex || origin[i] > kMostVdbIndex - (1 << log2))
+            throw std::runtime_error(fmt::format("has voxels beyond {}", kMostVdbIndex));
+        if (origin[i] % (1 << log2) != 0) throw std::runtime_error("has a node at an odd place");
+    }
+    return origin;
+}
+
+// A node of the two kinds between root and leaves.
+void GridReader::read_node(const glm::ivec3& min, uint32_t log2) {
+    const uint32_t child_log2 = log2 == kUpperLog2 ? kLowerLog2 : kLeafLog2, side_log2 = log2 - child_log2;
+    const size_t count = size_t{1} << 3 * side_log2;
+    const Mask children = read_mask(count), active = read_mask(count);
+    const std::vector<float> values = read_values(active, count);
+    size_t next = 0;
+    for (size_t i = 0; i < count; i++) {
+        const size_t mask = (size_t{1} << side_log2) - 1;
+        const glm::ivec3 at = min + glm::ivec3(i >> 2 * side_log2, i >> side_log2 & mask, i & mask) * (1 << child_log2);
+        if (active[i] && !children[i]) add_tile(at, child_log2, &values[next]);
+        if (active[i]) next += grid_.channels;
+        if (!children[i]) continue;
+        if (child_log2 == kLeafLog2) {
+            bytes_.take(sizeof(VdbBlock::active));  // the mask is there again before the leaf's values
+            use_memory(2 * sizeof(VdbBlock));
+            grid_.blocks.push_back({at, {}, 0});
+        } else {
+            read_node(at, child_log2);
+        }
+    }
+}
+
+void GridReader::read_root() {
+    if (bytes_.number(4) != 1) throw std::runtime_error("has several buffers a grid, as files of old versions");
+    std::vector<float> value(grid_.channels);
+    const auto read_value = [&] {
+        for (float& v : value) {
+            v = real(bytes_);
+            if (!std::isfinite(v)) v = 0;
+        }
+    };
+    read_value();  // the background
+    const uint64_t tiles = bytes_.number(4), children = bytes_.number(4);
+    for (uint64_t i = 0; i < tiles; i++) {
+        const glm::ivec3 at = read_origin(kUpperLog2);
+        read_value();
+        if (bytes_.number(1) != 0) add_tile(at, kUpperLog2, value.data());
+    }
+    for (uint64_t i = 0; i < children; i++) {
+        const glm::ivec3 at = read_origin(kUpperLog2);
+        read_node(at, kUpperLog2);
+    }
+}
+
+void GridReader::read_leaf_values(VdbBlock& block) {
+    const Mask active = read_mask(64 * block.active.size());
+    std::copy(active.words.begin(), active.words.end(), block.active.begin());
+    block.first = grid_.values.size() / grid_.channels;
+    const std::vector<float> values = read_values(active, 64 * block.active.size());
+    use_memory(2 * sizeof(float) * values.size());
+    grid_.values.insert(grid_.values.end(), values.begin(), values.end());
+}
+
+VdbGrid GridReader::read(uint32_t channels, bool halves, bool is_instance) {
+    grid_.channels = channels;
+    halves_ = halves;
+    packing_ = static_cast<uint32_t>(bytes_.number(4));
+    read_metadata();
+    read_map();
+    if (is_instance) throw std::runtime_error("shares its voxels with another grid");
+    read_root();
+    for (VdbBlock& block : grid_.blocks) read_leaf_values(block);
+    return std::move(grid_);
+}
+
+struct Descriptor {
+    std::string name, type, instance_of;
+    uint64_t begin, end;  // in the file; 0: not known
+};
+
+Descriptor read_descriptor(stream::ByteReader& bytes) {
+    Descriptor descriptor{text(bytes), text(bytes), text(bytes), bytes.number(8), 0};
+    bytes.number(8);  // where its values begin
+    descriptor.end = bytes.number(8);
+    // Several grids of a name are told apart by a number behind a separator.
+    descriptor.name = descriptor.name.substr(0, descriptor.name.find('\x1e'));
+    return descriptor;
+}
+
+// Of types that are read; others have none.
+std::optional<uint32_t> channels_of(const std::string& type) {
+    if (type.starts_with("Tree_float_5_4_3")) return 1;
+    if (type.starts_with("Tree_vec3s_5_4_3")) return 3;
+    return std::nullopt;
+}
+
+std::vector<VdbGrid> parse(std::span<const uint8_t> file, std::string& place) {
+    stream::ByteReader bytes(file);
+    if (bytes.number(8) != kMagic) throw std::runtime_error("is no OpenVDB file");
+    const uint64_t version = bytes.number(4);
+    if (version < kOldestVersion || version > kNewestVersion)
+        throw std::runtime_error(fmt::format("has version {} of the format", version));
+    bytes.take(8);  // the library's version
+    const bool has_offsets = bytes.number(1) != 0;
+    bytes.take(kUuidBytes);
+    read_metadata(bytes, "");
+    const uint64_t count = bytes.number(4);
+    if (count > kMostGrids) throw std::runtime_error("has too many grids");
+    std::vector<VdbGrid> grids;
+    uint64_t memory = available_memory_bytes() / 2;
+    for (uint64_t i = 0; i < count; i++) {
+        const Descriptor descriptor = read_descriptor(bytes);
+        place = descriptor.name;
+        const auto channels = channels_of(descriptor.type);
+        if (!channels && !has_offsets) throw std::runtime_error("is of the type " + descriptor.type);
+        if (channels) {
+            GridReader reader(bytes, memory);
+            grids.push_back(
+                reader.read(*channels, descriptor.type.ends_with("_HalfFloat"), !descriptor.instance_of.empty()));
+            grids.back().name = descriptor.name;
+            memory -= std::min(memory, 4 * grids.back().values.size());
+        } else {
+            if (descriptor.end > file.size()) throw std::runtime_error("ends early");
+            bytes = stream::ByteReader(file.subspan(descriptor.end));
+        }
+        place.clear();
+    }
+    return grids;
+}
+
+}  // namespace
+
+std::vector<VdbGrid> parse_vdb(std::span<const uint8_t> bytes, const std::string& file) {
+    std::string place;
+    try {
+        return parse(bytes, place);
+    } catch (const std::runtime_error& error) {
+        throw InputError(file, place, error.what(),
+                         "write grids of floats and of vectors of floats by OpenVDB 3 or later");
+    }
+}
+
+std::vector<VdbGrid> read_vdb(const std::filesystem::path& file) {
+    return parse_vdb(read_file(file, available_memory_bytes() / 2), file.string());
+}
+
+}  // namespace neuvv::interchange

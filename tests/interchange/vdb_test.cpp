@@ -1,0 +1,482 @@
+// OpenVDB files against OpenVDB itself: what is written is read by the library, and what the library writes is read.
+#include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointDataGrid.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "fuzz/mutate.h"
+#include "interchange/vdb_volume.h"
+#include "interchange/vdb_writer.h"
+#include "media/image.h"
+#include "reference/hh.h"
+#include "reference/slice.h"
+#include "support/look_at.h"
+#include "support/random_tree.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv::test {
+namespace {
+
+using interchange::FrameVolume;
+using interchange::VdbGrid;
+using interchange::VdbVolume;
+using interchange::VolumeLeaf;
+
+voctree::VOctree some_tree() {
+    voctree::VOctree tree = random_tree({.seed = 3, .node_levels = 2, .leaves = 300, .bases = 3, .hh_degree = 2});
+    tree.box_min = {-0.5f, 0.25f, 1};
+    tree.box_size = {2, 2, 2};
+    return tree;
+}
+
+struct OpenFile {
+    openvdb::GridPtrVecPtr grids;
+    explicit OpenFile(const std::filesystem::path& path) {
+        openvdb::initialize();
+        openvdb::io::File file(path.string());
+        file.open();
+        grids = file.getGrids();
+    }
+    template <typename Grid>
+    typename Grid::Ptr grid(const std::string& name) const {
+        for (const auto& one : *grids)
+            if (one->getName() == name) return openvdb::gridPtrCast<Grid>(one);
+        return nullptr;
+    }
+};
+
+VdbVolume read_volume(const std::filesystem::path& file, const glm::dmat4& world_from_file) {
+    return interchange::volume_of(interchange::read_vdb(file), file.string(), world_from_file);
+}
+
+template <typename Grid>
+typename Grid::ValueType value_at(const Grid& grid, const glm::dvec3& world) {
+    const openvdb::Vec3d index = grid.worldToIndex({world.x, world.y, world.z});
+    return grid.getConstAccessor().getValue(openvdb::Coord::round(index));
+}
+
+glm::dvec3 point_in(const voctree::VOctree& tree, Random& random) {
+    const glm::dvec3 share(random.uniform(), random.uniform(), random.uniform());
+    return glm::dvec3(tree.box_min) + share * glm::dvec3(tree.box_size);
+}
+
+const VolumeLeaf* leaf_at(const FrameVolume& volume, const glm::dvec3& world) {
+    for (const VolumeLeaf& leaf : volume.leaves) {
+        const glm::dvec3 offset = glm::abs(world - glm::dvec3(volume.centre_m(leaf)));
+        if (glm::all(glm::lessThan(offset, 0.5 * glm::dvec3(volume.edges_m(leaf))))) return &leaf;
+    }
+    return nullptr;
+}
+
+// The mean over a fine grid of directions.
+glm::dvec3 mean_colour(const FrameVolume& volume, const VolumeLeaf& leaf) {
+    glm::dvec3 sum(0);
+    double weights = 0;
+    for (int i = 0; i < 24; i++)
+        for (int j = 0; j < 48; j++) {
+            const double polar = (i + 0.5) / 24 * std::numbers::pi, around = j / 24.0 * std::numbers::pi;
+            const glm::dvec3 d(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar));
+            const std::vector<double> basis = reference::sh_basis(volume.degree, d);
+            weights += std::sin(polar);
+            for (int c = 0; c < 3; c++) {
+                double logit = 0;
+                for (size_t k = 0; k < basis.size(); k++)
+                    logit += basis[k] * double{leaf.colours[static_cast<size_t>(c)][k]};
+                sum[c] += std::sin(polar) / (1 + std::exp(-logit));
+            }
+        }
+    return sum / weights;
+}
+
+TEST(VdbWriter, HasTheLeavesOfTheFrame) {
+    const voctree::VOctree tree = some_tree();
+    const FrameVolume volume = interchange::frame_volume(tree, 2);
+    const TemporaryFolder folder;
+    interchange::write_vdb(folder.path / "x.vdb", volume);
+    const OpenFile file(folder.path / "x.vdb");
+    ASSERT_EQ(file.grids->size(), 2u);
+    const auto density = file.grid<openvdb::FloatGrid>("density");
+    const auto colour = file.grid<openvdb::Vec3SGrid>("Cd");
+    ASSERT_TRUE(density && colour);
+    EXPECT_EQ(density->getGridClass(), openvdb::GRID_FOG_VOLUME);
+    EXPECT_TRUE(density->hasUniformVoxels());
+    EXPECT_NEAR(density->voxelSize()[0], 2.0 / 16, 1e-9);
+    uint64_t voxels = 0;
+    bool has_large = false;
+    for (const VolumeLeaf& leaf : volume.leaves) {
+        voxels += uint64_t{1} << 3 * (volume.depth - leaf.depth);
+        has_large |= leaf.depth == 1;
+    }
+    EXPECT_EQ(density->activeVoxelCount(), voxels);
+    EXPECT_TRUE(has_large);
+    EXPECT_GT(density->tree().activeTileCount(), 0u) << "a leaf of 8 × 8 × 8 voxels is a tile";
+    Random random(5);
+    int inside = 0;
+    for (int i = 0; i < 2000; i++) {
+        const glm::dvec3 world = point_in(tree, random);
+        const VolumeLeaf* leaf = leaf_at(volume, world);
+        EXPECT_NEAR(double{value_at(*density, world)}, leaf ? double{leaf->sigma} : 0.0, leaf ? 1e-3 * leaf->sigma : 0);
+        if (!leaf) continue;
+        inside++;
+        const openvdb::Vec3s shown = value_at(*colour, world);
+        if (inside % 20 != 0) continue;
+        const glm::dvec3 mean = mean_colour(volume, *leaf);
+        for (int c = 0; c < 3; c++) EXPECT_NEAR(double{shown[c]}, mean[c], 0.01);
+    }
+    EXPECT_GT(inside, 300);
+}
+
+// Through the file as a renderer walks it, and through the clip by the reference's slice.
+TEST(VdbWriter, DimsRaysAsTheClipDoes) {
+    const voctree::VOctree tree = some_tree();
+    const TemporaryFolder folder;
+    interchange::write_vdb(folder.path / "x.vdb", interchange::frame_volume(tree, 1));
+    const auto density = OpenFile(folder.path / "x.vdb").grid<openvdb::FloatGrid>("density");
+    ASSERT_TRUE(density);
+    const auto slice = reference::slice_tree(tree, 1);
+    const auto positions = voctree::leaf_positions(tree);
+    Random random(9);
+    double most = 0;
+    for (int ray = 0; ray < 20; ray++) {
+        const glm::dvec3 from = point_in(tree, random), to = point_in(tree, random);
+        double truth = 0, walked = 0;
+        constexpr int kSteps = 20000;
+        const double step = glm::distance(from, to) / kSteps;
+        for (int i = 0; i < kSteps; i++)
+            walked += step * double{value_at(*density, glm::mix(from, to, (i + 0.5) / kSteps))};
+        for (size_t i = 0; i < positions.size(); i++) {
+            const double edge = std::exp2(-double(positions[i].depth));
+            if (1 - std::exp(-slice[i].sigma * 2 * edge) < 0.001) continue;  // too faint to be exported
+            double near = 0, far = 1;
+            for (int a = 0; a < 3; a++) {
+                const double low =
+                    double{tree.box_min[a]} + 2 * edge * glm::uvec3(positions[i].x, positions[i].y, positions[i].z)[a];
+                const double x = (low - from[a]) / (to[a] - from[a]),
+                             y = (low + 2 * edge - from[a]) / (to[a] - from[a]);
+                near = std::max(near, std::min(x, y));
+                far = std::min(far, std::max(x, y));
+            }
+            truth += slice[i].sigma * std::max(0.0, far - near) * glm::distance(from, to);
+        }
+        EXPECT_NEAR(walked, truth, 0.002 * truth + 1e-3);
+        most = std::max(most, truth);
+    }
+    EXPECT_GT(most, 0.5);
+}
+
+// Opaque leaves in a ball.
+FrameVolume ball() {
+    FrameVolume volume;
+    volume.box_size = glm::vec3(2);
+    volume.box_min = glm::vec3(-1);
+    volume.depth = 6;
+    for (uint64_t cell = 0; cell < uint64_t{1} << 18; cell++) {
+        VolumeLeaf leaf{cell, 6, 500, {}, 1};
+        if (glm::length(volume.centre_m(leaf)) < 0.6f) volume.leaves.push_back(leaf);
+    }
+    return volume;
+}
+
+TEST(VdbWriter, HasALevelSetWhereItIsAskedFor) {
+    const TemporaryFolder folder;
+    interchange::write_vdb(folder.path / "x.vdb", ball(), {.surface_opacity = 0.5f});
+    const auto surface = OpenFile(folder.path / "x.vdb").grid<openvdb::FloatGrid>("surface");
+    ASSERT_TRUE(surface);
+    EXPECT_EQ(surface->getGridClass(), openvdb::GRID_LEVEL_SET);
+    const double voxel = surface->voxelSize()[0];
+    EXPECT_NEAR(double{surface->background()}, 3 * voxel, 1e-6);
+    size_t near = 0;
+    for (auto value = surface->cbeginValueOn(); value; ++value, near++) {
+        const double radius = surface->indexToWorld(value.getCoord()).length();
+        EXPECT_NEAR(double{*value}, radius - 0.6, 0.8 * voxel);
+    }
+    EXPECT_GT(near, 10000u);
+    EXPECT_LT(value_at(*surface, {0, 0, 0}), 0);
+    EXPECT_GT(value_at(*surface, {0.9, 0, 0}), 0);
+    FrameVolume stretched = ball();
+    stretched.box_size.x *= 1.5f;
+    EXPECT_THROW(interchange::write_vdb(folder.path / "y.vdb", stretched, {.surface_opacity = 0.5f}), InputError);
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "y.vdb"));
+}
+
+// Interpolation at the surface must not mix in black.
+TEST(VdbWriter, GoesOnWithColoursAroundTheDensity) {
+    FrameVolume volume = ball();
+    for (VolumeLeaf& leaf : volume.leaves) leaf.colours[0][0] = 20;
+    const TemporaryFolder folder;
+    interchange::write_vdb(folder.path / "x.vdb", volume);
+    const OpenFile file(folder.path / "x.vdb");
+    const auto density = file.grid<openvdb::FloatGrid>("density");
+    const auto colour = file.grid<openvdb::Vec3SGrid>("Cd");
+    for (auto value = density->cbeginValueOn(); value; ++value)
+        for (int i = 0; i < 27; i++) {
+            const openvdb::Coord at = value.getCoord().offsetBy(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+            const openvdb::Vec3s shown = colour->getConstAccessor().getValue(at);
+            ASSERT_NEAR(shown[0], 1, 0.01);
+            ASSERT_NEAR(shown[1], 0.5, 0.01);
+        }
+}
+
+template <typename Grid, typename Make>
+typename Grid::Ptr random_grid(const char* name, uint64_t seed, const Make& make) {
+    auto grid = Grid::create();
+    grid->setName(name);
+    Random random(seed);
+    for (int i = 0; i < 3000; i++) {
+        const auto coordinate = [&] { return static_cast<int>(random.below(200)) - 100; };
+        const openvdb::Coord at(coordinate(), coordinate(), coordinate());
+        if (i % 3 == 0)
+            grid->tree().setValueOff(at, make(random));  // inactive ones of other values than the background
+        if (i % 3 == 1) grid->tree().setValue(at, make(random));
+        if (i % 3 == 2 && i % 10 == 0) grid->tree().setValue(at, make(random));
+    }
+    grid->tree().addTile(1, openvdb::Coord(400, 0, -80), make(random), true);
+    grid->tree().addTile(2, openvdb::Coord(512, 128, 0), make(random), true);
+    grid->tree().addTile(3, openvdb::Coord(4096, 0, 0), make(random), true);
+    grid->tree().addTile(1, openvdb::Coord(408, 0, 0), make(random), false);
+    return grid;
+}
+
+openvdb::FloatGrid::Ptr random_floats(const char* name, uint64_t seed) {
+    return random_grid<openvdb::FloatGrid>(name, seed,
+                                           [](Random& random) { return static_cast<float>(0.5 + random.uniform()); });
+}
+
+openvdb::Vec3SGrid::Ptr random_vectors(const char* name, uint64_t seed) {
+    return random_grid<openvdb::Vec3SGrid>(name, seed, [](Random& random) {
+        const auto number = [&] { return static_cast<float>(random.uniform()); };
+        return openvdb::Vec3s(number(), number(), number());
+    });
+}
+
+// All active values, as the library and as our reader see them.
+template <typename Grid>
+void expect_same(const Grid& truth, const VdbGrid& grid, double tolerance) {
+    EXPECT_EQ(grid.name, truth.getName());
+    constexpr uint32_t kChannels = sizeof(typename Grid::ValueType) / sizeof(float);
+    ASSERT_EQ(grid.channels, kChannels);
+    interchange::VdbLookup lookup(grid);
+    uint64_t voxels = 0;
+    for (const interchange::VdbTile& tile : grid.tiles) voxels += static_cast<uint64_t>(std::pow(tile.edge, 3));
+    for (const interchange::VdbBlock& block : grid.blocks)
+        for (const uint64_t word : block.active) voxels += static_cast<uint64_t>(std::popcount(word));
+    EXPECT_EQ(voxels, truth.activeVoxelCount());
+    for (auto value = truth.cbeginValueOn(); value; ++value) {
+        const openvdb::CoordBBox box = value.getBoundingBox();
+        for (const openvdb::Coord& at : {box.min(), box.max()}) {
+            const float* found = lookup.at({at.x(), at.y(), at.z()});
+            ASSERT_TRUE(found);
+            const typename Grid::ValueType expected = *value;
+            for (uint32_t c = 0; c < kChannels; c++)
+                EXPECT_NEAR(found[c], reinterpret_cast<const float*>(&expected)[c], tolerance);
+        }
+    }
+    const openvdb::Coord off(408, 0, 0);
+    EXPECT_FALSE(lookup.at({off.x(), off.y(), off.z()}));
+    for (int i = 0; i < 10; i++) {
+        const glm::dvec3 index(i * i, 3 - i, 5 * i);
+        const openvdb::Vec3d world = truth.indexToWorld(openvdb::Vec3d(index.x, index.y, index.z));
+        const glm::dvec3 ours(grid.world_from_index * glm::dvec4(index, 1));
+        EXPECT_LT(glm::distance(ours, {world.x(), world.y(), world.z()}), 1e-9);
+    }
+}
+
+void write_grids(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, uint32_t compression) {
+    openvdb::initialize();
+    openvdb::io::File file(path.string());
+    file.setCompression(compression);
+    file.write(grids);
+}
+
+TEST(VdbReader, ReadsWhatOpenVdbWrites) {
+    using namespace openvdb;
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path / "x.vdb";
+    for (const uint32_t compression : {0u, 1u, 2u, 3u, 4u, 6u})
+        for (const bool halves : {false, true})
+            for (const GridClass grid_class : {GRID_UNKNOWN, GRID_FOG_VOLUME}) {
+                const FloatGrid::Ptr floats = random_floats("density", compression);
+                const Vec3SGrid::Ptr vectors = random_vectors("Cd", compression);
+                floats->setGridClass(grid_class);
+                floats->setSaveFloatAsHalf(halves);
+                vectors->setSaveFloatAsHalf(halves);
+                write_grids(path, {floats, vectors}, compression);
+                const std::vector<VdbGrid> grids = interchange::read_vdb(path);
+                ASSERT_EQ(grids.size(), 2u);
+                EXPECT_EQ(grids[0].grid_class, grid_class == GRID_FOG_VOLUME ? "fog volume" : "unknown");
+                expect_same(*floats, grids[0], halves ? 1e-3 : 0);
+                expect_same(*vectors, grids[1], halves ? 1e-3 : 0);
+            }
+}
+
+TEST(VdbReader, ReadsAllAffineTransforms) {
+    using namespace openvdb;
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path / "x.vdb";
+    const auto turned = std::make_shared<math::UnitaryMap>(Vec3d(0, 1, 0), 0.3);
+    const std::vector<math::MapBase::Ptr> maps = {
+        std::make_shared<math::UniformScaleMap>(0.1),
+        std::make_shared<math::ScaleMap>(Vec3d(0.1, 0.2, 0.3)),
+        std::make_shared<math::TranslationMap>(Vec3d(1, 2, 3)),
+        std::make_shared<math::UniformScaleTranslateMap>(0.1, Vec3d(1, 2, 3)),
+        std::make_shared<math::ScaleTranslateMap>(Vec3d(0.1, 0.2, 0.3), Vec3d(1, 2, 3)),
+        turned,
+        std::make_shared<math::AffineMap>(
+            math::Mat4d(0., 0.1, 0., 0., -0.2, 0., 0., 0., 0., 0., 0.3, 0., 7., 8., 9., 1.)),
+    };
+    for (const math::MapBase::Ptr& map : maps) {
+        const FloatGrid::Ptr floats = random_floats("density", 1);
+        floats->setTransform(std::make_shared<math::Transform>(map));
+        write_grids(path, {floats}, 4);
+        const std::vector<VdbGrid> grids = interchange::read_vdb(path);
+        ASSERT_EQ(grids.size(), 1u);
+        expect_same(*floats, grids[0], 0);
+    }
+    EXPECT_NO_THROW(read_volume(path, glm::dmat4(1)));
+    const FloatGrid::Ptr floats = random_floats("density", 1);
+    floats->setTransform(std::make_shared<math::Transform>(turned));
+    write_grids(path, {floats}, 4);
+    EXPECT_THROW(read_volume(path, glm::dmat4(1)), InputError) << "its voxels are turned";
+}
+
+TEST(VdbReader, PassesOverGridsOfOtherTypes) {
+    using namespace openvdb;
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path / "x.vdb";
+    initialize();
+    const Int32Grid::Ptr numbers = Int32Grid::create(1);
+    numbers->setName("id");
+    numbers->tree().setValue({1, 2, 3}, 4);
+    const FloatGrid::Ptr floats = random_floats("density", 1);
+    write_grids(path, {numbers, floats}, 4);
+    const std::vector<VdbGrid> grids = interchange::read_vdb(path);
+    ASSERT_EQ(grids.size(), 1u);
+    expect_same(*floats, grids[0], 0);
+}
+
+std::string error_of(const std::function<void()>& run) {
+    try {
+        run();
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(VdbReader, RefusesDamagedFiles) {
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path / "x.vdb", damaged = folder.path / "y.vdb";
+    std::vector<std::string> files;
+    for (const uint32_t compression : {0u, 1u, 6u}) {
+        const auto floats = openvdb::FloatGrid::create();
+        floats->setName("density");
+        floats->tree().setValue({1, 2, 3}, 4);
+        floats->tree().addTile(1, {16, 0, 0}, 2, true);
+        const auto vectors = openvdb::Vec3SGrid::create();
+        vectors->setName("Cd");
+        vectors->tree().setValue({1, 2, 3}, openvdb::Vec3s(1, 0, 1));
+        write_grids(path, {floats, vectors}, compression);
+        const std::vector<uint8_t> bytes = read_file(path);
+        files.emplace_back(bytes.begin(), bytes.end());
+    }
+    fuzz::Random random(1);
+    size_t refused = 0, read = 0;
+    for (int i = 0; i < 1500; i++) {
+        const std::string& sound = files[random() % files.size()];
+        const std::string bytes =
+            i < 300 ? sound.substr(0, random() % sound.size()) : fuzz::mutate(sound, files, size_t{1} << 20, random);
+        std::ofstream(damaged, std::ios::binary) << bytes;
+        const std::string error = error_of([&] {
+            const VdbVolume volume = read_volume(damaged, glm::dmat4(1));
+            for (const float value : volume.density.values) ASSERT_TRUE(std::isfinite(value));
+            const voctree::VOctree tree = interchange::tree_of(volume, interchange::doublings_for(volume, 64), 25);
+            EXPECT_EQ(voctree::defect_of(tree), "");
+            read++;
+        });
+        if (error.empty()) continue;
+        refused++;
+        EXPECT_TRUE(error.starts_with(damaged.string()) && error.find('\n') == std::string::npos) << error;
+    }
+    EXPECT_GT(refused, 500u);
+    EXPECT_GT(read, 50u);
+}
+
+// A clip's frame becomes a file, which becomes a clip.
+TEST(VdbVolume, ComesBackAsItWas) {
+    const voctree::VOctree tree = some_tree();
+    const FrameVolume volume = interchange::frame_volume(tree, 2);
+    const TemporaryFolder folder;
+    interchange::write_vdb(folder.path / "x.vdb", volume);
+    // Lengths are doubled, and (x, y, z) becomes (x, z, −y).
+    const glm::dmat4 turned = glm::dmat4(2, 0, 0, 0, 0, 0, -2, 0, 0, 2, 0, 0, 0, 0, 0, 1);
+    for (const glm::dmat4& world_from_file : {glm::dmat4(1), turned}) {
+        const VdbVolume read = read_volume(folder.path / "x.vdb", world_from_file);
+        const double scale = glm::length(glm::dvec3(world_from_file[0]));
+        EXPECT_EQ(interchange::doublings_for(read, 16), 0u);
+        const FrameVolume back = interchange::frame_volume(interchange::tree_of(read, 0, 25), 0);
+        Random random(5);
+        for (int i = 0; i < 2000; i++) {
+            const glm::dvec3 point = point_in(tree, random);
+            const VolumeLeaf* truth = leaf_at(volume, point);
+            const VolumeLeaf* found = leaf_at(back, glm::dvec3(world_from_file * glm::dvec4(point, 1)));
+            if (!truth || volume.optical_depth(*truth) < 0.02f) continue;  // split into leaves that are too faint
+            ASSERT_TRUE(found);
+            EXPECT_NEAR(found->sigma * scale, double{truth->sigma}, 1e-3 * truth->sigma);
+            const glm::dvec3 shown = mean_colour(volume, *truth);
+            for (int c = 0; c < 3 && i % 20 == 0; c++)
+                EXPECT_NEAR(mean_colour(back, *found)[c], std::clamp(shown[c], 0.002, 0.998), 0.01);
+        }
+    }
+}
+
+TEST(VdbVolume, HasLargerCellsWhereTheyAreAskedFor) {
+    const TemporaryFolder folder;
+    interchange::write_vdb(folder.path / "x.vdb", ball());
+    const VdbVolume volume = read_volume(folder.path / "x.vdb", glm::dmat4(1));
+    EXPECT_EQ(interchange::doublings_for(volume, 64), 0u);
+    EXPECT_EQ(interchange::doublings_for(volume, 20), 1u);
+    EXPECT_EQ(interchange::doublings_for(volume, 18), 2u) << "the ball is 38 voxels wide";
+    const FrameVolume small = interchange::frame_volume(interchange::tree_of(volume, 0, 25), 0);
+    const FrameVolume large = interchange::frame_volume(interchange::tree_of(volume, 1, 25), 0);
+    EXPECT_EQ(small.leaves.size(), ball().leaves.size());
+    EXPECT_LT(large.leaves.size(), small.leaves.size() / 6);
+    for (const VolumeLeaf& leaf : large.leaves) EXPECT_NEAR(large.edge_m(leaf), 2 / 32.0, 1e-6);
+    const VolumeLeaf* middle = leaf_at(large, {0.01, 0.01, 0.01});
+    ASSERT_TRUE(middle);
+    EXPECT_NEAR(middle->sigma, 500, 5);
+}
+
+// A cube of haze, seen from the front.
+TEST(VdbVolume, DimsAndColoursItsImage) {
+    openvdb::initialize();
+    const auto density = openvdb::FloatGrid::create();
+    const auto colour = openvdb::Vec3SGrid::create();
+    density->setName("density");
+    colour->setName("Cd");
+    const openvdb::CoordBBox box(openvdb::Coord(-10), openvdb::Coord(9));
+    density->fill(box, 1.5f);
+    colour->fill(box, openvdb::Vec3s(0.8f, 0.2f, 0));
+    for (const openvdb::GridBase::Ptr& grid : {openvdb::GridBase::Ptr(density), openvdb::GridBase::Ptr(colour)})
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(0.05));
+    const TemporaryFolder folder;
+    write_grids(folder.path / "x.vdb", {density, colour}, 4);
+    // The file's unit is two metres.
+    const glm::dmat4 world_from_file = glm::dmat4(glm::dmat3(2.0));
+    const VdbVolume volume = read_volume(folder.path / "x.vdb", world_from_file);
+    const media::Image image =
+        interchange::vdb_image(volume, look_at({-0.05, -0.05, 40}, {-0.05, -0.05, 0}, 33, 33, 4));
+    const double left = std::exp(-1.5);  // along one unit
+    const double shown[] = {0.8 * (1 - left) + left, 0.2 * (1 - left) + left, left};
+    for (uint32_t c = 0; c < 3; c++) {
+        EXPECT_NEAR(image.at(16, 16)[c], 255 * media::srgb_from_linear(shown[c]), 1.5);
+        EXPECT_EQ(image.at(1, 1)[c], 255);
+    }
+}
+
+}  // namespace
+}  // namespace neuvv::test

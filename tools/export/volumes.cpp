@@ -1,0 +1,104 @@
+// Frames as OpenVDB files.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "base/error.h"
+#include "interchange/vdb_volume.h"
+#include "interchange/vdb_writer.h"
+#include "tools/compared_views.h"
+#include "tools/export/exported_clip.h"
+#include "tools/export/frame_export.h"
+#include "tools/options.h"
+#include "training/metrics.h"
+#include "voctree/coarse.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+class VolumeExport : public FrameExport {
+  public:
+    VolumeExport(const ExportOptions& options, ExportedClip& clip, const CommonOptions& common)
+        : options_(options), clip_(clip), device_(common.device) {}
+
+    bool holds_many() const override { return false; }
+    Estimate estimate(uint32_t frame) override;
+    void measure(uint32_t frame, const Working& working) override;
+    void add(uint32_t frame, const Working&) override { waiting_ = volume_of(frame); }
+    void write(const std::filesystem::path& file) override;
+    void report(nlohmann::ordered_json& json) const override;
+    std::string summary() const override;
+
+  private:
+    interchange::FrameVolume volume_of(uint32_t frame);
+
+    const ExportOptions& options_;
+    ExportedClip& clip_;
+    gpu::Device device_;
+    interchange::FrameVolume waiting_;  // to be written
+    interchange::VdbOptions vdb_;
+    uint64_t written_ = 0;  // leaves
+    double edge_m_ = 0;     // of voxels
+    std::optional<double> psnr_;
+};
+
+interchange::FrameVolume VolumeExport::volume_of(uint32_t frame) {
+    const ExportedClip::Segment& segment = clip_.segment_of(frame);
+    // Voxels have one size in all frames of a segment.
+    vdb_.depth = voctree::finest_depth(segment.tree);
+    if (options_.iso) vdb_.surface_opacity = static_cast<float>(*options_.iso);
+    return interchange::frame_volume(segment.tree, frame - segment.from.first, segment.paint.steps);
+}
+
+FrameExport::Estimate VolumeExport::estimate(uint32_t frame) {
+    waiting_ = volume_of(frame);
+    const size_t leaves = waiting_.leaves.size();
+    return {leaves * interchange::kVdbBytesOfLeaf, fmt::format("about {} leaves", leaves)};
+}
+
+// Renderers interpolate between voxels, and know no colour by direction: what that changes.
+void VolumeExport::measure(uint32_t frame, const Working& working) {
+    if (waiting_.leaves.empty()) return;
+    working("comparing the volume with images of the middle frame");
+    edge_m_ = double{waiting_.box_size.x} / (1u << vdb_.depth);
+    const std::string bytes = interchange::vdb_bytes(waiting_, {vdb_.depth, {}});
+    const interchange::VdbVolume read = interchange::volume_of(
+        interchange::parse_vdb({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options_.output),
+        options_.output, glm::dmat4(1));
+    const voctree::VOctree still = clip_.still(frame);
+    const ComparedViews views(device_, still, parse_size(options_.size), options_.views);
+    double error = 0;
+    for (size_t i = 0; i < views.count(); i++) {
+        working("comparing the volume with images of the middle frame");
+        const media::Image drawn = interchange::vdb_image(read, views.camera_of(i));
+        error += std::pow(10, -training::compare(views.render_still(still, i), drawn).psnr / 10);
+    }
+    psnr_ = -10 * std::log10(error / static_cast<double>(views.count()));
+}
+
+void VolumeExport::write(const std::filesystem::path& file) {
+    interchange::write_vdb(file, waiting_, vdb_);
+    written_ += waiting_.leaves.size();
+}
+
+void VolumeExport::report(nlohmann::ordered_json& json) const {
+    json["leaves"] = written_;
+    json["voxel_m"] = edge_m_;
+    if (psnr_) json["psnr_db"] = *psnr_;
+}
+
+std::string VolumeExport::summary() const {
+    const std::string text = fmt::format("{} leaves, voxels of {:.1f} mm", written_, 1000 * edge_m_);
+    return psnr_ ? fmt::format("{}; images of the middle frame have {:.1f} dB", text, *psnr_) : text;
+}
+
+}  // namespace
+
+std::unique_ptr<FrameExport> export_volumes(const ExportOptions& options, const std::string&, ExportedClip& clip,
+                                            const CommonOptions& common) {
+    return std::make_unique<VolumeExport>(options, clip, common);
+}
+
+}  // namespace neuvv::tools
