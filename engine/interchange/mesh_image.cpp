@@ -116,9 +116,7 @@ media::LinearImage mesh_image(const ColouredMesh& mesh, const stage::Camera& cam
             if (sample.inverse_depth == 0) continue;
             const glm::dvec3 srgb = colour_of(mesh, sample);
             for (int c = 0; c < 3; c++) light[c] += media::linear_from_srgb(srgb[c]);
-            const glm::dvec2 aside((static_cast<double>(x) + 0.5 - fine.cx) / fine.fx,
-                                   (static_cast<double>(y) + 0.5 - fine.cy) / fine.fy);
-            depth += std::sqrt(1 + glm::dot(aside, aside)) / sample.inverse_depth;
+            depth += 1 / sample.inverse_depth;
             count++;
         }
         for (size_t c = 0; c < 3; c++)

@@ -15,9 +15,10 @@ struct ColouredMesh {
     std::vector<std::array<uint8_t, 3>> colours;  // sRGB-encoded; empty where there is a texture
 };
 
-// Unlit, in linear light and premultiplied, the mean of samples × samples rays a pixel; `depth_m` is the mean distance
-// from the eye, as neuvv::render::linear_image has it. Textures are read by bilinear interpolation of encoded values.
-// Both sides of triangles are drawn; those that come nearer to the eye's plane than a centimetre are left out.
+// Unlit, in linear light and premultiplied, the mean of samples × samples rays a pixel; `depth_m` is the mean depth
+// along the camera's axis, as neuvv::render::linear_image has it. Textures are read by bilinear interpolation of
+// encoded values. Both sides of triangles are drawn; those that come nearer to the eye's plane than a centimetre are
+// left out.
 media::LinearImage mesh_image(const ColouredMesh& mesh, const stage::Camera& camera, uint32_t samples);
 
 }  // namespace neuvv::interchange
