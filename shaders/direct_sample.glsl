@@ -37,7 +37,7 @@ Node march_node(uint node) {
     return make_node(entry.xy, entry.xy, entry.z, entry.w);
 }
 
-uint march_child(uint index) { return FETCH(tree_children, int(index)).x; }
+uint march_child(uint index) { return FETCH(tree_links, int(index)).x; }
 
 bool march_wants(uint leaf) {
     at_leaf = leaf;

@@ -14,7 +14,7 @@
 //
 // Positions are integers in finest cells, so the walk needs no epsilon: leaving a cell through one face fixes that axis
 // exactly, the other axes are clamped to the cell that was left. Bound by the dependent texel fetches of march_enter: one,
-// and three per node level below the top grid. Expects binding `tree_top`, `push.top` (a TopBox), and the constants
+// and three per node level below the top grid. Expects binding `tree_links`, `push.top` (a TopBox), and the constants
 // kNodeLevels and kTopLevels. Three more name what the walk does without, for comparison: kRestart keeps nothing of the node
 // over a step, kFromRoot descends from the root, not from the grid (both: the paper's walk), kCoalesce unset steps over every
 // empty cell alone.
@@ -110,7 +110,7 @@ bool march_enter(inout March ray) {
     const uvec3 at = march_top(ray), size = top_size();
     if (any(greaterThanEqual(at, size)) || ray.t >= ray.t_end) return false;
     uint top = (kNodeLevels - 1u) << kTopLevelShift;  // the root
-    if (!kFromRoot) top = FETCH(tree_top, int((at.z * size.y + at.y) * size.x + at.x)).x;
+    if (!kFromRoot) top = FETCH(tree_links, int((at.z * size.y + at.y) * size.x + at.x)).x;
     ray.shift = 2 * int(top >> kTopLevelShift);
     ray.node = march_node(top & ((1u << kTopLevelShift) - 1u));
     for (uint level = kNodeLevels - (kFromRoot ? 0u : kTopLevels); level > 1u; level--) {

@@ -12,7 +12,7 @@
 
 layout(local_size_x = kTilePixels) in;
 layout(binding = kMergePages, std430) buffer Pages { uvec4 pages[]; };
-layout(binding = kMergeHeads, std430) buffer Heads { uint heads[]; };
+layout(binding = kMergePages, std430) buffer Heads { uint heads[]; };
 layout(binding = kMergeCovered) uniform utextureBuffer covered;
 UPDATE_ARRAY(vec4, kMergeRadiance, radiance);
 UPDATE_ARRAY(float, kMergeDepth, depth);

@@ -11,9 +11,8 @@
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
 READ_ARRAY(uvec4, kNodesTree, tree_nodes);
-READ_ARRAY(uint, kNodesChildren, tree_children);
-READ_ARRAY(uvec2, kNodesInner, inner_cells);
-READ_ARRAY(uvec2, kNodesParent, node_cells);
+READ_ARRAY(uint, kNodesLinks, tree_links);
+READ_ARRAY(uvec2, kNodesCells, node_cells);
 layout(binding = kNodesLive, std430) buffer NodeLive { uint node_live[]; };
 WRITE_ARRAY(uvec4, kNodesOut, nodes);
 WRITE_ARRAY(uvec2, kNodesEntries, entries);
@@ -31,7 +30,7 @@ void store_child_nodes(Node in_tree, Node in_slice, uint word, uint cells) {
         const uint bit = 32u * word + uint(findLSB(cells));
         cells &= cells - 1u;
         const uint entry = node_child(in_slice, bit);
-        const uint child = FETCH(tree_children, int(node_child(in_tree, bit))).x;
+        const uint child = FETCH(tree_links, int(node_child(in_tree, bit))).x;
         STORE(entries, int(entry * sh_count(kHhDegree)), uvec4(kEntryIsNode, child, 0u, 0u));
         STORE(entry_leaf, int(entry), uvec4(kNoLeaf));
     }
@@ -66,9 +65,9 @@ void main() {
     const uint first_entry = push.slice * push.capacity + first;
     STORE(nodes, int(push.node_base + node), uvec4(live, first_entry, words.w));
     if (live == uvec2(0u)) return;
-    const uvec2 parent = FETCH(node_cells, int(node)).xy;
+    const uvec2 parent = FETCH(node_cells, int(push.tree_nodes + node)).xy;
     atomicOr(node_live[parent.x], parent.y);
-    const uvec2 inner = live & FETCH(inner_cells, int(node)).xy;
+    const uvec2 inner = live & FETCH(node_cells, int(node)).xy;
     const Node in_tree = make_node(live, words.xy, words.z, words.w);
     const Node in_slice = make_node(live, live, first_entry, words.w);
     store_child_nodes(in_tree, in_slice, 0u, inner.x);

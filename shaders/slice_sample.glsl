@@ -1,5 +1,5 @@
 // Samples of a slice with slots: march_wants stops the walk at live leaves, and sample_colour is the colour of such a
-// leaf along the ray. The includer declares the arrays `tree_nodes`, `tree_children`, `node_live`, `head` and
+// leaf along the ray. The includer declares the arrays `tree_nodes`, `tree_links`, `node_live`, `head` and
 // `slice_sh`, and calls sample_begin for its ray.
 #ifndef NEUVV_SLICE_SAMPLE_GLSL
 #define NEUVV_SLICE_SAMPLE_GLSL
@@ -18,7 +18,7 @@ Node march_node(uint node) {
     return make_node(FETCH(node_live, int(node)).xy, entry.xy, entry.z, entry.w);
 }
 
-uint march_child(uint index) { return FETCH(tree_children, int(index)).x; }
+uint march_child(uint index) { return FETCH(tree_links, int(index)).x; }
 
 bool march_wants(uint leaf) {
     const uvec2 entry = FETCH(head, int(leaf)).xy;

@@ -11,7 +11,7 @@
 
 layout(local_size_x = kSliceGroup) in;
 READ_ARRAY(uvec4, kRangeNodes, nodes);
-READ_ARRAY(uvec2, kRangeInner, inner_cells);
+READ_ARRAY(uvec2, kRangeCells, node_cells);
 READ_ARRAY(uvec2, kRangePositions, node_positions);
 // All lanes read the same view at a time.
 layout(binding = kRangeViews, std430) readonly buffer Views { RangeView range_views[]; };
@@ -81,7 +81,7 @@ void main() {
     const uint node = group * kSliceGroup + gl_LocalInvocationID.x;
     if (node >= push.nodes) return;
     const uvec2 live = FETCH(nodes, int(push.node_base + node)).xy;
-    const uvec2 leaves = node < push.whole_from ? live & ~FETCH(inner_cells, int(node)).xy : live;
+    const uvec2 leaves = node < push.whole_from ? live & ~FETCH(node_cells, int(node)).xy : live;
     if (leaves == uvec2(0u)) return;
     const uvec2 position = FETCH(node_positions, int(node)).xy;
     const vec3 corner = 4.0 * vec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu);

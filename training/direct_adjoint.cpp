@@ -13,9 +13,8 @@ DirectAdjoint::DirectAdjoint(const gpu::Device& device, const render::Field& giv
            atomics == AtomicAdd::kNative ? std::span<const uint32_t>(direct_adjoint_comp)
                                          : std::span<const uint32_t>(direct_adjoint_cas_comp),
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes}),
-      set(pass, {{kTraceTop, &field.top},
+      set(pass, {{kTraceLinks, &field.links},
                  {kTraceNodes, &field.nodes},
-                 {kTraceChildren, &field.children},
                  {kTraceWeights, &field.weights},
                  {kTraceRows, &live.rows},
                  {kTraceCameras, &rays.cameras},

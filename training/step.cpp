@@ -11,7 +11,7 @@ namespace neuvv::training {
 // (slice_), RayBatch (rays_), LossBatch (batch_), SliceGradients (gradients_), Moments (moments_) and LeafTally
 // (tally_).
 void TrainingStep::record_gradients(const StepSettings& settings) {
-    // field_ weights, sigma_basis, gamma_basis, inner_cells → slice_ rows, node_live, head, slot_leaf, live, sh
+    // field_ weights, sigma_basis, gamma_basis, node_cells → slice_ rows, node_live, head, slot_leaf, live, sh
     if (sliced_frame_ != settings.frame) render::record_slice(commands_, slicer_, settings.frame);
     sliced_frame_ = settings.frame;
     // field_ top, nodes, children; slice_ node_live, head, sh; rays_ cameras, tiles → rays_ radiance, depth

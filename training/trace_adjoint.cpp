@@ -46,9 +46,8 @@ TraceAdjoint::TraceAdjoint(const gpu::Device& device, const render::Field& given
            atomics == AtomicAdd::kNative ? std::span<const uint32_t>(trace_adjoint_comp)
                                          : std::span<const uint32_t>(trace_adjoint_cas_comp),
            {field.hh_degree, field.node_levels, field.top_levels}),
-      set(pass, {{kTraceTop, &field.top},
+      set(pass, {{kTraceLinks, &field.links},
                  {kTraceNodes, &field.nodes},
-                 {kTraceChildren, &field.children},
                  {kTraceNodeLive, &slice.node_live},
                  {kTraceHead, &slice.head},
                  {kTraceSh, &slice.sh},

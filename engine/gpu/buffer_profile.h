@@ -13,7 +13,7 @@ namespace neuvv::gpu {
 enum class BufferProfile { kTexel, kStorage };
 
 // The storage buffers that a shader of the storage profile binds at most; a test counts them.
-constexpr uint32_t kMostStorageBuffers = 10;
+constexpr uint32_t kMostStorageBuffers = 8;
 
 // The limits of a device that decide, and the profile that its passes use.
 struct BufferLimits {

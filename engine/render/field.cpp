@@ -108,7 +108,7 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.has_srgb_colours = tree.has_srgb_colours;
     field.busy_planes = std::max(count_busy_planes(tree.sigma_basis, tree.frames, tree.bases),
                                  count_busy_planes(tree.gamma_basis, tree.frames, tree.bases));
-    const WalkTree walk = [&] {
+    WalkTree walk = [&] {
         const TraceSpan span_of_tree("make the tree that shaders walk");
         return walk_tree(tree);
     }();
@@ -124,14 +124,16 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     field.leaves_max = field.box_min + glm::vec3(walk.top_last + 1u) * top_cell;
     field.leaf_diagonal = glm::length(field.box_size) * mean_edge(walk.leaf_positions);
     gpu::Uploads uploads(device);
+    // One array each where shaders read both, as some devices bind only 8 storage buffers.
+    for (TreeNode& node : walk.nodes) node.first_child += static_cast<uint32_t>(walk.top.size());
+    walk.top.insert(walk.top.end(), walk.children.begin(), walk.children.end());
+    walk.inner_cells.insert(walk.inner_cells.end(), walk.node_cells.begin(), walk.node_cells.end());
     field.nodes = uploads.add("tree nodes", walk.nodes, VK_FORMAT_R32G32B32A32_UINT);
-    field.children = uploads.add("tree children", walk.children, VK_FORMAT_R32_UINT);
-    field.top = uploads.add("tree top", walk.top, VK_FORMAT_R32_UINT);
+    field.links = uploads.add("tree links", walk.top, VK_FORMAT_R32_UINT);
     field.leaf_cells = uploads.add("leaf cells", walk.leaf_cells, VK_FORMAT_R32G32_UINT);
-    field.node_cells = uploads.add("node cells", walk.node_cells, VK_FORMAT_R32G32_UINT);
+    field.node_cells = uploads.add("node cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
     field.leaf_positions = uploads.add("leaf positions", walk.leaf_positions, VK_FORMAT_R32G32_UINT);
     field.node_positions = uploads.add("node positions", walk.node_positions, VK_FORMAT_R32G32_UINT);
-    field.inner_cells = uploads.add("inner cells", walk.inner_cells, VK_FORMAT_R32G32_UINT);
     field.level_begin = walk.level_begin;
     field.sigma_basis = uploads.add("basis A", tree.sigma_basis, VK_FORMAT_R32_SFLOAT);
     field.gamma_basis = uploads.add("basis B", tree.gamma_basis, VK_FORMAT_R32_SFLOAT);

@@ -10,12 +10,15 @@ namespace neuvv::render {
 enum class WeightPrecision { kHalf, kFloat };  // shaders read both; training writes weights, so it needs kFloat
 
 struct Field {
-    gpu::Buffer top, nodes, children, weights, sigma_basis, gamma_basis;
-    // Per leaf and node: the index of a 32-bit word of LiveLeaves::node_live, and the bits of the leaf or node in it.
-    gpu::Buffer leaf_cells, node_cells;
+    gpu::Buffer nodes, weights, sigma_basis, gamma_basis;
+    // The walk tree's top grid, and after it the children of all nodes. A node's first_child is an index into both.
+    gpu::Buffer links;
+    // Per leaf: the index of a 32-bit word of LiveLeaves::node_live, and the bits of the leaf in it.
+    gpu::Buffer leaf_cells;
+    // Per node the mask of the cells that are nodes, and after all these per node the same as in leaf_cells.
+    gpu::Buffer node_cells;
     // Per leaf and node: (x | y << 16, z | depth << 16), in cells of its own size.
     gpu::Buffer leaf_positions, node_positions;
-    gpu::Buffer inner_cells;            // per node: the mask of the cells that are nodes
     std::vector<uint32_t> level_begin;  // the first node of each level, then the number of nodes
     glm::vec3 box_min{0}, box_size{1};
     uint32_t node_levels = 1, top_levels = 0;       // of the walk tree (walk_tree.h), whose box this is
@@ -35,6 +38,7 @@ struct Field {
     std::vector<Field> coarser;
 
     uint32_t node_count() const { return level_begin.back(); }
+    uint64_t live_bytes() const { return uint64_t{8} * node_count(); }  // of LiveLeaves::node_live
     uint32_t basis_planes() const { return (bases + 3) / 4; }
     uint32_t planes() const { return 2 * basis_planes() + hh_count(hh_degree); }
 };

@@ -29,19 +29,20 @@ std::vector<DrawnInstance> all_in_segments(std::span<const std::vector<DrawnInst
 void FrameRenderer::record_segments(std::span<const DrawnInstance> instances, const TileSpan& tiles,
                                     const gpu::Buffer& heads) {
     record_clear_rays(commands_, clearer_);
-    gpu::fill(commands_, segments_->heads(), 0);
+    record_heads_cleared(commands_, *segments_);
+    record_merge_begin(commands_, *segments_);
     gpu::fill(commands_, target_.ranges.sharing, 2);
     gpu::compute_barrier(commands_);
     for (size_t i = 0; i < instances.size(); i++) {
         DrawnInstance instance = instances[i];
         instance.rays.tiles = tiles;
         record_instance(commands_, *performers_[instance.field], kEyeTarget, instance, layout_);
-        gpu::copy(commands_, segments_->heads(), segments_->used_pages(), sizeof(uint32_t), 0, sizeof(uint32_t) * i);
+        gpu::copy(commands_, segments_->pages(), segments_->used_pages(), sizeof(uint32_t), 0, sizeof(uint32_t) * i);
     }
-    gpu::copy(commands_, segments_->heads(), heads, sizeof(uint32_t) * kTilePixels * (tiles.end - tiles.first),
+    gpu::copy(commands_, segments_->pages(), heads, sizeof(uint32_t) * kTilePixels * (tiles.end - tiles.first),
               sizeof(uint32_t) * (kFirstHead + uint64_t{kTilePixels} * tiles.first));
     gpu::compute_barrier(commands_);
-    gpu::fill(commands_, segments_->heads(), 0);  // as later merges expect it
+    record_heads_cleared(commands_, *segments_);  // as later merges expect it
     gpu::host_barrier(commands_);
 }
 

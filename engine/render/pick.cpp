@@ -33,7 +33,7 @@ SlicePicker::SlicePicker(const gpu::Device& device, const Field& field, const Sl
       pass_(device, "pick", device.buffers().fitting(pick_comp, pick_comp_storage),
             {field.hh_degree, field.node_levels, field.top_levels, uint32_t{colours == PickColours::kYes},
              uint32_t{field.has_srgb_colours}}),
-      set_(pass_, {{kPickTop, &field.top},
+      set_(pass_, {{kPickLinks, &field.links},
                    {kPickNodes, &trees.nodes},
                    {kPickEntries, &trees.entries},
                    {kPickLeaves, &trees.entry_leaf},

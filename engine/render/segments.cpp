@@ -14,10 +14,17 @@ namespace {
 constexpr uint64_t kPageBytes = 16 * kPageWords;
 constexpr uint64_t kFirstPages = (uint64_t{16} << 20) / kPageBytes;
 
-uint64_t max_pages(const gpu::Device& device, uint64_t budget) {
-    const uint64_t bytes =
-        std::min({uint64_t{device.limits().maxStorageBufferRange}, device.max_allocation_bytes(), budget});
-    return std::clamp<uint64_t>(bytes / kPageBytes, 2, UINT32_MAX / kPageWords);  // page 0 means no page
+// The pages at the buffer's begin that have no segments.
+uint64_t pages_of_heads(const RayTarget& target) {
+    const uint64_t words = kFirstHead + uint64_t{kTilePixels} * target.rays.tile_capacity;
+    return (4 * words + kPageBytes - 1) / kPageBytes;
+}
+
+// `before` of these are not for segments.
+uint64_t max_pages(const gpu::Device& device, uint64_t before, uint64_t budget) {
+    const uint64_t bound = std::min<uint64_t>(device.limits().maxStorageBufferRange, device.max_allocation_bytes());
+    const uint64_t bytes = std::min(bound, before * kPageBytes + std::min(budget, bound));
+    return std::clamp<uint64_t>(bytes / kPageBytes, before + 1, UINT32_MAX / kPageWords);
 }
 
 }  // namespace
@@ -26,13 +33,11 @@ Segments::Segments(const gpu::Device& device, const RayTarget& target, uint32_t 
     : device_(device),
       target_(target),
       merges_(merges),
-      max_pages_(max_pages(device, budget)),
-      heads_(device, "heads of segments", 4 * (kFirstHead + uint64_t{kTilePixels} * target.rays.tile_capacity),
-             gpu::MemoryKind::kDevice),
+      head_pages_(pages_of_heads(target)),
+      max_pages_(max_pages(device, head_pages_, budget)),
       used_pages_(device, "used pages", uint64_t{4} * merges, gpu::MemoryKind::kReadback),
       pass_(device, "merge", device.buffers().fitting(merge_comp, merge_comp_storage)) {
-    make_pages(std::min(kFirstPages, max_pages_));
-    gpu::run_once(device, "heads of segments", [this](gpu::Commands& commands) { gpu::fill(commands, heads_, 0); });
+    make_pages(std::min(head_pages_ + kFirstPages, max_pages_));
 }
 
 void Segments::make_pages(uint64_t pages) {
@@ -40,10 +45,11 @@ void Segments::make_pages(uint64_t pages) {
     pages_ = gpu::Buffer(device_, "segments", kPageBytes * pages, gpu::MemoryKind::kDevice);
     page_count_ = pages;
     set_ = gpu::BindingSet(pass_, {{kMergePages, &pages_},
-                                   {kMergeHeads, &heads_},
                                    {kMergeCovered, &target_.ranges.covered},
                                    {kMergeRadiance, &target_.rays.radiance},
                                    {kMergeDepth, &target_.rays.depth}});
+    gpu::run_once(device_, "heads of segments",
+                  [this](gpu::Commands& commands) { record_heads_cleared(commands, *this); });
 }
 
 // Doubles the number of pages, up to the limit. Returns false where there was no memory for more; then the present
@@ -63,7 +69,7 @@ bool Segments::make_more_pages() {
 
 bool Segments::overflowed() const {
     const uint32_t* counts = used_pages_.as<uint32_t>();
-    return recorded_ > 0 && *std::max_element(counts, counts + recorded_) >= page_count_;  // page 0 means no page
+    return recorded_ > 0 && *std::max_element(counts, counts + recorded_) >= page_count_;
 }
 
 void Segments::enlarge() {
@@ -81,14 +87,19 @@ uint32_t Segments::add_merge() {
     return recorded_++;
 }
 
+void record_heads_cleared(gpu::Commands& commands, const Segments& segments) {
+    gpu::fill(commands, segments.pages(), 0, kPageBytes * segments.head_pages());
+    gpu::compute_barrier(commands);
+}
+
 void record_merge_begin(gpu::Commands& commands, const Segments& segments) {
-    gpu::update(commands, segments.heads(), uint32_t{0});
+    gpu::update(commands, segments.pages(), segments.head_pages() - 1);
     gpu::compute_barrier(commands);
 }
 
 void record_merge(gpu::Commands& commands, Segments& segments, const TileSpan& tiles, float stop) {
     const gpu::PassScope scope(commands, "merge");
-    gpu::copy(commands, segments.heads(), segments.used_pages(), 4, 0, uint64_t{4} * segments.add_merge());
+    gpu::copy(commands, segments.pages(), segments.used_pages(), 4, 0, uint64_t{4} * segments.add_merge());
     gpu::compute_barrier(commands);
     if (tiles.end > tiles.first)
         gpu::dispatch_groups(commands, segments.pass(), segments.bindings(), tiles.end - tiles.first,

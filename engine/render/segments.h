@@ -30,9 +30,9 @@ class Segments {
     uint32_t add_merge();
 
     const gpu::Buffer& pages() const { return pages_; }
-    const gpu::Buffer& heads() const { return heads_; }
-    // How many pages there are; page 0 is none of them that are used.
+    // How many pages there are, those of `heads` included (shared/segments.h), and how many these are.
     uint64_t page_count() const { return page_count_; }
+    uint32_t head_pages() const { return static_cast<uint32_t>(head_pages_); }
     const gpu::Buffer& used_pages() const { return used_pages_; }
     const gpu::ComputePass& pass() const { return pass_; }
     const gpu::BindingSet& bindings() const { return set_; }
@@ -46,14 +46,16 @@ class Segments {
     const gpu::Device& device_;
     const RayTarget& target_;
     uint32_t merges_, bands_ = 1;
-    uint64_t page_count_ = 0, max_pages_;
-    gpu::Buffer pages_, heads_;
+    uint64_t head_pages_, page_count_ = 0, max_pages_;
+    gpu::Buffer pages_;
     gpu::Buffer used_pages_;  // the number of pages that each merge of the frame needed; readback
     uint32_t recorded_ = 0;
     gpu::ComputePass pass_;
     gpu::BindingSet set_;
 };
 
+// No ray has segments any more. A merge leaves it so.
+void record_heads_cleared(gpu::Commands& commands, const Segments& segments);
 // To be recorded before the first instance of a group: all pages are free.
 void record_merge_begin(gpu::Commands& commands, const Segments& segments);
 // To be recorded after the last instance of a group: blends its segments and composites them under what nearer groups

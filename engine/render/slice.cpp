@@ -15,7 +15,7 @@ namespace neuvv::render {
 LiveLeaves::LiveLeaves(const gpu::Device& device, const Field& field, uint32_t slots)
     : capacity(std::max(slots, 1u)),
       rows(device, "basis rows", sizeof(BasisRows), gpu::MemoryKind::kDevice),
-      node_live(device, "live cells", field.inner_cells.bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
+      node_live(device, "live cells", field.live_bytes(), gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       head(device, "slice head", uint64_t{8} * field.leaf_count, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       slot_leaf(device, "slice leaves", uint64_t{4} * capacity, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       live(device, "live count", sizeof(LiveCount), gpu::MemoryKind::kDevice) {
@@ -77,7 +77,7 @@ Slicer::Slicer(const gpu::Device& device, const Field& given_field, const Slice&
 void record_slice(gpu::Commands& commands, const Slicer& slicer, float frame) {
     const gpu::PassScope scope(commands, "slice");
     const Field& field = slicer.field;
-    gpu::copy(commands, field.inner_cells, slicer.slice.node_live, field.inner_cells.bytes);
+    gpu::copy(commands, field.node_cells, slicer.slice.node_live, field.live_bytes());
     record_rows(commands, slicer.finder, frame);
     record_density(commands, slicer.finder, 0, field.leaf_count);
     gpu::dispatch_indirect(commands, slicer.colour, slicer.colour_set, slicer.slice.live, 0,

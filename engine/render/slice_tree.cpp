@@ -59,9 +59,8 @@ TreeSlicer::TreeSlicer(const gpu::Device& device, const Field& given_field, cons
       entries(device, "slice entries", device.buffers().fitting(slice_entries_comp, slice_entries_comp_storage),
               {field.hh_degree, field.basis_planes(), field.busy_planes, field.half_weights ? 1u : 0u}),
       nodes_set(nodes, {{kNodesTree, &field.nodes},
-                        {kNodesChildren, &field.children},
-                        {kNodesInner, &field.inner_cells},
-                        {kNodesParent, &field.node_cells},
+                        {kNodesLinks, &field.links},
+                        {kNodesCells, &field.node_cells},
                         {kNodesLive, &live.node_live},
                         {kNodesOut, &trees.nodes},
                         {kNodesEntries, &trees.entries},
@@ -84,8 +83,8 @@ void record_nodes(gpu::Commands& commands, const TreeSlicer& slicer, uint32_t sl
     const SliceTrees& trees = slicer.trees;
     const std::vector<uint32_t>& begin = slicer.field.level_begin;
     for (size_t level = begin.size() - 1; level-- > 0;) {
-        const SliceNodesPush push{begin[level], begin[level + 1] - begin[level], slice, trees.capacity,
-                                  trees.node_base(slice)};
+        const SliceNodesPush push{begin[level],   begin[level + 1] - begin[level], slice,
+                                  trees.capacity, trees.node_base(slice),          slicer.field.node_count()};
         gpu::dispatch(commands, slicer.nodes, slicer.nodes_set, push.nodes, push);
         gpu::compute_barrier(commands);
     }

@@ -87,7 +87,7 @@ TileRanger::TileRanger(const gpu::Device& device, const Field& given_field, cons
       range(device, "tile ranges", device.buffers().fitting(tile_range_comp, tile_range_comp_storage)),
       list(device, "tile list", tile_list_comp),
       range_set(range, {{kRangeNodes, trees ? &trees->nodes : &field.nodes},
-                        {kRangeInner, &field.inner_cells},
+                        {kRangeCells, &field.node_cells},
                         {kRangePositions, &field.node_positions},
                         {kRangeViews, &ranges.views},
                         {kRangeTiles, &ranges.ranges}}),

@@ -77,9 +77,8 @@ TracePush instance_push(const Field& field, const InstanceRays& rays) {
 }
 
 gpu::Bindings trace_bindings(const Field& field, const RayBatch& rays) {
-    return {{kTraceTop, &field.top},        {kTraceNodes, &field.nodes}, {kTraceChildren, &field.children},
-            {kTraceCameras, &rays.cameras}, {kTraceTiles, &rays.tiles},  {kTraceRadiance, &rays.radiance},
-            {kTraceDepth, &rays.depth}};
+    return {{kTraceLinks, &field.links}, {kTraceNodes, &field.nodes},      {kTraceCameras, &rays.cameras},
+            {kTraceTiles, &rays.tiles},  {kTraceRadiance, &rays.radiance}, {kTraceDepth, &rays.depth}};
 }
 
 // Bindings of buffers that do not exist get other buffers of the same formats, which are not read.
@@ -92,7 +91,6 @@ gpu::Bindings instance_bindings(const Field& field, const RayTarget& target, Ray
                         {kTraceTileRanges, &target.ranges.ranges},
                         {kTraceSharing, &target.ranges.sharing},
                         {kTracePages, bound ? &segments->pages() : &target.no_lights},
-                        {kTraceHeads, bound ? &segments->heads() : &target.no_lights},
                         {kTraceSetDepth, target.set_buffers.set_depth},
                         {kTraceLights, target.set_buffers.lights},
                         {kTraceSetShadows, target.set_buffers.set_shadows},
@@ -128,7 +126,6 @@ DirectTracer::DirectTracer(const gpu::Device& device, const Field& given_field, 
                                                           {kTraceTileRanges, &rays.tiles},
                                                           {kTraceSharing, &rays.tiles},
                                                           {kTracePages, &no_lights},
-                                                          {kTraceHeads, &no_lights},
                                                           {kTraceSetDepth, &rays.depth},
                                                           {kTraceLights, &no_lights},
                                                           {kTraceSetShadows, &rays.depth},

@@ -7,7 +7,7 @@
 NEUVV_SHARED
 
 CONSTEXPR uint kPickGroup = 64u;
-CONSTEXPR uint kPickTop = 0u;
+CONSTEXPR uint kPickLinks = 0u;
 CONSTEXPR uint kPickNodes = 1u;
 CONSTEXPR uint kPickEntries = 2u;
 CONSTEXPR uint kPickLeaves = 3u;  // per entry its leaf

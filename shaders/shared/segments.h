@@ -1,7 +1,9 @@
 // Lists of segments: the samples of several instances along the same ray, which merge.comp blends in depth order.
 //
 // Each ray has a list for each instance that it meets. A list is a chain of pages of kPageWords texels, a header and
-// then segments. Page 0 is not used; as an index it means "none".
+// then segments. The first pages of the buffer have no segments, but `heads`: the number of pages in use less one, then
+// per ray the first page of its first list. Shaders declare them as a second block of the same binding. Page 0, which
+// is one of them, means "none" as an index.
 //   header.x   the next page of the list, or kLastPage | the number of segments in this page, which is then the last
 //   header.y   in a list's first page: the first page of the ray's next list
 //   header.z   in a list's first page: the light that shines on the instance (light_of_bits)
@@ -19,12 +21,10 @@ CONSTEXPR uint kPageSegments = kPageWords - 1u;
 
 CONSTEXPR uint kLastPage = 0x80000000u;
 
-// The buffer `heads` has the number of pages in use, then per ray the first page of its first list.
 CONSTEXPR uint kFirstHead = 1u;
 
 // merge.comp
 CONSTEXPR uint kMergePages = 0u;
-CONSTEXPR uint kMergeHeads = 1u;
 CONSTEXPR uint kMergeCovered = 2u;  // as kRangeCovered
 CONSTEXPR uint kMergeRadiance = 3u;
 CONSTEXPR uint kMergeDepth = 4u;

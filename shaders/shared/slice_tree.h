@@ -26,10 +26,9 @@ CONSTEXPR float kMaxEntryNumber = 65504.0f;  // the largest fp16 number
 
 // slice_nodes.comp
 CONSTEXPR uint kNodesTree = 0u;
-CONSTEXPR uint kNodesChildren = 1u;
-CONSTEXPR uint kNodesInner = 2u;   // per node: mask of the cells that are nodes
-CONSTEXPR uint kNodesParent = 3u;  // per node: (word of kNodesLive, its bit there)
-CONSTEXPR uint kNodesLive = 4u;    // per node: mask of live cells, which is complete where finer levels have run
+CONSTEXPR uint kNodesLinks = 1u;  // as Field::links
+CONSTEXPR uint kNodesCells = 2u;  // as Field::node_cells: its words are those of kNodesLive
+CONSTEXPR uint kNodesLive = 4u;   // per node: mask of live cells, which is complete where finer levels have run
 CONSTEXPR uint kNodesOut = 5u;
 CONSTEXPR uint kNodesEntries = 6u;
 CONSTEXPR uint kNodesLeaves = 7u;  // per entry: its leaf, or kNoLeaf
@@ -39,8 +38,9 @@ struct SliceNodesPush {
     uint first_node;  // of the level
     uint nodes;       // number of nodes of the level
     uint slice;
-    uint capacity;   // number of entries for which a slice has room
-    uint node_base;  // the slice's first node
+    uint capacity;    // number of entries for which a slice has room
+    uint node_base;   // the slice's first node
+    uint tree_nodes;  // number of nodes of all levels
 };
 
 // slice_entries.comp: the bindings of slice_colour.comp except kSliceSh, and
@@ -73,8 +73,8 @@ struct ShadePush {
 };
 
 // tile_range.comp and tile_list.comp. The tiles of several views are stored behind each other.
-CONSTEXPR uint kRangeNodes = 0u;  // of a slice tree or of the whole tree: their first two words
-CONSTEXPR uint kRangeInner = 1u;
+CONSTEXPR uint kRangeNodes = 0u;      // of a slice tree or of the whole tree: their first two words
+CONSTEXPR uint kRangeCells = 1u;      // as Field::node_cells
 CONSTEXPR uint kRangePositions = 2u;  // per node: as Field::node_positions
 CONSTEXPR uint kRangeViews = 3u;      // a RangeView each
 CONSTEXPR uint kRangeTiles = 4u;  // per tile: bits of the smallest distance, and the complement of those of the largest
@@ -112,7 +112,7 @@ struct TileRangePush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::SliceNodesPush) == 20);
+static_assert(sizeof(neuvv::SliceNodesPush) == 24);
 static_assert(sizeof(neuvv::SliceEntriesPush) == 16);
 static_assert(sizeof(neuvv::ShadePush) == 60);
 static_assert(sizeof(neuvv::RangeView) == 128);

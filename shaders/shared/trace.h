@@ -10,9 +10,8 @@ CONSTEXPR uint kTilePixels = 64u;
 CONSTEXPR uint kNoTile = 0xffffffffu;  // the end of a list of tiles
 
 CONSTEXPR uint kTraceNodes = 0u;
-CONSTEXPR uint kTraceChildren = 1u;
 CONSTEXPR uint kTraceHead = 2u;
-CONSTEXPR uint kTraceTop = 14u;
+CONSTEXPR uint kTraceLinks = 1u;  // as Field::links
 CONSTEXPR uint kTraceNodeLive = 15u;
 CONSTEXPR uint kTraceSh = 3u;
 CONSTEXPR uint kTraceCameras = 4u;
@@ -28,8 +27,7 @@ CONSTEXPR uint kTraceEntries = 10u;
 // Only where instances are traced: the tiles that the instance may cover
 CONSTEXPR uint kTraceTileList = 11u;
 CONSTEXPR uint kTraceTileRanges = 12u;
-CONSTEXPR uint kTracePages = 16u;  // shared/segments.h
-CONSTEXPR uint kTraceHeads = 17u;
+CONSTEXPR uint kTracePages = 16u;     // shared/segments.h
 CONSTEXPR uint kTraceSetDepth = 18u;  // per texel of the set's image: metres along the camera's axis
 CONSTEXPR uint kTraceLights = 19u;    // ShaderLights (shared/lights.h)
 CONSTEXPR uint kTraceSetShadows = 20u;
