@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "gpu/buffer_speed.h"
 #include "gpu/device.h"
 #include "tools/commands.h"
 #include "tools/report.h"
@@ -19,8 +20,16 @@ std::string version_text(uint32_t version) {
                        VK_API_VERSION_PATCH(version));
 }
 
-const char* name_of(gpu::BufferProfile profile) {
-    return profile == gpu::BufferProfile::kTexel ? "texel" : "storage";
+const char* name_of(gpu::ProfileReason reason) {
+    switch (reason) {
+        case gpu::ProfileReason::kForced:
+            return "forced";
+        case gpu::ProfileReason::kLimits:
+            return "limits";
+        case gpu::ProfileReason::kSpeed:
+            return "speed";
+    }
+    return "";
 }
 
 bool has_room_for_storage(const gpu::BufferLimits& limits) {
@@ -30,7 +39,11 @@ bool has_room_for_storage(const gpu::BufferLimits& limits) {
 nlohmann::ordered_json json_of(const gpu::BufferLimits& limits) {
     auto profiles = nlohmann::ordered_json::array({"texel"});
     if (has_room_for_storage(limits)) profiles.push_back("storage");
-    return {{"profile", name_of(limits.profile)},
+    using Json = nlohmann::ordered_json;
+    return {{"profile", profile_name(limits.profile)},
+            {"reason", name_of(limits.reason)},
+            {"texel_ms", limits.times ? Json(limits.times->texel_ms) : Json()},
+            {"storage_ms", limits.times ? Json(limits.times->storage_ms) : Json()},
             {"profiles", profiles},
             {"max_texels", limits.texels},
             {"max_storage_bytes", limits.storage_bytes},
@@ -66,16 +79,22 @@ nlohmann::ordered_json json_of(const std::vector<gpu::DeviceSummary>& devices) {
     return list;
 }
 
-void print(const gpu::BufferLimits& limits) {
+void print(const gpu::DeviceSummary& device) {
+    const gpu::BufferLimits& limits = device.buffers;
     const std::string texel = fmt::format("texel buffers of up to {} elements", limits.texels);
     const std::string storage = fmt::format("storage buffers of up to {}", size_text(limits.storage_bytes));
-    if (limits.profile == gpu::BufferProfile::kStorage)
+    if (limits.reason == gpu::ProfileReason::kSpeed && !limits.times)
+        fmt::print("   arrays in {}, or in {} if the next start finds those faster\n", texel, storage);
+    else if (limits.profile == gpu::BufferProfile::kStorage)
         fmt::print("   arrays in {} (NEUVV_BUFFERS=texel: in {})\n", storage, texel);
     else if (has_room_for_storage(limits))
         fmt::print("   arrays in {} (NEUVV_BUFFERS=storage: in {})\n", texel, storage);
     else
         fmt::print("   arrays in {} (shaders bind at most {} storage buffers, {} would be needed)\n", texel,
                    limits.storage_buffers, gpu::kMostStorageBuffers);
+    if (limits.times)
+        fmt::print("   as timed at an earlier start: {} (delete {} to have them timed again)\n", profile_text(limits),
+                   gpu::profile_times_file(device).string());
 }
 
 void print(const std::vector<gpu::DeviceSummary>& devices) {
@@ -84,7 +103,7 @@ void print(const std::vector<gpu::DeviceSummary>& devices) {
         fmt::print("   {}, Vulkan {}, {}\n", device.kind, version_text(device.api_version), device.driver);
         fmt::print("   memory: {}\n", memory_text(device.memory));
         fmt::print("   {}\n", device.missing.empty() ? "usable" : "not usable");
-        print(device.buffers);
+        print(device);
         for (const std::string& feature : device.missing) fmt::print("   missing: {}\n", feature);
         for (const std::string& feature : device.missing_optional) fmt::print("   does without: {}\n", feature);
     }
@@ -111,8 +130,12 @@ void add_devices(Command app, CommonOptions&) {
     verb.footer(
         {"Other verbs take the best usable device: discrete, integrated, virtual, then CPU. --device or NEUVV_DEVICE\n"
          "chooses another by its index or a part of its name. Passes bind long arrays as texel buffers or as storage\n"
-         "buffers, whichever may be longer there; NEUVV_BUFFERS=texel or storage decides. Training needs texel "
-         "buffers.\nNEUVV_DEVICE_MEMORY sets how many MiB of its memory a program takes at most.\n\n"
+         "buffers, whichever may be longer there; where both may be equally long, the first start times them, and "
+         "keeps\n"
+         "the times in the cache folder. NEUVV_BUFFERS=texel or storage decides, NEUVV_BUFFERS=fastest times them "
+         "whatever\n"
+         "the limits. Training needs texel buffers.\nNEUVV_DEVICE_MEMORY sets how many MiB of its memory a program "
+         "takes at most.\n\n"
          "Examples:\n"
          "  neuvv devices\n"
          "  neuvv devices --json\n"

@@ -84,6 +84,21 @@ std::string size_text(uint64_t bytes) {
     return fmt::format("{:.1f} {}", size, kUnits[unit]);
 }
 
+const char* profile_name(gpu::BufferProfile profile) {
+    return profile == gpu::BufferProfile::kTexel ? "texel" : "storage";
+}
+
+std::string profile_text(const gpu::BufferLimits& limits) {
+    const bool texel = limits.profile == gpu::BufferProfile::kTexel;
+    const std::string name = fmt::format("{} buffers", profile_name(limits.profile));
+    if (limits.reason == gpu::ProfileReason::kForced) return name + " (by NEUVV_BUFFERS)";
+    if (limits.reason == gpu::ProfileReason::kLimits) return name + " (by the device's limits)";
+    if (!limits.times) return name + " (not timed yet)";
+    const auto [texel_ms, storage_ms] = *limits.times;
+    return fmt::format("{} ({:.2f} ms, {} buffers {:.2f} ms)", name, texel ? texel_ms : storage_ms,
+                       texel ? "storage" : "texel", texel ? storage_ms : texel_ms);
+}
+
 bool trace_wanted() {
     const char* value = std::getenv("NEUVV_TRACE");
     return value && *value && std::string_view(value) != "0";

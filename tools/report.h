@@ -63,6 +63,11 @@ std::string format_duration(double seconds);
 // "12.3 MB".
 std::string size_text(uint64_t bytes);
 
+// "texel", "storage".
+const char* profile_name(gpu::BufferProfile profile);
+// "texel buffers (1.02 ms, storage buffers 1.20 ms)": how passes of the device bind long arrays, and why.
+std::string profile_text(const gpu::BufferLimits& limits);
+
 // Whether NEUVV_TRACE asks for the times of passes.
 bool trace_wanted();
 // "slice 1.20 ms, trace 20.10 ms, together 21.30 ms".

@@ -6,11 +6,22 @@
 #include <volk.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace neuvv::gpu {
 
 enum class BufferProfile { kTexel, kStorage };
+enum class ProfileReason {
+    kForced,  // by NEUVV_BUFFERS
+    kLimits,  // its arrays may be longer
+    kSpeed,   // arrays may be equally long, and it was faster (buffer_speed.h)
+};
+
+// What the same reads took in either profile.
+struct ProfileTimes {
+    double texel_ms = 0, storage_ms = 0;
+};
 
 // The storage buffers that a shader of the storage profile binds at most; a test counts them.
 constexpr uint32_t kMostStorageBuffers = 8;
@@ -21,6 +32,8 @@ struct BufferLimits {
     uint64_t storage_bytes = 0;    // of a storage buffer
     uint32_t storage_buffers = 0;  // of a shader stage
     BufferProfile profile = BufferProfile::kTexel;
+    ProfileReason reason = ProfileReason::kLimits;
+    std::optional<ProfileTimes> times;  // with kSpeed, once they are measured
 
     // The elements that an array may have, each of `element_bytes`.
     uint64_t max_elements(uint32_t element_bytes) const {
@@ -32,8 +45,9 @@ struct BufferLimits {
     }
 };
 
-// Takes the profile whose arrays may be longer, texel buffers where both hold 2 GiB or equally much. NEUVV_BUFFERS of
-// the environment, "texel" or "storage", forces a profile; throws InputError for another value.
+// Takes the profile whose arrays may be longer. Where both hold 2 GiB or equally much, the reason is kSpeed and the
+// profile texel buffers, until the two are timed. NEUVV_BUFFERS of the environment, "texel" or "storage", forces a
+// profile, "fastest" has them timed whatever the limits; throws InputError for another value.
 BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits);
 
 }  // namespace neuvv::gpu

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/platform.h"
+#include "gpu/buffer_speed.h"
 #include "gpu/compute_program.h"
 #include "gpu/debug_buffer.h"
 #include "gpu/features.h"
@@ -174,6 +175,7 @@ std::vector<DeviceSummary> list_devices() {
     for (VkPhysicalDevice physical : physical_devices(instance))
         summaries.push_back(summarise(physical, static_cast<uint32_t>(summaries.size())));
     vkDestroyInstance(instance, nullptr);
+    for (DeviceSummary& summary : summaries) choose_by_kept_times(summary);
     return summaries;
 }
 
@@ -200,6 +202,7 @@ Device::Device(const std::string& choice, Validation validation, const DeviceExt
     create_device(extensions, maker);
     limit_memory(memory_limit_of_environment());
     open_pipeline_cache();
+    choose_by_speed(*this, summary_);
 }
 
 Device::~Device() {

@@ -46,15 +46,27 @@ TEST(BufferProfile, IsThatOfTheLongerArrays) {
     EXPECT_EQ(chosen(65536, 128 * mib, 16).profile, kStorage) << "what Vulkan guarantees, and buffers enough";
     EXPECT_EQ(chosen(65536, 128 * mib, 4).profile, kTexel) << "shaders bind more storage buffers";
     EXPECT_EQ(chosen(128 * mib, 128 * mib, 32).profile, kTexel) << "lavapipe";
-    EXPECT_EQ(chosen(128 * mib, 0xffffffffu, 1 << 20).profile, kTexel) << "2 GiB of either";
     EXPECT_EQ(chosen(16 * mib, 0xffffffffu, 1 << 20).profile, kStorage) << "256 MiB against 2 GiB";
-    EXPECT_EQ(chosen(8 * mib, 128 * mib, 32).profile, kTexel) << "equally much";
+    EXPECT_EQ(chosen(128 * mib, 128 * mib, 32).reason, gpu::ProfileReason::kLimits);
+}
+
+TEST(BufferProfile, IsTheFasterWhereArraysMayBeEquallyLong) {
+    using enum gpu::ProfileReason;
+    const uint32_t mib = 1 << 20;
+    EXPECT_EQ(chosen(128 * mib, 0xffffffffu, 1 << 20).reason, kSpeed) << "2 GiB of either";
+    EXPECT_EQ(chosen(8 * mib, 128 * mib, 32).reason, kSpeed) << "equally much";
+    EXPECT_EQ(chosen(8 * mib, 128 * mib, 32).profile, gpu::BufferProfile::kTexel) << "until it is known";
+    EXPECT_EQ(chosen(128 * mib, 0xffffffffu, 4).reason, kLimits) << "shaders bind more storage buffers";
+    EXPECT_EQ(chosen(128 * mib, 128 * mib, 32, "fastest").reason, kSpeed);
+    EXPECT_EQ(chosen(65536, 128 * mib, 32, "fastest").profile, gpu::BufferProfile::kStorage) << "too short to be timed";
 }
 
 TEST(BufferProfile, CanBeForced) {
     EXPECT_EQ(chosen(1 << 27, 1 << 27, 32, "storage").profile, gpu::BufferProfile::kStorage);
     EXPECT_EQ(chosen(65536, 1 << 27, 32, "texel").profile, gpu::BufferProfile::kTexel);
-    expect_input_error([] { chosen(1 << 27, 1 << 27, 32, "texels"); }, {"NEUVV_BUFFERS", "texels", "texel or storage"});
+    EXPECT_EQ(chosen(1 << 27, 0xffffffffu, 32, "storage").reason, gpu::ProfileReason::kForced) << "nothing is timed";
+    expect_input_error([] { chosen(1 << 27, 1 << 27, 32, "texels"); },
+                       {"NEUVV_BUFFERS", "texels", "texel, storage or fastest"});
 }
 
 TEST(BufferProfile, BoundsTheElementsOfArrays) {

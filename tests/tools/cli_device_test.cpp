@@ -55,7 +55,50 @@ TEST_F(CliDevice, ArraysInStorageBuffersGiveTheSameImages) {
     EXPECT_NE(listed.out.find("arrays in storage buffers"), std::string::npos) << listed.out;
     const ProgramResult refused = run_neuvv({"devices"}, "NEUVV_BUFFERS=neither");
     EXPECT_EQ(refused.code, 2);
-    EXPECT_NE(refused.err.find("give texel or storage"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("give texel, storage or fastest"), std::string::npos) << refused.err;
+}
+
+// The first start times both ways to bind arrays, and the next ones go by what it found.
+TEST_F(CliDevice, TheFasterBuffersAreKeptInTheCacheFolder) {
+    const std::filesystem::path cache = folder.path / "cache";
+    const std::string environment = "NEUVV_BUFFERS=fastest XDG_CACHE_HOME=" + shell_quoted(cache.string());
+    const auto buffers = [&] {
+        const ProgramResult result = run_neuvv({"devices", "--json"}, environment);
+        EXPECT_EQ(result.code, 0) << result.err;
+        const auto devices = nlohmann::json::parse(result.out);
+        for (const auto& one : devices)
+            if (one.at("name") == device().summary().name) return one.at("buffers");
+        ADD_FAILURE() << result.out;
+        return nlohmann::json();
+    };
+    const auto image = [&] {
+        const ProgramResult result =
+            run_neuvv({"render", scene, "-o", file("timed.exr"), "--size", "64x48", "--frames", "1.5"}, environment);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return read_text(file("timed.exr"));
+    };
+    EXPECT_EQ(buffers().at("reason"), "speed");
+    EXPECT_TRUE(buffers().at("texel_ms").is_null()) << "the list of devices times nothing";
+    const std::string first = image();
+    EXPECT_GT(buffers().at("texel_ms"), 0);
+    EXPECT_GT(buffers().at("storage_ms"), 0);
+
+    std::filesystem::path times;
+    for (const auto& entry : std::filesystem::directory_iterator(cache / "neuvv"))
+        if (entry.path().filename().string().starts_with("buffers-")) times = entry.path();
+    ASSERT_FALSE(times.empty());
+    const auto with = [&](double texel_ms, double storage_ms) {
+        auto json = nlohmann::json::parse(read_text(times));
+        json["texel_ms"] = texel_ms;
+        json["storage_ms"] = storage_ms;
+        write_text(times, json.dump());
+        EXPECT_TRUE(image() == first) << "either way";
+        EXPECT_EQ(buffers().at("texel_ms"), texel_ms) << "it was timed again";
+        return buffers().at("profile");
+    };
+    EXPECT_EQ(with(3, 1), "storage");
+    EXPECT_EQ(with(1, 3), "texel");
+    EXPECT_NE(run_neuvv({"devices"}, environment).out.find("delete " + times.string()), std::string::npos);
 }
 
 // With less and less memory: the same images, and in the end one line.

@@ -57,8 +57,13 @@ void expect_not_stopped() {
 
 void report(const BenchOptions& options, const gpu::Device& device, const nlohmann::ordered_json& facts,
             const std::function<void()>& print_table) {
-    if (!options.json) return print_table();
-    nlohmann::ordered_json json = {{"device", device.summary().name}, {"scene", options.scene}};
+    if (!options.json) {
+        fmt::print("arrays in {}\n", tools::profile_text(device.buffers()));
+        return print_table();
+    }
+    nlohmann::ordered_json json = {{"device", device.summary().name},
+                                   {"buffers", tools::profile_name(device.buffers().profile)},
+                                   {"scene", options.scene}};
     if (!options.size.empty()) json["size"] = options.size;
     json.update(facts);
     fmt::print("{}", json_text(json));
