@@ -64,10 +64,14 @@ void require_fits(const std::string& pass, const BindingSlot& slot, const Buffer
             "device \"{}\" binds",
             pass, slot.binding, buffer.name, buffer.bytes >> 20, limits.texels, device));
     if (slot.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER && buffer.bytes > limits.storage_bytes)
-        throw RuntimeFailure(fmt::format(
-            "pass \"{}\": storage buffer \"{}\" is {} MiB, device \"{}\" binds at most {} MiB, and texel buffers of {} "
-            "texels",
-            pass, buffer.name, buffer.bytes >> 20, device, limits.storage_bytes >> 20, limits.texels));
+        throw RuntimeFailure(
+            fmt::format("pass \"{}\": storage buffer \"{}\" is {:.1f} MiB, device \"{}\" binds at most {} MiB, and "
+                        "texel buffers of {} "
+                        "texels; {}",
+                        pass, buffer.name, static_cast<double>(buffer.bytes) / 1048576, device,
+                        limits.storage_bytes >> 20, limits.texels,
+                        buffer.view ? "NEUVV_BUFFERS=texel takes the latter"
+                                    : "choose a smaller --size, or another device (`neuvv devices` lists them)"));
 }
 
 // The constructors here and below delegate, so that the destructor frees what was created when a later step throws.

@@ -113,6 +113,9 @@ TEST_F(BufferTest, LimitsAreNamed) {
         [&] { gpu::Buffer(device(), "wide", 4 * texels, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT); },
         fmt::format("binds texel buffers of {} and storage buffers of {} MiB", device().limits().maxTexelBufferElements,
                     device().limits().maxStorageBufferRange >> 20));
+    if (4 * texels > device().limits().maxStorageBufferRange)
+        expect_failure([&] { gpu::Buffer(device(), "wide", 4 * texels, gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT); },
+                       "choose a clip of fewer leaves");
     const uint64_t bytes = device().max_allocation_bytes() + 1;
     expect_failure([&] { gpu::Buffer(device(), "heavy", bytes, gpu::MemoryKind::kDevice); }, "\"heavy\"");
     expect_failure([] { gpu::texel_bytes(VK_FORMAT_R8_UNORM); }, "texel_bytes");
@@ -278,6 +281,14 @@ TEST_F(BindingTest, AStorageBufferBeyondTheRangeIsNamed) {
                 pass, {{kRowsSigmaBasis, &basis}, {kRowsGammaBasis, &basis}, {kRowsOut, &huge}, {kRowsLive, &live}});
         },
         "\"huge rows\"");
+    const gpu::Buffer with_view(device(), "huge view", bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT);
+    expect_failure(
+        [&] {
+            gpu::BindingSet(
+                pass,
+                {{kRowsSigmaBasis, &basis}, {kRowsGammaBasis, &basis}, {kRowsOut, &with_view}, {kRowsLive, &live}});
+        },
+        "NEUVV_BUFFERS=texel takes the latter");
 }
 
 TEST_F(BindingTest, PassTimesAreThoseOfTheScopes) {
