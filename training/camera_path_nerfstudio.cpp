@@ -122,9 +122,9 @@ nerfstudio_json numbers_of(const stage::CameraPathKey& key, const NerfstudioWorl
 
 nerfstudio_json image_json(const stage::CameraPathKey& key, const char* matrix, double aspect,
                            const NerfstudioWorld& world) {
-    nerfstudio_json json = {{matrix, numbers_of(key, world)}, {"fov", glm::degrees(key.angle_y)}, {"aspect", aspect}};
-    if (key.clip_time) json["render_time"] = *key.clip_time;
-    return json;
+    nerfstudio_json image = {{matrix, numbers_of(key, world)}, {"fov", glm::degrees(key.angle_y)}, {"aspect", aspect}};
+    if (key.clip_time) image["render_time"] = *key.clip_time;
+    return image;
 }
 
 // The keys from which nerfstudio's viewer makes a spline of its own, each with the seconds from the one before.
@@ -135,11 +135,12 @@ nerfstudio_json keyframes_of(const stage::CameraPath& path, const stage::CameraP
         const double time_s = path.keys[i].time_s;
         stage::CameraPathKey key = stage::key_of(stage::camera_at(path, time_s, images.width, images.height), time_s);
         key.clip_time = path.keys[i].clip_time;
-        nerfstudio_json json = image_json(key, "matrix", aspect, world);
+        nerfstudio_json keyframe = image_json(key, "matrix", aspect, world);
         const double from_s = i > 0 ? path.keys[i - 1].time_s : path.keys.back().time_s - path.duration_s;
-        json["override_transition_enabled"] = i > 0 || path.cyclic;
-        json["override_transition_sec"] = i > 0 || path.cyclic ? nerfstudio_json(time_s - from_s) : nerfstudio_json();
-        keyframes.push_back(std::move(json));
+        keyframe["override_transition_enabled"] = i > 0 || path.cyclic;
+        keyframe["override_transition_sec"] =
+            i > 0 || path.cyclic ? nerfstudio_json(time_s - from_s) : nerfstudio_json();
+        keyframes.push_back(std::move(keyframe));
     }
     return keyframes;
 }

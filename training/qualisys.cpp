@@ -1,7 +1,6 @@
 // The conventions are those of Pose2Sim's calibration.py (calib_qca_fun) and calib_toml_to_qca.py, but for distortion:
 // - transform: x, y, z is the camera's position in millimetres. r11 r12 r13, r21 … are the rows of the rotation from
-// the
-//   world to the camera, whose axes are OpenGL's. The world has +Z up.
+//   the world, which has +Z up, to the camera, whose axes are OpenGL's.
 // - intrinsic: focal lengths and centre are in 1/64 pixels of the whole sensor, counted from the corner of its first
 //   pixel (sensorMaxU is 64 · 1920 − 1). A video of binned pixels has fewer of them, which the ratio of the sensor's
 //   and the video's size says; a cropped one begins at fov_video's left and top.

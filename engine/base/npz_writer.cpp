@@ -22,16 +22,19 @@ std::vector<uint8_t> npy_bytes_of(const NpzArray& array) {
     constexpr size_t kBefore = 10;  // magic, version, the header's length
     header.resize((header.size() + 1 + kBefore + kNpyAlignment - 1) / kNpyAlignment * kNpyAlignment - kBefore, ' ');
     header.back() = '\n';
-    std::vector<uint8_t> bytes = {0x93,
-                                  'N',
-                                  'U',
-                                  'M',
-                                  'P',
-                                  'Y',
-                                  1,
-                                  0,
-                                  static_cast<uint8_t>(header.size() & 0xff),
-                                  static_cast<uint8_t>(header.size() >> 8)};
+    const uint8_t start[kBefore] = {0x93,
+                                    'N',
+                                    'U',
+                                    'M',
+                                    'P',
+                                    'Y',
+                                    1,
+                                    0,
+                                    static_cast<uint8_t>(header.size() & 0xff),
+                                    static_cast<uint8_t>(header.size() >> 8)};
+    std::vector<uint8_t> bytes;
+    bytes.reserve(kBefore + header.size() + array.bytes.size());
+    bytes.insert(bytes.end(), std::begin(start), std::end(start));
     bytes.insert(bytes.end(), header.begin(), header.end());
     bytes.insert(bytes.end(), array.bytes.begin(), array.bytes.end());
     return bytes;

@@ -80,7 +80,9 @@ struct CameraPathWrite : testing::Test {
             EXPECT_NEAR(a.time_s, b.time_s, tolerance);
             EXPECT_LT(glm::distance(a.position, b.position), tolerance) << i;
             EXPECT_NEAR(std::abs(glm::dot(a.world_from_camera, b.world_from_camera)), 1, tolerance) << i;
-            if (angles) EXPECT_NEAR(a.angle_y, b.angle_y, tolerance) << i;
+            if (angles) {
+                EXPECT_NEAR(a.angle_y, b.angle_y, tolerance) << i;
+            }
             EXPECT_EQ(a.stretch, 1);
         }
     }
