@@ -190,6 +190,8 @@ std::optional<std::vector<uint8_t>> HttpSource::read_copy(uint64_t block) const 
 }
 
 void HttpSource::keep_copies(uint64_t first, const std::vector<uint8_t>& bytes) {
+    const std::lock_guard lock(copies_mutex_);
+    if (!keeps_copies_) return;
     for (uint64_t begin = 0; begin < bytes.size(); begin += kBlock)
         cache_->write(first + begin / kBlock,
                       std::span(bytes).subspan(begin, std::min<uint64_t>(kBlock, bytes.size() - begin)));
@@ -265,7 +267,10 @@ void HttpSource::run() {
     }
 }
 
+// What the thread fetched before, but has not written yet, is not kept, either.
 void HttpSource::forget_copies() {
+    const std::lock_guard lock(copies_mutex_);
+    keeps_copies_ = false;
     cache_->forget();
 }
 

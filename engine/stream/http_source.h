@@ -59,6 +59,8 @@ class HttpSource : public ByteSource {
     void* curl_ = nullptr;  // CURL: the constructor's, then the thread's
     std::atomic<bool> cancelled_ = false;
     std::optional<BlockCache> cache_;  // since the first block is here
+    std::mutex copies_mutex_;          // guards writing to it and forgetting
+    bool keeps_copies_ = true;         // until they are forgotten
     mutable std::mutex mutex_;         // guards all that follows
     std::condition_variable changed_;
     std::map<uint64_t, std::vector<uint8_t>> blocks_;
