@@ -31,7 +31,7 @@ class LayoutWriter {
         for (const stage::EvaluatedStage& time : times_) values.push_back(of(time));
         return values;
     }
-    // An @asset@ relative to the file; OpenUSD knows no escapes in it.
+    // An asset's path relative to the file.
     std::string asset(const std::filesystem::path& path) const;
     void add_performer(size_t index);
     void add_scenery();
@@ -58,7 +58,9 @@ LayoutWriter::LayoutWriter(const std::filesystem::path& file, const stage::Stage
 
 std::string LayoutWriter::asset(const std::filesystem::path& path) const {
     const std::string relative = stage::absolute_path(path).lexically_relative(folder_).generic_string();
-    return "@@@" + (relative.starts_with("..") ? relative : "./" + relative) + "@@@";
+    std::string text = relative.starts_with("..") ? relative : "./" + relative;
+    for (size_t at = 0; (at = text.find("@@@", at)) != std::string::npos; at += 4) text.insert(at, "\\");
+    return "@@@" + text + "@@@";
 }
 
 void LayoutWriter::add_performer(size_t index) {
@@ -93,7 +95,7 @@ void LayoutWriter::add_scenery() {
                          usd_quoted(names_.take("Scenery")), asset(stage_.file.path));
 }
 
-// The light of a node, whose values may change, and which is hidden while it is not among the lights.
+// The light of a node, with the colour and strength that it has at the begin: only its transform changes.
 void LayoutWriter::add_light(const stage::EvaluatedLight& light) {
     const stage::GltfNode& node = stage_.scene.nodes[light.node];
     const bool distant = light.kind == stage::GltfLightKind::kDirectional;
@@ -125,8 +127,7 @@ void LayoutWriter::add_light(const stage::EvaluatedLight& light) {
 }
 
 void LayoutWriter::add_camera(size_t index) {
-    const std::string number = std::to_string(index);
-    const stage::CameraPath path = stage::path_of_camera(stage_, number, layout_.fps);
+    const stage::CameraPath path = stage::path_of_camera(stage_, index, layout_.fps);
     text_ += usd_camera_prim(names_.take(times_[0].cameras[index].name), stage::by_images(path, layout_.fps, 1280, 720),
                              "    ");
 }

@@ -159,9 +159,10 @@ bool has_camera(const EvaluatedStage& evaluated) {
                        [](const EvaluatedCamera& camera) { return !camera.orthographic; });
 }
 
-Camera camera_of(const Stage& stage, const std::string& name_or_index, const EvaluatedStage& evaluated, uint32_t width,
-                 uint32_t height) {
-    const EvaluatedCamera& found = find_camera(stage, name_or_index, evaluated);
+namespace {
+
+Camera pinhole_of(const Stage& stage, const EvaluatedCamera& found, const EvaluatedStage& evaluated, uint32_t width,
+                  uint32_t height) {
     if (found.orthographic)
         fail_camera(stage, evaluated, fmt::format("\"{}\" is orthographic, which is not drawn", found.name));
     Camera camera;
@@ -174,15 +175,28 @@ Camera camera_of(const Stage& stage, const std::string& name_or_index, const Eva
     return camera;
 }
 
+}  // namespace
+
+Camera camera_of(const Stage& stage, const std::string& name_or_index, const EvaluatedStage& evaluated, uint32_t width,
+                 uint32_t height) {
+    return pinhole_of(stage, find_camera(stage, name_or_index, evaluated), evaluated, width, height);
+}
+
 CameraPath path_of_camera(const Stage& stage, const std::string& name_or_index, double fps) {
     const EvaluatedStage first = stage_at(stage, 0);
+    return path_of_camera(stage, static_cast<size_t>(&find_camera(stage, name_or_index, first) - first.cameras.data()),
+                          fps);
+}
+
+CameraPath path_of_camera(const Stage& stage, size_t index, double fps) {
     const auto key_at = [&](double time_s) {
-        return key_of(camera_of(stage, name_or_index, stage_at(stage, time_s), 2, 2), time_s);
+        const EvaluatedStage evaluated = stage_at(stage, time_s);
+        return key_of(pinhole_of(stage, evaluated.cameras.at(index), evaluated, 2, 2), time_s);
     };
     CameraPath path;
     path.interpolation = Interpolation::kLinear;
     path.keys.push_back(key_at(0));
-    const double last_s = last_motion_s(stage.scene, find_camera(stage, name_or_index, first).node);
+    const double last_s = last_motion_s(stage.scene, stage_at(stage, 0).cameras.at(index).node);
     const double count = std::ceil(last_s * fps - 1e-6);
     if (!(count < static_cast<double>(kMaxPathKeys)))
         throw InputError(stage.file.path.string(), "", fmt::format("has animations of {:.6g} s", last_s),

@@ -68,5 +68,6 @@ Camera camera_of(const Stage& stage, const std::string& name_or_index, const Eva
 // s to the end of the last of them, linear in between; else one key. Throws InputError as camera_of does, and for more
 // than kMaxPathKeys keys.
 CameraPath path_of_camera(const Stage& stage, const std::string& name_or_index, double fps);
+CameraPath path_of_camera(const Stage& stage, size_t index, double fps);  // of evaluated.cameras, whatever its name
 
 }  // namespace neuvv::stage
