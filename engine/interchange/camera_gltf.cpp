@@ -28,11 +28,12 @@ void write_camera_glb(const std::filesystem::path& file, const stage::CameraPath
     stage::GlbWriter glb;
     glb.json["scene"] = 0;
     glb.json["scenes"] = ordered_json::array({{{"nodes", {0}}}});
-    glb.json["cameras"] = ordered_json::array({{{"type", "perspective"},
-                                                {"perspective",
-                                                 {{"aspectRatio", static_cast<double>(images.width) / images.height},
-                                                  {"yfov", images.keys[0].angle_y},
-                                                  {"znear", kNearPlane_m}}}}});
+    glb.json["cameras"] =
+        ordered_json::array({{{"type", "perspective"},
+                              {"perspective",
+                               {{"aspectRatio", images.width / (images.height * images.keys[0].stretch)},
+                                {"yfov", images.keys[0].angle_y},
+                                {"znear", kNearPlane_m}}}}});
     ordered_json node = {{"name", "camera"}, {"camera", 0}};
     node["translation"] = {places[0].x, places[0].y, places[0].z};
     node["rotation"] = std::vector<float>(turns.begin(), turns.begin() + 4);

@@ -26,8 +26,6 @@ struct ExportedCamera {
 };
 
 ExportedCamera camera_of(const ExportOptions& options) {
-    if (!options.world.empty() && options.kind != "nerfstudio" && options.kind != "instant-ngp")
-        throw InputError("--world", options.world, "is for nerfstudio and instant-ngp", "leave it out");
     const stage::Stage stage = stage::load_stage(options.scene);
     const double fps = options.fps.value_or(stage.fps);
     ExportedCamera camera;
@@ -37,7 +35,7 @@ ExportedCamera camera_of(const ExportOptions& options) {
         camera.path = *stage.settings.camera_path;
     else
         camera.path = stage::path_of_camera(stage, options.camera, fps);
-    const media::ImageSize size = options.sized ? parse_size(options.size) : kStageSize;
+    const media::ImageSize size = options.size.empty() ? kStageSize : parse_size(options.size);
     camera.images = stage::by_images(camera.path, fps, size.width, size.height);
     prepare_output_file("--output", options.output);
     return camera;
@@ -50,14 +48,18 @@ std::string write_camera(const ExportOptions& options) {
         return camera.text();
     }
     interchange::write_camera_glb(options.output, camera.images);
-    double low = camera.images.keys[0].angle_y, high = low;
+    double low = camera.images.keys[0].angle_y, high = low, shift = 0;
     for (const stage::CameraPathKey& key : camera.images.keys) {
         low = std::min(low, key.angle_y);
         high = std::max(high, key.angle_y);
+        shift = std::max(shift, glm::length(key.shift));
     }
-    if (high - low < 1e-6) return camera.text();
-    return fmt::format("{}; glTF has one angle of view: {:.1f}° in place of {:.1f}° to {:.1f}°", camera.text(),
-                       glm::degrees(camera.images.keys[0].angle_y), glm::degrees(low), glm::degrees(high));
+    std::string text = camera.text();
+    if (high - low >= 1e-6)
+        text += fmt::format("; glTF has one angle of view: {:.1f}° in place of {:.1f}° to {:.1f}°",
+                            glm::degrees(camera.images.keys[0].angle_y), glm::degrees(low), glm::degrees(high));
+    if (shift >= 1e-6) text += "; glTF has no shift of the lens";
+    return text;
 }
 
 std::string write_nerfstudio(const ExportOptions& options) {
@@ -76,10 +78,10 @@ std::string write_ngp(const ExportOptions& options) {
 
 const std::vector<StageKind>& stage_kinds() {
     static const std::vector<StageKind> kinds = {
-        {"camera", {".usda", ".glb"}, write_camera},
-        {"layout", {".usda"}, write_layout},
-        {"nerfstudio", {".json"}, write_nerfstudio},
-        {"instant-ngp", {".json"}, write_ngp},
+        {"camera", {".usda", ".glb"}, {"--camera", "--fps", "--size"}, write_camera},
+        {"layout", {".usda"}, {"--fps", "--splats"}, write_layout},
+        {"nerfstudio", {".json"}, {"--camera", "--fps", "--size", "--world"}, write_nerfstudio},
+        {"instant-ngp", {".json"}, {"--camera", "--fps", "--size", "--world"}, write_ngp},
     };
     return kinds;
 }
