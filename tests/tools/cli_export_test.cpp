@@ -104,6 +104,7 @@ TEST_F(CliExport, SaysWhatIsWrong) {
     expect_refused({"export", scene, "-o", file("x_%s.ply")}, 2, {"x_%s.ply", "out_%04d.ply"});
     expect_refused({"export", scene, "-o", file("x_%d.ply"), "--frames", "0.5"}, 2, {"0.5", "whole frames"});
     expect_refused({"export", scene, "-o", file("x.glb"), "--resume"}, 2, {"--resume"});
+    expect_refused({"export", scene, "-o", file("x_%d.ply"), "--iso", "0.5"}, 2, {"--iso", "--as splats"});
     expect_refused({"export", file("none.nvv"), "-o", file("x.glb")}, 2, {"none.nvv"});
 }
 
@@ -131,7 +132,7 @@ struct CliMesh : CliExport {
 
 TEST_F(CliMesh, ObjHasATextureAndSaysItsLoss) {
     const nlohmann::json json = exported(scene, file("m_%02d.obj"), {"--most-triangles", "1000", "--texture", "128"});
-    EXPECT_EQ(json.at("files"), 2);
+    EXPECT_EQ(json.at("files"), 6);
     EXPECT_LE(json.at("triangles"), 2000);
     EXPECT_GT(json.at("triangles"), 1900);
     EXPECT_GT(json.at("iou"), 0.96);

@@ -22,16 +22,22 @@ namespace {
 struct Kind {
     const char* name;
     std::vector<std::string> endings;
+    std::vector<std::string> options;  // beside those of all frames
     std::unique_ptr<FrameExport> (*begin)(const ExportOptions& options, const std::string& ending, ExportedClip& clip,
                                           const CommonOptions& common);
 };
 
 const std::array kKinds = {
-    Kind{"splats", {".ply", ".glb", ".usda"}, export_splats},
-    Kind{"mesh", {".obj", ".glb", ".ply"}, export_meshes},
-    Kind{"plenoctree", {".npz"}, export_plenoctree},
-    Kind{"volumes", {".vdb"}, export_volumes},
+    Kind{"splats", {".ply", ".glb", ".usda"}, {"--most-splats"}, export_splats},
+    Kind{"mesh",
+         {".obj", ".glb", ".ply"},
+         {"--opacity", "--most-triangles", "--smallest-part", "--texture"},
+         export_meshes},
+    Kind{"plenoctree", {".npz"}, {}, export_plenoctree},
+    Kind{"volumes", {".vdb"}, {"--iso"}, export_volumes},
 };
+constexpr const char* kFrameSize = "720x720";
+const std::vector<std::string> kFrameOptions = {"--performer", "--frames", "--views", "--size", "--up", "--resume"};
 
 std::vector<std::string> kind_names() {
     std::vector<std::string> names;
@@ -67,6 +73,16 @@ const StageKind* stage_kind_of(const ExportOptions& options) {
     return nullptr;
 }
 
+// Throws InputError where the user gave an option of other kinds, which would do nothing.
+void expect_options_of(const Command& verb, const std::string& kind, const std::vector<std::string>& own) {
+    std::vector<std::string> all = kFrameOptions;
+    for (const Kind& other : kKinds) all.insert(all.end(), other.options.begin(), other.options.end());
+    for (const StageKind& other : stage_kinds()) all.insert(all.end(), other.options.begin(), other.options.end());
+    for (const std::string& option : all)
+        if (verb.count(option) > 0 && std::find(own.begin(), own.end(), option) == own.end())
+            throw InputError(option, "", fmt::format("does nothing for --as {}", kind), "leave it out");
+}
+
 void write_stage(const ExportOptions& options, const StageKind& kind) {
     expect_stage_name("scene", options.scene);
     const std::string text = kind.write(options);
@@ -77,9 +93,16 @@ void write_stage(const ExportOptions& options, const StageKind& kind) {
         fmt::print("{}: {}, {}\n", options.output, size_text(bytes), text);
 }
 
-void run(const ExportOptions& options, const CommonOptions& common) {
-    if (const StageKind* stage = stage_kind_of(options)) return write_stage(options, *stage);
+void run(const Command& verb, ExportOptions& options, const CommonOptions& common) {
+    if (const StageKind* stage = stage_kind_of(options)) {
+        expect_options_of(verb, stage->name, stage->options);
+        return write_stage(options, *stage);
+    }
     const Kind& kind = kind_of(options);
+    std::vector<std::string> own = kFrameOptions;
+    own.insert(own.end(), kind.options.begin(), kind.options.end());
+    expect_options_of(verb, kind.name, own);
+    if (options.size.empty()) options.size = kFrameSize;
     ExportedClip clip(read_published_scene(options.scene, options.performer, options.up));
     const std::string ending = std::filesystem::path(options.output).extension().string();
     const std::unique_ptr<FrameExport> frames = kind.begin(options, ending, clip, common);
@@ -94,93 +117,107 @@ void run(const ExportOptions& options, const CommonOptions& common) {
     fmt::print("{}", json_text(json));
 }
 
+constexpr const char* kKindsHelp =
+    "Each leaf becomes a splat of its size, and all of them get the width and the density for which images of the "
+    "middle\nframe are most like the clip's. Colours are sRGB with spherical harmonics of the clip's degree.\n"
+    ".ply is that of 3D Gaussian Splatting, with +Y down, which viewers turn up by half a turn about z. .glb is "
+    "glTF with\nKHR_gaussian_splatting; where it holds several frames, an animation shows one after the other. "
+    ".usda is OpenUSD's\nParticleField3DGaussianSplat (26.03 and later) with time samples.\n\n"
+    "--as mesh: a closed surface around what images show, where a ray gets half of its opacity, and a texture of "
+    "the clip's own\ncolours, as seen along the surface's normal: how they change with direction is lost. .glb is "
+    "unlit glTF; .obj has a .mtl and\na .png beside it; .ply has colours of vertices. The loss is measured on the "
+    "middle frame: how well silhouettes agree (iou),\ndepth, PSNR.\n\n"
+    ".npz is a PlenOctree, as svox and volrend read it, with the clip's leaves and +Z up. Colours are fitted to "
+    "sRGB.\n\n"
+    ".vdb is OpenVDB's, in metres with +Y up: \"density\" in 1/m, and \"Cd\", the mean of a leaf's colour over "
+    "all directions, in\nlinear light.\n\n"
+    "A stage's camera becomes what --as says: camera is a .usda or an animated .glb, nerfstudio and instant-ngp "
+    "are the camera\npaths of those programs. layout is a .usda of where performers, lights and cameras are, and "
+    "when.\n";
+
+void add_frame_options(const Command& verb, ExportOptions& options) {
+    verb.add_option("--performer", options.performer,
+                    "Of a stage: which, by its name or index; may be left out where there is one");
+    verb.add_option("--frames", options.frames, "FIRST:LAST of the clip (all)");
+    verb.add_option("--most-splats", options.most_splats, "Of each frame: what agrees best is merged (no limit)");
+    verb.add_option("--opacity", options.mesh.opacity, "Of meshes: what a ray gets where the surface is")
+        .number_between(0.01, 0.99)
+        .show_default();
+    verb.add_option("--most-triangles", options.mesh.most_triangles, "Of each mesh; 0: no limit").show_default();
+    verb.add_option("--smallest-part", options.mesh.smallest_part,
+                    "Parts of meshes that are smaller are dropped, 1 being the largest part's size")
+        .number_between(0, 1)
+        .show_default();
+    verb.add_option("--texture", options.mesh.texture_px, "The side of textures of meshes, pixels")
+        .in_range(64, 8192)
+        .show_default();
+    verb.add_option(
+            "--iso", options.iso,
+            "Of a .vdb: write a level set, too, of the surface where the opacity along a voxel falls below this")
+        .number_between(0.001, 0.999);
+    verb.add_option("--views", options.views, "Images of the middle frame by which the loss is measured")
+        .in_range(2, 100)
+        .show_default();
+    verb.add_option("--size", options.size,
+                    "WIDTHxHEIGHT of these images (720x720), for which splats look best; of a stage's camera: of its "
+                    "images (1280x720)");
+    add_up_option(verb, options.up);
+    verb.add_flag("--resume", options.resume,
+                  "Keep the numbered files that are there; give the same other options as before");
+}
+
+void add_stage_options(const Command& verb, ExportOptions& options) {
+    verb.add_option(
+        "--camera", options.camera,
+        "Of a stage's camera kinds: path (the stage's own, and the default where it has one), a camera's name "
+        "or index, or a file with a camera path");
+    verb.add_option("--fps", options.fps, "Of those, and of layout: images a second (the stage's)")
+        .number_between(0.01, 1e4);
+    verb.add_option(
+        "--world", options.world,
+        "Of those: nerfstudio's dataparser_transforms.json, or the transforms.json of instant-ngp's data set");
+    verb.add_option("--splats", options.splats,
+                    "Of the kind layout: a folder with the splats of performers, NAME.usda, to which it refers");
+}
+
 }  // namespace
 
 void add_export(Command app, CommonOptions& common) {
-    Command verb =
-        app.add_verb("export", "Write frames of a clip as Gaussian splats, meshes or volumes, for other programs");
+    Command verb = app.add_verb("export",
+                                "Write frames of a clip as splats, meshes, volumes or PlenOctrees, or a stage's "
+                                "cameras and layout, for other programs");
     const auto options = std::make_shared<ExportOptions>();
     verb.add_option("scene", options->scene,
                     "The .nvv, in segments or not, the .nvs, the .npz of a PlenOctree, or a stage, .gltf or .glb")
         .required();
-    verb.add_option("--performer", options->performer,
-                    "Of a stage: which, by its name or index; may be left out where there is one");
-    verb.add_option("-o,--output", options->output,
-                    "out_%04d.ply, .glb, .usda, .obj or .vdb for a file each frame; a .glb or .usda may hold them all")
+    verb.add_option(
+            "-o,--output", options->output,
+            "out_%04d.ply, .glb, .usda, .obj, .npz or .vdb for a file each frame; a .glb or .usda may hold them all. "
+            "Of a stage's cameras and layout, see --as: one .usda, .glb or .json")
         .required();
     verb.add_option(
             "--as", options->kind,
             "What each frame becomes; without it, the first that has the ending. Of a stage also what its camera "
             "becomes, see below")
         .one_of(kind_names());
-    verb.add_option("--frames", options->frames, "FIRST:LAST of the clip (all)");
-    verb.add_option("--most-splats", options->most_splats, "Of each frame: what agrees best is merged (no limit)");
-    verb.add_option("--opacity", options->mesh.opacity, "Of meshes: what a ray gets where the surface is")
-        .number_between(0.01, 0.99)
-        .show_default();
-    verb.add_option("--most-triangles", options->mesh.most_triangles, "Of each mesh; 0: no limit").show_default();
-    verb.add_option("--smallest-part", options->mesh.smallest_part,
-                    "Parts of meshes that are smaller are dropped, 1 being the largest part's size")
-        .number_between(0, 1)
-        .show_default();
-    verb.add_option("--texture", options->mesh.texture_px, "The side of textures of meshes, pixels")
-        .in_range(64, 8192)
-        .show_default();
-    verb.add_option(
-            "--iso", options->iso,
-            "Of a .vdb: write a level set, too, of the surface where the opacity along a voxel falls below this")
-        .number_between(0.001, 0.999);
-    verb.add_option("--views", options->views, "Images of the middle frame by which the loss is measured")
-        .in_range(2, 100)
-        .show_default();
-    verb.add_option("--size", options->size, "WIDTHxHEIGHT of them; splats look best at about this size")
-        .show_default();
-    verb.add_option(
-        "--camera", options->camera,
-        "Of a stage's camera kinds: path (the stage's own, and the default where it has one), a camera's name "
-        "or index, or a file with a camera path");
-    verb.add_option("--fps", options->fps, "Of those, and of layout: images a second (the stage's)")
-        .number_between(0.01, 1e4);
-    verb.add_option(
-        "--world", options->world,
-        "Of those: nerfstudio's dataparser_transforms.json, or the transforms.json of instant-ngp's data set");
-    verb.add_option("--splats", options->splats,
-                    "Of the kind layout: a folder with the splats of performers, NAME.usda, to which it refers");
-    add_up_option(verb, options->up);
-    verb.add_flag("--resume", options->resume,
-                  "Keep the numbered files that are there; give the same other options as before");
+    add_frame_options(verb, *options);
+    add_stage_options(verb, *options);
     verb.add_flag(
         "--json", options->json,
         "Print JSON: output, files, bytes, and what the kind says; of splats: splats, psnr_db, width, density;\n"
-        "of meshes: triangles, iou, depth_mean_mm, depth_95_mm, psnr_db; of volumes: leaves, voxel_m, psnr_db");
+        "of meshes: triangles, iou, depth_mean_mm, depth_95_mm, psnr_db; of volumes: leaves, voxel_m, psnr_db; of\n"
+        "PlenOctrees: leaves, psnr_db");
     verb.footer(
-        {"Each leaf becomes a splat of its size, and all of them get the width and the density for which images of the "
-         "middle\nframe are most like the clip's. Colours are sRGB with spherical harmonics of the clip's degree.\n"
-         ".ply is that of 3D Gaussian Splatting, with +Y down, which viewers turn up by half a turn about z. .glb is "
-         "glTF with\nKHR_gaussian_splatting; where it holds several frames, an animation shows one after the other. "
-         ".usda is OpenUSD's\nParticleField3DGaussianSplat (26.03 and later) with time samples.\n\n"
-         "--as mesh: a closed surface around what images show, where a ray gets half of its opacity, and a texture of "
-         "the clip's own\ncolours, as seen along the surface's normal: how they change with direction is lost. .glb is "
-         "unlit glTF; .obj has a .mtl and\na .png beside it; .ply has colours of vertices. The loss is measured on the "
-         "middle frame: how well silhouettes agree (iou),\ndepth, PSNR.\n\n"
-         ".vdb is OpenVDB's, in metres with +Y up: \"density\" in 1/m, and \"Cd\", the mean of a leaf's colour over "
-         "all directions, in\nlinear light.\n\n"
-         "A stage's camera becomes what --as says: camera is a .usda or an animated .glb, nerfstudio and instant-ngp "
-         "are the camera\npaths of those programs. --size is that of their images (1280x720). layout is a .usda of "
-         "where performers, lights and\ncameras are, and when.\n",
-         kDeviceHelp, kExamplesHead,
+        {kKindsHelp, kDeviceHelp, kExamplesHead,
          "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:4\n"
          "  neuvv export build/performer.nvv -o build/performer.glb --frames 0:4 --most-splats 20000\n"
          "  neuvv export build/performer.nvv -o build/performer.usda --frames 0 --most-splats 20000\n"
          "  neuvv export build/performer.nvv -o build/mesh_%04d.obj --frames 0:1\n"
          "  neuvv export build/performer.nvv -o build/meshes.glb --as mesh --frames 0:1 --most-triangles 20000\n"
+         "  neuvv export build/performer.nvv -o build/volume/frame_%04d.vdb --frames 0:2 --iso 0.5\n"
          "  neuvv export build/show.gltf --as nerfstudio -o build/camera_path.json\n"
-         "  neuvv export build/show.gltf --as layout -o build/show.usda\n"
-         "  neuvv export build/performer.nvv -o build/volume/frame_%04d.vdb --frames 0:2 --iso 0.5"});
-    verb.callback([options, verb, &common] {
-        options->sized = verb.count("--size") > 0;
-        run(*options, common);
-    });
+         "  neuvv export build/show.gltf --as layout -o build/show.usda"});
+    verb.callback([options, verb, &common] { run(verb, *options, common); });
 }
 
 }  // namespace neuvv::tools

@@ -51,8 +51,10 @@ Working ExportRun::working(uint64_t done) {
 
 void ExportRun::write(const std::filesystem::path& file) {
     kind_.write(file);
-    files_++;
-    for (const std::filesystem::path& written : kind_.files_of(file)) bytes_ += std::filesystem::file_size(written);
+    for (const std::filesystem::path& written : kind_.files_of(file)) {
+        files_++;
+        bytes_ += std::filesystem::file_size(written);
+    }
 }
 
 void ExportRun::run() {

@@ -17,8 +17,8 @@
 namespace neuvv::tools {
 
 struct ExportOptions {
-    std::string scene, performer, output, kind, frames, size = "720x720";
-    bool sized = false;         // whether the user gave the size
+    std::string scene, performer, output, kind, frames;
+    std::string size;           // of images; empty: as is usual for the kind
     std::string camera, world;  // of kinds that write cameras
     std::string splats;         // of the kind layout
     std::optional<double> fps;

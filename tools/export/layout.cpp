@@ -1,6 +1,7 @@
 // The layout of stages for OpenUSD.
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/output_path.h"
 #include "interchange/stage_usd.h"
 #include "stage/evaluated_stage.h"
@@ -10,6 +11,8 @@ namespace neuvv::tools {
 
 std::string write_layout(const ExportOptions& options) {
     const stage::Stage stage = stage::load_stage(options.scene);
+    if (!options.splats.empty() && !std::filesystem::is_directory(options.splats))
+        throw InputError("--splats", options.splats, "is no folder", "give the one that holds NAME.usda of performers");
     prepare_output_file("--output", options.output);
     interchange::write_stage_usda(options.output, stage, {options.fps.value_or(stage.fps), options.splats});
     const stage::EvaluatedStage first = stage::stage_at(stage, 0);

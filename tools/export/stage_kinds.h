@@ -10,7 +10,7 @@ namespace neuvv::tools {
 
 struct StageKind {
     const char* name;  // for --as, without which none of them is meant
-    std::vector<std::string> endings;
+    std::vector<std::string> endings, options;
     // Writes the output of a stage, and returns what was written, for people. Throws InputError.
     std::string (*write)(const ExportOptions& options);
 };
