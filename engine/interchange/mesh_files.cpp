@@ -31,7 +31,8 @@ std::vector<std::filesystem::path> files_of_obj(const std::filesystem::path& fil
 }
 
 void write_mesh_obj(const std::filesystem::path& file, const ColouredMesh& mesh) {
-    media::write_png(beside(file, ".png"), mesh.texture);
+    const bool is_empty = mesh.texture.width == 0;  // as that of a frame without a surface
+    media::write_png(beside(file, ".png"), is_empty ? media::Image(1, 1) : mesh.texture);
     write_text_file(beside(file, ".mtl"),
                     fmt::format("newmtl surface\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 0\nmap_Kd {}\n",
                                 beside(file, ".png").filename().string()));

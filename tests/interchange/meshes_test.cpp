@@ -272,6 +272,15 @@ TEST(MeshFiles, ObjIsReadBack) {
     EXPECT_EQ(media::read_png(folder.path / "a b.png").rgba, mesh.texture.rgba);
 }
 
+TEST(MeshFiles, ObjMayBeEmpty) {
+    const TemporaryFolder folder;
+    interchange::write_mesh_obj(folder.path / "x.obj", ColouredMesh());
+    const std::string text = read_text(folder.path / "x.obj");
+    EXPECT_NE(text.find("mtllib x.mtl\n"), std::string::npos);
+    EXPECT_EQ(text.find("\nf "), std::string::npos);
+    EXPECT_EQ(media::read_png(folder.path / "x.png").width, 1u);
+}
+
 TEST(MeshFiles, PlyIsReadBack) {
     const ColouredMesh mesh = *interchange::clip_mesh(two_colours(), {0.5, 0, 0, 0}, [](std::string_view) {});
     ASSERT_EQ(mesh.colours.size(), mesh.mesh.positions.size());
