@@ -52,7 +52,8 @@ double srgb_logit(double logit) {
 
 class PlenTree {
   public:
-    explicit PlenTree(const FrameVolume& volume) : volume_(volume), numbers_(3 * sh_count(volume.degree) + 1) {
+    PlenTree(const FrameVolume& volume, const std::string& file)
+        : volume_(volume), file_(file), numbers_(3 * sh_count(volume.degree) + 1) {
         add_node(0, 0);
         for (const VolumeLeaf& leaf : volume.leaves) cells_.push_back(cell_of(leaf));
         data_.resize(child_.size() * numbers_);
@@ -69,6 +70,7 @@ class PlenTree {
     void fill();
 
     const FrameVolume& volume_;
+    const std::string& file_;  // for errors
     size_t numbers_;
     std::vector<int32_t> child_;         // 8 a node: to the node below, relative to the cell's own; 0: a leaf
     std::vector<int32_t> parent_depth_;  // 2 a node
@@ -88,7 +90,8 @@ size_t PlenTree::cell_of(const VolumeLeaf& leaf) {
         if (depth == leaf.depth) return cell;
         if (child_[cell] == 0) {
             if (child_.size() / 8 >= kMaxPlenNodes)
-                throw InputError("PlenOctree", "", fmt::format("would have more than {} nodes", kMaxPlenNodes));
+                throw InputError(file_, "", fmt::format("would have more than {} nodes", kMaxPlenNodes),
+                                 "export a clip with fewer leaves");
             child_[cell] = static_cast<int32_t>(child_.size() / 8 - node);
             add_node(cell, static_cast<int32_t>(depth));
         }
@@ -147,8 +150,7 @@ std::vector<NpzArray> PlenTree::arrays() const {
 }  // namespace
 
 void write_plenoctree(const std::filesystem::path& file, const FrameVolume& volume) {
-    assert(!volume.leaves.empty());
-    write_npz(file, PlenTree(volume).arrays());
+    write_npz(file, PlenTree(volume, file.string()).arrays());
 }
 
 uint64_t plenoctree_bytes(const FrameVolume& volume) {

@@ -125,6 +125,15 @@ TEST_F(PlenoctreeNpz, OurImportReadsTheSameLeaves) {
     EXPECT_LT(sum / static_cast<double>(linear.leaves.size()), 0.003);
 }
 
+TEST_F(PlenoctreeNpz, FramesMayBeEmpty) {
+    write(2);
+    volume.leaves.clear();
+    interchange::write_plenoctree(file, volume);
+    const NpzReader npz(file);
+    EXPECT_EQ(numbers_of<int32_t>(npz, "child", "<i4"), std::vector<int32_t>(8));
+    EXPECT_EQ(numbers_of<uint16_t>(npz, "data", "<f2"), std::vector<uint16_t>(8 * 28));
+}
+
 // svox' load, and volrend's cnpy, which trusts the sizes in the local header of each array.
 TEST_F(PlenoctreeNpz, HasWhatTheReadersOfSvoxAndVolrendTake) {
     write(2);
