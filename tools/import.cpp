@@ -65,7 +65,7 @@ class ImportedFrame {
     virtual media::Image image(const stage::Camera& camera) const = 0;
 };
 
-// A kind of input. The first frame decides how large cells are in all of them.
+// A kind of input. The first frame that shows something decides how large cells are in all of them.
 class FrameImport {
   public:
     virtual ~FrameImport() = default;
@@ -85,21 +85,23 @@ class VolumeImport : public FrameImport {
     }
     std::unique_ptr<ImportedFrame> read(const std::filesystem::path& file) override {
         const glm::dmat4 turned = glm::mat4_cast(rotation_of(options_.up.value_or(Up::kY)));
-        auto frame = std::make_unique<Frame>();
+        auto frame = std::make_unique<Frame>(options_.output);
         frame->volume = interchange::volume_of(interchange::read_vdb(file), file.string(),
                                                turned * glm::dmat4(glm::dmat3(options_.scale)));
         if (!doublings_) doublings_ = interchange::doublings_for(frame->volume, options_.resolution);
-        frame->doublings = *doublings_;
+        frame->doublings = doublings_.value_or(0);
         frame->fps = static_cast<float>(options_.fps);
         return frame;
     }
 
   private:
     struct Frame : ImportedFrame {
+        explicit Frame(const std::string& to) : output(to) {}
         voctree::VOctree tree() const override { return interchange::tree_of(volume, doublings, fps); }
         media::Image image(const stage::Camera& camera) const override {
-            return interchange::vdb_image(volume, camera);
+            return interchange::vdb_image(volume, camera, [&] { expect_to_go_on(output); });
         }
+        const std::string& output;
         interchange::VdbVolume volume;
         uint32_t doublings = 0;
         float fps = 25;
@@ -122,7 +124,8 @@ class SplatImport : public FrameImport {
         frame->file = file.string();
         interchange::PlySplats read = interchange::read_splat_ply(file, options_.scale);
         if (read.left_out > 0)
-            fmt::print(stderr, "{}: left out {} splats whose numbers are not finite\n", file.string(), read.left_out);
+            fmt::print(stderr, "{}: left out {} splats whose numbers are no numbers, too large, or no rotation\n",
+                       file.string(), read.left_out);
         frame->splats = std::move(read.splats);
         interchange::turn(frame->splats, rotation_of(options_.up.value_or(Up::kMinusY)));
         frame->box = box_ ? *box_ : interchange::box_of(frame->splats);
@@ -215,9 +218,9 @@ Imported import_frames(const ImportOptions& options, const CommonOptions& common
     const std::vector<std::filesystem::path> files = files_of(options.input);
     if (files.size() > voctree::kMaxClipFrames)
         throw InputError(options.input, "", "has too many frames", "import a part of them");
+    catch_stop_signals();
     const UnfinishedClip clip(options.output);
     const gpu::Device device(common.device);
-    catch_stop_signals();
     Progress progress("import", files.size());
     Imported imported;
     voctree::ClipIndex index;

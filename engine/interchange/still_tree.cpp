@@ -36,7 +36,8 @@ std::vector<size_t> sorted_without_overlaps(const StillLeaves& leaves, uint32_t 
 
 }  // namespace
 
-CellBox CellBox::around(const glm::ivec3& low, const glm::ivec3& high, int step, const std::string& file) {
+CellBox CellBox::around(const glm::ivec3& low, const glm::ivec3& high, int step, const std::string& file,
+                        const std::string& hint) {
     CellBox box;
     int longest = 0;
     for (int i = 0; i < 3; i++) {
@@ -47,7 +48,7 @@ CellBox CellBox::around(const glm::ivec3& low, const glm::ivec3& high, int step,
         box.depth += 2;
         if (box.depth > 2 * kMaxNodeLevels)
             throw InputError(file, "", fmt::format("has {} cells along one side; a clip has at most 4096", longest),
-                             "crop it, or choose a smaller --resolution");
+                             hint);
     }
     return box;
 }

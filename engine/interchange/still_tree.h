@@ -21,8 +21,9 @@ struct CellBox {
     uint32_t depth = 2;   // even; the box has 2^depth cells along each side
 
     // A box around the cells from `low` to `high`, both included, that begins at a multiple of `step`, a power of two.
-    // Throws InputError with `file` where it would have more cells than a tree may have.
-    static CellBox around(const glm::ivec3& low, const glm::ivec3& high, int step, const std::string& file);
+    // Throws InputError with `file` and `hint`, what to do, where it would have more cells than a tree may have.
+    static CellBox around(const glm::ivec3& low, const glm::ivec3& high, int step, const std::string& file,
+                          const std::string& hint);
 };
 
 struct StillLeaves {

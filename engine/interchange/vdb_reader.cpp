@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <cmath>
+#include <glm/gtc/matrix_access.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -27,6 +28,8 @@ enum Packing : uint32_t { kZip = 1, kActiveMask = 2, kBlosc = 4 };
 enum Inactive : uint8_t { kBackground, kMinusBackground, kOne, kMaskOfBackgrounds, kMaskAndOne, kMaskAndTwo, kAll };
 // Edges of the cubes that nodes cover, voxels, as powers of two: leaf, its parent, and the root's child.
 constexpr uint32_t kLeafLog2 = 3, kLowerLog2 = 7, kUpperLog2 = 12;
+// Of voxels, in the file's units.
+constexpr double kLeastEdge = 1e-9, kMostEdge = 1e9, kMostOffset = 1e12;
 constexpr uint32_t kMostGrids = 1000, kMostMetadata = 10000;
 
 // Bits of a node's children or values.
@@ -40,9 +43,15 @@ struct Mask {
     }
 };
 
+// Of a grid that is sound, but of a kind that is not read.
+struct UnreadGrid : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
 class GridReader {
   public:
-    GridReader(stream::ByteReader& bytes, uint64_t memory) : bytes_(bytes), memory_(memory) {}
+    // Takes what the grid needs from `memory`, in bytes.
+    GridReader(stream::ByteReader& bytes, uint64_t& memory) : bytes_(bytes), memory_(memory) {}
     // Reads what stands behind the grid's descriptor.
     VdbGrid read(uint32_t channels, bool halves, bool is_instance);
 
@@ -64,7 +73,7 @@ class GridReader {
     glm::ivec3 read_origin(uint32_t log2);
 
     stream::ByteReader& bytes_;
-    uint64_t memory_;
+    uint64_t& memory_;
     uint32_t packing_ = 0;
     bool halves_ = false;
     VdbGrid grid_;
@@ -113,13 +122,19 @@ void GridReader::read_map() {
     } else {
         const bool translates = type.ends_with("TranslateMap") || type == "TranslationMap";
         const bool scales = type.starts_with("Scale") || type.starts_with("UniformScale");
-        if (!translates && !scales) throw std::runtime_error("has a " + type + ", which is not affine");
+        if (!translates && !scales) throw UnreadGrid("has a " + type + ", which is not affine");
         if (translates) m[3] = glm::dvec4(vector(), 1);
         if (scales) {
             const glm::dvec3 scale = vector();
             for (int i = 0; i < 4; i++) vector();  // what follows from it
             for (int i = 0; i < 3; i++) m[i][i] = scale[i];
         }
+    }
+    if (glm::row(m, 3) != glm::dvec4(0, 0, 0, 1)) throw std::runtime_error("has a transform that is not affine");
+    for (int i = 0; i < 3; i++) {
+        const double edge = glm::length(glm::dvec3(m[i]));
+        if (!(edge >= kLeastEdge && edge <= kMostEdge && std::abs(m[3][i]) <= kMostOffset))
+            throw std::runtime_error("has a transform with numbers that are too small or too large");
     }
     const double determinant = glm::determinant(glm::dmat3(m));
     if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(m[3][0] + m[3][1] + m[3][2]))
@@ -262,7 +277,7 @@ VdbGrid GridReader::read(uint32_t channels, bool halves, bool is_instance) {
     packing_ = static_cast<uint32_t>(bytes_.number(4));
     read_metadata();
     read_map();
-    if (is_instance) throw std::runtime_error("shares its voxels with another grid");
+    if (is_instance) throw UnreadGrid("shares its voxels with another grid");
     read_root();
     for (VdbBlock& block : grid_.blocks) read_leaf_values(block);
     return std::move(grid_);
@@ -302,25 +317,34 @@ std::vector<VdbGrid> parse(std::span<const uint8_t> file, std::string& place) {
     const uint64_t count = bytes.number(4);
     if (count > kMostGrids) throw std::runtime_error("has too many grids");
     std::vector<VdbGrid> grids;
+    std::optional<std::pair<std::string, UnreadGrid>> unread;  // the first one
     uint64_t memory = available_memory_bytes() / 2;
     for (uint64_t i = 0; i < count; i++) {
+        place.clear();
         const Descriptor descriptor = read_descriptor(bytes);
         place = descriptor.name;
         const auto channels = channels_of(descriptor.type);
         if (!channels && !has_offsets) throw std::runtime_error("is of the type " + descriptor.type);
         if (channels) {
-            GridReader reader(bytes, memory);
-            grids.push_back(
-                reader.read(*channels, descriptor.type.ends_with("_HalfFloat"), !descriptor.instance_of.empty()));
-            grids.back().name = descriptor.name;
-            memory -= std::min(memory, 4 * grids.back().values.size());
-        } else {
-            if (descriptor.end > file.size()) throw std::runtime_error("ends early");
-            bytes = stream::ByteReader(file.subspan(descriptor.end));
+            try {
+                grids.push_back(
+                    GridReader(bytes, memory)
+                        .read(*channels, descriptor.type.ends_with("_HalfFloat"), !descriptor.instance_of.empty()));
+                grids.back().name = descriptor.name;
+                continue;
+            } catch (const UnreadGrid& error) {
+                if (!has_offsets) throw;
+                if (!unread) unread = {descriptor.name, error};
+            }
         }
-        place.clear();
+        const auto here = static_cast<uint64_t>(bytes.take(0).data() - file.data());
+        if (descriptor.end < here || descriptor.end > file.size()) throw std::runtime_error("ends at an odd place");
+        bytes = stream::ByteReader(file.subspan(descriptor.end));
     }
-    return grids;
+    place.clear();
+    if (!grids.empty() || !unread) return grids;
+    place = unread->first;
+    throw unread->second;
 }
 
 }  // namespace

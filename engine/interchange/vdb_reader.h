@@ -44,8 +44,9 @@ struct VdbGrid {
 constexpr int kMostVdbIndex = 1 << 23;
 
 // Reads those grids of a file that have floats or vectors of floats as OpenVDB writes them since version 3 (2015),
-// whole or as halves, packed or not, with maps that are affine. Others are passed over. Values that are not finite are
-// 0. Throws InputError with the file and what is wrong.
+// whole or as halves, packed or not, with maps that are affine and voxels of their own. Others are passed over, where
+// the file says how long they are and has one that is read. Values that are not finite are 0. Throws InputError with
+// the file and what is wrong.
 std::vector<VdbGrid> read_vdb(const std::filesystem::path& file);
 // The same for the bytes of a file; `file` is for errors.
 std::vector<VdbGrid> parse_vdb(std::span<const uint8_t> bytes, const std::string& file);

@@ -19,6 +19,7 @@ namespace neuvv::interchange {
 namespace {
 
 constexpr std::array<int, 3> kTileEdges = {kVdbBlockEdge, 128, 4096};
+constexpr const char* kSmallerVolume = "crop it, or make its voxels larger";
 constexpr size_t kBytesOfLeaf = 120;  // of memory, while a tree is made
 constexpr double kLeastTransmittance = 1e-3, kVoxelsAStep = 0.5, kLeastCosine = 0.999999;
 
@@ -98,6 +99,12 @@ CellRange range_of(const VdbVolume& volume, const Axes& axes) {
     return range;
 }
 
+// The value at an index that may be anything, even no number.
+const float* nearest(VdbLookup& lookup, const glm::dvec3& index) {
+    if (!glm::all(glm::lessThanEqual(glm::abs(index), glm::dvec3(kMostVdbIndex)))) return nullptr;
+    return lookup.at(glm::round(index));
+}
+
 // Makes leaves of cubes of cells.
 class LeafMaker {
   public:
@@ -117,7 +124,7 @@ class LeafMaker {
     using Value = std::array<float, 4>;
     Value value_of(const glm::ivec3& index, float sigma) {
         const float* colour = nullptr;
-        if (colours_) colour = colours_->at(glm::round(glm::dvec3(colour_from_density_ * glm::dvec4(index, 1))));
+        if (colours_) colour = nearest(*colours_, colour_from_density_ * glm::dvec4(index, 1));
         Value value{sigma};
         for (size_t c = 0; c < 3; c++) value[c + 1] = constant_harmonic(colour ? colour[c] : 1);
         return value;
@@ -132,7 +139,7 @@ class LeafMaker {
             if (-std::expm1(-double{value[0]} * edge_m) < double{kLeastImportedOpacity}) return;
             if (leaves.positions.size() >= std::min<size_t>(most_leaves_, voctree::kMaxLeaves))
                 throw InputError(volume_.file, volume_.density.name, "has more voxels than there is memory for",
-                                 "crop it, or make its voxels larger");
+                                 kSmallerVolume);
             leaves.positions.push_back(at);
             leaves.values.insert(leaves.values.end(), value.begin(), value.end());
             return;
@@ -179,7 +186,7 @@ class Sampler {
             if (!density || !(*density > 0)) continue;
             const glm::dvec3 part = glm::mix(1.0 - share, share, glm::dvec3(corner));
             const float* colour = nullptr;
-            if (colour_) colour = colour_->at(glm::round(glm::dvec3(colour_from_density_ * glm::dvec4(voxel, 1))));
+            if (colour_) colour = nearest(*colour_, colour_from_density_ * glm::dvec4(voxel, 1));
             const glm::dvec3 rgb =
                 colour ? glm::clamp(glm::dvec3(colour[0], colour[1], colour[2]), 0.0, 1.0) : glm::dvec3(1);
             sum += part.x * part.y * part.z * double{*density} * glm::dvec4(rgb, 1);
@@ -261,11 +268,11 @@ VdbVolume volume_of(std::vector<VdbGrid> grids, const std::string& file, const g
     return volume;
 }
 
-uint32_t doublings_for(const VdbVolume& volume, uint32_t resolution) {
+std::optional<uint32_t> doublings_for(const VdbVolume& volume, uint32_t resolution) {
     const CellRange range = range_of(volume, axes_of(volume));
+    if (range.low.x > range.high.x) return std::nullopt;
     int longest = 1;
-    for (int i = 0; i < 3 && range.low.x <= range.high.x; i++)
-        longest = std::max(longest, range.high[i] - range.low[i] + 1);
+    for (int i = 0; i < 3; i++) longest = std::max(longest, range.high[i] - range.low[i] + 1);
     uint32_t doublings = 0;
     while (longest > static_cast<int>(resolution << doublings)) doublings++;
     return doublings;
@@ -275,7 +282,7 @@ voctree::VOctree tree_of(const VdbVolume& volume, uint32_t doublings, float fps)
     const Axes axes = axes_of(volume);
     CellRange range = range_of(volume, axes);
     if (range.low.x > range.high.x) range = {glm::ivec3(0), glm::ivec3(0)};
-    const CellBox box = CellBox::around(range.low, range.high, kVdbBlockEdge << doublings, volume.file);
+    const CellBox box = CellBox::around(range.low, range.high, kVdbBlockEdge << doublings, volume.file, kSmallerVolume);
     LeafMaker maker(volume, axes, box);
     const double scale = metres_a_unit(volume);
     for_dense(volume.density, [&](const glm::ivec3& first, int edge, float density) {
@@ -286,7 +293,7 @@ voctree::VOctree tree_of(const VdbVolume& volume, uint32_t doublings, float fps)
     return doublings > 0 ? voctree::cut_tree(tree, std::max(box.depth, doublings + 1) - doublings) : tree;
 }
 
-media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera) {
+media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, const std::function<void()>& between) {
     const Axes axes = axes_of(volume);
     glm::dvec3 low(1), high(0);  // indices, with what is interpolated around them
     if (const CellRange range = range_of(volume, axes); range.low.x <= range.high.x) {
@@ -301,7 +308,8 @@ media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera) {
     parallel_for(camera.height, 8, [&](size_t begin, size_t end) {
         Sampler sampler(volume);
         const glm::dvec3 eye(sampler.index_from_world() * camera.world_from_camera[3]);
-        for (size_t y = begin; y < end; y++)
+        for (size_t y = begin; y < end; y++) {
+            between();
             for (uint32_t x = 0; x < camera.width; x++) {
                 const glm::dvec3 in_camera((x + 0.5 - camera.cx) / camera.fx,
                                            (camera.cy - static_cast<double>(y) - 0.5) / camera.fy, -1);
@@ -325,6 +333,7 @@ media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera) {
                         std::lround(255 * media::srgb_from_linear(std::min(1.0, seen[c] + transmittance))));
                 to[3] = 255;
             }
+        }
     });
     return image;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 #include <unordered_map>
@@ -44,8 +45,9 @@ struct VdbVolume {
 // no such grid, and where its voxels do not lie along the axes.
 VdbVolume volume_of(std::vector<VdbGrid> grids, const std::string& file, const glm::dmat4& world_from_file);
 
-// How often the edges of voxels are doubled until the volume has at most `resolution` cells along its longest side.
-uint32_t doublings_for(const VdbVolume& volume, uint32_t resolution);
+// How often the edges of voxels are doubled until the volume has at most `resolution` cells along its longest side;
+// nothing where it is empty.
+std::optional<uint32_t> doublings_for(const VdbVolume& volume, uint32_t resolution);
 
 // The tree of one frame with a leaf for each voxel or tile, or, where `doublings` are asked for, of larger cells that
 // pass as much light (voctree::cut_tree). Empty space and active voxels of no density have no leaf. Throws InputError
@@ -53,7 +55,7 @@ uint32_t doublings_for(const VdbVolume& volume, uint32_t resolution);
 voctree::VOctree tree_of(const VdbVolume& volume, uint32_t doublings, float fps);
 
 // The volume on white, sRGB-encoded (0 to 1): density and colour are interpolated between the centres of voxels, as
-// renderers of such files do it.
-media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera);
+// renderers of such files do it. `between` is called once a row, from several threads, and may throw.
+media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, const std::function<void()>& between);
 
 }  // namespace neuvv::interchange

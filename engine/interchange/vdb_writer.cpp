@@ -49,10 +49,9 @@ openvdb::math::Transform::Ptr transform_of(const FrameVolume& volume, uint32_t d
     const glm::dvec3 edges = glm::dvec3(volume.box_size) / std::exp2(depth);
     const glm::dvec3 centre = glm::dvec3(volume.box_min) + 0.5 * edges;
     const double mean = (edges.x + edges.y + edges.z) / 3;
-    const glm::dvec3 stretch = glm::abs(edges / mean - 1.0);
     const openvdb::Vec3d at(centre.x, centre.y, centre.z);
     using namespace openvdb::math;
-    if (std::max({stretch.x, stretch.y, stretch.z}) < double{kMostStretch})
+    if (has_cubic_cells(volume))
         return std::make_shared<Transform>(std::make_shared<UniformScaleTranslateMap>(mean, at));
     return std::make_shared<Transform>(
         std::make_shared<ScaleTranslateMap>(openvdb::Vec3d(edges.x, edges.y, edges.z), at));
@@ -154,6 +153,12 @@ class MemoryArchive : public openvdb::io::Archive {
 };
 
 }  // namespace
+
+bool has_cubic_cells(const FrameVolume& volume) {
+    const glm::dvec3 size(volume.box_size);
+    const glm::dvec3 stretch = glm::abs(3.0 * size / (size.x + size.y + size.z) - 1.0);
+    return std::max({stretch.x, stretch.y, stretch.z}) < double{kMostStretch};
+}
 
 std::string vdb_bytes(const FrameVolume& volume, const VdbOptions& options) {
     openvdb::initialize();

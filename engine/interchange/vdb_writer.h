@@ -27,6 +27,9 @@ void write_vdb(const std::filesystem::path& file, const FrameVolume& volume, con
 // The bytes of the file.
 std::string vdb_bytes(const FrameVolume& volume, const VdbOptions& options = {});
 
+// Whether cells are cubes up to rounding, as level sets need it.
+bool has_cubic_cells(const FrameVolume& volume);
+
 // About, with a level set.
 constexpr size_t kVdbBytesOfLeaf = 40;
 

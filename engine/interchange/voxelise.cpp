@@ -1,6 +1,7 @@
 #include "interchange/voxelise.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <numbers>
@@ -26,6 +27,7 @@ constexpr float kDeviationsOfCell = 0.5f;
 constexpr float kDeviationsOfSample = 0.75f;
 constexpr int kMostSamples = 8;  // along an axis: those of a splat that lies in the cell as a whole
 constexpr uint32_t kTaskDepth = 3;
+constexpr const char* kFewerCells = "choose a smaller --resolution, or --box";
 // Condon-Shortley: harmonics of odd m change their sign.
 constexpr std::array<float, kMaxShCount> kSignOfHarmonic = {1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1};
 
@@ -77,7 +79,10 @@ class Voxeliser {
           box_(box),
           cell_m_(cell_m),
           file_(file),
-          between_(between) {
+          between_(between),
+          most_leaves_(std::min<size_t>(
+              voctree::kMaxLeaves, available_memory_bytes() / 4 /
+                                       (sizeof(float) * StillLeaves{splats.degree, {}, {}}.values_of_leaf() + 64))) {
         for (const voctree::ShDirection& direction : voctree::sh_directions()) {
             bases_.push_back(voctree::sh_basis(direction.d));
             weights_.push_back(direction.weight);
@@ -104,6 +109,8 @@ class Voxeliser {
     double cell_m_;
     const std::string& file_;
     const std::function<void()>& between_;
+    size_t most_leaves_;
+    mutable std::atomic<size_t> leaf_count_ = 0;  // of all tasks
     Polylogarithm polylogarithm_;
     std::vector<std::array<double, kMaxShCount>> bases_;
     std::vector<double> weights_;
@@ -172,6 +179,8 @@ void Voxeliser::add_leaf(const std::vector<Blob>& blobs, const Task& of, StillLe
         for (uint32_t k = 0; k < sh_count(degree_); k++) colour[k] += density * blobs[i].splat->colour[k];
     }
     if (!(-std::expm1(-sigma * region.edge_m) >= kLeastImportedOpacity) || !std::isfinite(sigma)) return;
+    if (leaf_count_++ >= most_leaves_)
+        throw InputError(file_, "", "has splats in more cells than there is memory for", kFewerCells);
     for (glm::vec3& k : colour) k /= sigma;
     leaves.positions.push_back(of.at);
     leaves.values.push_back(sigma);
@@ -214,8 +223,6 @@ StillLeaves Voxeliser::run(const std::vector<Blob>& blobs) {
     Task root{{0, 0, 0, 0}, {}};
     for (uint32_t i = 0; i < blobs.size(); i++) root.blobs.push_back(i);
     descend(blobs, root, std::min(kTaskDepth, box_.depth), &tasks, all);
-    const size_t most = std::min<size_t>(voctree::kMaxLeaves,
-                                         available_memory_bytes() / 4 / (sizeof(float) * all.values_of_leaf() + 64));
     std::mutex mutex;
     parallel_for(tasks.size(), 1, [&](size_t begin, size_t end) {
         for (size_t t = begin; t < end; t++) {
@@ -223,9 +230,6 @@ StillLeaves Voxeliser::run(const std::vector<Blob>& blobs) {
             StillLeaves leaves{degree_, {}, {}};
             descend(blobs, tasks[t], 0, nullptr, leaves);
             const std::lock_guard lock(mutex);
-            if (all.positions.size() + leaves.positions.size() > most)
-                throw InputError(file_, "", "has splats in more cells than there is memory for",
-                                 "choose a smaller --resolution, or --box");
             all.positions.insert(all.positions.end(), leaves.positions.begin(), leaves.positions.end());
             all.values.insert(all.values.end(), leaves.values.begin(), leaves.values.end());
         }
@@ -269,8 +273,8 @@ voctree::VOctree voxelised(const Splats& splats, const SplatBox& box, double cel
     const glm::dvec3 low = glm::floor(box.low / cell_m), high = glm::floor(box.high / cell_m);
     for (int i = 0; i < 3; i++)
         if (!(std::abs(low[i]) < 1e8) || !(std::abs(high[i]) < 1e8))
-            throw InputError(file, "", "lies too far from the origin", "choose a smaller --resolution, or --box");
-    const CellBox cells = CellBox::around(low, high, 8, file);
+            throw InputError(file, "", "lies too far from the origin", kFewerCells);
+    const CellBox cells = CellBox::around(low, high, 8, file, kFewerCells);
     const StillLeaves leaves = Voxeliser(splats, box, cells, cell_m, file, between).run(blobs_of(splats, cell_m));
     return still_tree(leaves, cells, glm::dvec3(0), glm::dvec3(cell_m), fps);
 }

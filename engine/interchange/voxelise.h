@@ -14,12 +14,12 @@ struct SplatBox {
 // A box around two deviations of all splats that can be seen; empty where there are none.
 SplatBox box_of(const Splats& splats);
 
-// A tree of one frame in whose cells, of `cell_m` or larger where splats are, light is dimmed as it is by the splats. A
-// splat's density is that whose every line integral along its thinnest axis gives the splat's opacity there; in a cell,
-// those of all splats are summed, and their colours averaged by density. Splats are widened by 0.3
-// cells², as renderers widen them by 0.3 pixels². Splats and parts of them outside the box are
-// left out. `between` is called now and then, from several threads, and may throw. Throws InputError with `file` where
-// a tree would have too many cells.
+// A tree of one frame that dims light as the splats do. Its cells are `cell_m` wide, or wider where all splats are
+// large. Each splat becomes a density: a ray along its thinnest axis is dimmed by just the opacity that the splat has
+// where the ray passes. A cell has the sum of the densities in it, and the mean of the colours, weighted by density.
+// Splats are widened by 0.3 cells², as renderers widen them by 0.3 pixels². What lies outside the box is left out.
+// `between` is called now and then, from several threads, and may throw. Throws InputError with `file` where a tree
+// would have too many cells.
 voctree::VOctree voxelised(const Splats& splats, const SplatBox& box, double cell_m, float fps, const std::string& file,
                            const std::function<void()>& between);
 

@@ -3,7 +3,9 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointDataGrid.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <numbers>
 
@@ -200,6 +202,8 @@ TEST(VdbWriter, HasALevelSetWhereItIsAskedFor) {
     EXPECT_GT(value_at(*surface, {0.9, 0, 0}), 0);
     FrameVolume stretched = ball();
     stretched.box_size.x *= 1.5f;
+    EXPECT_TRUE(interchange::has_cubic_cells(ball()));
+    EXPECT_FALSE(interchange::has_cubic_cells(stretched));
     EXPECT_THROW(interchange::write_vdb(folder.path / "y.vdb", stretched, {.surface_opacity = 0.5f}), InputError);
     EXPECT_FALSE(std::filesystem::exists(folder.path / "y.vdb"));
 }
@@ -359,6 +363,20 @@ TEST(VdbReader, PassesOverGridsOfOtherTypes) {
     expect_same(*floats, grids[0], 0);
 }
 
+TEST(VdbReader, PassesOverGridsThatShareVoxels) {
+    using namespace openvdb;
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path / "x.vdb";
+    initialize();
+    const FloatGrid::Ptr floats = random_floats("density", 1), shared = floats->copy(), last = random_floats("heat", 2);
+    shared->setName("shared");
+    write_grids(path, {floats, shared, last}, 4);
+    const std::vector<VdbGrid> grids = interchange::read_vdb(path);
+    ASSERT_EQ(grids.size(), 2u);
+    expect_same(*floats, grids[0], 0);
+    expect_same(*last, grids[1], 0);
+}
+
 std::string error_of(const std::function<void()>& run) {
     try {
         run();
@@ -394,7 +412,8 @@ TEST(VdbReader, RefusesDamagedFiles) {
         const std::string error = error_of([&] {
             const VdbVolume volume = read_volume(damaged, glm::dmat4(1));
             for (const float value : volume.density.values) ASSERT_TRUE(std::isfinite(value));
-            const voctree::VOctree tree = interchange::tree_of(volume, interchange::doublings_for(volume, 64), 25);
+            const voctree::VOctree tree =
+                interchange::tree_of(volume, interchange::doublings_for(volume, 64).value_or(0), 25);
             EXPECT_EQ(voctree::defect_of(tree), "");
             read++;
         });
@@ -404,6 +423,34 @@ TEST(VdbReader, RefusesDamagedFiles) {
     }
     EXPECT_GT(refused, 500u);
     EXPECT_GT(read, 50u);
+}
+
+// Puts bytes in the place of those that are there.
+void overwrite(std::vector<uint8_t>& bytes, size_t at, const void* from, size_t size) {
+    std::memcpy(&bytes.at(at + size - 1) - (size - 1), from, size);
+}
+
+size_t place_of(const std::vector<uint8_t>& bytes, const std::string& text) {
+    return static_cast<size_t>(std::search(bytes.begin(), bytes.end(), text.begin(), text.end()) - bytes.begin());
+}
+
+TEST(VdbReader, RefusesGridsThatEndBeforeTheyBegin) {
+    const TemporaryFolder folder;
+    openvdb::initialize();
+    const auto numbers = openvdb::Int32Grid::create(1);
+    numbers->setName("id");
+    numbers->tree().setValue({1, 2, 3}, 4);
+    write_grids(folder.path / "x.vdb", {numbers, random_floats("density", 1)}, 0);
+    std::vector<uint8_t> bytes = read_file(folder.path / "x.vdb");
+    EXPECT_EQ(interchange::parse_vdb(bytes, "x.vdb").size(), 1u);
+    // Behind the type: the name of the grid that it shares voxels with, which is empty, and three places.
+    const std::string type = "Tree_int32_5_4_3";
+    const size_t end = place_of(bytes, type) + type.size() + 4 + 2 * sizeof(uint64_t);
+    for (const uint64_t odd : {uint64_t{0}, uint64_t{60}, uint64_t{bytes.size() + 1}, UINT64_MAX}) {
+        overwrite(bytes, end, &odd, sizeof(odd));
+        EXPECT_NE(error_of([&] { interchange::parse_vdb(bytes, "x.vdb"); }).find("ends at an odd place"),
+                  std::string::npos);
+    }
 }
 
 // A clip's frame becomes a file, which becomes a clip.
@@ -441,6 +488,10 @@ TEST(VdbVolume, HasLargerCellsWhereTheyAreAskedFor) {
     EXPECT_EQ(interchange::doublings_for(volume, 64), 0u);
     EXPECT_EQ(interchange::doublings_for(volume, 20), 1u);
     EXPECT_EQ(interchange::doublings_for(volume, 18), 2u) << "the ball is 38 voxels wide";
+    VdbVolume empty = volume;
+    empty.density.blocks.clear();
+    empty.density.tiles.clear();
+    EXPECT_EQ(interchange::doublings_for(empty, 18), std::nullopt);
     const FrameVolume small = interchange::frame_volume(interchange::tree_of(volume, 0, 25), 0);
     const FrameVolume large = interchange::frame_volume(interchange::tree_of(volume, 1, 25), 0);
     EXPECT_EQ(small.leaves.size(), ball().leaves.size());
@@ -469,7 +520,7 @@ TEST(VdbVolume, DimsAndColoursItsImage) {
     const glm::dmat4 world_from_file = glm::dmat4(glm::dmat3(2.0));
     const VdbVolume volume = read_volume(folder.path / "x.vdb", world_from_file);
     const media::Image image =
-        interchange::vdb_image(volume, look_at({-0.05, -0.05, 40}, {-0.05, -0.05, 0}, 33, 33, 4));
+        interchange::vdb_image(volume, look_at({-0.05, -0.05, 40}, {-0.05, -0.05, 0}, 33, 33, 4), [] {});
     const double left = std::exp(-1.5);  // along one unit
     const double shown[] = {0.8 * (1 - left) + left, 0.2 * (1 - left) + left, left};
     for (uint32_t c = 0; c < 3; c++) {

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "base/error.h"
 #include "tools/compared_views.h"
 #include "tools/export/exported_clip.h"
 #include "tools/export/frame_export.h"
@@ -69,9 +68,6 @@ void PlenoctreeExport::measure(uint32_t frame, const Working& working) {
 void PlenoctreeExport::add(uint32_t frame, const Working&) {
     waiting_ = volume_of(frame);
     waiting_frame_ = frame;
-    if (waiting_.leaves.empty())
-        throw InputError("--frames", fmt::format("frame {}", frame), "is empty, and no PlenOctree is",
-                         "choose frames that show something");
 }
 
 // What is lost is measured on the file.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/platform.h"
 #include "interchange/vdb_volume.h"
 #include "interchange/vdb_writer.h"
 #include "tools/compared_views.h"
@@ -54,6 +55,9 @@ interchange::FrameVolume VolumeExport::volume_of(uint32_t frame) {
 
 FrameExport::Estimate VolumeExport::estimate(uint32_t frame) {
     waiting_ = volume_of(frame);
+    if (options_.iso && !interchange::has_cubic_cells(waiting_))
+        throw InputError("--iso", "", "needs a clip whose cells are cubes", "leave it out");
+    edge_m_ = double{waiting_.box_size.x} / (1u << vdb_.depth);
     const size_t leaves = waiting_.leaves.size();
     return {leaves * interchange::kVdbBytesOfLeaf, fmt::format("about {} leaves", leaves)};
 }
@@ -62,7 +66,6 @@ FrameExport::Estimate VolumeExport::estimate(uint32_t frame) {
 void VolumeExport::measure(uint32_t frame, const Working& working) {
     if (waiting_.leaves.empty()) return;
     working("comparing the volume with images of the middle frame");
-    edge_m_ = double{waiting_.box_size.x} / (1u << vdb_.depth);
     const std::string bytes = interchange::vdb_bytes(waiting_, {vdb_.depth, {}});
     const interchange::VdbVolume read = interchange::volume_of(
         interchange::parse_vdb({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options_.output),
@@ -72,7 +75,9 @@ void VolumeExport::measure(uint32_t frame, const Working& working) {
     double error = 0;
     for (size_t i = 0; i < views.count(); i++) {
         working("comparing the volume with images of the middle frame");
-        const media::Image drawn = interchange::vdb_image(read, views.camera_of(i));
+        const media::Image drawn = interchange::vdb_image(read, views.camera_of(i), [&] {
+            if (stop_requested()) throw RuntimeFailure(options_.output + ": stopped before the end");
+        });
         error += std::pow(10, -training::compare(views.render_still(still, i), drawn).psnr / 10);
     }
     psnr_ = -10 * std::log10(error / static_cast<double>(views.count()));
