@@ -192,6 +192,9 @@ PlySplats parse(const std::vector<uint8_t>& bytes, float scale) {
     const SplatColumns columns(table);
     PlySplats read;
     read.splats.degree = columns.degree;
+    if (table.count > available_memory_bytes() / 2 / sizeof(Splat))
+        throw std::runtime_error(fmt::format("has {} splats, for which there is not enough memory", table.count));
+    read.splats.splats.reserve(table.count);
     for (size_t i = 0; i < table.count; i++) {
         if (const auto splat = columns.splat(table.rows + i * table.bytes_of_row, scale))
             read.splats.splats.push_back(*splat);

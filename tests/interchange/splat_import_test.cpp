@@ -283,7 +283,7 @@ TEST(Voxelise, ChoosesCellsBySplatsAndKeepsToTheBox) {
         most = std::max(most, volume.edge_m(leaf));
         for (int a = 0; a < 3; a++) EXPECT_LT(std::abs(volume.centre_m(leaf)[a]), 2);
     }
-    EXPECT_NEAR(least, 0.01, 0.011);
+    EXPECT_NEAR(least, 0.01, 1e-6);
     EXPECT_GT(most, 0.1f);
     EXPECT_LT(volume.leaves.size(), 60000u);
 }
