@@ -77,7 +77,7 @@ std::optional<stage::PerformerSettings> performer_on(const stage::StageFile& fil
 // The path of the .nvv that a performer plays; the file may be missing. Throws InputError where the node has no
 // performer.
 std::filesystem::path clip_of(const stage::StageFile& file, uint32_t node);
-// Those of all performers, each once, in the order of their nodes.
+// Those of the performers in the default scene, each once, in the order of their nodes.
 std::vector<std::filesystem::path> clips_of(const stage::StageFile& file);
 
 // The settings of the stage as a whole, from the default scene.

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "edit/operations.h"
@@ -130,6 +131,25 @@ TEST_F(RenderThreads, DrawTheStageBeforeUntilANewClipIsRead) {
     EXPECT_EQ(thread.state().loading, "");
     thread.stop();
     EXPECT_TRUE(ran_on_new);
+}
+
+// A performer of another scene is not drawn: its clip may be missing.
+TEST_F(RenderThreads, ReadNoClipsOfOtherScenes) {
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.stage_id == 1; })) << thread.state().problem;
+    edit::Document document;
+    document.file = edit::new_stage(folder.path / "show.gltf");
+    edit::PerformerEdit performer;
+    performer.clip = folder.path / "nobody.nvv";
+    edit::add_performer(document.file, "anna", performer, {});
+    auto& scenes = document.file.json.edit("scenes");
+    scenes.push_back({{"nodes", {scenes[0]["nodes"].back()}}});
+    scenes[0]["nodes"].erase(scenes[0]["nodes"].size() - 1);
+    if (scenes[0]["nodes"].empty()) scenes[0].erase("nodes");
+    thread.show(std::make_shared<const edit::Document>(std::move(document)), 2);
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.stage_id == 2 || !state.problem.empty(); }));
+    EXPECT_EQ(thread.state().problem, "");
+    EXPECT_EQ(thread.state().stage_id, 2u);
+    EXPECT_TRUE(thread.state().stage->performers.empty());
 }
 
 // A server that does not answer holds up neither tasks nor other views.
