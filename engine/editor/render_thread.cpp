@@ -303,20 +303,21 @@ bool RenderThread::preloads(const Waiting& stage) {
 void RenderThread::end_preload() {
     const std::optional<Waiting> waiting = std::exchange(waiting_, std::nullopt);
     if (!waiting) {
+        if (preload_ && !preload_->is_done()) return;  // it began after the one that this job is about had ended
         preload_.reset();
         const std::lock_guard lock(mutex_);
         state_.loading.clear();
         return;
     }
     if (preloads(*waiting)) return;  // for other clips than those that were read
+    const std::unique_ptr<render::ClipPreload> read = std::move(preload_);
     try {
-        preload_->expect_read();
+        if (read) read->expect_read();
         load(waiting->document, waiting->id);
         draw_newest();
     } catch (const InputError& error) {
         report_problem(error.what(), is_sound(*waiting->document) ? 0 : waiting->id);
     }
-    preload_.reset();
 }
 
 // Loads the stage of the document. Keeps the old stage where the new one cannot be drawn.
