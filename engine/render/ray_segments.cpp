@@ -81,9 +81,10 @@ MergedRay merge_segments(std::span<const RaySegment> segments, float stop) {
         if (end == kEnd) break;
         if (sigma > 0) {
             const float after = transmittance * std::exp(-sigma * (end - begin)), share = transmittance - after;
-            ray.stretches.push_back({begin, end, transmittance, after, share / sigma * colour});
+            if (share > 0) ray.stretches.push_back({begin, end, transmittance, after, share / sigma * colour});
             for (const Cursor& cursor : cursors)
-                if (is_here(cursor)) add_seen(ray, cursor[0].performer, share * sigma_of(cursor[0]) / sigma);
+                if (share > 0 && is_here(cursor))
+                    add_seen(ray, cursor[0].performer, share * sigma_of(cursor[0]) / sigma);
             transmittance = after;
         }
         begin = end;

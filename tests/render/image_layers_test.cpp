@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "reference/merge.h"
 #include "render/linear_image.h"
+#include "render/ray_segments.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/random_tree.h"
@@ -242,6 +245,27 @@ TEST(DeepPixel, SurfacesAndGapsStaySharp) {
     EXPECT_NEAR(transmittance(samples, 1.5), 0.5 + 0.5 * std::sqrt(0.5), double{render::kDeepError});
     EXPECT_EQ(render::deep_samples(rays, 2).size(), 2u);
     EXPECT_TRUE(render::deep_samples(std::vector<std::vector<render::RayStretch>>(4)).empty());
+}
+
+// Too thin for a float to tell, and behind what lets nothing through.
+TEST(DeepPixel, WhatTakesNoLightIsNoStretch) {
+    const auto segment = [](float near_m, float far_m, float optical_depth) {
+        render::RaySegment one;
+        one.near_m = near_m;
+        one.far_m = far_m;
+        one.optical_depth = optical_depth;
+        one.colour = glm::vec3(1);
+        return one;
+    };
+    const std::vector<render::RaySegment> thin = {segment(1, 3, 1e-9f), segment(4, 5, 200), segment(6, 8, 1)};
+    const std::vector<render::RaySegment> plain = {segment(2, 2.5f, 1), segment(7, 7.5f, 1)};
+    const std::vector<std::vector<render::RayStretch>> rays = {render::merge_segments(thin, 0).stretches,
+                                                               render::merge_segments(plain, 0).stretches};
+    ASSERT_EQ(rays[0].size(), 1u);
+    const std::vector<media::DeepSample> samples = render::deep_samples(rays);
+    ASSERT_FALSE(samples.empty());
+    for (const media::DeepSample& sample : samples)
+        for (const float value : sample.rgba) EXPECT_TRUE(std::isfinite(value)) << sample.near_m;
 }
 
 }  // namespace
