@@ -61,7 +61,8 @@ void require_fits(const std::string& pass, const BindingSlot& slot, const Buffer
     if (texel && !buffer.view)
         throw RuntimeFailure(fmt::format(
             "pass \"{}\", binding {}: buffer \"{}\" has no texel format, or in its {} MiB more texels than the {} that "
-            "device \"{}\" binds",
+            "device \"{}\" binds; choose a clip of fewer leaves (--max-leaves of `neuvv train`), a smaller --size, or "
+            "another device (`neuvv devices` lists them)",
             pass, slot.binding, buffer.name, buffer.bytes >> 20, limits.texels, device));
     if (slot.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER && buffer.bytes > limits.storage_bytes)
         throw RuntimeFailure(
