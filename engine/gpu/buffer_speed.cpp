@@ -24,7 +24,7 @@ constexpr double kLongEnoughMs = 1;     // for a time to be told from what launc
 constexpr uint32_t kFirstThreads = 1u << 13, kMostThreads = 1u << 22;
 constexpr int kTurns = 5;
 constexpr uintmax_t kMostFileBytes = 4096;
-constexpr double kMostMs = 1e6;
+constexpr double kLeastMs = 1e-6, kMostMs = 1e6;  // of times in the file; clocks may say 0
 
 // What must be the same for times to be valid.
 std::string key_of(const DeviceSummary& device) {
@@ -74,7 +74,7 @@ std::optional<ProfileTimes> read_profile_times(const std::filesystem::path& file
     try {
         const JsonFile json = read_json(file, "times of buffers");
         if (json_string(json.root()["key"]) != key_of(device)) return std::nullopt;
-        const auto time = [&](const char* name) { return json_number(json.root()[name], 1e-6, kMostMs, "a time"); };
+        const auto time = [&](const char* name) { return json_number(json.root()[name], kLeastMs, kMostMs, "a time"); };
         return ProfileTimes{time("texel_ms"), time("storage_ms")};
     } catch (const std::exception&) {
         return std::nullopt;
@@ -109,7 +109,7 @@ ProfileTimes measure_profiles(const Device& device) {
         best.texel_ms = std::min(best.texel_ms, texel.milliseconds(commands, threads));
         best.storage_ms = std::min(best.storage_ms, storage.milliseconds(commands, threads));
     }
-    return best;
+    return {std::max(best.texel_ms, kLeastMs), std::max(best.storage_ms, kLeastMs)};
 }
 
 BufferProfile faster(const ProfileTimes& times) {
