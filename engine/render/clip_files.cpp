@@ -22,10 +22,9 @@ uint32_t stream_threads() {
     return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 3u);
 }
 
-// Of a stream, which cannot be painted unless it is a single frame, no hash is computed.
+// Of a stream, which cannot be painted, no hash is computed.
 voctree::PaintedField painted_field_of(const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
-    const bool is_frame = segment.stream && segment.stream->index().frames.size() > 1;
-    return is_frame ? voctree::PaintedField{} : voctree::painted_field(tree);
+    return segment.stream ? voctree::PaintedField{} : voctree::painted_field(tree);
 }
 
 }  // namespace

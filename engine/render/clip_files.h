@@ -30,7 +30,7 @@ struct LoadedClip {
     std::shared_ptr<const voctree::SolidLeaves> solid;  // of the file, needs no device; null without SolidParts::kYes
 };
 
-// Whether it is found what is solid of each file, which takes a tenth of the time in which a frame of a stream is read.
+// Whether to find the solid parts of each file, which takes a tenth of the time in which a frame of a stream is read.
 enum class SolidParts { kNo, kYes };
 
 // A segment on the device, as stages show it: with far levels, but for frames of streams, because to merge leaves would

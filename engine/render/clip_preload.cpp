@@ -27,10 +27,7 @@ void ClipPreload::expect_read() const {
 void ClipPreload::run(const std::function<void()>& done) {
     name_trace_thread("reads new clips");
     try {
-        for (const std::filesystem::path& clip : clips_) {
-            read(clip);
-            count_++;
-        }
+        for (const std::filesystem::path& clip : clips_) read(clip);
     } catch (const InputError&) {
         problem_ = std::current_exception();
     } catch (const std::exception&) {  // load() meets it again

@@ -22,8 +22,6 @@ class ClipPreload {
     ClipPreload& operator=(const ClipPreload&) = delete;
 
     const std::vector<std::filesystem::path>& clips() const { return clips_; }
-    // How many have been read.
-    size_t count() const { return count_; }
     bool is_done() const { return done_; }
     // Once it is done: throws the InputError of the clip that could not be read. Of other failures, such as a lack of
     // memory, it says nothing: load() meets them again, and may help itself.
@@ -39,7 +37,6 @@ class ClipPreload {
     std::vector<std::shared_ptr<const LoadedClip>> kept_;
     std::vector<voctree::ClipIndex> open_;
     std::exception_ptr problem_;
-    std::atomic<size_t> count_ = 0;
     std::atomic<bool> done_ = false;
     std::mutex mutex_;  // guards what follows
     bool stop_ = false;

@@ -8,7 +8,7 @@
 
 namespace neuvv::render {
 
-// What new trees are: empty, or nothing until record_empty() is recorded, which has to come before all other use.
+// What new trees are: empty, or undefined until record_empty() was recorded, which has to come before all other use.
 enum class TreesBegin { kEmpty, kUndefined };
 
 // Several slices of one field, one after the other in the same buffers.
