@@ -240,7 +240,7 @@ void notice_rows(const Rows& rows) {
     const PanelStatus& status = rows.status;
     if (const std::string& waits = rows.interaction.painter.status(); !waits.empty())
         ImGui::TextDisabled("%s", waits.c_str());
-    else if (rows.state.new_performer)
+    else if (rows.state.new_performer && !rows.state.new_performer->is_read)
         ImGui::TextDisabled(ICON_LOOP " reading %s", rows.state.new_performer->clip.filename().string().c_str());
     if (status.notices.empty()) {
         if (const auto performer = pointed_performer(rows.interaction.hands))
