@@ -220,6 +220,9 @@ TEST_F(HeadsetLights, TheSetHidesPerformersButNoMarkers) {
     point(xr::kRight, kRightHand, kBen);
     draw();
     EXPECT_EQ(hit().target, headset::PointerHit::Target::kSet);
+    point(xr::kRight, kRightHand, lamp + glm::dvec3(0.4, 0, 0));
+    draw();
+    EXPECT_EQ(hit().target, headset::PointerHit::Target::kSet) << "the wall is before the lamp, too";
     point(xr::kRight, kRightHand, lamp);
     draw();
     EXPECT_EQ(hit().target, headset::PointerHit::Target::kMarker) << "a lamp in a ceiling can be held";
