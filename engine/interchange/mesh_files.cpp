@@ -17,6 +17,11 @@ std::filesystem::path beside(std::filesystem::path file, const char* ending) {
     return file.replace_extension(ending);
 }
 
+// Named so that it does not replace a rendered image that is numbered in the same way.
+std::filesystem::path texture_of(const std::filesystem::path& file) {
+    return file.parent_path() / (file.stem().string() + "_texture.png");
+}
+
 template <typename T>
 void append_bytes(std::vector<uint8_t>& bytes, const T& value) {
     const size_t at = bytes.size();
@@ -27,15 +32,15 @@ void append_bytes(std::vector<uint8_t>& bytes, const T& value) {
 }  // namespace
 
 std::vector<std::filesystem::path> files_of_obj(const std::filesystem::path& file) {
-    return {beside(file, ".png"), beside(file, ".mtl"), file};
+    return {texture_of(file), beside(file, ".mtl"), file};
 }
 
 void write_mesh_obj(const std::filesystem::path& file, const ColouredMesh& mesh) {
     const bool is_empty = mesh.texture.width == 0;  // as that of a frame without a surface
-    media::write_png(beside(file, ".png"), is_empty ? media::Image(1, 1) : mesh.texture);
+    media::write_png(texture_of(file), is_empty ? media::Image(1, 1) : mesh.texture);
     write_text_file(beside(file, ".mtl"),
                     fmt::format("newmtl surface\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 0\nmap_Kd {}\n",
-                                beside(file, ".png").filename().string()));
+                                texture_of(file).filename().string()));
     std::string text = fmt::format("mtllib {}\nusemtl surface\n", beside(file, ".mtl").filename().string());
     const auto to = std::back_inserter(text);
     for (const glm::vec3& p : mesh.mesh.positions) fmt::format_to(to, "v {:.7g} {:.7g} {:.7g}\n", p.x, p.y, p.z);

@@ -7,7 +7,8 @@
 
 namespace neuvv::interchange {
 
-// With a .mtl and a .png of the same name beside it, which are written first. The mesh has a texture.
+// NAME.obj, with NAME.mtl and NAME_texture.png beside it, which are written first. The mesh has a texture, or none
+// where it is empty.
 void write_mesh_obj(const std::filesystem::path& file, const ColouredMesh& mesh);
 std::vector<std::filesystem::path> files_of_obj(const std::filesystem::path& file);
 

@@ -268,8 +268,8 @@ TEST(MeshFiles, ObjIsReadBack) {
         EXPECT_LT(glm::distance(normals[i], mesh.mesh.normals[i]), 1e-3f);
         EXPECT_LT(glm::distance(uvs[i], glm::vec2(mesh.mesh.uvs[i].x, 1 - mesh.mesh.uvs[i].y)), 1e-5f);
     }
-    EXPECT_NE(read_text(folder.path / "a b.mtl").find("map_Kd a b.png\n"), std::string::npos);
-    EXPECT_EQ(media::read_png(folder.path / "a b.png").rgba, mesh.texture.rgba);
+    EXPECT_NE(read_text(folder.path / "a b.mtl").find("map_Kd a b_texture.png\n"), std::string::npos);
+    EXPECT_EQ(media::read_png(folder.path / "a b_texture.png").rgba, mesh.texture.rgba);
 }
 
 TEST(MeshFiles, ObjMayBeEmpty) {
@@ -278,7 +278,7 @@ TEST(MeshFiles, ObjMayBeEmpty) {
     const std::string text = read_text(folder.path / "x.obj");
     EXPECT_NE(text.find("mtllib x.mtl\n"), std::string::npos);
     EXPECT_EQ(text.find("\nf "), std::string::npos);
-    EXPECT_EQ(media::read_png(folder.path / "x.png").width, 1u);
+    EXPECT_EQ(media::read_png(folder.path / "x_texture.png").width, 1u);
 }
 
 TEST(MeshFiles, PlyIsReadBack) {

@@ -139,10 +139,10 @@ TEST_F(CliMesh, ObjHasATextureAndSaysItsLoss) {
     EXPECT_LT(json.at("depth_mean_mm"), 15) << "half of a leaf";
     EXPECT_GT(json.at("psnr_db"), 25);
     uint64_t bytes = 0;
-    for (const char* name : {"m_00.obj", "m_00.mtl", "m_00.png", "m_01.obj", "m_01.mtl", "m_01.png"})
+    for (const char* name : {"m_00.obj", "m_00.mtl", "m_00_texture.png", "m_01.obj", "m_01.mtl", "m_01_texture.png"})
         bytes += std::filesystem::file_size(file(name));
     EXPECT_EQ(json.at("bytes"), bytes);
-    EXPECT_EQ(media::read_png(file("m_01.png")).width, 128u);
+    EXPECT_EQ(media::read_png(file("m_01_texture.png")).width, 128u);
 }
 
 TEST_F(CliMesh, GlbIsDrawnAsScenery) {

@@ -172,7 +172,7 @@ TEST_F(Editing, APerformerIsAddedAndABrokenClipIsTold) {
     press(script, 32, clips, "clip dora.nvv");
     press(script, 100, stage_page, "add");
     press(script, 108, clips, "clip cleo.nvv");
-    save(script, 190, items);
+    save(script, 640, items);
     const XrRun run = this->run(script);
     expect_clean(run);
     EXPECT_NE(run.log.find("dora.nvv"), std::string::npos) << run.log;
