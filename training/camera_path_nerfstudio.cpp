@@ -21,12 +21,15 @@ constexpr double kTension = 0;  // of nerfstudio's own spline through keyframes
 
 // nerfstudio's data parser turns, moves and scales the world of a data set. This takes poses back to the data set's
 // world, with +Y up, by the `transform` and `scale` of dataparser_transforms.json, where they were added to the file.
+// Its `transform` begins before the `applied_transform` of the data set (nerfstudio_dataparser.py), which poses have.
 struct NerfstudioWorld {
     glm::dmat4 dataset_from_parsed{1};
     double scale = 1;
 
     explicit NerfstudioWorld(const JsonNode& root) {
         if (root.has("transform")) dataset_from_parsed = glm::inverse(json_pose(root["transform"]));
+        if (root.has("applied_transform"))
+            dataset_from_parsed = json_pose(root["applied_transform"]) * dataset_from_parsed;
         if (root.has("scale")) scale = json_number(root["scale"], 1 / kMaxDistance_m, kMaxDistance_m, "a scale");
     }
     glm::dmat4 pose(glm::dmat4 parsed) const {
@@ -190,7 +193,7 @@ void write_nerfstudio_path(const std::filesystem::path& file, const stage::Camer
     for (const stage::CameraPathKey& key : images.keys)
         document["camera_path"].push_back(image_json(key, "camera_to_world", aspect, parsed));
     document["crop"] = nullptr;
-    for (const char* member : {"transform", "scale"})
+    for (const char* member : {"transform", "scale", "applied_transform"})
         if (parser.document.contains(member)) document[member] = parser.document[member];
     write_text_file(file, document.dump(1) + "\n");
 }

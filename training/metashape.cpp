@@ -179,8 +179,10 @@ class Cameras {
 
     void place_in_world(const XmlNode& node, glm::dmat4& pose) {
         const auto component = chunk_.components.find(node.text("component_id"));
-        const bool of_component = component != chunk_.components.end() && component->second;
-        const std::optional<Similarity>& world = of_component ? component->second : chunk_.transform;
+        const bool known = component != chunk_.components.end(), alone = chunk_.components.size() < 2;
+        if (!known && !alone) node.fail("has a component_id that no component has", "export the cameras again");
+        const std::optional<Similarity>& world =
+            known && (component->second || !alone) ? component->second : chunk_.transform;
         components_.insert(node.text("component_id"));
         if (found_.empty()) placed_ = world.has_value();
         if (world.has_value() != placed_ || (!placed_ && components_.size() > 1))

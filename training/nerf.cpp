@@ -233,17 +233,19 @@ void time_by_name(const Rig& rig, std::vector<ImageFrame>& frames, const std::ve
     for (const ImageFrame& frame : frames) all.push_back(frame.frame);
     if (std::ranges::any_of(all, [](const TransformsFrame& frame) { return frame.time.has_value(); })) return;
     const std::vector<uint32_t> cameras = number_cameras(all);
-    std::set<std::pair<uint32_t, std::string>> images;  // an image may be of two splits
+    std::set<std::pair<uint32_t, std::string>> images;  // an image, or a copy of it, may be of two splits
     std::map<std::string, double, NaturalOrder> times;
     for (size_t i = 0; i < all.size(); ++i) {
-        images.emplace(cameras[i], normal(all[i].file_path));
+        images.emplace(cameras[i], stem(all[i]));
         times.try_emplace(stem(all[i]), 0);
     }
     const size_t count = 1 + *std::max_element(cameras.begin(), cameras.end());
     if (images.size() == count) return;
-    if (count > 1 && times.size() == images.size())
+    if (count > 1 && times.size() == images.size()) {
+        if (images.size() < 2 * count) return;  // one camera that moved, and stood still now and then
         throw InputError(rig.file, "frames", "have no time, and no image of one camera is named as one of another",
                          "give each frame its time, or images of the same time the same name, in a folder a camera");
+    }
     const double last = std::max(1.0, static_cast<double>(times.size()) - 1);
     double next = 0;
     for (auto& [name, time] : times) time = next++ / last;

@@ -77,7 +77,8 @@ uint32_t whole_side(const TomlCamera& camera, double side) {
 CalibratedCamera camera_of(const TomlCamera& from) {
     CalibratedCamera result{{}, from.place()};
     RigCamera& camera = result.camera;
-    camera.name = from.table["name"].value_or(from.key);
+    camera.name = without_extension(from.table["name"].value_or(from.key));
+    expect_inside(camera.name, from.file, from.place());
     camera.lens = opencv_lens(from.numbers("matrix", 9, 9), from.numbers("distortions", 0, 8),
                               from.table["fisheye"].value_or(false), from.file, from.place());
     const std::vector<double> size = from.numbers("size", 2, 2), t = from.numbers("translation", 3, 3);
@@ -121,6 +122,7 @@ bool any_has_images(const std::filesystem::path& folder, const std::vector<Calib
 void name_after_videos(Rig& rig, std::vector<CalibratedCamera>& cameras) {
     if (any_has_images(rig.folder, cameras)) return;
     const std::vector<std::string> videos = videos_in(rig.folder / "videos");
+    if (videos.empty()) return;  // there may be an image of each
     if (videos.size() != cameras.size())
         throw InputError(rig.file, "",
                          fmt::format("has {} cameras, but videos/ has {} videos, none of which bears the "

@@ -135,6 +135,20 @@ TEST_F(CameraPathWrite, NerfstudiosParsedWorldIsReached) {
     expect_read_back("path.json", 1e-9);
 }
 
+TEST_F(CameraPathWrite, NerfstudiosAppliedTransformIsUndoneFirst) {
+    // (x, y, z) became (x, z, −y) when the data set was made; the data parser's transform is of what was before.
+    write_text(file("world.json"),
+               R"({"transform": [[1, 0, 0, 5], [0, 1, 0, 6], [0, 0, 1, 7]],
+                   "applied_transform": [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0]]})");
+    training::write_nerfstudio_path(file("path.json"), path, images, file("world.json"));
+    const json c2w = read("path.json")["camera_path"][0]["camera_to_world"];
+    const glm::dvec3 p = images.keys[0].position, q(p.x, -p.z, p.y);
+    EXPECT_NEAR(c2w[3], q.x + 5, 1e-9);
+    EXPECT_NEAR(c2w[7], -q.z + 6, 1e-9);
+    EXPECT_NEAR(c2w[11], q.y + 7, 1e-9);
+    expect_read_back("path.json", 1e-9);
+}
+
 TEST_F(CameraPathWrite, NerfstudioCyclesAndShowsTheClip) {
     path = keys_around(true);
     for (stage::CameraPathKey& key : path.keys) key.clip_time = key.time_s / 2;
