@@ -35,7 +35,7 @@ enum class Up { kY, kMinusY, kZ };
 constexpr size_t kMostDigits = 9;  // of a frame's number
 constexpr const char* kUpNames[] = {"y", "-y", "z"};
 
-struct ImportOptions {
+struct FrameImportOptions {
     std::string input, output, box, size = "720x720";
     std::optional<Up> up;
     double scale = 1, fps = 25;
@@ -78,7 +78,7 @@ void expect_to_go_on(const std::string& output) {
 
 class VolumeImport : public FrameImport {
   public:
-    explicit VolumeImport(const ImportOptions& options) : options_(options) {
+    explicit VolumeImport(const FrameImportOptions& options) : options_(options) {
         if (!options.box.empty())
             throw InputError("--box", options.box, "is for splats",
                              "leave it out, or crop the volume where it is made");
@@ -106,13 +106,13 @@ class VolumeImport : public FrameImport {
         uint32_t doublings = 0;
         float fps = 25;
     };
-    const ImportOptions& options_;
+    const FrameImportOptions& options_;
     std::optional<uint32_t> doublings_;
 };
 
 class SplatImport : public FrameImport {
   public:
-    explicit SplatImport(const ImportOptions& options) : options_(options) {
+    explicit SplatImport(const FrameImportOptions& options) : options_(options) {
         if (options.box.empty()) return;
         const std::vector<double> n = parse_numbers("--box", options.box, 6, "write x0,y0,z0,x1,y1,z1 in metres");
         box_ = {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
@@ -138,7 +138,7 @@ class SplatImport : public FrameImport {
 
   private:
     struct Frame : ImportedFrame {
-        explicit Frame(const ImportOptions& given) : options(given) {}
+        explicit Frame(const FrameImportOptions& given) : options(given) {}
         voctree::VOctree tree() const override {
             return interchange::voxelised(splats, box, cell_m, static_cast<float>(options.fps), file,
                                           [&] { expect_to_go_on(options.output); });
@@ -146,18 +146,18 @@ class SplatImport : public FrameImport {
         media::Image image(const stage::Camera& camera) const override {
             return interchange::splat_image(splats, camera, glm::vec3(1));
         }
-        const ImportOptions& options;
+        const FrameImportOptions& options;
         std::string file;
         interchange::Splats splats;
         interchange::SplatBox box;
         double cell_m = 1;
     };
-    const ImportOptions& options_;
+    const FrameImportOptions& options_;
     std::optional<interchange::SplatBox> box_;
     std::optional<double> cell_m_;
 };
 
-std::unique_ptr<FrameImport> import_of(const ImportOptions& options) {
+std::unique_ptr<FrameImport> import_of(const FrameImportOptions& options) {
     const std::string ending = std::filesystem::path(options.input).extension().string();
     if (ending == ".vdb") return std::make_unique<VolumeImport>(options);
     if (ending == ".ply") return std::make_unique<SplatImport>(options);
@@ -199,7 +199,7 @@ struct Imported {
 
 // How well the clip's images of a frame agree with those of what was read.
 void compare(const gpu::Device& device, const ImportedFrame& frame, const voctree::VOctree& tree,
-             const ImportOptions& options, Imported& imported) {
+             const FrameImportOptions& options, Imported& imported) {
     if (tree.leaf_count == 0) return;
     const ComparedViews views(device, tree, parse_size(options.size), options.views);
     double error = 0, worst = 99;
@@ -213,7 +213,7 @@ void compare(const gpu::Device& device, const ImportedFrame& frame, const voctre
     imported.worst_psnr = worst;
 }
 
-Imported import_frames(const ImportOptions& options, const CommonOptions& common) {
+Imported import_frames(const FrameImportOptions& options, const CommonOptions& common) {
     const std::unique_ptr<FrameImport> import = import_of(options);
     const std::vector<std::filesystem::path> files = files_of(options.input);
     if (files.size() > voctree::kMaxClipFrames)
@@ -248,7 +248,7 @@ Imported import_frames(const ImportOptions& options, const CommonOptions& common
     return imported;
 }
 
-void run(const ImportOptions& options, const CommonOptions& common) {
+void run(const FrameImportOptions& options, const CommonOptions& common) {
     const Imported imported = import_frames(options, common);
     if (options.json) {
         nlohmann::ordered_json json = {{"input", options.input},
@@ -273,7 +273,7 @@ void run(const ImportOptions& options, const CommonOptions& common) {
 
 void add_import(Command app, CommonOptions& common) {
     Command verb = app.add_verb("import", "Make a clip of volumes or Gaussian splats of other programs");
-    const auto options = std::make_shared<ImportOptions>();
+    const auto options = std::make_shared<FrameImportOptions>();
     verb.add_option("input", options->input, "in_%04d.vdb or in_%04d.ply, or one such file").required();
     verb.add_option("-o,--output", options->output,
                     "The .nvv to write: a file, or a folder where there are more frames")

@@ -22,7 +22,6 @@ namespace neuvv::tools {
 namespace {
 
 constexpr double kMaxImages = 1e6;
-constexpr const char* kStagePath = "path";  // the --camera that is the stage's own camera path
 constexpr double kMinOrbitSeconds = 4;
 
 struct StagePlan {

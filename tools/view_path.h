@@ -41,6 +41,8 @@ stage::Camera centred_camera(media::ImageSize size, double focal_length_px, cons
 std::vector<ViewStep> path_steps(const stage::CameraPath& path, const Playback& playback, uint32_t clip_frames,
                                  media::ImageSize size, media::ImageSize fallback);
 
+constexpr const char* kStagePath = "path";  // the --camera that is the stage's own camera path
+
 // Whether the --camera of a stage is a camera path, a file that ends with .json, .usda, .glb or .gltf; else it is the
 // name of one of the stage's cameras.
 bool names_camera_path(const std::string& camera);

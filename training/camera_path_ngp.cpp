@@ -7,6 +7,7 @@
 #include "base/output_path.h"
 #include "training/camera_path_file.h"
 #include "training/camera_path_formats.h"
+#include "training/json_pose.h"
 
 namespace neuvv::training {
 
@@ -14,9 +15,8 @@ namespace {
 
 using ngp_json = nlohmann::ordered_json;
 
-constexpr double kNgpDefault_s = 5;      // instant-ngp's duration, where the file gives none
-constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length
-constexpr double kFocusScale = 1.5;      // where instant-ngp focuses, for a lens that blurs; ours does not
+constexpr double kNgpDefault_s = 5;  // instant-ngp's duration, where the file gives none
+constexpr double kFocusScale = 1.5;  // where instant-ngp focuses, for a lens that blurs; ours does not
 
 // R is a unit quaternion (x, y, z, w) and T a position: both take camera coordinates with OpenCV axes (x right, y down,
 // z forward) to instant-ngp's cube.

@@ -16,6 +16,7 @@ void expect_rigid(const JsonNode& node, const glm::dmat4& pose);
 // Turns a world with +Z up into one with +Y up: (x, y, z) → (x, z, −y).
 inline const glm::dmat3 kYUpFromZUp(1, 0, 0, 0, 0, -1, 0, 1, 0);
 
-constexpr double kMaxDistance_m = 1e6;  // further away, floats do not resolve a performer
+constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length; some files have three decimals
+constexpr double kMaxDistance_m = 1e6;   // further away, floats do not resolve a performer
 
 }  // namespace neuvv::training

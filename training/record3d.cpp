@@ -23,8 +23,6 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kUnitTolerance = 1e-2;  // of a quaternion's length
-
 // Where the metadata and the images lie.
 struct Recording {
     std::filesystem::path metadata, images;

@@ -57,8 +57,9 @@ ShaderInterface reflect(std::span<const uint32_t> spirv, const std::string& name
     std::sort(interface.bindings.begin(), interface.bindings.end(),
               [](const BindingSlot& a, const BindingSlot& b) { return a.binding < b.binding; });
     // Two blocks of one binding are two views of one buffer.
-    const auto [first, last] = std::ranges::unique(interface.bindings, {}, &BindingSlot::binding);
-    interface.bindings.erase(first, last);
+    const auto end = std::unique(interface.bindings.begin(), interface.bindings.end(),
+                                 [](const BindingSlot& a, const BindingSlot& b) { return a.binding == b.binding; });
+    interface.bindings.erase(end, interface.bindings.end());
 
     const auto group_size = [&](unsigned axis) {
         return spvc_compiler_get_execution_mode_argument_by_index(compiler, SpvExecutionModeLocalSize, axis);

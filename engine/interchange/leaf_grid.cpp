@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMargin = 2;
 
-struct CellBox {
+struct LatticeBox {
     glm::ivec3 low{std::numeric_limits<int>::max()}, high{std::numeric_limits<int>::lowest()};
     glm::ivec3 size() const { return high - low + 2 * kMargin; }
     size_t cells() const {
@@ -19,16 +19,16 @@ struct CellBox {
 };
 
 // The cells of a leaf at the depth of the volume.
-CellBox cells_of(const FrameVolume& volume, const VolumeLeaf& leaf) {
+LatticeBox cells_of(const FrameVolume& volume, const VolumeLeaf& leaf) {
     const voctree::LeafPosition at = voctree::position_of(leaf.cell, volume.depth);
     const glm::ivec3 low(at.x, at.y, at.z);
     return {low, low + (1 << (volume.depth - leaf.depth))};
 }
 
-CellBox box_of(const FrameVolume& volume) {
-    CellBox box;
+LatticeBox box_of(const FrameVolume& volume) {
+    LatticeBox box;
     for (const VolumeLeaf& leaf : volume.leaves) {
-        const CellBox cells = cells_of(volume, leaf);
+        const LatticeBox cells = cells_of(volume, leaf);
         box.low = glm::min(box.low, cells.low);
         box.high = glm::max(box.high, cells.high);
     }
@@ -42,7 +42,7 @@ LeafGrid::LeafGrid(FrameVolume volume, size_t most_cells) : volume_(std::move(vo
     for (const VolumeLeaf& leaf : volume_.leaves) finest = std::max(finest, leaf.depth);
     volume_ = with_depth(std::move(volume_), finest);
     if (volume_.leaves.empty()) return;
-    CellBox box = box_of(volume_);
+    LatticeBox box = box_of(volume_);
     while (box.cells() > most_cells && volume_.depth > 1) {
         volume_ = with_depth(std::move(volume_), volume_.depth - 1);
         box = box_of(volume_);
@@ -53,7 +53,7 @@ LeafGrid::LeafGrid(FrameVolume volume, size_t most_cells) : volume_(std::move(vo
     origin_m_ = volume_.box_min + glm::vec3(first) * cell_m_;
     leaf_.resize(box.cells());
     for (size_t i = 0; i < volume_.leaves.size(); i++) {
-        const CellBox cells = cells_of(volume_, volume_.leaves[i]);
+        const LatticeBox cells = cells_of(volume_, volume_.leaves[i]);
         for (int z = cells.low.z; z < cells.high.z; z++)
             for (int y = cells.low.y; y < cells.high.y; y++) {
                 const size_t row = index_of(glm::ivec3(cells.low.x, y, z) - first);

@@ -21,7 +21,7 @@ namespace {
 constexpr std::array<int, 3> kTileEdges = {kVdbBlockEdge, 128, 4096};
 constexpr const char* kSmallerVolume = "crop it, or make its voxels larger";
 constexpr size_t kBytesOfLeaf = 120;  // of memory, while a tree is made
-constexpr double kLeastTransmittance = 1e-3, kVoxelsAStep = 0.5, kLeastCosine = 0.999999;
+constexpr double kLeastTransmittance = 1e-3, kVoxelsAStep = 0.5, kLeastParallel = 0.999999;
 
 // Tells cubes of this edge apart.
 uint64_t key_of(const glm::ivec3& index, int edge) {
@@ -52,7 +52,7 @@ Axes axes_of(const VdbVolume& volume) {
     for (int i = 0; i < 3; i++) {
         const glm::dvec3 column(m[i]), sizes = glm::abs(column);
         const int a = sizes.x > sizes.y && sizes.x > sizes.z ? 0 : sizes.y > sizes.z ? 1 : 2;
-        if (taken[static_cast<size_t>(a)] || sizes[a] < kLeastCosine * glm::length(column))
+        if (taken[static_cast<size_t>(a)] || sizes[a] < kLeastParallel * glm::length(column))
             throw InputError(volume.file, volume.density.name, "has voxels that do not lie along the axes",
                              "resample it to a grid that is not turned");
         taken[static_cast<size_t>(a)] = true;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
-void append_word(std::vector<uint8_t>& bytes, size_t word) {
+void append_glb_word(std::vector<uint8_t>& bytes, size_t word) {
     for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<uint8_t>(word >> shift));
 }
 
@@ -72,8 +72,8 @@ void GlbWriter::write(const std::filesystem::path& file, const std::string& fix)
             file.string(), "",
             fmt::format("would have {:.1f} GB; a .glb has at most 4 GiB", 1e-9 * static_cast<double>(size)), fix);
     std::vector<uint8_t> head, middle;
-    for (const size_t word : {kGlbMagic, size_t{2}, size, text.size(), kJsonChunk}) append_word(head, word);
-    for (const size_t word : {bytes.size(), kBinaryChunk}) append_word(middle, word);
+    for (const size_t word : {kGlbMagic, size_t{2}, size, text.size(), kJsonChunk}) append_glb_word(head, word);
+    for (const size_t word : {bytes.size(), kBinaryChunk}) append_glb_word(middle, word);
     write_file_atomically(file, [&](const ByteSink& sink) {
         sink(head.data(), head.size());
         sink(text.data(), text.size());

@@ -296,7 +296,9 @@ TEST(MeshFiles, PlyIsReadBack) {
     const size_t data = text.find("end_header\n") + 11;
     ASSERT_EQ(bytes.size(), data + 27 * count + 13 * faces);
     for (size_t i = 0; i < count; i++) {
-        EXPECT_EQ(std::memcmp(&bytes[data + 27 * i], &mesh.mesh.positions[i], 12), 0);
+        glm::vec3 position;
+        std::memcpy(&position, &bytes[data + 27 * i], sizeof position);
+        EXPECT_EQ(position, mesh.mesh.positions[i]);
         EXPECT_EQ(std::memcmp(&bytes[data + 27 * i + 24], mesh.colours[i].data(), 3), 0);
     }
     for (size_t i = 0; i < faces; i++) {

@@ -11,12 +11,7 @@
 namespace neuvv {
 namespace {
 
-// Leaves that are small on the images, as those of trained clips are.
-struct CliExport : CliGpu {
-    void SetUp() override {
-        tree = test::random_tree({.node_levels = 3, .leaves = 3000, .bases = 4, .hh_degree = 1, .frames = 4});
-        CliGpu::SetUp();
-    }
+struct CliExported : CliGpu {
     nlohmann::json exported(const std::string& clip, const std::string& output, const std::vector<std::string>& more) {
         std::vector<std::string> arguments = {"export", clip,     "-o",    output,  "--views",
                                               "2",      "--size", "96x96", "--json"};
@@ -46,6 +41,14 @@ struct CliExport : CliGpu {
                 drawn.rgba[4 * i + c] =
                     static_cast<uint8_t>(c == 3 ? 255 : std::lround(255 * pixels[i][static_cast<int>(c)]));
         return training::compare(shown, drawn).psnr;
+    }
+};
+
+// Leaves that are small on the images, as those of trained clips are.
+struct CliExport : CliExported {
+    void SetUp() override {
+        tree = test::random_tree({.node_levels = 3, .leaves = 3000, .bases = 4, .hh_degree = 1, .frames = 4});
+        CliGpu::SetUp();
     }
 };
 
@@ -109,7 +112,7 @@ TEST_F(CliExport, SaysWhatIsWrong) {
 }
 
 // An opaque, grey ball that two frames show.
-struct CliMesh : CliExport {
+struct CliMesh : CliExported {
     void SetUp() override {
         std::vector<voctree::LeafPosition> positions;
         for (uint32_t i = 0; i < 32 * 32 * 32; i++) {

@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint32_t kWidth = 320, kHeight = 180;
+constexpr uint32_t kPathWidth = 320, kPathHeight = 180;
 constexpr double kFps = 10, kOneDegree = std::numbers::pi / 180;
 const glm::dvec3 kPoint(0.3, 1.2, -0.4);
 
@@ -44,11 +44,11 @@ stage::CameraPath keys_around(bool cyclic = false) {
 
 // Pixels of a point that lies at `camera` in axes that look along −Z with +Y up, by a focal length in pixels.
 glm::dvec2 pixel_of(const glm::dvec3& camera, double focal) {
-    return {0.5 * kWidth - focal * camera.x / camera.z, 0.5 * kHeight + focal * camera.y / camera.z};
+    return {0.5 * kPathWidth - focal * camera.x / camera.z, 0.5 * kPathHeight + focal * camera.y / camera.z};
 }
 
 glm::dvec2 expected_pixel(const stage::CameraPath& path, double time_s) {
-    const stage::Camera camera = stage::camera_at(path, time_s, kWidth, kHeight);
+    const stage::Camera camera = stage::camera_at(path, time_s, kPathWidth, kPathHeight);
     return pixel_of(glm::dvec3(glm::inverse(camera.world_from_camera) * glm::dvec4(kPoint, 1)), camera.fy);
 }
 
@@ -59,13 +59,13 @@ void expect_pixel(const stage::CameraPath& path, size_t image, const glm::dvec2&
 }
 
 double focal_of(double fov_degrees) {
-    return 0.5 * kHeight / std::tan(0.5 * fov_degrees * kOneDegree);
+    return 0.5 * kPathHeight / std::tan(0.5 * fov_degrees * kOneDegree);
 }
 
 struct CameraPathWrite : testing::Test {
     TemporaryFolder folder;
     stage::CameraPath path = keys_around();
-    stage::CameraPath images = stage::by_images(path, kFps, kWidth, kHeight);
+    stage::CameraPath images = stage::by_images(path, kFps, kPathWidth, kPathHeight);
 
     std::filesystem::path file(const std::string& name) const { return folder.path / name; }
     json read(const std::string& name) const { return json::parse(read_text(file(name))); }
@@ -92,20 +92,20 @@ TEST_F(CameraPathWrite, ImagesAreThoseOfThePath) {
     ASSERT_EQ(images.keys.size(), 15u);
     for (size_t i = 0; i < 15; ++i) expect_pixel(path, i, expected_pixel(images, static_cast<double>(i) / kFps), 1e-9);
     EXPECT_EQ(images.duration_s, 1.4);
-    const stage::CameraPath cycle = stage::by_images(keys_around(true), kFps, kWidth, kHeight);
+    const stage::CameraPath cycle = stage::by_images(keys_around(true), kFps, kPathWidth, kPathHeight);
     EXPECT_EQ(cycle.keys.size(), 20u) << "the last image is not the first again";
     EXPECT_EQ(cycle.duration_s, 2);
     path.duration_s = 1e6;
     path.cyclic = true;
-    expect_input_error([&] { stage::by_images(path, kFps, kWidth, kHeight); }, {"more than 65536 images"});
+    expect_input_error([&] { stage::by_images(path, kFps, kPathWidth, kPathHeight); }, {"more than 65536 images"});
 }
 
 // nerfstudio: rows of camera to world with OpenGL axes, the vertical angle of view in degrees, a world with +Z up.
 TEST_F(CameraPathWrite, Nerfstudio) {
     training::write_nerfstudio_path(file("path.json"), path, images, {});
     const json written = read("path.json");
-    EXPECT_EQ(written["render_width"], kWidth);
-    EXPECT_EQ(written["render_height"], kHeight);
+    EXPECT_EQ(written["render_width"], kPathWidth);
+    EXPECT_EQ(written["render_height"], kPathHeight);
     EXPECT_EQ(written["fps"], kFps);
     EXPECT_EQ(written["seconds"], 1.5) << "nerfstudio renders fps · seconds images";
     EXPECT_EQ(written["keyframes"].size(), 3u);
@@ -152,7 +152,7 @@ TEST_F(CameraPathWrite, NerfstudiosAppliedTransformIsUndoneFirst) {
 TEST_F(CameraPathWrite, NerfstudioCyclesAndShowsTheClip) {
     path = keys_around(true);
     for (stage::CameraPathKey& key : path.keys) key.clip_time = key.time_s / 2;
-    images = stage::by_images(path, kFps, kWidth, kHeight);
+    images = stage::by_images(path, kFps, kPathWidth, kPathHeight);
     training::write_nerfstudio_path(file("path.json"), path, images, {});
     const json written = read("path.json");
     EXPECT_EQ(written["is_cycle"], true);
@@ -185,7 +185,7 @@ TEST_F(CameraPathWrite, InstantNgp) {
         }
         expect_read_back("path.json", 1e-9);
     }
-    images = stage::by_images(keys_around(true), kFps, kWidth, kHeight);
+    images = stage::by_images(keys_around(true), kFps, kPathWidth, kPathHeight);
     training::write_ngp_path(file("loop.json"), images, {});
     EXPECT_NEAR(read("loop.json")["path"].back()["timestamp"], 2, 1e-9);
     expect_read_back("loop.json", 1e-9);
@@ -199,7 +199,7 @@ TEST_F(CameraPathWrite, Gltf) {
     // A camera that stands still is one without an animation.
     path.keys.resize(1);
     path.duration_s = 0;
-    images = stage::by_images(path, kFps, kWidth, kHeight);
+    images = stage::by_images(path, kFps, kPathWidth, kPathHeight);
     interchange::write_camera_glb(file("still.glb"), images);
     expect_read_back("still.glb", 1e-6);
 }
@@ -208,7 +208,7 @@ TEST_F(CameraPathWrite, Gltf) {
 // offsets; the camera looks along −Z with +Y up.
 TEST_F(CameraPathWrite, Usd) {
     for (stage::CameraPathKey& key : path.keys) key.shift = {0.1, -0.05};
-    images = stage::by_images(path, kFps, kWidth, kHeight);
+    images = stage::by_images(path, kFps, kPathWidth, kPathHeight);
     interchange::write_camera_usda(file("path.usda"), images);
     const interchange::UsdLayer layer = interchange::read_usda(file("path.usda"));
     EXPECT_EQ(layer.number("metersPerUnit", 0), 1);
@@ -232,10 +232,10 @@ TEST_F(CameraPathWrite, Usd) {
         const auto across = [&](double slope, const char* size, const char* offset) {
             return (slope * focal - number(offset)) / number(size) + 0.5;
         };
-        const double x = kWidth * across(-seen.x / seen.z, "horizontalAperture", "horizontalApertureOffset");
-        const double y = kHeight * (1 - across(-seen.y / seen.z, "verticalAperture", "verticalApertureOffset"));
+        const double x = kPathWidth * across(-seen.x / seen.z, "horizontalAperture", "horizontalApertureOffset");
+        const double y = kPathHeight * (1 - across(-seen.y / seen.z, "verticalAperture", "verticalApertureOffset"));
         const glm::dvec2 expected =
-            expected_pixel(path, static_cast<double>(i) / kFps) + glm::dvec2(0.1, -0.05) * (1.0 * kHeight);
+            expected_pixel(path, static_cast<double>(i) / kFps) + glm::dvec2(0.1, -0.05) * (1.0 * kPathHeight);
         EXPECT_LT(glm::distance(glm::dvec2(x, y), expected), 1e-4);
     }
     expect_read_back("path.usda", 1e-7);

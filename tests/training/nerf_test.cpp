@@ -1,6 +1,7 @@
 // Data sets as D-NeRF, nerfstudio and instant-ngp write them.
 #include "training/nerf.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -244,8 +245,9 @@ struct Sequences : NerfTest {
             const std::string camera = "cam" + std::to_string(i);
             for (int frame = 8; frame < 11; ++frame) {
                 const std::string name = "/" + std::to_string(frame) + ".png";
-                if (i != 1 || frame != 8) put("images/" + camera + name, image(static_cast<uint8_t>(10 * i + frame)));
-                put("masks/" + camera + name, media::Image(10, 8));
+                if (i != 1 || frame != 8)
+                    put(fmt::format("images/{}{}", camera, name), image(static_cast<uint8_t>(10 * i + frame)));
+                put(fmt::format("masks/{}{}", camera, name), media::Image(10, 8));
             }
             document["frames"].push_back({{"file_path", "images/" + camera}, {"transform_matrix", z_up_pose(i)}});
         }

@@ -15,8 +15,6 @@ namespace neuvv::tools {
 
 namespace {
 
-constexpr const char* kStagePath = "path";  // the --camera that is the stage's own camera path, as for `neuvv render`
-
 struct ExportedCamera {
     stage::CameraPath path, images;
     std::string text() const {
