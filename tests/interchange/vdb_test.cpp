@@ -262,7 +262,7 @@ openvdb::Vec3SGrid::Ptr random_vectors(const char* name, uint64_t seed) {
 template <typename Grid>
 void expect_same(const Grid& truth, const VdbGrid& grid, double tolerance) {
     EXPECT_EQ(grid.name, truth.getName());
-    constexpr uint32_t kChannels = sizeof(typename Grid::ValueType) / sizeof(float);
+    constexpr uint32_t kChannels = std::is_same_v<typename Grid::ValueType, float> ? 1 : 3;
     ASSERT_EQ(grid.channels, kChannels);
     interchange::VdbLookup lookup(grid);
     uint64_t voxels = 0;
