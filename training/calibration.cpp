@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "media/image.h"
 
 namespace neuvv::training {
@@ -139,12 +140,12 @@ std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::pat
     std::error_code failed;
     for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
          entry.increment(failed))
-        if (entry->path().filename().string().ends_with(ending)) files.insert(entry->path());
+        if (lower_case(entry->path().filename().string()).ends_with(ending)) files.insert(entry->path());
     std::erase_if(files, [&](const std::filesystem::path& file) {
-        std::string head(kHead, '\0');
+        std::string head(1 + kHead, '\n');  // so that the file's first line is found as others are
         std::ifstream stream(file, std::ios::binary);
-        stream.read(head.data(), kHead);
-        head.resize(static_cast<size_t>(stream.gcount()));
+        stream.read(&head[1], kHead);
+        head.resize(1 + static_cast<size_t>(stream.gcount()));
         return !std::ranges::all_of(texts,
                                     [&](const std::string& text) { return head.find(text) != std::string::npos; });
     });

@@ -41,8 +41,8 @@ void expect_sound(const RigCamera& camera, const std::string& file, const std::s
 // Throws InputError for a name that leads out of the data set's folder, is empty, or cannot be a file name.
 void expect_inside(const std::string& name, const std::string& file, const std::string& place);
 
-// The files of a folder, in order of their names, that have this ending and whose first kilobytes hold all of these
-// texts: some programs leave the name of a calibration to their users.
+// The files of a folder, in order of their names, that have this ending, in small letters or capitals, and whose first
+// kilobytes hold all of these texts: some programs leave the name of a calibration to their users.
 std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::path& folder, const std::string& ending,
                                                       const std::vector<std::string>& texts);
 // The first of them; empty where there is none.

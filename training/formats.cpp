@@ -33,10 +33,10 @@ struct Format {
 constexpr Format kFormats[] = {
     {"nerf", "transforms_train.json or transforms.json", has_nerf_files, read_nerf_rig, true},
     {"polycam", "keyframes/cameras/*.json", has_polycam_files, read_polycam_rig, false},
-    {"record3d", "metadata and rgb/", has_record3d_files, read_record3d_rig, false},
     {"n3v", "poses_bounds.npy", has_n3v_files, read_n3v_rig, false},
     {"easymocap", "intri.yml", has_easymocap_files, read_easymocap_rig, false},
     {"colmap", "sparse/0/cameras.bin or .txt", has_colmap_files, read_colmap_rig, false},
+    {"record3d", "metadata and rgb/", has_record3d_files, read_record3d_rig, false},
     {"metashape", "cameras.xml", has_metashape_files, read_metashape_rig, false},
     {"realitycapture", "a .csv of cameras", has_realitycapture_files, read_realitycapture_rig, false},
     {"qualisys", "NAME.qca.txt", has_qualisys_files, read_qualisys_rig, false},

@@ -184,12 +184,13 @@ std::vector<ImageFrame> images_of_sequence(Rig& rig, const TransformsFrame& from
     const std::filesystem::path mask = rig.folder / from.mask_path;
     const Frames masks = frames.empty() || from.mask_path.empty()
                              ? Frames()
-                             : masks_of_camera(mask.parent_path(), mask.stem().string(), frames);
+                             : masks_of_camera(mask.parent_path(), without_extension(mask.filename().string()), frames);
     std::vector<ImageFrame> result;
     for (const auto& [name, source] : frames) {
         ImageFrame added{from, source, masks.empty() ? ImageSource() : masks.at(name)};
+        const std::filesystem::path camera(from.file_path);
         added.frame.file_path =
-            (std::filesystem::path(from.file_path).replace_extension() / (name + ".png")).generic_string();
+            (camera.parent_path() / without_extension(camera.filename().string()) / (name + ".png")).generic_string();
         added.frame.place += fmt::format(", image {}", name);
         result.push_back(std::move(added));
     }

@@ -86,8 +86,12 @@ std::map<std::string, std::filesystem::path, NaturalOrder> camera_files(const st
     for (const auto& candidate : {folder, folder / "calibration"}) {
         for (const char* ending : {".yml", ".yaml"})
             for (const char* key : kMatrixKeys)
-                for (const auto& file : find_files_by_head(candidate, ending, {fmt::format("\n{}:", key)}))
-                    files.try_emplace(file.stem().string(), file);
+                for (const auto& file : find_files_by_head(candidate, ending, {fmt::format("\n{}:", key)})) {
+                    const auto [found, fresh] = files.try_emplace(file.stem().string(), file);
+                    if (!fresh && found->second != file)
+                        throw InputError(file.string(), "", "is of the same camera as " + found->second.string(),
+                                         "remove one of them");
+                }
         if (!files.empty()) return files;
     }
     return files;
