@@ -10,6 +10,18 @@
 
 namespace neuvv::tools {
 
+namespace {
+
+render::FrameSettings compared_settings(media::ImageSize size) {
+    render::FrameSettings settings;
+    settings.width = size.width;
+    settings.height = size.height;
+    settings.samples = kDefaultSamples;
+    return settings;
+}
+
+}  // namespace
+
 ComparedViews::ComparedViews(const gpu::Device& device, const voctree::VOctree& tree, media::ImageSize size,
                              uint32_t count)
     : device_(device), size_(size) {
@@ -25,10 +37,7 @@ std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree, st
                                                 const std::vector<ViewStep>& views) const {
     const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
-    render::FrameSettings settings;
-    settings.width = size_.width;
-    settings.height = size_.height;
-    settings.samples = kDefaultSamples;
+    render::FrameSettings settings = compared_settings(size_);
     settings.resolve.background = {1, 1, 1, 1};
     std::vector<render::PaintUse> uses;
     for (const voctree::PaintStep& step : paint)
@@ -56,12 +65,14 @@ media::Image ComparedViews::render_still(const voctree::VOctree& tree, size_t i)
 media::LinearImage ComparedViews::light_of_still(const voctree::VOctree& tree, size_t i) const {
     const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
-    render::FrameSettings settings;
-    settings.width = size_.width;
-    settings.height = size_.height;
-    settings.samples = kDefaultSamples;
-    renderer.render(views_[i].camera, settings);
+    renderer.render(views_[i].camera, compared_settings(size_));
     return render::linear_image(renderer.radiance(), renderer.depth(), views_[i].camera, kDefaultSamples);
+}
+
+double psnr_together(std::span<const double> psnrs) {
+    double error = 0;
+    for (const double psnr : psnrs) error += std::pow(10, -psnr / 10) / static_cast<double>(psnrs.size());
+    return -10 * std::log10(error);
 }
 
 double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images) {

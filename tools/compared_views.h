@@ -42,4 +42,7 @@ class ComparedViews {
 // The lowest PSNR of images, in dB, against the truth.
 double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images);
 
+// The PSNR, in dB, of images of one size together, from that of each: their errors are averaged, not their decibels.
+double psnr_together(std::span<const double> psnrs);
+
 }  // namespace neuvv::tools

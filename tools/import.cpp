@@ -202,15 +202,13 @@ void compare(const gpu::Device& device, const ImportedFrame& frame, const voctre
              const FrameImportOptions& options, Imported& imported) {
     if (tree.leaf_count == 0) return;
     const ComparedViews views(device, tree, parse_size(options.size), options.views);
-    double error = 0, worst = 99;
+    std::vector<double> psnrs;
     for (size_t i = 0; i < views.count(); i++) {
         expect_to_go_on(options.output);
-        const double psnr = training::compare(frame.image(views.camera_of(i)), views.render_still(tree, i)).psnr;
-        error += std::pow(10, -psnr / 10) / static_cast<double>(views.count());
-        worst = std::min(worst, psnr);
+        psnrs.push_back(training::compare(frame.image(views.camera_of(i)), views.render_still(tree, i)).psnr);
     }
-    imported.psnr = -10 * std::log10(error);
-    imported.worst_psnr = worst;
+    imported.psnr = psnr_together(psnrs);
+    imported.worst_psnr = *std::ranges::min_element(psnrs);
 }
 
 Imported import_frames(const FrameImportOptions& options, const CommonOptions& common) {

@@ -1,23 +1,16 @@
-// OpenVDB files against OpenVDB itself: what is written is read by the library, and what the library writes is read.
+// OpenVDB files as we write them, read by OpenVDB itself, and clips that are made of such files.
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <numbers>
 
 #include "base/error.h"
-#include "base/platform.h"
-#include "fuzz/mutate.h"
 #include "interchange/vdb_volume.h"
 #include "interchange/vdb_writer.h"
-#include "media/image.h"
 #include "reference/hh.h"
 #include "reference/slice.h"
-#include "support/look_at.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
 
@@ -25,7 +18,6 @@ namespace neuvv::test {
 namespace {
 
 using interchange::FrameVolume;
-using interchange::VdbGrid;
 using interchange::VdbVolume;
 using interchange::VolumeLeaf;
 
@@ -226,233 +218,6 @@ TEST(VdbWriter, GoesOnWithColoursAroundTheDensity) {
         }
 }
 
-template <typename Grid, typename Make>
-typename Grid::Ptr random_grid(const char* name, uint64_t seed, const Make& make) {
-    auto grid = Grid::create();
-    grid->setName(name);
-    Random random(seed);
-    for (int i = 0; i < 3000; i++) {
-        const auto coordinate = [&] { return static_cast<int>(random.below(200)) - 100; };
-        const openvdb::Coord at(coordinate(), coordinate(), coordinate());
-        if (i % 3 == 0)
-            grid->tree().setValueOff(at, make(random));  // inactive ones of other values than the background
-        if (i % 3 == 1) grid->tree().setValue(at, make(random));
-        if (i % 3 == 2 && i % 10 == 0) grid->tree().setValue(at, make(random));
-    }
-    grid->tree().addTile(1, openvdb::Coord(400, 0, -80), make(random), true);
-    grid->tree().addTile(2, openvdb::Coord(512, 128, 0), make(random), true);
-    grid->tree().addTile(3, openvdb::Coord(4096, 0, 0), make(random), true);
-    grid->tree().addTile(1, openvdb::Coord(408, 0, 0), make(random), false);
-    return grid;
-}
-
-openvdb::FloatGrid::Ptr random_floats(const char* name, uint64_t seed) {
-    return random_grid<openvdb::FloatGrid>(name, seed,
-                                           [](Random& random) { return static_cast<float>(0.5 + random.uniform()); });
-}
-
-openvdb::Vec3SGrid::Ptr random_vectors(const char* name, uint64_t seed) {
-    return random_grid<openvdb::Vec3SGrid>(name, seed, [](Random& random) {
-        const auto number = [&] { return static_cast<float>(random.uniform()); };
-        return openvdb::Vec3s(number(), number(), number());
-    });
-}
-
-// All active values, as the library and as our reader see them.
-template <typename Grid>
-void expect_same(const Grid& truth, const VdbGrid& grid, double tolerance) {
-    EXPECT_EQ(grid.name, truth.getName());
-    constexpr uint32_t kChannels = std::is_same_v<typename Grid::ValueType, float> ? 1 : 3;
-    ASSERT_EQ(grid.channels, kChannels);
-    interchange::VdbLookup lookup(grid);
-    uint64_t voxels = 0;
-    for (const interchange::VdbTile& tile : grid.tiles) voxels += static_cast<uint64_t>(std::pow(tile.edge, 3));
-    for (const interchange::VdbBlock& block : grid.blocks)
-        for (const uint64_t word : block.active) voxels += static_cast<uint64_t>(std::popcount(word));
-    EXPECT_EQ(voxels, truth.activeVoxelCount());
-    for (auto value = truth.cbeginValueOn(); value; ++value) {
-        const openvdb::CoordBBox box = value.getBoundingBox();
-        for (const openvdb::Coord& at : {box.min(), box.max()}) {
-            const float* found = lookup.at({at.x(), at.y(), at.z()});
-            ASSERT_TRUE(found);
-            const typename Grid::ValueType expected = *value;
-            for (uint32_t c = 0; c < kChannels; c++)
-                EXPECT_NEAR(found[c], reinterpret_cast<const float*>(&expected)[c], tolerance);
-        }
-    }
-    const openvdb::Coord off(408, 0, 0);
-    EXPECT_FALSE(lookup.at({off.x(), off.y(), off.z()}));
-    for (int i = 0; i < 10; i++) {
-        const glm::dvec3 index(i * i, 3 - i, 5 * i);
-        const openvdb::Vec3d world = truth.indexToWorld(openvdb::Vec3d(index.x, index.y, index.z));
-        const glm::dvec3 ours(grid.world_from_index * glm::dvec4(index, 1));
-        EXPECT_LT(glm::distance(ours, {world.x(), world.y(), world.z()}), 1e-9);
-    }
-}
-
-void write_grids(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, uint32_t compression) {
-    openvdb::initialize();
-    openvdb::io::File file(path.string());
-    file.setCompression(compression);
-    file.write(grids);
-}
-
-TEST(VdbReader, ReadsWhatOpenVdbWrites) {
-    using namespace openvdb;
-    const TemporaryFolder folder;
-    const std::filesystem::path path = folder.path / "x.vdb";
-    for (const uint32_t compression : {0u, 1u, 2u, 3u, 4u, 6u})
-        for (const bool halves : {false, true})
-            for (const GridClass grid_class : {GRID_UNKNOWN, GRID_FOG_VOLUME}) {
-                const FloatGrid::Ptr floats = random_floats("density", compression);
-                const Vec3SGrid::Ptr vectors = random_vectors("Cd", compression);
-                floats->setGridClass(grid_class);
-                floats->setSaveFloatAsHalf(halves);
-                vectors->setSaveFloatAsHalf(halves);
-                write_grids(path, {floats, vectors}, compression);
-                const std::vector<VdbGrid> grids = interchange::read_vdb(path);
-                ASSERT_EQ(grids.size(), 2u);
-                EXPECT_EQ(grids[0].grid_class, grid_class == GRID_FOG_VOLUME ? "fog volume" : "unknown");
-                expect_same(*floats, grids[0], halves ? 1e-3 : 0);
-                expect_same(*vectors, grids[1], halves ? 1e-3 : 0);
-            }
-}
-
-TEST(VdbReader, ReadsAllAffineTransforms) {
-    using namespace openvdb;
-    const TemporaryFolder folder;
-    const std::filesystem::path path = folder.path / "x.vdb";
-    const auto turned = std::make_shared<math::UnitaryMap>(Vec3d(0, 1, 0), 0.3);
-    const std::vector<math::MapBase::Ptr> maps = {
-        std::make_shared<math::UniformScaleMap>(0.1),
-        std::make_shared<math::ScaleMap>(Vec3d(0.1, 0.2, 0.3)),
-        std::make_shared<math::TranslationMap>(Vec3d(1, 2, 3)),
-        std::make_shared<math::UniformScaleTranslateMap>(0.1, Vec3d(1, 2, 3)),
-        std::make_shared<math::ScaleTranslateMap>(Vec3d(0.1, 0.2, 0.3), Vec3d(1, 2, 3)),
-        turned,
-        std::make_shared<math::AffineMap>(
-            math::Mat4d(0., 0.1, 0., 0., -0.2, 0., 0., 0., 0., 0., 0.3, 0., 7., 8., 9., 1.)),
-    };
-    for (const math::MapBase::Ptr& map : maps) {
-        const FloatGrid::Ptr floats = random_floats("density", 1);
-        floats->setTransform(std::make_shared<math::Transform>(map));
-        write_grids(path, {floats}, 4);
-        const std::vector<VdbGrid> grids = interchange::read_vdb(path);
-        ASSERT_EQ(grids.size(), 1u);
-        expect_same(*floats, grids[0], 0);
-    }
-    EXPECT_NO_THROW(read_volume(path, glm::dmat4(1)));
-    const FloatGrid::Ptr floats = random_floats("density", 1);
-    floats->setTransform(std::make_shared<math::Transform>(turned));
-    write_grids(path, {floats}, 4);
-    EXPECT_THROW(read_volume(path, glm::dmat4(1)), InputError) << "its voxels are turned";
-}
-
-TEST(VdbReader, PassesOverGridsOfOtherTypes) {
-    using namespace openvdb;
-    const TemporaryFolder folder;
-    const std::filesystem::path path = folder.path / "x.vdb";
-    initialize();
-    const Int32Grid::Ptr numbers = Int32Grid::create(1);
-    numbers->setName("id");
-    numbers->tree().setValue({1, 2, 3}, 4);
-    const FloatGrid::Ptr floats = random_floats("density", 1);
-    write_grids(path, {numbers, floats}, 4);
-    const std::vector<VdbGrid> grids = interchange::read_vdb(path);
-    ASSERT_EQ(grids.size(), 1u);
-    expect_same(*floats, grids[0], 0);
-}
-
-TEST(VdbReader, PassesOverGridsThatShareVoxels) {
-    using namespace openvdb;
-    const TemporaryFolder folder;
-    const std::filesystem::path path = folder.path / "x.vdb";
-    initialize();
-    const FloatGrid::Ptr floats = random_floats("density", 1), shared = floats->copy(), last = random_floats("heat", 2);
-    shared->setName("shared");
-    write_grids(path, {floats, shared, last}, 4);
-    const std::vector<VdbGrid> grids = interchange::read_vdb(path);
-    ASSERT_EQ(grids.size(), 2u);
-    expect_same(*floats, grids[0], 0);
-    expect_same(*last, grids[1], 0);
-}
-
-std::string error_of(const std::function<void()>& run) {
-    try {
-        run();
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
-}
-
-TEST(VdbReader, RefusesDamagedFiles) {
-    const TemporaryFolder folder;
-    const std::filesystem::path path = folder.path / "x.vdb", damaged = folder.path / "y.vdb";
-    std::vector<std::string> files;
-    for (const uint32_t compression : {0u, 1u, 6u}) {
-        const auto floats = openvdb::FloatGrid::create();
-        floats->setName("density");
-        floats->tree().setValue({1, 2, 3}, 4);
-        floats->tree().addTile(1, {16, 0, 0}, 2, true);
-        const auto vectors = openvdb::Vec3SGrid::create();
-        vectors->setName("Cd");
-        vectors->tree().setValue({1, 2, 3}, openvdb::Vec3s(1, 0, 1));
-        write_grids(path, {floats, vectors}, compression);
-        const std::vector<uint8_t> bytes = read_file(path);
-        files.emplace_back(bytes.begin(), bytes.end());
-    }
-    fuzz::Random random(1);
-    size_t refused = 0, read = 0;
-    for (int i = 0; i < 1500; i++) {
-        const std::string& sound = files[random() % files.size()];
-        const std::string bytes =
-            i < 300 ? sound.substr(0, random() % sound.size()) : fuzz::mutate(sound, files, size_t{1} << 20, random);
-        std::ofstream(damaged, std::ios::binary) << bytes;
-        const std::string error = error_of([&] {
-            const VdbVolume volume = read_volume(damaged, glm::dmat4(1));
-            for (const float value : volume.density.values) ASSERT_TRUE(std::isfinite(value));
-            const voctree::VOctree tree =
-                interchange::tree_of(volume, interchange::doublings_for(volume, 64).value_or(0), 25);
-            EXPECT_EQ(voctree::defect_of(tree), "");
-            read++;
-        });
-        if (error.empty()) continue;
-        refused++;
-        EXPECT_TRUE(error.starts_with(damaged.string()) && error.find('\n') == std::string::npos) << error;
-    }
-    EXPECT_GT(refused, 500u);
-    EXPECT_GT(read, 50u);
-}
-
-// Puts bytes in the place of those that are there.
-void overwrite(std::vector<uint8_t>& bytes, size_t at, const void* from, size_t size) {
-    std::memcpy(&bytes.at(at + size - 1) - (size - 1), from, size);
-}
-
-size_t place_of(const std::vector<uint8_t>& bytes, const std::string& text) {
-    return static_cast<size_t>(std::search(bytes.begin(), bytes.end(), text.begin(), text.end()) - bytes.begin());
-}
-
-TEST(VdbReader, RefusesGridsThatEndBeforeTheyBegin) {
-    const TemporaryFolder folder;
-    openvdb::initialize();
-    const auto numbers = openvdb::Int32Grid::create(1);
-    numbers->setName("id");
-    numbers->tree().setValue({1, 2, 3}, 4);
-    write_grids(folder.path / "x.vdb", {numbers, random_floats("density", 1)}, 0);
-    std::vector<uint8_t> bytes = read_file(folder.path / "x.vdb");
-    EXPECT_EQ(interchange::parse_vdb(bytes, "x.vdb").size(), 1u);
-    // Behind the type: the name of the grid that it shares voxels with, which is empty, and three places.
-    const std::string type = "Tree_int32_5_4_3";
-    const size_t end = place_of(bytes, type) + type.size() + 4 + 2 * sizeof(uint64_t);
-    for (const uint64_t odd : {uint64_t{0}, uint64_t{60}, uint64_t{bytes.size() + 1}, UINT64_MAX}) {
-        overwrite(bytes, end, &odd, sizeof(odd));
-        EXPECT_NE(error_of([&] { interchange::parse_vdb(bytes, "x.vdb"); }).find("ends at an odd place"),
-                  std::string::npos);
-    }
-}
-
 // A clip's frame becomes a file, which becomes a clip.
 TEST(VdbVolume, ComesBackAsItWas) {
     const voctree::VOctree tree = some_tree();
@@ -503,31 +268,5 @@ TEST(VdbVolume, HasLargerCellsWhereTheyAreAskedFor) {
 }
 
 // A cube of haze, seen from the front.
-TEST(VdbVolume, DimsAndColoursItsImage) {
-    openvdb::initialize();
-    const auto density = openvdb::FloatGrid::create();
-    const auto colour = openvdb::Vec3SGrid::create();
-    density->setName("density");
-    colour->setName("Cd");
-    const openvdb::CoordBBox box(openvdb::Coord(-10), openvdb::Coord(9));
-    density->fill(box, 1.5f);
-    colour->fill(box, openvdb::Vec3s(0.8f, 0.2f, 0));
-    for (const openvdb::GridBase::Ptr& grid : {openvdb::GridBase::Ptr(density), openvdb::GridBase::Ptr(colour)})
-        grid->setTransform(openvdb::math::Transform::createLinearTransform(0.05));
-    const TemporaryFolder folder;
-    write_grids(folder.path / "x.vdb", {density, colour}, 4);
-    // The file's unit is two metres.
-    const glm::dmat4 world_from_file = glm::dmat4(glm::dmat3(2.0));
-    const VdbVolume volume = read_volume(folder.path / "x.vdb", world_from_file);
-    const media::Image image =
-        interchange::vdb_image(volume, look_at({-0.05, -0.05, 40}, {-0.05, -0.05, 0}, 33, 33, 4), [] {});
-    const double left = std::exp(-1.5);  // along one unit
-    const double shown[] = {0.8 * (1 - left) + left, 0.2 * (1 - left) + left, left};
-    for (uint32_t c = 0; c < 3; c++) {
-        EXPECT_NEAR(image.at(16, 16)[c], 255 * media::srgb_from_linear(shown[c]), 1.5);
-        EXPECT_EQ(image.at(1, 1)[c], 255);
-    }
-}
-
 }  // namespace
 }  // namespace neuvv::test

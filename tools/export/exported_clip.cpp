@@ -18,4 +18,9 @@ voctree::VOctree ExportedClip::still(uint32_t frame) {
                             segment.tree.box_min, segment.tree.box_size, segment.tree.fps);
 }
 
+interchange::FrameVolume ExportedClip::volume(uint32_t frame) {
+    const Segment& segment = segment_of(frame);
+    return interchange::frame_volume(segment.tree, frame - segment.from.first, segment.paint.steps);
+}
+
 }  // namespace neuvv::tools

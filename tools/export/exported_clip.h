@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "interchange/frame_volume.h"
 #include "tools/published_scene.h"
 #include "voctree/clip.h"
 
@@ -26,8 +27,9 @@ class ExportedClip {
     };
     const Segment& segment_of(uint32_t frame);
 
-    // A frame with its paint, as a tree of one frame.
+    // A frame with its paint, as a tree of one frame and as leaves. Both throw as segment_of() does.
     voctree::VOctree still(uint32_t frame);
+    interchange::FrameVolume volume(uint32_t frame);
 
   private:
     PublishedScene scene_;

@@ -31,8 +31,6 @@ class PlenoctreeExport : public FrameExport {
     std::string summary() const override;
 
   private:
-    interchange::FrameVolume volume_of(uint32_t frame);
-
     const ExportOptions& options_;
     ExportedClip& clip_;
     gpu::Device device_;
@@ -44,18 +42,13 @@ class PlenoctreeExport : public FrameExport {
     std::optional<double> psnr_;  // of the measured frame, once it is written
 };
 
-interchange::FrameVolume PlenoctreeExport::volume_of(uint32_t frame) {
-    const ExportedClip::Segment& segment = clip_.segment_of(frame);
-    return interchange::frame_volume(segment.tree, frame - segment.from.first, segment.paint.steps);
-}
-
 FrameExport::Estimate PlenoctreeExport::estimate(uint32_t frame) {
-    const interchange::FrameVolume volume = volume_of(frame);
+    const interchange::FrameVolume volume = clip_.volume(frame);
     return {interchange::plenoctree_bytes(volume), fmt::format("about {} leaves", volume.leaves.size())};
 }
 
 void PlenoctreeExport::measure(uint32_t frame, const Working& working) {
-    if (volume_of(frame).leaves.empty()) return;
+    if (clip_.volume(frame).leaves.empty()) return;
     measured_ = frame;
     const voctree::VOctree still = clip_.still(frame);
     compared_.emplace(device_, still, parse_size(options_.size), options_.views);
@@ -66,7 +59,7 @@ void PlenoctreeExport::measure(uint32_t frame, const Working& working) {
 }
 
 void PlenoctreeExport::add(uint32_t frame, const Working&) {
-    waiting_ = volume_of(frame);
+    waiting_ = clip_.volume(frame);
     waiting_frame_ = frame;
 }
 
@@ -76,11 +69,10 @@ void PlenoctreeExport::write(const std::filesystem::path& file) {
     leaves_ += waiting_.leaves.size();
     if (!compared_ || waiting_frame_ != measured_) return;
     const voctree::VOctree read = voctree::read_plenoctree(file, voctree::PlenoctreeColours::kAsStored);
-    double psnr = 0;
+    std::vector<double> psnrs;
     for (size_t i = 0; i < truth_.size(); ++i)
-        psnr +=
-            training::compare(truth_[i], compared_->render_still(read, i)).psnr / static_cast<double>(truth_.size());
-    psnr_ = psnr;
+        psnrs.push_back(training::compare(truth_[i], compared_->render_still(read, i)).psnr);
+    psnr_ = psnr_together(psnrs);
 }
 
 void PlenoctreeExport::report(nlohmann::ordered_json& json) const {

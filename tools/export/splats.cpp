@@ -66,9 +66,7 @@ class SplatExport : public FrameExport {
 };
 
 interchange::FrameVolume SplatExport::volume_of(uint32_t frame) {
-    const ExportedClip::Segment& segment = clip_.segment_of(frame);
-    interchange::FrameVolume volume =
-        interchange::frame_volume(segment.tree, frame - segment.from.first, segment.paint.steps);
+    interchange::FrameVolume volume = clip_.volume(frame);
     if (options_.most_splats == 0 || volume.leaves.size() <= options_.most_splats) return volume;
     interchange::measure_shown(volume);
     return interchange::with_fewer_leaves(std::move(volume), options_.most_splats);

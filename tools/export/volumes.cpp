@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/platform.h"
 #include "interchange/vdb_volume.h"
 #include "interchange/vdb_writer.h"
 #include "tools/compared_views.h"
@@ -46,11 +45,10 @@ class VolumeExport : public FrameExport {
 };
 
 interchange::FrameVolume VolumeExport::volume_of(uint32_t frame) {
-    const ExportedClip::Segment& segment = clip_.segment_of(frame);
     // Voxels have one size in all frames of a segment.
-    vdb_.depth = voctree::finest_depth(segment.tree);
+    vdb_.depth = voctree::finest_depth(clip_.segment_of(frame).tree);
     if (options_.iso) vdb_.surface_opacity = static_cast<float>(*options_.iso);
-    return interchange::frame_volume(segment.tree, frame - segment.from.first, segment.paint.steps);
+    return clip_.volume(frame);
 }
 
 FrameExport::Estimate VolumeExport::estimate(uint32_t frame) {
@@ -72,15 +70,13 @@ void VolumeExport::measure(uint32_t frame, const Working& working) {
         options_.output, glm::dmat4(1));
     const voctree::VOctree still = clip_.still(frame);
     const ComparedViews views(device_, still, parse_size(options_.size), options_.views);
-    double error = 0;
+    std::vector<double> psnrs;
     for (size_t i = 0; i < views.count(); i++) {
-        working("comparing the volume with images of the middle frame");
-        const media::Image drawn = interchange::vdb_image(read, views.camera_of(i), [&] {
-            if (stop_requested()) throw RuntimeFailure(options_.output + ": stopped before the end");
-        });
-        error += std::pow(10, -training::compare(views.render_still(still, i), drawn).psnr / 10);
+        const media::Image drawn = interchange::vdb_image(
+            read, views.camera_of(i), [&] { working("comparing the volume with images of the middle frame"); });
+        psnrs.push_back(training::compare(views.render_still(still, i), drawn).psnr);
     }
-    psnr_ = -10 * std::log10(error / static_cast<double>(views.count()));
+    psnr_ = psnr_together(psnrs);
 }
 
 void VolumeExport::write(const std::filesystem::path& file) {
