@@ -67,7 +67,7 @@ SetLight set_light(const stage::EvaluatedLight& light) {
 
 StageRenderer::StageRenderer(const gpu::Device& device, const stage::Stage& stage, const StageAssets& assets,
                              const FrameCapacity& capacity)
-    : device_(device), stage_(&stage), capacity_(capacity), clips_(assets) {
+    : device_(device), stage_(&stage), lack_budget_(capacity.slice_budget), capacity_(capacity), clips_(assets) {
     set_ = std::make_unique<SetRaster>(device, stage.scene, capacity.samples * capacity.width,
                                        capacity.samples * capacity.height, capacity.views, assets.environment);
     fields_ = clips_.fields();
@@ -232,8 +232,11 @@ void StageRenderer::bring_to_device(const stage::EvaluatedStage& evaluated, Miss
     clips_.follow(*stage_, evaluated, missing);
     update_fields();
     if (const std::string problem = clips_.take_lack_of_memory(); !problem.empty()) {
-        // Where there were slices to drop, the thread tries again.
-        if (frames_->slice_budget() <= 1 || !frames_->drop_slices()) clips_.tell_lack_of_memory(problem);
+        // Where slices have gone since the last time, or there are some to drop, the thread tries again.
+        const bool have_gone = frames_->slice_budget() < lack_budget_;
+        if (!have_gone && (frames_->slice_budget() <= 1 || !frames_->drop_slices()))
+            clips_.tell_lack_of_memory(problem);
+        lack_budget_ = frames_->slice_budget();
     }
     if (missing == MissingSegments::kWait) {
         try {

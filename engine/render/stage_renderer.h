@@ -143,6 +143,7 @@ class StageRenderer {
     void make_targets(uint32_t width, uint32_t height);
     const gpu::Device& device_;
     const stage::Stage* stage_;
+    uint64_t lack_budget_;    // of slices, when a segment last found no memory; before that, the first budget
     FrameCapacity capacity_;  // its size is that of settings_at; the set's size is the largest so far
     StageClips clips_;
     size_t told_problems_ = 0;          // of clips_, by take_problems()
