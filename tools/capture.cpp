@@ -10,7 +10,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
-#include "training/capture.h"
+#include "training/capture/capture.h"
 
 namespace neuvv::tools {
 

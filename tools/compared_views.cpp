@@ -6,7 +6,7 @@
 #include "render/frame.h"
 #include "render/linear_image.h"
 #include "tools/commands.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 
 namespace neuvv::tools {
 

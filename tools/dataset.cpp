@@ -15,10 +15,10 @@
 #include "tools/refine.h"
 #include "tools/report.h"
 #include "tools/rig_drawing.h"
-#include "training/contact_sheet.h"
-#include "training/formats.h"
+#include "training/evaluation/contact_sheet.h"
 #include "training/hull_box.h"
 #include "training/images.h"
+#include "training/layouts/formats.h"
 
 namespace neuvv::tools {
 
@@ -293,7 +293,7 @@ void add_dataset(Command app, CommonOptions& common) {
          "reads all training images.\n"
          "Layouts: transforms.json, COLMAP, EasyMocap, Neural 3D Video, Metashape (.xml), RealityCapture (.csv),\n"
          "Qualisys (.qca.txt), Pose2Sim (Calib.toml), OpenCV (<camera>.yml), Polycam, Record3D.\n"
-         "training/README.md describes them.\n\n"
+         "training/layouts/README.md describes them.\n\n"
          "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
          "  neuvv dataset build/performer\n"
          "  neuvv dataset build/performer -o build/look\n"

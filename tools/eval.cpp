@@ -19,11 +19,11 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "training/align_rig.h"
-#include "training/contact_sheet.h"
-#include "training/evaluate.h"
-#include "training/flicker.h"
-#include "training/formats.h"
-#include "training/lpips.h"
+#include "training/evaluation/contact_sheet.h"
+#include "training/evaluation/evaluate.h"
+#include "training/evaluation/flicker.h"
+#include "training/evaluation/lpips.h"
+#include "training/layouts/formats.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -286,9 +286,10 @@ void add_eval(Command app, CommonOptions& common) {
                   "First move all cameras of the split as one (a turn, a shift, a scaling) to where the scene fits "
                   "their images best. A scene trained with --refine poses needs it: no training image shows where the "
                   "rig as a whole stands");
-    verb.add_option("--lpips", options->lpips,
-                    "Also LPIPS 0.1 with AlexNet, its weights in this .npz (training/README.md says how to export "
-                    "them): the mean, and in --json each image's");
+    verb.add_option(
+        "--lpips", options->lpips,
+        "Also LPIPS 0.1 with AlexNet, its weights in this .npz (training/evaluation/README.md says how to export "
+        "them): the mean, and in --json each image's");
     verb.footer(
         {"Each image is rendered with its own camera, size and time. Truth and render are 8-bit sRGB,\n"
          "composited over white in encoded values, and compared whole, values scaled to [0,1]:\n"

@@ -8,8 +8,8 @@
 
 #include "base/text.h"
 #include "tools/html.h"
-#include "training/contact_sheet.h"
-#include "training/flip.h"
+#include "training/evaluation/contact_sheet.h"
+#include "training/evaluation/flip.h"
 
 namespace neuvv::tools {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "training/evaluate.h"
+#include "training/evaluation/evaluate.h"
 
 namespace neuvv::tools {
 

@@ -22,7 +22,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/unfinished_clip.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 #include "voctree/clip_index.h"
 #include "voctree/coarse.h"
 #include "voctree/nvv.h"

@@ -48,7 +48,7 @@ void add_matte(Command app, CommonOptions&) {
     auto options = std::make_shared<MatteOptions>();
     training::MatteJob& what = options->what;
     Command verb = app.add_verb("matte", "Find the performer in images that have no alpha");
-    verb.add_option("dataset", what.dataset, "The data set's folder (see training/README.md)").required();
+    verb.add_option("dataset", what.dataset, "The data set's folder (see training/layouts/README.md)").required();
     add_format_option(verb, what.format);
     verb.add_option("-o,--output", what.output, "Folder of the mattes (default: DATASET/mattes, where training looks)");
     Option from =

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "training/rig.h"
+#include "training/layouts/rig.h"
 #include "training/rig_search.h"
 
 namespace neuvv::tools {

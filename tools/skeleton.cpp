@@ -19,7 +19,7 @@
 #include "tools/report.h"
 #include "tools/skeleton_verbs.h"
 #include "tools/view_path.h"
-#include "training/performer_views.h"
+#include "training/capture/performer_views.h"
 #include "voctree/clip.h"
 #include "voctree/occupied_box.h"
 

@@ -13,8 +13,8 @@
 #include "tools/commands.h"
 #include "tools/report.h"
 #include "tools/skeleton_verbs.h"
-#include "training/formats.h"
 #include "training/image_reader.h"
+#include "training/layouts/formats.h"
 
 namespace neuvv::tools {
 

@@ -265,7 +265,7 @@ void add_run_options(Command verb, TrainOptions& options, const Option& plan) {
 void add_train(Command app, CommonOptions& common) {
     auto options = std::make_shared<TrainOptions>();
     Command verb = app.add_verb("train", "Train a volumetric video from a calibrated multi-view video");
-    verb.add_option("dataset", options->dataset, "The data set's folder (see training/README.md)").required();
+    verb.add_option("dataset", options->dataset, "The data set's folder (see training/layouts/README.md)").required();
     add_format_option(verb, options->format);
     verb.add_option("-o,--output", options->output, "The .nvv to write; it and its .state are replaced").required();
     Option minutes = verb.add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")

@@ -9,7 +9,7 @@
 
 #include "gpu/device.h"
 #include "tools/ranks.h"
-#include "training/formats.h"
+#include "training/layouts/formats.h"
 #include "training/rig_file.h"
 #include "training/segments.h"
 #include "training/train.h"

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "training/evaluate.h"
+#include "training/evaluation/evaluate.h"
 #include "voctree/occupied_box.h"
 
 namespace neuvv::tools {

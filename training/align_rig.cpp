@@ -11,7 +11,7 @@
 #include "base/error.h"
 
 #include "render/frame.h"
-#include "training/evaluate.h"
+#include "training/evaluation/evaluate.h"
 #include "training/pose_solver.h"
 #include "voctree/clip.h"
 #include "voctree/occupied_box.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "stage/camera_path.h"
-#include "training/transforms.h"
+#include "training/layouts/transforms.h"
 
 namespace neuvv::training {
 

@@ -7,7 +7,7 @@
 #include "base/output_path.h"
 #include "training/camera_path_file.h"
 #include "training/camera_path_formats.h"
-#include "training/json_pose.h"
+#include "training/layouts/json_pose.h"
 
 namespace neuvv::training {
 

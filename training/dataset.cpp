@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/platform.h"
-#include "training/formats.h"
 #include "training/images.h"
+#include "training/layouts/formats.h"
 
 namespace neuvv::training {
 

@@ -54,9 +54,9 @@ struct LoadOptions {
 // The default of LoadOptions::memory_bytes: half of the free memory, as the model needs memory, too.
 uint64_t image_budget();
 
-// Recognises the folder's layout (training/README.md) and reads the cameras and images of a split. Throws InputError
-// with file, place and fix for anything that is missing, of the wrong type, not finite, not a rigid pose, of zero size,
-// or without a matte.
+// Recognises the folder's layout (training/layouts/README.md) and reads the cameras and images of a split. Throws
+// InputError with file, place and fix for anything that is missing, of the wrong type, not finite, not a rigid pose, of
+// zero size, or without a matte.
 Dataset load_dataset(const std::filesystem::path& folder, Split split, const LoadOptions& options = {});
 
 // The frame, 0..frames−1, of a time in [0,1], possibly between two frames. A time very near a whole frame gives that

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "media/video.h"
-#include "training/rig.h"
+#include "training/layouts/rig.h"
 
 namespace neuvv::training {
 

@@ -1,7 +1,7 @@
 // Reads the images of a rig.
 #pragma once
 
-#include "training/rig.h"
+#include "training/layouts/rig.h"
 
 namespace neuvv::training {
 

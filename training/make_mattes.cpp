@@ -9,9 +9,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "training/contact_sheet.h"
-#include "training/formats.h"
+#include "training/evaluation/contact_sheet.h"
 #include "training/image_reader.h"
+#include "training/layouts/formats.h"
 
 namespace neuvv::training {
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <string>
 
+#include "training/layouts/rig.h"
 #include "training/matte.h"
-#include "training/rig.h"
 
 namespace neuvv::training {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "render/frame.h"
-#include "training/evaluate.h"
+#include "training/evaluation/evaluate.h"
 
 namespace neuvv::training {
 

@@ -5,7 +5,7 @@
 
 #include "render/field.h"
 #include "training/dataset.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 
 namespace neuvv::training {
 

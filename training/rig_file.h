@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "training/camera_colour.h"
-#include "training/rig.h"
+#include "training/layouts/rig.h"
 #include "training/rig_changes.h"
 
 namespace neuvv::training {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "training/formats.h"
+#include "training/layouts/formats.h"
 
 namespace neuvv::training {
 

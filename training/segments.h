@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "training/rig.h"
+#include "training/layouts/rig.h"
 
 namespace neuvv::training {
 

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "training/flip.h"
+#include "training/evaluation/flip.h"
 
 namespace neuvv::test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "render/frame.h"
 #include "support/sphere_capture.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {

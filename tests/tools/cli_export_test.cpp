@@ -6,7 +6,7 @@
 #include "reference/splats.h"
 #include "stream/nvs_writer.h"
 #include "tests/tools/cli_gpu.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 
 namespace neuvv {
 namespace {

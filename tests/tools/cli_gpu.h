@@ -10,7 +10,7 @@
 #include "support/random_tree.h"
 #include "tests/tools/run_neuvv.h"
 #include "tools/view_path.h"
-#include "training/evaluate.h"
+#include "training/evaluation/evaluate.h"
 #include "voctree/nvv.h"
 #include "voctree/occupied_box.h"
 

@@ -10,7 +10,7 @@
 #include "support/edit_image.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 #include "voctree/clip.h"
 #include "voctree/nvv.h"
 

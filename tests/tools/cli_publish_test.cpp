@@ -5,7 +5,7 @@
 #include "support/segmented_copy.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 
 namespace neuvv {
 namespace {

@@ -14,7 +14,7 @@
 #include "motion/triangulate.h"
 #include "support/child_process.h"
 #include "tests/tools/run_neuvv.h"
-#include "training/capture_files.h"
+#include "training/capture/capture_files.h"
 
 namespace neuvv {
 namespace {

@@ -7,7 +7,7 @@
 #include "support/gpu_test.h"
 #include "support/random_tree.h"
 #include "support/sphere_capture.h"
-#include "training/evaluate.h"
+#include "training/evaluation/evaluate.h"
 #include "voctree/nvv.h"
 
 namespace neuvv::test {

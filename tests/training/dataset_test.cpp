@@ -10,9 +10,9 @@
 
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
-#include "training/evaluate.h"
-#include "training/formats.h"
-#include "training/nerf.h"
+#include "training/evaluation/evaluate.h"
+#include "training/layouts/formats.h"
+#include "training/layouts/nerf.h"
 
 namespace neuvv {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "support/gpu_test.h"
 #include "support/sphere_capture.h"
-#include "training/evaluate.h"
+#include "training/evaluation/evaluate.h"
 #include "training/train.h"
 #include "voctree/nvv.h"
 

@@ -12,7 +12,7 @@
 #include "tools/bench/measure.h"
 #include "tools/report.h"
 #include "tools/view_path.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 #include "voctree/clip.h"
 #include "voctree/occupied_box.h"
 

@@ -13,7 +13,7 @@
 #include "edit/operations.h"
 #include "tools/options.h"
 #include "tools/report.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 #include "voctree/clip.h"
 
 #include "shared/copy.h"

@@ -14,7 +14,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "training/batch.h"
-#include "training/formats.h"
+#include "training/layouts/formats.h"
 #include "training/schedule.h"
 #include "training/train.h"
 #include "voctree/clip.h"

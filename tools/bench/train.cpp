@@ -12,7 +12,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "training/direct_step.h"
-#include "training/formats.h"
+#include "training/layouts/formats.h"
 #include "training/schedule.h"
 #include "training/train.h"
 #include "voctree/nvv.h"

@@ -11,7 +11,7 @@
 #include "tools/export/exported_clip.h"
 #include "tools/export/frame_export.h"
 #include "tools/options.h"
-#include "training/metrics.h"
+#include "training/evaluation/metrics.h"
 #include "voctree/coarse.h"
 
 namespace neuvv::tools {

@@ -1,0 +1,255 @@
+#include "training/capture/capture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <thread>
+
+#include "base/error.h"
+#include "base/platform.h"
+#include "motion/model_motion.h"
+#include "motion/skeleton_file.h"
+#include "render/raster.h"
+#include "stage/pose.h"
+#include "training/capture/backdrop.h"
+#include "training/capture/capture_files.h"
+#include "training/capture/workers.h"
+
+namespace neuvv::training {
+
+namespace {
+
+constexpr double kBoxMargin = 0.02;   // around the motion's box, as a share of its diagonal
+constexpr double kMaxExtent_m = 1e5;  // transforms may have distances of up to 1e6 m
+constexpr double kMinExtent_m = 1e-3;
+constexpr uint64_t kMaxWaiting_bytes = uint64_t{1} << 29;  // of images that are rendered but not yet written
+constexpr uint32_t kMaxCameras = 10000, kMaxFrames = 100000;
+
+void check_settings(const CaptureSettings& s) {
+    const auto expect = [](bool good, const char* option, const std::string& problem, const char* fix) {
+        if (!good) throw InputError("capture", option, problem, fix);
+    };
+    const uint32_t side = media::kMaxImageSide / render::kSupersample;
+    expect(s.cameras >= 1 && s.cameras <= kMaxCameras, "--cameras", fmt::format("{} is out of range", s.cameras),
+           "choose 1 to 10000");
+    expect(s.frames >= 1 && s.frames <= kMaxFrames, "--frames", fmt::format("{} is out of range", s.frames),
+           "choose 1 to 100000");
+    expect(s.fps > 0 && s.fps <= 1e6, "--fps", fmt::format("{} is no number of frames a second", s.fps),
+           "choose for instance 25");
+    expect(std::min(s.width, s.height) >= 8 && std::max(s.width, s.height) <= side, "--size",
+           fmt::format("{}x{} is out of range", s.width, s.height), "choose 8 to 8192 a side");
+    expect(s.holdout >= 0 && s.holdout < 1, "--holdout", fmt::format("{} is not a share", s.holdout),
+           "choose 0 to below 1");
+    expect(s.holdout == 0 || s.cameras >= 2, "--holdout", "one camera cannot be kept back and used too",
+           "choose --holdout 0 or more cameras");
+}
+
+int32_t choose_animation(const stage::GltfScene& scene, const std::string& name) {
+    if (!name.empty()) return static_cast<int32_t>(stage::find_animation(scene, name));
+    return scene.animations.empty() ? stage::kNoAnimation : 0;
+}
+
+std::vector<double> frame_times(const stage::GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
+    std::vector<double> times;
+    const double end =
+        animation == stage::kNoAnimation ? 0 : scene.animations[static_cast<size_t>(animation)].duration_s;
+    for (uint32_t f = 0; f < settings.frames; ++f) times.push_back(std::min(f / settings.fps, end));
+    return times;
+}
+
+// The positions that triangles use.
+void gather_points(const stage::GltfPrimitive& primitive, const stage::PosedVertices& vertices,
+                   std::vector<glm::vec3>& points) {
+    std::vector<bool> seen(vertices.positions.size(), false);
+    points.clear();
+    for (const uint32_t index : primitive.indices) {
+        if (!seen[index]) points.push_back(vertices.positions[index]);
+        seen[index] = true;
+    }
+}
+
+// Calls `use_points` with the world positions of each primitive at each of these times.
+void for_each_pose(const stage::GltfScene& scene, int32_t animation, const std::vector<double>& times,
+                   const std::function<void(const std::vector<glm::vec3>&)>& use_points) {
+    stage::PosedVertices vertices;
+    std::vector<glm::vec3> points;
+    for (size_t i = 0; i < times.size(); ++i) {
+        if (i > 0 && times[i] == times[i - 1]) continue;
+        const stage::PosedScene pose = stage::pose_scene(scene, animation, times[i]);
+        for (uint32_t n = 0; n < scene.nodes.size(); ++n) {
+            if (!scene.nodes[n].draws_mesh()) continue;
+            for (const stage::GltfPrimitive& primitive :
+                 scene.meshes[static_cast<size_t>(scene.nodes[n].mesh)].primitives) {
+                stage::pose_vertices(scene, pose, n, primitive, vertices);
+                gather_points(primitive, vertices, points);
+                use_points(points);
+            }
+        }
+    }
+}
+
+// Creates the folders and removes older transforms: where a new capture into the folder is interrupted, they would name
+// images of two captures.
+void prepare_folder(const std::filesystem::path& folder, const CaptureSettings& settings) {
+    std::error_code error;
+    for (const char* name : {"transforms_train.json", "transforms_test.json", kTrueSkeleton}) {
+        std::filesystem::remove(folder / name, error);
+        if (error)
+            throw RuntimeFailure(fmt::format("{}: cannot remove: {}", (folder / name).string(), error.message()));
+    }
+    for (const char* name : {"images", "plates"}) {
+        if (name == std::string("plates") && settings.background == CaptureBackground::kClear) continue;
+        std::filesystem::create_directories(folder / name, error);
+        if (error)
+            throw RuntimeFailure(fmt::format("{}: cannot create: {}", (folder / name).string(), error.message()));
+    }
+}
+
+// What a camera would record: foreground + (1 − α) background, in linear light; alpha is the matte.
+media::Image compose(std::span<const glm::vec4> premultiplied, const media::Image& plate) {
+    media::Image image = plate;
+    for (size_t i = 0; i < premultiplied.size(); ++i) {
+        uint8_t* pixel = &image.rgba[4 * i];
+        const glm::vec4 light = premultiplied[i];
+        const auto alpha = static_cast<uint8_t>(std::lround(std::clamp(light.a, 0.0f, 1.0f) * 255));
+        pixel[3] = alpha;
+        if (light.a <= 0) continue;
+        for (int c = 0; c < 3; ++c) {
+            const double behind = media::linear_from_srgb(pixel[c] / 255.0);
+            const double sum = static_cast<double>(light[c]) + (1 - static_cast<double>(light.a)) * behind;
+            pixel[c] = static_cast<uint8_t>(std::lround(255 * media::srgb_from_linear(std::clamp(sum, 0.0, 1.0))));
+        }
+    }
+    return image;
+}
+
+Backdrop backdrop_of(const CaptureStage& stage) {
+    const glm::dvec3 centre = 0.5 * (stage.box.first + stage.box.second);
+    Backdrop room{centre - 1.5 * stage.radius, centre + 1.5 * stage.radius, stage.radius / 6};
+    room.low.y = stage.box.first.y;  // the performer stands on the floor
+    return room;
+}
+
+// What the steps of a capture share.
+struct Session {
+    const CaptureSettings& settings;
+    const std::filesystem::path& folder;
+    const CaptureStage& stage;
+    std::vector<media::Image> plates;  // by camera; empty with a clear background
+    Workers workers;
+};
+
+void write_plates(Session& session) {
+    if (session.settings.background == CaptureBackground::kClear) return;
+    session.plates.resize(session.stage.cameras.size());
+    const Backdrop room = backdrop_of(session.stage);
+    for (size_t c = 0; c < session.plates.size(); ++c)
+        session.workers.add([&session, room, c] {
+            session.plates[c] = clean_plate(room, session.stage.cameras[c]);
+            media::write_png(session.folder / "plates" / (camera_name(c) + ".png"), session.plates[c]);
+        });
+    session.workers.finish();
+}
+
+void write_image(const Session& session, size_t camera, size_t frame, const render::RasterImage& image) {
+    const uint32_t width = session.settings.width, height = session.settings.height;
+    const std::vector<glm::vec4> light = render::box_down(image, width, height);
+    const auto path = session.folder / "images" / (image_name(camera, frame) + ".png");
+    media::write_png(path, session.plates.empty() ? render::encode_straight(light, width, height)
+                                                  : compose(light, session.plates[camera]));
+}
+
+// Writes the model's own joints. Returns why there is none, empty where there is: not every model is a person.
+std::string write_true_skeleton(const std::filesystem::path& folder, const stage::GltfScene& scene, int32_t animation,
+                                const CaptureSettings& settings) {
+    motion::SkeletonClip clip;
+    try {
+        clip = motion::model_motion(scene, animation, frame_times(scene, animation, settings), settings.fps);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    motion::write_skeleton(folder / kTrueSkeleton, clip);
+    return "";
+}
+
+// Returns false where the caller stopped it.
+bool render_images(Session& session, const gpu::Device& device, const stage::GltfScene& scene, int32_t animation,
+                   const CaptureProgress& progress) {
+    const CaptureSettings& settings = session.settings;
+    render::Rasterizer rasterizer(device, scene, settings.width, settings.height);
+    const std::vector<double> times = frame_times(scene, animation, settings);
+    const uint64_t total = uint64_t{settings.frames} * settings.cameras, before = session.workers.finished();
+    for (size_t f = 0; f < times.size(); ++f) {
+        rasterizer.pose(stage::pose_scene(scene, animation, times[f]));
+        for (size_t c = 0; c < session.stage.cameras.size(); ++c) {
+            if (progress && !progress(session.workers.finished() - before, total)) return false;
+            const render::RasterImage drawn = rasterizer.draw(session.stage.cameras[c], 1e-3 * session.stage.radius);
+            session.workers.add(
+                [&session, c, f, drawn, halves = std::vector(drawn.halves.begin(), drawn.halves.end())] {
+                    render::RasterImage image = drawn;
+                    image.halves = halves;
+                    write_image(session, c, f, image);
+                });
+        }
+    }
+    session.workers.finish();
+    return !progress || progress(total, total);
+}
+
+}  // namespace
+
+CaptureStage make_stage(const stage::GltfScene& scene, int32_t animation, const CaptureSettings& settings) {
+    const std::vector<double> times = frame_times(scene, animation, settings);
+    CaptureStage stage;
+    stage.dome = dome_cameras(settings.cameras);
+    stage.box = stage::bounds_over(scene, animation, times);
+    const double extent = glm::length(stage.box.second - stage.box.first);
+    const glm::dvec3 farthest = glm::max(glm::abs(stage.box.first), glm::abs(stage.box.second));
+    if (!(extent >= kMinExtent_m) || !(std::max({farthest.x, farthest.y, farthest.z}) <= kMaxExtent_m))
+        throw InputError(scene.file, "", fmt::format("the motion's box has a diagonal of {:.3g} m", extent),
+                         "scale the model to metres and put it near the origin");
+    DomeFit fit = dome_fit(0.5 * (stage.box.first + stage.box.second), settings.width, settings.height);
+    for_each_pose(scene, animation, times,
+                  [&](const std::vector<glm::vec3>& points) { include_points(fit, stage.dome, points); });
+    stage.radius = fit.radius;
+    for (const DomeCamera& camera : stage.dome)
+        stage.cameras.push_back(make_camera(camera, fit, settings.width, settings.height));
+    stage.box.first -= kBoxMargin * extent;
+    stage.box.second += kBoxMargin * extent;
+    return stage;
+}
+
+CaptureResult capture(const gpu::Device& device, const std::filesystem::path& model,
+                      const std::filesystem::path& folder, const CaptureSettings& settings,
+                      const CaptureProgress& progress) {
+    check_settings(settings);
+    const stage::GltfScene scene = stage::load_gltf(model);
+    const int32_t animation = choose_animation(scene, settings.animation);
+    const CaptureStage stage = make_stage(scene, animation, settings);
+    const std::vector<bool> is_test = held_out(settings.cameras, settings.holdout);
+    prepare_folder(folder, settings);
+
+    CaptureResult result;
+    result.images = uint64_t{settings.frames} * settings.cameras;
+    result.test_cameras = static_cast<uint32_t>(std::count(is_test.begin(), is_test.end(), true));
+    result.train_cameras = settings.cameras - result.test_cameras;
+    const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
+    const uint64_t image_bytes =
+        uint64_t{8} * render::kSupersample * render::kSupersample * settings.width * settings.height;
+    const uint64_t waiting = std::clamp<uint64_t>(kMaxWaiting_bytes / image_bytes, 1, 2 * threads);
+    Session session{settings, folder, stage, {}, Workers(threads, waiting)};
+    write_plates(session);
+    if (!render_images(session, device, scene, animation, progress)) return result;
+    result.no_skeleton = write_true_skeleton(folder, scene, animation, settings);
+    CapturedClip clip{stage.cameras, is_test, settings.frames, settings.fps, stage.box, !session.plates.empty()};
+    if (result.test_cameras > 0) write_transforms(folder / "transforms_test.json", clip);
+    clip.written.flip();
+    write_transforms(folder / "transforms_train.json", clip);
+    result.complete = true;
+    return result;
+}
+
+}  // namespace neuvv::training

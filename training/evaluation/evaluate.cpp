@@ -1,0 +1,223 @@
+#include "training/evaluation/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <set>
+
+#include "render/frame.h"
+#include "render/shown_segments.h"
+#include "voctree/clip.h"
+
+namespace neuvv::training {
+
+namespace {
+
+uint8_t byte_from_unit(double value) {
+    return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
+}
+
+void add(Quality& sum, const Quality& quality) {
+    sum.psnr += quality.psnr;
+    sum.ssim += quality.ssim;
+    sum.mae += quality.mae;
+    sum.flip += quality.flip;
+}
+
+Quality divided(const Quality& sum, size_t count) {
+    const double n = std::max(1.0, static_cast<double>(count));
+    return {sum.psnr / n, sum.ssim / n, sum.mae / n, sum.flip / n};
+}
+
+void add(Evaluation::Group& group, const Quality& quality) {
+    add(group.quality, quality);
+    ++group.images;
+}
+
+void divide(std::vector<Evaluation::Group>& groups) {
+    for (Evaluation::Group& group : groups) group.quality = divided(group.quality, group.images);
+}
+
+// The beginning that all names have in common, up to its last separator; of a single name, all of it.
+std::string common_name(const std::vector<const std::string*>& names) {
+    if (names.size() == 1) return *names[0];
+    size_t length = names[0]->size();
+    for (const std::string* name : names)
+        length =
+            static_cast<size_t>(std::mismatch(names[0]->begin(), names[0]->begin() + static_cast<ptrdiff_t>(length),
+                                              name->begin(), name->end())
+                                    .first -
+                                names[0]->begin());
+    const size_t separator = names[0]->substr(0, length).find_last_of("_-./ ");
+    return separator == std::string::npos ? "" : names[0]->substr(0, separator);
+}
+
+// Ignored pixels are white in both images, as nothing is known about them.
+void whiten_ignored(const View& view, media::Image& image) {
+    for (uint32_t y = 0; y < image.height && !view.ignored.empty(); ++y)
+        for (uint32_t x = 0; x < image.width; ++x)
+            if (view.ignores(x, y)) std::copy(media::kWhite, media::kWhite + 3, image.at(x, y));
+}
+
+// Compares views with renders, and sums what it finds.
+class Comparison {
+  public:
+    Comparison(const Dataset& dataset, uint32_t samples, const ViewCallback& done)
+        : dataset_(dataset), samples_(samples), done_(done) {
+        for (const stage::Camera& camera : dataset.cameras) {
+            capacity_.width = std::max(capacity_.width, camera.width);
+            capacity_.height = std::max(capacity_.height, camera.height);
+        }
+        capacity_.samples = samples;
+        sums_.cameras.resize(dataset.cameras.size());
+        sums_.frames.resize(dataset.times.size());
+        sums_.views.resize(dataset.views.size());
+    }
+
+    // What a renderer needs for the largest view.
+    const render::FrameCapacity& capacity() const { return capacity_; }
+
+    // False where the callback ended it.
+    bool add(size_t index, render::FrameRenderer& renderer, std::vector<render::Instance> instances) {
+        const View& view = dataset_.views[index];
+        const media::Image render =
+            render_over_white(renderer, dataset_.cameras[view.camera], view, std::move(instances), samples_);
+        const media::Image truth = truth_over_white(dataset_, view);
+        const Quality quality = compare(truth, render);
+        sums_.views[index] = quality;
+        ++sums_.compared;
+        training::add(sums_.mean, quality);
+        training::add(sums_.cameras[view.camera], quality);
+        training::add(sums_.frames[frame_of_view(dataset_, view)], quality);
+        return !done_ || done_(index, truth, render, quality);
+    }
+
+    Evaluation result() const {
+        Evaluation means = sums_;
+        means.mean = divided(means.mean, means.compared);
+        divide(means.cameras);
+        divide(means.frames);
+        return means;
+    }
+
+  private:
+    const Dataset& dataset_;
+    const uint32_t samples_;
+    const ViewCallback& done_;
+    render::FrameCapacity capacity_{1, 1};
+    Evaluation sums_;
+};
+
+}  // namespace
+
+std::vector<std::vector<ViewFrame>> views_by_segment(const voctree::ClipIndex& clip, const Dataset& dataset) {
+    std::vector<std::vector<ViewFrame>> views(clip.segments.size());
+    for (size_t i = 0; i < dataset.views.size(); ++i) {
+        const auto [segment, frame] = voctree::segment_frame(clip, frame_of_time(dataset.views[i].time, clip.frames()));
+        views[segment].push_back({i, frame});
+    }
+    return views;
+}
+
+size_t frame_of_view(const Dataset& dataset, const View& view) {
+    return static_cast<size_t>(std::lower_bound(dataset.times.begin(), dataset.times.end(), view.time) -
+                               dataset.times.begin());
+}
+
+std::vector<std::string> camera_labels(const Dataset& dataset) {
+    std::vector<std::vector<const std::string*>> names(dataset.cameras.size());
+    for (const View& view : dataset.views) names[view.camera].push_back(&view.name);
+    std::vector<std::string> labels;
+    std::set<std::string> distinct{""};  // with "", so that no label may be empty
+    bool good = true;
+    for (const auto& of_camera : names) {
+        labels.push_back(of_camera.empty() ? "" : common_name(of_camera));
+        good &= distinct.insert(labels.back()).second;
+    }
+    for (size_t i = 0; i < labels.size() && !good; ++i) labels[i] = std::to_string(i);
+    return labels;
+}
+
+std::vector<size_t> spread_views(const Dataset& dataset, size_t count) {
+    std::vector<std::vector<size_t>> by_camera(dataset.cameras.size());
+    for (size_t i = 0; i < dataset.views.size(); ++i) by_camera[dataset.views[i].camera].push_back(i);
+    std::erase_if(by_camera, [](const auto& views) { return views.empty(); });
+    count = std::min(count, dataset.views.size());
+    if (count == dataset.views.size()) {
+        std::vector<size_t> all(count);
+        std::iota(all.begin(), all.end(), size_t{0});
+        return all;
+    }
+    std::set<size_t> selected;
+    const size_t cameras = by_camera.size(), turns = std::max(cameras, count);
+    // Times follow multiples of the golden ratio, which are spread evenly however many there are.
+    for (size_t i = 0; i < count; ++i) {
+        const std::vector<size_t>& views = by_camera[i * turns / count % cameras];
+        const double fraction = std::fmod(static_cast<double>(i) * 0.6180339887, 1.0);
+        selected.insert(views[static_cast<size_t>(fraction * static_cast<double>(views.size()))]);
+    }
+    return {selected.begin(), selected.end()};
+}
+
+media::Image truth_over_white(const Dataset& dataset, const View& view) {
+    if (dataset.plates[view.camera].width == 0) return media::composite_over(view.image.whole(), media::kWhite);
+    media::Image clear(view.image.width(), view.image.height());
+    for (uint32_t y = 0; y < clear.height; ++y)
+        for (uint32_t x = 0; x < clear.width; ++x) {
+            const glm::vec4 light = foreground(dataset, view, x, y);
+            if (light.a <= 0) continue;
+            uint8_t* pixel = clear.at(x, y);
+            for (int c = 0; c < 3; ++c)
+                pixel[c] = byte_from_unit(media::srgb_from_linear(std::min(1.0, double{light[c]} / double{light.a})));
+            pixel[3] = byte_from_unit(double{light.a});
+        }
+    return media::composite_over(clear, media::kWhite);
+}
+
+media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
+                               std::vector<render::Instance> instances, uint32_t samples) {
+    render::FrameSettings settings;
+    settings.instances = std::move(instances);
+    settings.width = camera.width;
+    settings.height = camera.height;
+    settings.samples = samples;
+    settings.mode = render::TraceMode::kTree;
+    media::Image render = media::composite_over(renderer.render(camera, settings), media::kWhite);
+    whiten_ignored(view, render);
+    return render;
+}
+
+Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
+                    const ViewCallback& done) {
+    Comparison comparison(dataset, samples, done);
+    const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer renderer(device, field, comparison.capacity());
+    for (size_t i = 0; i < dataset.views.size(); ++i) {
+        const auto frame = static_cast<float>(frame_of_time(dataset.views[i].time, tree.frames));
+        if (!comparison.add(i, renderer, {{frame}})) break;
+    }
+    return comparison.result();
+}
+
+Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
+                    const ViewCallback& done) {
+    Comparison comparison(dataset, samples, done);
+    render::ShownSegments shown(clip, [&](const voctree::VOctree& tree, uint32_t) {
+        return render::upload_field(device, tree, render::WeightPrecision::kHalf);
+    });
+    std::optional<render::FrameRenderer> renderer;
+    const auto use = [&](const std::vector<const render::Field*>& fields) {
+        if (renderer) return renderer->change_fields(fields);
+        renderer.emplace(device, fields, comparison.capacity());
+    };
+    for (const std::vector<ViewFrame>& views : views_by_segment(clip, dataset))
+        for (const ViewFrame& one : views) {
+            const double frame = frame_of_time(dataset.views[one.view].time, clip.frames());
+            std::vector<render::Instance> instances = shown.show(voctree::segment_shares(clip, frame), use);
+            if (!comparison.add(one.view, *renderer, std::move(instances))) return comparison.result();
+        }
+    return comparison.result();
+}
+
+}  // namespace neuvv::training

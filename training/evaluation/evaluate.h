@@ -1,0 +1,72 @@
+// Measures a VOctree against the images of a data set.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "gpu/device.h"
+#include "training/dataset.h"
+#include "training/evaluation/metrics.h"
+#include "voctree/clip_index.h"
+#include "voctree/voctree.h"
+
+namespace neuvv::render {
+class FrameRenderer;
+struct Instance;
+}  // namespace neuvv::render
+
+namespace neuvv::training {
+
+struct Evaluation {
+    struct Group {
+        Quality quality;  // mean over the group's images
+        uint32_t images = 0;
+    };
+    Quality mean;                // over all images
+    std::vector<Group> cameras;  // in the order of Dataset::cameras
+    std::vector<Group> frames;   // in the order of Dataset::times
+    std::vector<Quality> views;  // in the order of Dataset::views; those that were not compared have quality 0
+    size_t compared = 0;         // how many views were
+};
+
+// Called after each view with the two images that were compared, both opaque; returns false to end the evaluation.
+using ViewCallback =
+    std::function<bool(size_t view, const media::Image& truth, const media::Image& render, const Quality& quality)>;
+
+// Renders every view with samples² rays per pixel and compares it with the data set's image, both over white (see
+// Quality). Ignored pixels are white in both. After an early end, means are over the views that were compared. Views
+// are in their order, but of a clip segment by segment: those that are shown and the next one are in memory; a segment
+// fades into the next as players show it. The tree must be sound (voctree::defect_of). Throws RuntimeFailure, and
+// InputError where a segment cannot be read.
+Evaluation evaluate(const gpu::Device& device, const voctree::VOctree& tree, const Dataset& dataset, uint32_t samples,
+                    const ViewCallback& done = {});
+Evaluation evaluate(const gpu::Device& device, const voctree::ClipIndex& clip, const Dataset& dataset, uint32_t samples,
+                    const ViewCallback& done = {});
+
+// A view and the frame of a segment's tree that it shows.
+struct ViewFrame {
+    size_t view;  // index into Dataset::views
+    float frame;
+};
+
+// By segment of the clip, the data set's views, in their order.
+std::vector<std::vector<ViewFrame>> views_by_segment(const voctree::ClipIndex& clip, const Dataset& dataset);
+
+// The view's frame: an index into Dataset::times.
+size_t frame_of_view(const Dataset& dataset, const View& view);
+
+// A name for each camera: what the names of its images have in common, up to a separator ("c00_f003" and "c00_f017":
+// "c00"), or the name of its only image. Where two cameras would get the same name, all cameras get numbers.
+std::vector<std::string> camera_labels(const Dataset& dataset);
+
+// Indices of at most `count` views, ascending, spread over cameras and times.
+std::vector<size_t> spread_views(const Dataset& dataset, size_t count);
+
+// Renders what a camera sees of some instances, marched together, over white, the view's ignored pixels white, too.
+media::Image render_over_white(render::FrameRenderer& renderer, const stage::Camera& camera, const View& view,
+                               std::vector<render::Instance> instances, uint32_t samples);
+
+// The data set's image of a view over white. Where the camera has a clean plate, the captured background is removed.
+media::Image truth_over_white(const Dataset& dataset, const View& view);
+
+}  // namespace neuvv::training

@@ -1,0 +1,14 @@
+// Raw data that the app Polycam exported: keyframes/, with an image and a JSON file for each place where the phone was.
+#pragma once
+
+#include "training/layouts/rig.h"
+
+namespace neuvv::training {
+
+bool has_polycam_files(const std::filesystem::path& folder);
+
+// Every image is a camera of its own, and all of them show one frame. Every 8th is held out for the test, beginning
+// with the first. Throws InputError with file, place in the JSON and fix.
+Rig read_polycam_rig(const std::filesystem::path& folder, Split split);
+
+}  // namespace neuvv::training
