@@ -147,6 +147,14 @@ Frames frames_of_camera(const std::filesystem::path& folder, const std::string& 
     return {};
 }
 
+bool has_images(const std::filesystem::path& folder, const std::string& camera) {
+    for (const auto& candidate : {folder / "images" / camera, folder / camera})
+        if (!images_in(candidate).empty()) return true;
+    for (const auto& candidate : {folder / "videos", folder})
+        if (!find_video(candidate, camera).empty()) return true;
+    return !still_of_camera(folder, camera).empty();
+}
+
 std::vector<std::string> videos_in(const std::filesystem::path& folder) {
     std::set<std::string, NaturalOrder> names;
     std::error_code error;

@@ -36,6 +36,10 @@ std::vector<std::string> videos_in(const std::filesystem::path& folder);
 // The path of the first of `names` that is a folder inside `folder`; empty where none is.
 std::filesystem::path first_folder(const std::filesystem::path& folder, std::initializer_list<const char*> names);
 
+// Whether find_images finds images of the camera, whose name must be inside the data set's folder (expect_inside). No
+// video is opened.
+bool has_images(const std::filesystem::path& folder, const std::string& camera);
+
 // A mask for each of the frames: from masks/<camera>/, matched by name, or from a video masks/<camera>.*, matched by
 // order. Throws InputError where a mask is missing.
 Frames masks_of_camera(const std::filesystem::path& masks, const std::string& camera, const Frames& frames);

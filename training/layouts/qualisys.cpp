@@ -94,6 +94,16 @@ double units_per_metre(const std::vector<XmlNode>& cameras) {
     return 1;
 }
 
+// Gives a camera that has images its lens and its pose.
+void calibrate(CalibratedCamera& camera, const XmlNode& node, double metre, double distortion_units, Rig& rig) {
+    camera.camera.lens = video_lens(node, distortion_units);
+    camera.camera.world_from_camera = qca_pose(node.child("transform"), metre);
+    expect_sound(camera.camera, rig.file, camera.place);
+    if (node.number("viewrotation", 0) != 0)
+        rig.remarks.push_back(fmt::format("the camera {} has a viewrotation: its video must be as the sensor saw it",
+                                          camera.camera.name));
+}
+
 }  // namespace
 
 bool has_qualisys_files(const std::filesystem::path& folder) {
@@ -107,26 +117,24 @@ Rig read_qualisys_rig(const std::filesystem::path& folder, Split split) {
                          "export it from Qualisys Track Manager");
     const XmlFile file(path);
     const XmlNode root = file.root();
-    const std::vector<XmlNode> nodes = root.child("cameras").children("camera");
-    const double metre = units_per_metre(nodes), distortion_units = root.text("qtm-version") == "none" ? kSubpixels : 1;
     Rig rig;
     rig.folder = folder;
     rig.format = "qualisys";
     rig.file = path.string();
-    rig.world = fmt::format("metres, from {}; +Y up, turned from +Z up", metre > 1 ? "millimetres" : "metres");
     std::vector<CalibratedCamera> calibrated;
-    for (const XmlNode& node : nodes) {
+    std::vector<XmlNode> used;  // those with images: cameras that see only markers are in the file, too
+    for (const XmlNode& node : root.child("cameras").children("camera")) {
         if (!node.find("fov_video")) continue;
-        CalibratedCamera camera{{}, node.place()};
+        CalibratedCamera& camera = calibrated.emplace_back(CalibratedCamera{{}, node.place()});
         camera.camera.name = node.text("serial");
-        camera.camera.lens = video_lens(node, distortion_units);
-        camera.camera.world_from_camera = qca_pose(node.child("transform"), metre);
-        expect_sound(camera.camera, rig.file, camera.place);
-        if (node.number("viewrotation", 0) != 0)
-            rig.remarks.push_back(fmt::format(
-                "the camera {} has a viewrotation: its video must be as the sensor saw it", camera.camera.name));
-        calibrated.push_back(std::move(camera));
+        expect_inside(camera.camera.name, rig.file, camera.place);
+        if (has_images(folder, camera.camera.name)) used.push_back(node);
     }
+    const double metre = units_per_metre(used), distortion_units = root.text("qtm-version") == "none" ? kSubpixels : 1;
+    rig.world = fmt::format("metres, from {}; +Y up, turned from +Z up", metre > 1 ? "millimetres" : "metres");
+    auto node = used.begin();
+    for (CalibratedCamera& camera : calibrated)
+        if (has_images(folder, camera.camera.name)) calibrate(camera, *node++, metre, distortion_units, rig);
     add_cameras(rig, find_images(rig, calibrated), split);
     return rig;
 }

@@ -19,6 +19,7 @@ struct Qualisys : testing::Test {
     std::string video =
         "<fov_video left=\"0\" top=\"0\" right=\"63\" bottom=\"47\"/>"
         "<fov_video_max left=\"0\" top=\"0\" right=\"63\" bottom=\"47\"/>";
+    std::string marker_transform;  // where it is not empty, that of the camera without a video
     std::string rotation = "r11=\"0\" r12=\"1\" r13=\"0\" r21=\"0\" r22=\"0\" r23=\"1\" r31=\"1\" r32=\"0\" r33=\"0\"";
     std::string lens =
         "focalLengthU=\"5760\" focalLengthV=\"6080\" centerPointU=\"2000\" centerPointV=\"1500\" "
@@ -40,12 +41,16 @@ struct Qualisys : testing::Test {
         std::string text =
             "<calibration created=\"2022-03-01\" qtm-version=\"" + version + "\" type=\"regular\">\n<cameras>\n";
         const double metre = std::stod(unit);
-        for (int i = 0; i < 4; ++i)
+        for (int i = 0; i < 4; ++i) {
+            const std::string transform = i == 3 && !marker_transform.empty()
+                                              ? marker_transform
+                                              : fmt::format("<transform x=\"{}\" y=\"{}\" z=\"{}\" {}/>", i * metre,
+                                                            2 * metre, 3 * metre, rotation);
             text += fmt::format(
-                "<camera active=\"1\" serial=\"{}\" model=\"{}\" viewrotation=\"{}\">{}<transform x=\"{}\" y=\"{}\" "
-                "z=\"{}\" {}/><intrinsic focallength=\"9.2\" sensorMinU=\"0\" sensorMaxU=\"{}\" {}/></camera>\n",
-                26578 + i, i < 3 ? "Miqus Video" : "Miqus M3", i == 1 ? 90 : 0, video, i * metre, 2 * metre, 3 * metre,
-                rotation, sensor, lens);
+                "<camera active=\"1\" serial=\"{}\" model=\"{}\" viewrotation=\"{}\">{}{}<intrinsic "
+                "focallength=\"9.2\" sensorMinU=\"0\" sensorMaxU=\"{}\" {}/></camera>\n",
+                26578 + i, i < 3 ? "Miqus Video" : "Miqus M3", i == 1 ? 90 : 0, video, transform, sensor, lens);
+        }
         return text + "</cameras>\n</calibration>\n";
     }
     training::Rig read(training::Split split = training::Split::kTrain) const {
@@ -88,6 +93,19 @@ TEST_F(Qualisys, APointFallsWherePose2SimPutsIt) {
     ASSERT_EQ(rig.remarks.size(), 2u);
     EXPECT_NE(rig.remarks[0].find("26579 has a viewrotation"), std::string::npos) << rig.remarks[0];
     EXPECT_NE(rig.remarks[1].find("1 of 4"), std::string::npos) << "the marker camera has no video";
+}
+
+// Neither its pose nor how far away it stands counts for the cameras that have videos.
+TEST_F(Qualisys, CamerasWithoutVideosAreNotChecked) {
+    unit = "1";
+    marker_transform = "<transform x=\"9000\" y=\"0\" z=\"0\" r11=\"7\"/>";
+    const training::Rig rig = read();
+    expect_pixel(rig);
+    EXPECT_NE(rig.world.find("from metres"), std::string::npos) << rig.world;
+    EXPECT_EQ(rig.cameras.size(), 2u);
+    std::filesystem::create_directories(folder.path / "images");
+    media::write_png(folder.path / "images" / "26581.png", media::Image(64, 48));
+    expect_input_error([&] { read(); }, {"transform, line 6", "r12"});
 }
 
 TEST_F(Qualisys, MetresAreTakenAsMetres) {
