@@ -9,6 +9,17 @@
 
 namespace neuvv::render {
 
+namespace {
+
+// A performer may have any name, and Cryptomatte knows a thing by its name alone.
+std::string name_of_set(std::span<const std::string> performers) {
+    std::string name = kSetName;
+    while (std::find(performers.begin(), performers.end(), name) != performers.end()) name += "_";
+    return name;
+}
+
+}  // namespace
+
 ImageLayers::ImageLayers(const stage::Camera& camera, uint32_t samples, std::span<const std::string> names,
                          const SetRays& set, Wanted wanted, float stop)
     : camera_(camera),
@@ -18,7 +29,7 @@ ImageLayers::ImageLayers(const stage::Camera& camera, uint32_t samples, std::spa
       wanted_(wanted),
       stop_(stop) {
     std::vector<std::string> all(names.begin(), names.end());
-    if (!set.axis_m.empty()) all.emplace_back(kSetName);
+    if (!set.axis_m.empty()) all.push_back(name_of_set(names));
     for (const std::string& name : all) {
         const auto known = std::find(ids.names.begin(), ids.names.end(), name);
         name_of_.push_back(static_cast<uint32_t>(known - ids.names.begin()));

@@ -16,7 +16,8 @@ struct SetRays {
     std::vector<float> axis_m;             // of the opaque set along the camera's axis; infinite where there is none
 };
 
-constexpr const char* kSetName = "set";  // of all surfaces that are no performer's
+// Of all surfaces that are no performer's. Where a performer has this name, "_" is appended until none has it.
+constexpr const char* kSetName = "set";
 
 // Gathers the layers of one image from FrameRenderer::read_segments.
 class ImageLayers {

@@ -231,6 +231,16 @@ TEST_F(ImageLayersTest, TheSetIsASurfaceWithAName) {
     EXPECT_GT(clear, drawn.layers.deep.counts.size() / 2);
 }
 
+TEST(ImageLayers, NoPerformerSharesTheNameOfTheSet) {
+    render::SetRays set;
+    set.behind.assign(kWidth * kHeight, glm::vec4(0));
+    set.front = set.behind;
+    set.axis_m.assign(kWidth * kHeight, 20);
+    const std::vector<std::string> performers = {"set", "anna", "set_", "anna"};
+    const render::ImageLayers layers(a_camera(), 1, performers, set, {true, false}, 0);
+    EXPECT_EQ(layers.ids.names, (std::vector<std::string>{"set", "anna", "set_", "set__"}));
+}
+
 TEST(DeepPixel, SurfacesAndGapsStaySharp) {
     const std::vector<std::vector<render::RayStretch>> rays = {
         {{1, 2, 1, 0.5f, glm::vec3(0.25f)}, {4, 4, 0.5f, 0, glm::vec3(0.1f)}}, {}};
