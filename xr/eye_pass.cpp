@@ -80,8 +80,10 @@ EyePass::EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth)
       solid_(device, "eye shape", shape_of(device, colour, depth, false)),
       translucent_(device, "eye translucent shape", shape_of(device, colour, depth, true)),
       on_top_(device, "eye on-top shape", shape_of(device, colour, depth, true, VK_COMPARE_OP_ALWAYS)),
-      text_(device, colour, depth),
-      vertices_(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload) {}
+      text_(device, colour, depth) {
+    for (gpu::Buffer& vertices : vertices_)
+        vertices = gpu::Buffer(device, "eye shapes", kFirstVertices * sizeof(ShapeVertex), gpu::MemoryKind::kUpload);
+}
 
 void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& images) {
     const std::array<VkBuffer, 2> to{images.buffer, renderer.set().depth.buffer};
@@ -100,9 +102,11 @@ void EyePass::upload(const EyeShapes& shapes) {
     const std::array lists{shapes.holes(), shapes.solid(), shapes.translucent(), shapes.on_top()};
     uint64_t count = 0;
     for (const auto list : lists) count += list.size();
-    if (count * sizeof(ShapeVertex) > vertices_.bytes)
-        vertices_ = gpu::Buffer(device_, "eye shapes", 2 * count * sizeof(ShapeVertex), gpu::MemoryKind::kUpload);
-    auto* to = vertices_.as<ShapeVertex>();
+    std::rotate(vertices_.begin(), vertices_.begin() + 1, vertices_.end());
+    gpu::Buffer& vertices = vertices_[0];
+    if (count * sizeof(ShapeVertex) > vertices.bytes)
+        vertices = gpu::Buffer(device_, "eye shapes", 2 * count * sizeof(ShapeVertex), gpu::MemoryKind::kUpload);
+    auto* to = vertices.as<ShapeVertex>();
     for (const auto list : lists) to = std::copy(list.begin(), list.end(), to);
 }
 
@@ -160,7 +164,7 @@ void EyePass::draw_shapes(gpu::Commands& commands, const std::array<stage::Camer
     for (uint32_t eye = 0; eye < kEyes; eye++)
         views.clip_from_world[eye] = glm::mat4(render::clip_from_world(cameras[eye], render::kSetNear_m));
     const VkDeviceSize start = 0;
-    vkCmdBindVertexBuffers(commands.handle(), 0, 1, &vertices_.buffer, &start);
+    vkCmdBindVertexBuffers(commands.handle(), 0, 1, &vertices_[0].buffer, &start);
     uint32_t first = 0;
     const auto draw = [&](const gpu::GraphicsPass& pass, std::span<const ShapeVertex> list, VkBool32 writes_depth) {
         const auto count = static_cast<uint32_t>(list.size());

@@ -31,9 +31,9 @@ class EyePass {
     EyePass(const gpu::Device& device, VkFormat colour, VkFormat depth);
 
     // Records how the images of the renderer, and the shapes over them, are drawn: behind the images in their
-    // submission (FrameRenderer::Then). What it recorded before must be finished. `cameras` are those of the images
-    // (left, right) and have the target's size. `vignette` says how dark the edges are, 0..1. Leaves the target in the
-    // layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL and DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
+    // submission (FrameRenderer::Then). Of what it recorded before, the last may be under way. `cameras` are those of
+    // the images (left, right) and have the target's size. `vignette` says how dark the edges are, 0..1. Leaves the
+    // target in the layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL and DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
     void record(gpu::Commands& commands, const render::StageRenderer& renderer, const gpu::Buffer& images,
                 const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
                 const EyeTarget& target);
@@ -49,7 +49,7 @@ class EyePass {
     EyeText text_;
     gpu::TextureSet bound_;
     std::array<VkBuffer, 2> bound_to_{};  // images and the set's depth; to notice that the renderer has new buffers
-    gpu::Buffer vertices_;
+    std::array<gpu::Buffer, render::kImagesUnderWay> vertices_;  // in turn; the first is that of the last image
 };
 
 }  // namespace neuvv::xr

@@ -30,8 +30,11 @@ EyeText::EyeText(const gpu::Device& device, VkFormat colour, VkFormat depth)
     : pass_(device, "eye text", shape_of(colour, depth)),
       sampler_(device, "font",
                {VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, VK_FILTER_LINEAR,
-                VK_FILTER_LINEAR, false}),
-      vertices_(device, "eye text", kTextCorners * kMaxTextRectangles * sizeof(TextVertex), gpu::MemoryKind::kUpload) {}
+                VK_FILTER_LINEAR, false}) {
+    for (gpu::Buffer& vertices : vertices_)
+        vertices = gpu::Buffer(device, "eye text", kTextCorners * kMaxTextRectangles * sizeof(TextVertex),
+                               gpu::MemoryKind::kUpload);
+}
 
 void EyeText::set_font(const gpu::DeviceImage& image) {
     const std::pair<const gpu::DeviceImage*, const gpu::Sampler*> texture{&image, &sampler_};
@@ -40,10 +43,11 @@ void EyeText::set_font(const gpu::DeviceImage& image) {
 
 void EyeText::draw(gpu::Commands& commands, std::span<const TextVertex> text, const ShapePush& views) {
     if (!bound_ || text.empty()) return;
-    std::copy(text.begin(), text.end(), vertices_.as<TextVertex>());
+    std::rotate(vertices_.begin(), vertices_.begin() + 1, vertices_.end());
+    std::copy(text.begin(), text.end(), vertices_[0].as<TextVertex>());
     const VkDeviceSize start = 0;
     const VkDescriptorSet set = bound_->handle();
-    vkCmdBindVertexBuffers(commands.handle(), 0, 1, &vertices_.buffer, &start);
+    vkCmdBindVertexBuffers(commands.handle(), 0, 1, &vertices_[0].buffer, &start);
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.pipeline());
     vkCmdBindDescriptorSets(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.layout(), 0, 1, &set, 0, nullptr);
     vkCmdSetDepthWriteEnable(commands.handle(), VK_FALSE);

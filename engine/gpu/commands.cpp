@@ -237,7 +237,7 @@ void compute_barrier(Commands& commands) {
 
 void draw_barrier(Commands& commands) {
     memory_barrier(commands, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-                   VK_ACCESS_2_SHADER_READ_BIT);
+                   VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT);
 }
 
 void host_barrier(Commands& commands) {
@@ -260,7 +260,10 @@ void fill(Commands& commands, const Buffer& buffer, uint32_t word, uint64_t byte
 }
 
 void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes, uint64_t offset) {
-    vkCmdUpdateBuffer(commands.handle(), buffer.buffer, offset, bytes, data);
+    constexpr size_t kMost = 65536;  // of one command
+    for (size_t done = 0; done < bytes; done += kMost)
+        vkCmdUpdateBuffer(commands.handle(), buffer.buffer, offset + done, std::min(kMost, bytes - done),
+                          static_cast<const char*>(data) + done);
 }
 
 void copy(Commands& commands, const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset,

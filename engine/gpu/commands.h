@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "gpu/compute_pass.h"
@@ -123,10 +124,12 @@ void host_barrier(Commands& commands);
 
 // Fills the first `bytes` (a multiple of 4) of the buffer, or all of it, with copies of `word`.
 void fill(Commands& commands, const Buffer& buffer, uint32_t word, uint64_t bytes = VK_WHOLE_SIZE);
-// Writes a few bytes (a multiple of 4, at most 64 KiB), which are stored in the command buffer itself.
+// Writes a few bytes (a multiple of 4), which are stored in the command buffer itself: what submissions that are still
+// under way read stays as it was.
 void update(Commands& commands, const Buffer& buffer, const void* data, size_t bytes, uint64_t offset = 0);
 template <typename T>
-void update(Commands& commands, const Buffer& buffer, const T& value, uint64_t offset = 0) {
+requires(!std::is_pointer_v<T>) void update(Commands& commands, const Buffer& buffer, const T& value,
+                                            uint64_t offset = 0) {
     update(commands, buffer, &value, sizeof(T), offset);
 }
 void copy(Commands& commands, const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset = 0,

@@ -1,6 +1,8 @@
 // A whole frame: start reading here and in frame.cpp.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -96,12 +98,13 @@ class FrameRenderer {
     using Then = std::function<void(gpu::Commands& commands, const gpu::Buffer& images)>;
     const gpu::Buffer& draw(std::span<const stage::Camera> cameras, const FrameSettings& settings,
                             const Then& then = {});
-    // The same without waiting: the host can do other work meanwhile. All that changes what a frame reads waits for it
-    // first, in this object by itself; whoever changes something else that `then` or the instances refer to must call
-    // finish() before.
+    // The same without waiting: the host can do other work meanwhile, and record the next image while the device draws
+    // this one. The image before may be under way when it returns, but none before that; what `then` writes on the host
+    // needs kImagesUnderWay places. All that changes what a frame reads waits for it first, in this object by itself;
+    // whoever changes something else that `then` or the instances refer to must call finish() before. An image that
+    // lacks parts, as it needed more room on the device than there was, is found one image late.
     void submit(std::span<const stage::Camera> cameras, const FrameSettings& settings, const Then& then = {});
-    // Waits for what was submitted. Returns false where it lacks parts, as it needed more room on the device than there
-    // was; there is more room now.
+    // Waits for all that was submitted. Returns false where some of it lacks parts; there is more room now.
     bool finish();
     // The same as draw(), with the images copied to the host.
     std::vector<media::Image> render_views(std::span<const stage::Camera> cameras, const FrameSettings& settings);
@@ -155,11 +158,12 @@ class FrameRenderer {
     // The visible instances of the last image in draw order, in groups that were merged (draw_order.h).
     std::span<const std::vector<DrawnInstance>> drawn() const { return drawn_; }
 
-    // Of the last image, which must be finished: GPU time of each pass; time from its submission until somebody had
-    // waited for it (Commands::milliseconds); the device's time, which on software devices is the former.
-    std::vector<gpu::PassTime> pass_times() const { return commands_.pass_times(); }
-    double milliseconds() const { return commands_.milliseconds(); }
-    double device_milliseconds() const;
+    // Of the last image, with no other under way: GPU time of each pass.
+    std::vector<gpu::PassTime> pass_times() const { return commands_[slot_].pass_times(); }
+    // Of the last image that somebody has waited for: time from its submission until then (Commands::milliseconds); the
+    // device's time, which on software devices is the former.
+    double milliseconds() const { return milliseconds_; }
+    double device_milliseconds() const { return device_milliseconds_; }
 
   private:
     // Record the frame, pass by pass (frame.cpp), and the copy of its images to the host.
@@ -185,7 +189,7 @@ class FrameRenderer {
                    const Then& then);
     void check_settings(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
     void make_grids(const FrameSettings& settings, uint32_t views);
-    TargetViews views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) const;
+    TargetViews views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     void write_rays(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     void write_instances(std::span<const stage::Camera> cameras, const FrameSettings& settings);
     std::vector<std::vector<uint32_t>> instance_order(std::span<const stage::Camera> cameras,
@@ -193,7 +197,13 @@ class FrameRenderer {
     std::unique_ptr<Performer> make_performer(uint32_t index) const;
     void make_performers(bool far_levels);
     void prepare(const FrameSettings& settings);
-    bool enlarge();
+    bool overflowed(uint32_t slot) const;
+    void enlarge();
+    gpu::Commands& commands() { return commands_[slot_]; }
+    void note_times(uint32_t slot);
+    bool finish(uint32_t slot);
+    void wait_for_device();
+    bool any_under_way() const { return std::ranges::find(under_way_, true) != under_way_.end(); }
     const gpu::Device& device_;
     FieldLevels levels_;
     uint32_t slice_shares_;  // into which the slice budget is divided
@@ -216,11 +226,13 @@ class FrameRenderer {
     std::unique_ptr<PerformerShadows> shadows_;  // where there is a set
     std::unique_ptr<VolumeDepth> volume_depth_;
     std::vector<stage::Camera> set_cameras_;
-    ViewLayout layout_;                              // of the last image
-    std::vector<RayGrid> grids_;                     // of its views, where it is upscaled
-    std::vector<std::vector<DrawnInstance>> drawn_;  // of the last image: the visible ones, near to far
-    bool under_way_ = false;                         // an image that nobody has waited for
-    gpu::Commands commands_;
+    ViewLayout layout_;                                    // of the last image
+    std::vector<RayGrid> grids_;                           // of its views, where it is upscaled
+    std::vector<std::vector<DrawnInstance>> drawn_;        // of the last image: the visible ones, near to far
+    std::array<gpu::Commands, kImagesUnderWay> commands_;  // by slot
+    uint32_t slot_ = 0;                                    // of the last image
+    std::array<bool, kImagesUnderWay> under_way_{};        // by slot: whether nobody has waited for the image
+    double milliseconds_ = 0, device_milliseconds_ = 0;
 };
 
 // Does something beside a renderer that needs memory on its device. Where there is none left, it is done again without

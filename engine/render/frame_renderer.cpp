@@ -58,7 +58,7 @@ FrameRenderer::FrameRenderer(const gpu::Device& device, std::vector<const Field*
       lister_(device, target_.rays, target_.ranges),
       resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, nullptr, set),
       listed_resolver_(device, RaysPerPixel::kWhole, target_.rays, image_, &target_.ranges),
-      commands_(device, "frame", kMaxScopes) {
+      commands_{gpu::Commands(device, "frame", kMaxScopes), gpu::Commands(device, "frame", kMaxScopes)} {
     capacity_.slice_budget = render::slice_budget(device.memory(), capacity.slice_budget);
     for (const Field* field : levels_.all) paints_.push_back(std::make_unique<Paints>(device, *field));
     if (!set) return;
@@ -83,10 +83,10 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
 
 // Where each field's share of the budget changes, slices are created again.
 void FrameRenderer::change_fields(std::vector<const Field*> fields, uint32_t shares) {
-    finish();
     if (shares == 0) shares = static_cast<uint32_t>(fields.size());
     const bool same_shares = std::exchange(slice_shares_, shares) == shares;
     if (same_shares && std::ranges::equal(fields, std::span(levels_.all).first(levels_.given()))) return;
+    finish();
     FieldLevels next(std::move(fields));
     std::vector<std::unique_ptr<Paints>> paints(next.all.size());
     std::vector<std::unique_ptr<Performer>> performers(next.all.size());
@@ -155,7 +155,7 @@ void FrameRenderer::make_grids(const FrameSettings& settings, uint32_t views) {
                                                set_ ? nullptr : &target_.ranges, set_);
 }
 
-TargetViews FrameRenderer::views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) const {
+TargetViews FrameRenderer::views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
     return {target_, layout_, cameras, grids_, settings.scale};
 }
 
@@ -164,7 +164,10 @@ void FrameRenderer::write_rays(std::span<const stage::Camera> cameras, const Fra
     const ViewLayout last = layout_;
     make_grids(settings, static_cast<uint32_t>(cameras.size()));
     write_cameras(views_of(cameras, settings));
-    if (layout_ != last) write_tiles(views_of(cameras, settings));
+    if (layout_ != last) {
+        wait_for_device();
+        write_tiles(views_of(cameras, settings));
+    }
     set_cameras_.clear();
     for (const stage::Camera& camera : cameras) set_cameras_.push_back(stage::enlarged(camera, layout_.samples));
 }
@@ -266,8 +269,11 @@ void FrameRenderer::prepare(const FrameSettings& settings) {
         for (const DrawnInstance& instance : shadows_->drawn) slices[instance.field].push_back(instance.slice());
     for (const Instance& one : settings.next_instances)
         if (one.field < next.size()) next[one.field].push_back({one.frame, one.paint});
-    for (size_t i = 0; i < performers_.size(); i++)
-        if (performers_[i]) performers_[i]->prepare(slices[i], next[i]);
+    for (size_t i = 0; i < performers_.size(); i++) {
+        if (!performers_[i]) continue;
+        if (performers_[i]->replaces_slices(slices[i])) wait_for_device();
+        performers_[i]->prepare(slices[i], next[i]);
+    }
     if (shadows_)
         for (const DrawnInstance& instance : shadows_->drawn)
             performers_[instance.field]->prepare(kLightTarget, instance, nullptr);
@@ -283,29 +289,36 @@ Segments& FrameRenderer::segments() {
     return *segments_;
 }
 
-// Returns whether the image needed more room on the device than there was. Then there is more room now, or the image
-// must at least be begun again.
-bool FrameRenderer::enlarge() {
-    bool any = false;
+// Whether the image of this slot, which must be finished, needed more room on the device than there was.
+bool FrameRenderer::overflowed(uint32_t slot) const {
+    return (segments_ && segments_->overflowed(slot)) ||
+           std::ranges::any_of(performers_, [slot](const auto& one) { return one && one->overflowed(slot); });
+}
+
+// Makes more room for what had too little in finished images. No image may be under way.
+void FrameRenderer::enlarge() {
+    const auto in_any = [](const auto& what) {
+        for (uint32_t slot = 0; slot < kImagesUnderWay; slot++)
+            if (what.overflowed(slot)) return true;
+        return false;
+    };
     try {
-        for (const auto& performer : performers_) any |= performer && performer->enlarge_slices();
-        if (segments_ && segments_->overflowed()) {
+        for (const auto& performer : performers_)
+            if (performer && in_any(*performer)) performer->enlarge_slices();
+        if (segments_ && in_any(*segments_)) {
             for (const auto& performer : performers_)
                 if (performer) performer->forget_segments();
             segments_->enlarge();
-            any = true;
         }
     } catch (const gpu::VulkanError& error) {
         segments_.reset();
         drop_slices_or_rethrow(error);
-        return true;
     }
-    return any;
 }
 
 bool FrameRenderer::drop_slices() {
-    commands_.wait();
-    under_way_ = false;
+    wait_for_device();
+    under_way_ = {};
     uint64_t taken = 0;
     for (const auto& performer : performers_) {
         const SliceCache* slices = performer ? performer->slices() : nullptr;
@@ -359,7 +372,7 @@ void FrameRenderer::forget_slices() {
 uint64_t FrameRenderer::live_entries() const {
     uint64_t entries = 0;
     for (const auto& performer : performers_)
-        if (performer) entries += performer->used_entries();
+        if (performer) entries += performer->used_entries(slot_);
     return entries;
 }
 
@@ -401,21 +414,48 @@ FrameSettings FrameRenderer::begin_with_memory_left(std::span<const stage::Camer
 void FrameRenderer::submit_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given,
                               const Then& then) {
     check_settings(cameras, given);
-    finish();
+    slot_ = (slot_ + 1) % kImagesUnderWay;
+    if (!finish(slot_)) {
+        finish();
+        enlarge();
+    }
     const TraceSpan span("record a frame");
     const FrameSettings settings = begin_with_memory_left(cameras, given);
-    if (segments_) segments_->begin_frame();
-    commands_.begin();
+    if (segments_) segments_->begin_frame(slot_);
+    commands().begin();
     record_frame(settings);
     if (to == Destination::kHost) record_readback();
-    if (then) then(commands_, image_);
-    commands_.submit();
-    under_way_ = true;
+    if (then) then(commands(), image_);
+    commands().submit();
+    under_way_[slot_] = true;
+}
+
+void FrameRenderer::wait_for_device() {
+    for (gpu::Commands& commands : commands_) commands.wait();
+}
+
+// Of the slot's image, which is finished. The timestamps of software devices leave compute passes out where a
+// submission also draws.
+void FrameRenderer::note_times(uint32_t slot) {
+    const gpu::Commands& commands = commands_[slot];
+    milliseconds_ = commands.milliseconds();
+    device_milliseconds_ = device_.summary().kind == "cpu" ? milliseconds_ : commands.device_milliseconds();
+}
+
+// Waits for the image of the slot. Returns false where it lacks parts: finish() must be called.
+bool FrameRenderer::finish(uint32_t slot) {
+    commands_[slot].wait();
+    if (!std::exchange(under_way_[slot], false)) return true;
+    note_times(slot);
+    return !overflowed(slot);
 }
 
 bool FrameRenderer::finish() {
-    commands_.wait();
-    return !std::exchange(under_way_, false) || !enlarge();
+    bool whole = true;
+    for (uint32_t i = 1; i <= kImagesUnderWay; i++)  // the oldest first
+        whole &= finish((slot_ + i) % kImagesUnderWay);
+    if (!whole) enlarge();
+    return whole;
 }
 
 void FrameRenderer::submit(std::span<const stage::Camera> cameras, const FrameSettings& settings, const Then& then) {
@@ -432,11 +472,6 @@ const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, c
                                        const Then& then) {
     draw_to(Destination::kDevice, cameras, settings, then);
     return image_;
-}
-
-// The timestamps of software devices leave compute passes out where a submission also draws.
-double FrameRenderer::device_milliseconds() const {
-    return device_.summary().kind == "cpu" ? commands_.milliseconds() : commands_.device_milliseconds();
 }
 
 std::vector<media::Image> FrameRenderer::render_views(std::span<const stage::Camera> cameras,
@@ -457,12 +492,12 @@ media::Image FrameRenderer::render(const stage::Camera& camera, const FrameSetti
 }
 
 std::vector<glm::vec4> FrameRenderer::radiance(uint32_t view) const {
-    assert(!under_way_ && "finish() first");
+    assert(!any_under_way() && "finish() first");
     return rows_of_view<glm::vec4>(device_, target_.rays.radiance, layout_, view);
 }
 
 std::vector<float> FrameRenderer::depth(uint32_t view) const {
-    assert(!under_way_ && "finish() first");
+    assert(!any_under_way() && "finish() first");
     return rows_of_view<float>(device_, target_.rays.depth, layout_, view);
 }
 

@@ -28,22 +28,22 @@ std::vector<DrawnInstance> all_in_segments(std::span<const std::vector<DrawnInst
 // are in use after each in Segments::used_pages, and the first page of each ray in `heads`.
 void FrameRenderer::record_segments(std::span<const DrawnInstance> instances, const TileSpan& tiles,
                                     const gpu::Buffer& heads) {
-    record_clear_rays(commands_, clearer_);
-    record_heads_cleared(commands_, *segments_);
-    record_merge_begin(commands_, *segments_);
-    gpu::fill(commands_, target_.ranges.sharing, 2);
-    gpu::compute_barrier(commands_);
+    record_clear_rays(commands(), clearer_);
+    record_heads_cleared(commands(), *segments_);
+    record_merge_begin(commands(), *segments_);
+    gpu::fill(commands(), target_.ranges.sharing, 2);
+    gpu::compute_barrier(commands());
     for (size_t i = 0; i < instances.size(); i++) {
         DrawnInstance instance = instances[i];
         instance.rays.tiles = tiles;
-        record_instance(commands_, *performers_[instance.field], kEyeTarget, instance, layout_);
-        gpu::copy(commands_, segments_->pages(), segments_->used_pages(), sizeof(uint32_t), 0, sizeof(uint32_t) * i);
+        record_instance(commands(), *performers_[instance.field], kEyeTarget, instance, layout_);
+        gpu::copy(commands(), segments_->pages(), segments_->used_pages(), sizeof(uint32_t), 0, sizeof(uint32_t) * i);
     }
-    gpu::copy(commands_, segments_->pages(), heads, sizeof(uint32_t) * kTilePixels * (tiles.end - tiles.first),
+    gpu::copy(commands(), segments_->pages(), heads, sizeof(uint32_t) * kTilePixels * (tiles.end - tiles.first),
               sizeof(uint32_t) * (kFirstHead + uint64_t{kTilePixels} * tiles.first));
-    gpu::compute_barrier(commands_);
-    record_heads_cleared(commands_, *segments_);  // as later merges expect it
-    gpu::host_barrier(commands_);
+    gpu::compute_barrier(commands());
+    record_heads_cleared(commands(), *segments_);  // as later merges expect it
+    gpu::host_barrier(commands());
 }
 
 void FrameRenderer::take_band(std::span<const DrawnInstance> instances, const TileSpan& tiles, const gpu::Buffer& heads,
@@ -77,10 +77,11 @@ void FrameRenderer::read_segments(const TakeSegments& take) {
     uint32_t most = kMostTiles;
     for (TileSpan band{0, 0}; band.first < layout_.ray_tiles();) {
         band.end = std::min(layout_.ray_tiles(), band.first + most);
-        commands_.begin();
+        commands().begin();
         record_segments(instances, band, heads);
-        commands_.submit();
-        commands_.wait();
+        commands().submit();
+        commands().wait();
+        note_times(slot_);
         const uint32_t used = segments_->used_pages().as<uint32_t>()[instances.size() - 1];
         if (used >= segments_->page_count()) {
             if (most == 1)

@@ -11,8 +11,9 @@ ShaderCamera shader_camera_of(const TargetViews& views, const stage::Camera& cam
 }
 
 void write_cameras(const TargetViews& views) {
+    views.target.used_cameras = 0;
     for (uint32_t view = 0; view < views.layout.views; view++)
-        views.target.rays.cameras.as<ShaderCamera>()[view] = shader_camera_of(views, views.cameras[view], view);
+        views.target.set_camera(view, shader_camera_of(views, views.cameras[view], view));
 }
 
 void write_tiles(const TargetViews& views) {
@@ -44,8 +45,7 @@ std::optional<DrawnInstance> write_instance_cameras(const TargetViews& views, co
         const glm::dvec2 image = static_cast<double>(layout.samples) * glm::dvec2(camera.width, camera.height);
         const double rays =
             pixels_covered(range, image, field.leaves_min, field.leaves_max) * views.scale * views.scale;
-        views.target.rays.cameras.as<ShaderCamera>()[drawn.rays.first_camera + view] = shader_camera;
-        views.target.ranges.views.as<RangeView>()[drawn.rays.first_camera + view] = range;
+        views.target.set_camera(drawn.rays.first_camera + view, shader_camera, range);
         const uint32_t level = range_level(field, eye, pixel_rays * std::max(camera.fx, camera.fy));
         drawn.range_level = std::max(drawn.range_level, level);
         if (play_shading(field, eye, rays) == Shading::kPerRay) drawn.shading = Shading::kPerRay;

@@ -1,6 +1,7 @@
 #include "render/performer.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace neuvv::render {
 
@@ -10,6 +11,10 @@ namespace {
 uint32_t likely_entries(const Field& field) {
     const uint32_t max = max_entries(field);
     return field.frames == 1 ? max : std::min(max, max / 4 + 4096);
+}
+
+bool any_painted(std::span<const SliceKey> slices) {
+    return std::any_of(slices.begin(), slices.end(), [](const SliceKey& key) { return key.paint != 0; });
 }
 
 }  // namespace
@@ -88,16 +93,18 @@ void Performer::make_slices(uint32_t entries) {
     picker_.reset();
     slices_.reset();  // frees their memory before the new ones are created
     slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
-    counts_readback_ =
-        gpu::Buffer(device_, "entries readback", slices_->trees().counts.bytes, gpu::MemoryKind::kReadback);
+    for (gpu::Buffer& counts : counts_readback_) {
+        counts = gpu::Buffer(device_, "entries readback", slices_->trees().counts.bytes, gpu::MemoryKind::kReadback);
+        std::memset(counts.mapped, 0, counts.bytes);  // images that are under way do not write it
+    }
     for (const auto& [target, views] : targets_)
         passes_.push_back(std::make_unique<TargetPasses>(device_, field_, live_, &slices_->trees(), *target, views));
     slice_paint_count_ = paints_.count();
 }
 
 // Creates slices where paint needs one and there are none, and more slices where there are more paints than before.
-void Performer::make_slices_for_paint(bool any_painted) {
-    if (!slices_ && any_painted) {
+void Performer::make_slices_for_paint(bool are_painted) {
+    if (!slices_ && are_painted) {
         passes_.clear();  // they are bound to the live leaves
         finder_.reset();
         live_ = LiveLeaves(device_, field_, field_.leaf_count);
@@ -127,9 +134,12 @@ void Performer::replace_target(uint32_t number, const RayTarget& target, uint32_
         std::make_unique<TargetPasses>(device_, field_, live_, slices_ ? &slices_->trees() : nullptr, target, views);
 }
 
+bool Performer::replaces_slices(std::span<const SliceKey> slices) const {
+    return slices_ ? paints_.count() > slice_paint_count_ : any_painted(slices);
+}
+
 void Performer::prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next) {
-    make_slices_for_paint(
-        std::any_of(slices.begin(), slices.end(), [](const SliceKey& key) { return key.paint != 0; }));
+    make_slices_for_paint(any_painted(slices));
     if (!slices_) return;
     slices_->request(slices);
     // Otherwise there is no room for more slices, and the buffers of live leaves are used for other slices.
@@ -157,21 +167,21 @@ void Performer::forget_segments() {
     for (const auto& passes : passes_) passes->forget_segments();
 }
 
-uint64_t Performer::used_entries() const {
+uint64_t Performer::used_entries(uint32_t slot) const {
     uint64_t entries = 0;
     for (uint32_t slice = 0; slices_ && slice < slices_->trees().slices; slice++)
-        if (slices_->is_used(slice)) entries += counts_readback_.as<LiveCount>()[slice].slots;
+        if (slices_->is_used(slice)) entries += counts_readback_[slot].as<LiveCount>()[slice].slots;
     return entries;
 }
 
-bool Performer::enlarge_slices() {
+bool Performer::overflowed(uint32_t slot) const {
     if (!slices_) return false;
-    const SliceTrees& trees = slices_->trees();
-    const std::span counts(counts_readback_.as<LiveCount>(), trees.slices);
-    if (std::none_of(counts.begin(), counts.end(), [](const LiveCount& count) { return count.overflow > 0; }))
-        return false;
-    make_slices(std::min(max_entries(field_), 2 * trees.capacity));
-    return true;
+    const std::span counts(counts_readback_[slot].as<LiveCount>(), slices_->trees().slices);
+    return std::any_of(counts.begin(), counts.end(), [](const LiveCount& count) { return count.overflow > 0; });
+}
+
+void Performer::enlarge_slices() {
+    make_slices(std::min(max_entries(field_), 2 * slices_->trees().capacity));
 }
 
 std::vector<Picked> Performer::pick(uint32_t slice, std::span<const PickRay> rays, float alpha) {
@@ -185,11 +195,12 @@ void record_slices(gpu::Commands& commands, Performer& performer) {
     if (SliceCache* cache = performer.slices()) cache->record_slices(commands);
 }
 
-void record_prefetch(gpu::Commands& commands, Performer& performer, uint32_t parts) {
+void record_prefetch(gpu::Commands& commands, Performer& performer, uint32_t parts, uint32_t slot) {
     SliceCache* cache = performer.slices();
     if (!cache) return;
     cache->record_prefetch(commands, parts);
-    gpu::copy(commands, cache->trees().counts, performer.counts_readback(), performer.counts_readback().bytes);
+    const gpu::Buffer& readback = performer.counts_readback(slot);
+    gpu::copy(commands, cache->trees().counts, readback, readback.bytes);
     gpu::compute_barrier(commands);
 }
 
@@ -233,7 +244,7 @@ void record_instance(gpu::Commands& commands, Performer& performer, uint32_t tar
                           highlight->bones);
     const bool shaded = instance.shading == Shading::kPerLeaf;
     for (uint32_t view = 0; shaded && view < layout.views; view++) {
-        const RangeView& range = passes.target.ranges.views.as<RangeView>()[instance.rays.first_camera + view];
+        const RangeView& range = passes.target.views[instance.rays.first_camera + view];
         record_shade(commands, passes.per_leaf->shader, *slice, view, glm::vec3(range.eye));
         if (highlight) record_highlight(commands, *passes.highlighter, *slice, view, highlight->tints);
     }

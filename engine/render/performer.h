@@ -112,12 +112,16 @@ class Performer {
     // instance of each target. Both create on the device what is missing.
     void prepare(std::span<const SliceKey> slices, std::span<const SliceKey> next = {});
     void prepare(uint32_t target, const DrawnInstance& instance, const Segments* segments);
-    // To be called after the image is finished. Returns true where a slice had more entries than there was room for:
-    // the slices now have more room, and the image must be prepared and recorded again.
-    bool enlarge_slices();
+    // Whether prepare() would replace slices that images under way read, if it were given these.
+    bool replaces_slices(std::span<const SliceKey> slices) const;
+    // Whether a slice had more entries than there was room for in an image that is finished, by its slot. Then the
+    // slices need more room, and the image must be prepared and recorded again. No image may be under way.
+    bool overflowed(uint32_t slot) const;
+    void enlarge_slices();
     void forget_segments();
-    // The number of live leaves and of live nodes above them, in the slices that the last image used.
-    uint64_t used_entries() const;
+    // The number of live leaves and of live nodes above them, in the slices that the last image used; `slot` is that of
+    // an image that is finished.
+    uint64_t used_entries(uint32_t slot) const;
 
     // Picks with rays in the performer's space in a slice of slices(), which must have been built. Waits for the
     // device. To be called between images.
@@ -129,11 +133,11 @@ class Performer {
     const TargetPasses& passes(uint32_t target = 0) const { return *passes_[target]; }
     const LiveFinder& finder() const { return *finder_; }
     BoneBinder& bone_binder() { return *bone_binder_; }  // exists where an instance with a highlight was prepared
-    const gpu::Buffer& counts_readback() const { return counts_readback_; }
+    const gpu::Buffer& counts_readback(uint32_t slot) const { return counts_readback_[slot]; }
 
   private:
     void make_slices(uint32_t entries);
-    void make_slices_for_paint(bool any_painted);
+    void make_slices_for_paint(bool are_painted);
     const gpu::Device& device_;
     const Field& field_;
     const Paints& paints_;
@@ -142,8 +146,8 @@ class Performer {
     std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
     std::unique_ptr<BoneBinder> bone_binder_;
-    std::unique_ptr<SlicePicker> picker_;  // created when first needed
-    gpu::Buffer counts_readback_;          // LiveCount of each slice, of the last image
+    std::unique_ptr<SlicePicker> picker_;                       // created when first needed
+    std::array<gpu::Buffer, kImagesUnderWay> counts_readback_;  // by slot: LiveCount of each slice
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target
     size_t slice_paint_count_ = 0;                       // the number of paints for which there is room
@@ -151,8 +155,9 @@ class Performer {
 
 // Builds the slices of the prepared instances.
 void record_slices(gpu::Commands& commands, Performer& performer);
-// To be recorded after the image: builds `parts` parts of the slices of the next images (a slice has kSliceParts).
-void record_prefetch(gpu::Commands& commands, Performer& performer, uint32_t parts);
+// To be recorded after the image: builds `parts` parts of the slices of the next images (a slice has kSliceParts). The
+// host reads in the image's slot how many entries slices have.
+void record_prefetch(gpu::Commands& commands, Performer& performer, uint32_t parts, uint32_t slot);
 
 // Counts a prepared instance of a group in TileRanges::sharing, for each tile that it may cover.
 void record_sharing(gpu::Commands& commands, Performer& performer, uint32_t target, const DrawnInstance& instance,

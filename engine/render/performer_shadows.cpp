@@ -31,7 +31,9 @@ PerformerShadows::PerformerShadows(const gpu::Device& device, SetRaster& given_s
     : set(given_set),
       target(device, kMaxShadows * (instances + 1), kMaxShadows * kMapTiles, kMaxShadows * kMapTiles),
       clearer(device, target),
-      blur(device, target.rays, set.performer_shadows) {}
+      blur(device, target.rays, set.performer_shadows) {
+    write_tiles({target, {kSide, kSide, 1, kMaxShadows}, {}});  // those of fewer lights come first
+}
 
 // Finds the lights that cast performers' shadows, and their cameras.
 void PerformerShadows::prepare_lights(const FieldLevels& levels, std::span<const Instance> instances) {
@@ -50,10 +52,8 @@ void PerformerShadows::prepare_lights(const FieldLevels& levels, std::span<const
 void PerformerShadows::prepare(const FieldLevels& levels, std::span<const Instance> instances) {
     prepare_lights(levels, instances);
     drawn.clear();
-    const ViewLayout before = layout;
     layout = {kSide, kSide, 1, static_cast<uint32_t>(cameras.size())};
     const TargetViews views{target, layout, cameras};
-    if (layout != before) write_tiles(views);
     if (cameras.empty()) return;
     write_cameras(views);
     for (const Instance& instance : instances) {
@@ -70,6 +70,7 @@ void PerformerShadows::prepare(const FieldLevels& levels, std::span<const Instan
 void record_performer_shadows(gpu::Commands& commands, PerformerShadows& shadows,
                               std::span<const std::unique_ptr<Performer>> performers, uint32_t target) {
     if (shadows.cameras.empty()) return;
+    record_cameras(commands, shadows.target);
     record_clear_rays(commands, shadows.clearer);
     for (const DrawnInstance& instance : shadows.drawn)
         record_instance(commands, *performers[instance.field], target, instance, shadows.layout);

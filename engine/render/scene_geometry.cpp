@@ -170,6 +170,11 @@ void repoint_geometry(SceneGeometry& geometry, const stage::GltfScene& scene) {
     if (!same_nodes) geometry.pose = {};  // poses are indexed by node
 }
 
+bool has_pose(const SceneGeometry& geometry, const stage::PosedScene& pose) {
+    return std::none_of(geometry.draws.begin(), geometry.draws.end(),
+                        [&](const SceneDraw& draw) { return moved(geometry, draw, pose); });
+}
+
 bool pose_geometry(SceneGeometry& geometry, const stage::PosedScene& pose) {
     bool any = false;
     for (SceneDraw& draw : geometry.draws) {

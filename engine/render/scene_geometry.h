@@ -47,6 +47,8 @@ bool has_vertices_of(const SceneGeometry& geometry, const stage::GltfScene& scen
 // same.
 void repoint_geometry(SceneGeometry& geometry, const stage::GltfScene& scene);
 
+// Whether no draw differs from `geometry.pose`.
+bool has_pose(const SceneGeometry& geometry, const stage::PosedScene& pose);
 // Poses the draws that differ from `geometry.pose`, and returns whether there were any. It writes memory that draws
 // read, so no submitted work may draw the geometry meanwhile.
 bool pose_geometry(SceneGeometry& geometry, const stage::PosedScene& pose);

@@ -35,8 +35,9 @@ Segments::Segments(const gpu::Device& device, const RayTarget& target, uint32_t 
       merges_(merges),
       head_pages_(pages_of_heads(target)),
       max_pages_(max_pages(device, head_pages_, budget)),
-      used_pages_(device, "used pages", uint64_t{4} * merges, gpu::MemoryKind::kReadback),
       pass_(device, "merge", device.buffers().fitting(merge_comp, merge_comp_storage)) {
+    for (gpu::Buffer& used : used_pages_)
+        used = gpu::Buffer(device, "used pages", uint64_t{4} * merges, gpu::MemoryKind::kReadback);
     make_pages(std::min(head_pages_ + kFirstPages, max_pages_));
 }
 
@@ -67,13 +68,14 @@ bool Segments::make_more_pages() {
     }
 }
 
-bool Segments::overflowed() const {
-    const uint32_t* counts = used_pages_.as<uint32_t>();
-    return recorded_ > 0 && *std::max_element(counts, counts + recorded_) >= page_count_;
+bool Segments::overflowed(uint32_t slot) const {
+    const std::span used(used_pages_[slot].as<uint32_t>(), recorded_[slot]);
+    return std::any_of(used.begin(), used.end(), [this](uint32_t pages) { return pages >= page_count_; });
 }
 
 void Segments::enlarge() {
-    const uint32_t merges = std::exchange(recorded_, 0);
+    const uint32_t merges = *std::max_element(recorded_.begin(), recorded_.end());
+    recorded_ = {};
     if (make_more_pages()) return;
     if (2 * bands_ > target_.rays.tile_capacity || 2 * merges > merges_)
         throw RuntimeFailure(
@@ -83,8 +85,8 @@ void Segments::enlarge() {
 }
 
 uint32_t Segments::add_merge() {
-    assert(recorded_ < merges_ && "more merges a frame than there is room for");
-    return recorded_++;
+    assert(recorded_[slot_] < merges_ && "more merges a frame than there is room for");
+    return recorded_[slot_]++;
 }
 
 void record_heads_cleared(gpu::Commands& commands, const Segments& segments) {

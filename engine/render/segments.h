@@ -5,6 +5,7 @@
 #include "shared/segments.h"
 
 #include <algorithm>
+#include <array>
 
 namespace neuvv::render {
 
@@ -17,14 +18,18 @@ class Segments {
     // the device's limits may allow fewer.
     Segments(const gpu::Device& device, const RayTarget& target, uint32_t merges, uint64_t budget);
 
-    // Whether the last frame, which must be finished, had more segments than there was room for. Then enlarge() makes
-    // more room or more bands, and the frame must be recorded again, by passes that are bound to the new buffers.
-    // enlarge() throws RuntimeFailure where even the smallest bands have more segments than fit.
-    bool overflowed() const;
+    // Whether the frame of this slot, which must be finished, had more segments than there was room for. Then enlarge()
+    // makes more room or more bands, and the frame must be recorded again, by passes that are bound to the new buffers.
+    // No frame may be under way. enlarge() throws RuntimeFailure where even the smallest bands have more segments than
+    // fit.
+    bool overflowed(uint32_t slot) const;
     void enlarge();
 
-    // To be called before a frame is recorded.
-    void begin_frame() { recorded_ = 0; }
+    // To be called before a frame is recorded, with its slot.
+    void begin_frame(uint32_t slot) {
+        slot_ = slot;
+        recorded_[slot] = 0;
+    }
 
     // Returns the number of the next merge of the frame. The constructor's `merges` must not be exceeded (assert).
     uint32_t add_merge();
@@ -33,7 +38,7 @@ class Segments {
     // How many pages there are, those of `heads` included (shared/segments.h), and how many these are.
     uint64_t page_count() const { return page_count_; }
     uint32_t head_pages() const { return static_cast<uint32_t>(head_pages_); }
-    const gpu::Buffer& used_pages() const { return used_pages_; }
+    const gpu::Buffer& used_pages() const { return used_pages_[slot_]; }  // of the frame that begin_frame began
     const gpu::ComputePass& pass() const { return pass_; }
     const gpu::BindingSet& bindings() const { return set_; }
 
@@ -48,8 +53,9 @@ class Segments {
     uint32_t merges_, bands_ = 1;
     uint64_t head_pages_, page_count_ = 0, max_pages_;
     gpu::Buffer pages_;
-    gpu::Buffer used_pages_;  // the number of pages that each merge of the frame needed; readback
-    uint32_t recorded_ = 0;
+    uint32_t slot_ = 0;
+    std::array<gpu::Buffer, kImagesUnderWay> used_pages_;  // by slot: the pages that each merge needed; readback
+    std::array<uint32_t, kImagesUnderWay> recorded_{};     // by slot: merges
     gpu::ComputePass pass_;
     gpu::BindingSet set_;
 };

@@ -217,7 +217,7 @@ void SetRaster::make_images(uint32_t views) {
 void SetRaster::make_light_buffers() {
     constexpr uint64_t kSetMap = uint64_t{kSetShadowSide} * kSetShadowSide,
                        kPerformerMap = uint64_t{kPerformerShadowSide} * kPerformerShadowSide;
-    lights_buffer = gpu::Buffer(device_, "set lights", sizeof(ShaderLights), gpu::MemoryKind::kUpload);
+    lights_buffer = gpu::Buffer(device_, "set lights", sizeof(ShaderLights), gpu::MemoryKind::kDevice);
     set_shadow_maps =
         gpu::Buffer(device_, "set shadow maps", 4 * kMaxShadows * kSetMap, gpu::MemoryKind::kDevice, kMetres);
     performer_shadows = gpu::Buffer(device_, "performer shadows", 8 * kMaxShadows * kPerformerMap,
@@ -300,6 +300,10 @@ WorldBox SetRaster::box() const {
     return {geometry_.low, geometry_.high};
 }
 
+bool SetRaster::has_pose(const stage::PosedScene& pose) const {
+    return render::has_pose(geometry_, pose);
+}
+
 void SetRaster::pose(const stage::PosedScene& pose) {
     if (!pose_geometry(geometry_, pose)) return;
     shadows_outdated_ = true;
@@ -329,7 +333,6 @@ void SetRaster::pack() {
         if (packed_.light[i].shadow != kNoShadow)
             shadows_outdated_ |= i >= before.count || packed_.light[i].shadow != before.light[i].shadow ||
                                  packed_.light[i].clip_from_world != before.light[i].clip_from_world;
-    std::memcpy(lights_buffer.mapped, &packed_, sizeof(packed_));
 }
 
 void SetRaster::hide(std::span<const std::vector<glm::vec2>> corners) {

@@ -57,6 +57,9 @@ class SetRaster {
     void resize(uint32_t width, uint32_t height);
 
     // Sets the pose of the scene. Vertices that did not move are not written.
+    // Whether the pose is the present one already. If not, pose() writes what draws read, and no submitted work may
+    // draw the set meanwhile.
+    bool has_pose(const stage::PosedScene& pose) const;
     void pose(const stage::PosedScene& pose);
     void light(std::span<const SetLight> lights, const SetAmbient& ambient, const SetShadows& shadows = {});
 
@@ -70,6 +73,8 @@ class SetRaster {
     // shadow, `colour` is 0 there. Rays end at the floor.
     void catch_shadows(std::optional<double> floor_m);
 
+    // To be recorded first: brings the lights to lights_buffer.
+    void record_lights(gpu::Commands& commands) const;
     // Draws the shadow maps of the set. Records nothing where neither the set nor the lights with shadows have changed.
     void record_shadows(gpu::Commands& commands);
     // Draws opaque and masked pieces, and the environment behind them where it is shown → colour, depth. One camera per

@@ -74,6 +74,11 @@ void store(gpu::Commands& commands, const gpu::DeviceImage& image, const VkRect2
 
 }  // namespace
 
+void SetRaster::record_lights(gpu::Commands& commands) const {
+    gpu::update(commands, lights_buffer, packed_);
+    gpu::compute_barrier(commands);
+}
+
 void SetRaster::record_shadows(gpu::Commands& commands) {
     if (!shadows_outdated_ || catcher_floor_m_) return;
     shadows_outdated_ = false;

@@ -118,6 +118,7 @@ void StageRenderer::update_segment_paints() {
                     : NumberedPaint{segment.loaded, frames_->paints(number_of(segment.loaded->field)).add(one->paint)};
         }
     });
+    if (!before.empty()) frames_->finish();
     for (const auto& [paint, numbered] : before) {
         const auto clip = numbered.clip.lock();
         const uint32_t field = clip ? number_of(clip->field) : static_cast<uint32_t>(fields_.size());
@@ -250,7 +251,6 @@ void StageRenderer::bring_to_device(const stage::EvaluatedStage& evaluated, Miss
 }
 
 void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_environment, MissingSegments missing) {
-    frames_->finish();
     const TraceSpan span("show the stage");
     with_memory_of_slices(*frames_, [&] { bring_to_device(evaluated, missing); });
     std::vector<SetLight> lights;
@@ -262,6 +262,7 @@ void StageRenderer::show(const stage::EvaluatedStage& evaluated, bool show_envir
         ambient.environment_rotation = glm::radians(stage_->settings.environment->rotation_deg);
         ambient.show_environment = show_environment;
     }
+    if (!set_->has_pose(evaluated.pose)) frames_->finish();
     set_->pose(evaluated.pose);
     has_room_lamp_ = room_floor_m_ && lights.empty();
     if (has_room_lamp_) {

@@ -53,7 +53,7 @@ class StageRenderer {
     // has no lights, half of its ambient light comes from above, so that there is a shadow (none where an image of the
     // environment alone lights it); performers look as without it.
     void show_room(std::optional<double> floor_m) {
-        frames_->finish();
+        if (floor_m.has_value() != room_floor_m_.has_value()) frames_->finish();
         set_->catch_shadows(floor_m);
         room_floor_m_ = floor_m;
     }

@@ -66,9 +66,10 @@ uint32_t range_level(const Field& field, glm::vec3 eye, double focal_pixels) {
     return level;
 }
 
-TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t image_tiles, uint32_t cameras)
+TileRanges::TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t image_tiles, uint32_t cameras,
+                       gpu::MemoryKind views_in)
     : image_tile_capacity(image_tiles),
-      views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, gpu::MemoryKind::kUpload),
+      views(device, "views of instances", sizeof(RangeView) * uint64_t{cameras}, views_in),
       ranges(device, "tile ranges", uint64_t{8} * ray_tiles, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32_UINT),
       list(device, "tile list", list_bytes(ray_tiles), gpu::MemoryKind::kDevice, VK_FORMAT_R32_UINT),
       count(device, "count of tiles", sizeof(LiveCount), gpu::MemoryKind::kDevice),

@@ -8,12 +8,14 @@
 namespace neuvv::render {
 
 struct TileRanges {
-    // Has room for so many tiles of rays and of images, and for `cameras` cameras, as the ray batch.
-    TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t image_tiles, uint32_t cameras);
+    // Has room for so many tiles of rays and of images, and for `cameras` cameras, as the ray batch, in memory of this
+    // kind.
+    TileRanges(const gpu::Device& device, uint32_t ray_tiles, uint32_t image_tiles, uint32_t cameras,
+               gpu::MemoryKind views_in = gpu::MemoryKind::kUpload);
 
     uint32_t image_tile_capacity;
 
-    gpu::Buffer views;    // RangeView of each camera of the ray batch, host-mapped
+    gpu::Buffer views;    // RangeView of each camera of the ray batch
     gpu::Buffer ranges;   // per tile: (bits of the least distance, complement of the bits of the largest)
     gpu::Buffer list;     // the tiles of rays that the last instance may cover, then kNoTile
     gpu::Buffer count;    // LiveCount of the list

@@ -10,10 +10,10 @@
 
 namespace neuvv::render {
 
-RayBatch::RayBatch(const gpu::Device& device, uint32_t camera_count, uint32_t tile_count)
+RayBatch::RayBatch(const gpu::Device& device, uint32_t camera_count, uint32_t tile_count, gpu::MemoryKind cameras_in)
     : camera_capacity(std::max(camera_count, 1u)),
       tile_capacity(std::max(tile_count, 1u)),
-      cameras(device, "cameras", sizeof(ShaderCamera) * uint64_t{camera_capacity}, gpu::MemoryKind::kUpload,
+      cameras(device, "cameras", sizeof(ShaderCamera) * uint64_t{camera_capacity}, cameras_in,
               VK_FORMAT_R32G32B32A32_SFLOAT),
       tiles(device, "tiles", sizeof(Tile) * uint64_t{tile_capacity}, gpu::MemoryKind::kUpload,
             VK_FORMAT_R32G32B32A32_UINT),

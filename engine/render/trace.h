@@ -13,11 +13,12 @@ namespace neuvv::render {
 
 // Rays on the device: cameras, their tiles of 8×8 pixels, and the results of tracing them, in tile order.
 struct RayBatch {
-    // Has room for `cameras` cameras and `tiles` tiles.
-    RayBatch(const gpu::Device& device, uint32_t cameras, uint32_t tiles);
+    // Has room for `cameras` cameras, in memory of this kind, and `tiles` tiles.
+    RayBatch(const gpu::Device& device, uint32_t cameras, uint32_t tiles,
+             gpu::MemoryKind cameras_in = gpu::MemoryKind::kUpload);
 
     uint32_t camera_capacity, tile_capacity;
-    gpu::Buffer cameras;   // ShaderCamera, host-mapped
+    gpu::Buffer cameras;   // ShaderCamera
     gpu::Buffer tiles;     // Tile, host-mapped
     gpu::Buffer radiance;  // per ray: premultiplied linear RGB and alpha
     gpu::Buffer depth;     // per ray: metres (errata 12)

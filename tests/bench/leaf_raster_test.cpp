@@ -57,8 +57,7 @@ class Drawn {
     }
 
     Rays trace(const stage::Camera& camera, float stop, uint32_t samples = 1) {
-        return draw(camera, samples, [&](gpu::Commands& commands, const ShaderCamera& seen) {
-            *target.ranges.views.as<RangeView>() = render::range_view(seen);
+        return draw(camera, samples, [&](gpu::Commands& commands, const ShaderCamera&) {
             render::record_clear(commands, rays, static_cast<uint32_t>(tiles.size()));
             render::record_clear_coverage(commands, target.ranges);
             render::record_tile_ranges(commands, ranger_, kSlice, 0, field.node_levels - 1,
@@ -90,7 +89,7 @@ class Drawn {
     const render::SliceTrees trees;
     const gpu::Buffer shaded;
     const std::vector<Tile> tiles;
-    const render::RayTarget target;
+    render::RayTarget target;
     const render::RayBatch& rays;
     const bench::LeafRasterizer rasterizer;
 
@@ -98,8 +97,9 @@ class Drawn {
     template <typename Record>
     Rays draw(const stage::Camera& camera, uint32_t samples, const Record& record) {
         const ShaderCamera seen = render::shader_camera(stage::enlarged(camera, samples), samples);
-        *rays.cameras.as<ShaderCamera>() = seen;
+        target.set_camera(0, seen, render::range_view(seen));
         gpu::run_once(device_, "draw", [&](gpu::Commands& commands) {
+            render::record_cameras(commands, target);
             render::record_shade(commands, shader_, kSlice, 0, glm::vec3(seen.origin));
             record(commands, seen);
         });

@@ -113,6 +113,7 @@ TEST_F(SetShadowTest, CanBeTurnedOffAndAreDrawnAgainOnlyForChanges) {
     const auto maps_drawn = [&] {
         gpu::Commands commands(device());
         commands.begin();
+        set.record_lights(commands);
         set.record_shadows(commands);
         commands.submit();
         commands.wait();
@@ -283,6 +284,7 @@ TEST_F(SetShadowTest, ComputeShadersLightAlike) {
                                           {kProbePerformerShadows, &set.performer_shadows},
                                           {kProbeOut, &out}});
     gpu::run_once(device(), "light probe", [&](gpu::Commands& commands) {
+        set.record_lights(commands);
         set.record_shadows(commands);
         const LightProbePush push{static_cast<uint32_t>(positions.size())};
         gpu::dispatch(commands, pass, bindings, positions.size(), push);

@@ -151,6 +151,53 @@ TEST_F(StageRendererTest, PerformersAndLightsChangeWithoutUploads) {
     EXPECT_EQ(device().buffer_bytes(), bytes);
 }
 
+// The stage at some times, with other lights, performers, set and camera in each image.
+std::vector<stage::EvaluatedStage> changing(const stage::Stage& stage) {
+    std::vector<stage::EvaluatedStage> all;
+    for (uint32_t i = 0; i < 6; i++) {
+        stage::EvaluatedStage& one = all.emplace_back(stage::stage_at(stage, 0.04 * i));
+        one.lights[0].position.x += 0.4 * i;
+        one.performers[0].world_from_performer[3].x += 0.1 * i;
+        one.performers[1].visible = i % 3 != 1;
+        if (i > 3) one.pose.world_from_node[1][3].y += 0.1 * i;
+    }
+    return all;
+}
+
+// The host shows the stage for the next image while the device draws the one before.
+TEST_F(StageRendererTest, ImagesUnderWayAreThoseThatOneWaitsFor) {
+    Draft draft;
+    Live live{device(), draft}, submitted{device(), draft};
+    constexpr uint64_t kBytes = uint64_t{4} * kWidth * kHeight;
+    const std::vector<stage::EvaluatedStage> all = changing(*live.stage);
+    const auto camera = [](size_t i) {
+        return look_at({0.4 - 0.2 * static_cast<double>(i), 1.6, 4.2}, {0.2, 0.5, 0}, kWidth, kHeight, 1.1);
+    };
+    std::vector<media::Image> expected;
+    std::vector<gpu::Buffer> kept;
+    for (size_t i = 0; i < all.size(); i++) {
+        live.renderer.show(all[i]);
+        expected.push_back(live.renderer.frames().render(camera(i), live.renderer.settings_at(all[i])));
+        kept.emplace_back(device(), "kept", kBytes, gpu::MemoryKind::kReadback);
+    }
+    submitted.image();  // makes what images need, so that nothing waits for the device
+    for (size_t i = 0; i < all.size(); i++) {
+        submitted.renderer.show(all[i]);
+        submitted.renderer.frames().submit({std::array{camera(i)}}, submitted.renderer.settings_at(all[i]),
+                                           [&](gpu::Commands& commands, const gpu::Buffer& images) {
+                                               gpu::compute_barrier(commands);
+                                               gpu::copy(commands, images, kept[i], kBytes);
+                                               gpu::host_barrier(commands);
+                                           });
+    }
+    EXPECT_TRUE(submitted.renderer.frames().finish());
+    for (size_t i = 0; i < all.size(); i++) {
+        const auto* pixels = kept[i].as<uint8_t>();
+        EXPECT_TRUE(std::equal(expected[i].rgba.begin(), expected[i].rgba.end(), pixels)) << i;
+        if (i > 0) EXPECT_NE(expected[i].rgba, expected[i - 1].rgba);
+    }
+}
+
 TEST_F(StageRendererTest, TheSetChanges) {
     Draft draft;
     Live live{device(), draft};

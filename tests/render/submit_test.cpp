@@ -13,32 +13,38 @@ constexpr uint32_t kWidth = 40, kHeight = 32;
 
 using SubmitTest = GpuTest;
 
-// The host goes on while the device draws: what it writes for the next image must not reach the one before.
+// The host goes on while the device draws, and waits for nothing here but the images before the last: what it writes
+// for an image must not reach the one before.
 TEST_F(SubmitTest, SubmittedImagesAreThoseThatOneWaitsFor) {
     const voctree::VOctree tree = random_tree({.seed = 2, .node_levels = 2, .leaves = 900, .bases = 5});
     const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
     const render::FrameCapacity capacity{.width = kWidth, .height = kHeight};
     render::FrameRenderer submitted(device(), {&field}, capacity), drawn(device(), {&field}, capacity);
     constexpr uint64_t kBytes = uint64_t{4} * kWidth * kHeight;
-    std::vector<gpu::Buffer> kept;
+    std::vector<stage::Camera> cameras;
+    std::vector<render::FrameSettings> all;
     std::vector<std::vector<uint32_t>> expected;
     for (uint32_t i = 0; i < 8; i++) {
-        const stage::Camera camera = look_at({3.0 - i, 1.0, 2.0 + i}, {0, 0, 0}, kWidth, kHeight);
+        cameras.push_back(look_at({3.0 - i, 1.0, 2.0 + i}, {0, 0, 0}, kWidth, kHeight));
         std::vector<render::Instance> instances{{0.3f * static_cast<float>(i % 5)}};
         if (i % 3 == 2) {
             instances.push_back(instances[0]);
             instances[1].world_from_performer[3] = {0.3f, 0.1f, 0, 1};
         }
-        const render::FrameSettings settings{.instances = instances, .width = kWidth, .height = kHeight};
-        const gpu::Buffer& to = kept.emplace_back(device(), "kept", kBytes, gpu::MemoryKind::kDevice);
-        drawn.draw({&camera, 1}, settings);  // until there is room for all
-        submitted.submit({&camera, 1}, settings, [&](gpu::Commands& commands, const gpu::Buffer& images) {
+        const auto& settings =
+            all.emplace_back(render::FrameSettings{.instances = instances, .width = kWidth, .height = kHeight});
+        submitted.draw({&cameras[i], 1}, settings);  // until there is room for all
+        gpu::download(device(), drawn.draw({&cameras[i], 1}, settings), expected.emplace_back(kBytes / 4).data(),
+                      kBytes);
+    }
+    std::vector<gpu::Buffer> kept;
+    for (size_t i = 0; i < all.size(); i++) kept.emplace_back(device(), "kept", kBytes, gpu::MemoryKind::kDevice);
+    for (size_t i = 0; i < all.size(); i++)
+        submitted.submit({&cameras[i], 1}, all[i], [&to = kept[i]](gpu::Commands& commands, const gpu::Buffer& images) {
             gpu::compute_barrier(commands);
             gpu::copy(commands, images, to, kBytes);
         });
-        gpu::download(device(), drawn.draw({&camera, 1}, settings), expected.emplace_back(kBytes / 4).data(), kBytes);
-    }
-    submitted.finish();
+    EXPECT_TRUE(submitted.finish());
     EXPECT_NE(expected[0], expected[1]) << "something is to be seen";
     for (size_t i = 0; i < kept.size(); i++) {
         std::vector<uint32_t> pixels(kBytes / 4);

@@ -120,6 +120,7 @@ inline std::vector<glm::dvec4> download_colours(const gpu::Device& device, const
 inline SetImages draw_set(const gpu::Device& device, render::SetRaster& set,
                           const std::vector<stage::Camera>& cameras) {
     gpu::run_once(device, "set", [&](gpu::Commands& commands) {
+        set.record_lights(commands);
         set.record_shadows(commands);
         set.record_solid(commands, cameras);
         set.record_transparent(commands, cameras);

@@ -71,9 +71,9 @@ class WalkBench {
     // Adds the GPU milliseconds of the trace of each step for one view.
     void measure(const tools::ViewStep& view, uint32_t repeats, std::vector<Step>& all) {
         const ShaderCamera camera = render::shader_camera(view.camera);
-        std::fill_n(target_.rays.cameras.as<ShaderCamera>(), 2, camera);
-        std::fill_n(target_.ranges.views.as<RangeView>(), 2, render::range_view(camera));
+        for (uint32_t i = 0; i < 2; i++) target_.set_camera(i, camera, render::range_view(camera));
         gpu::run_once(device_, "slice", [&](gpu::Commands& commands) {
+            render::record_cameras(commands, target_);
             render::record_slice_tree(commands, slicer_, 0, static_cast<float>(view.frame));
             render::record_shade(commands, shader_, 0, 0, glm::vec3(camera.origin));
         });
@@ -110,7 +110,7 @@ class WalkBench {
     const render::LiveLeaves live_;
     const render::SliceTrees trees_;
     const gpu::Buffer shaded_;
-    const render::RayTarget target_;
+    render::RayTarget target_;
     const render::TreeSlicer slicer_;
     const render::Shader shader_;
     const render::TileRanger ranger_;

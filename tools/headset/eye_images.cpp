@@ -133,7 +133,6 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
                      const xr::Pose& world_from_tracking, std::span<const render::Instance> next,
                      const xr::EyeShapes& shapes, double vignette, double budget_ms) {
     update_hidden_triangles(renderer, eyes);
-    renderer.frames().finish();
     choose_size(budget_ms, has_drawn_ ? renderer.frames().device_milliseconds() : 0);
     for (uint32_t eye = 0; eye < xr::kEyes; eye++)
         cameras_[eye] = xr::eye_camera(eyes.eye[eye], world_from_tracking, drawn_size_);
