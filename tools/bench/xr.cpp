@@ -61,10 +61,12 @@ struct EyeTargets {
 };
 
 struct Result {
-    // Latency is that from the poses to the images. The host's work, from showing the stage to the submission, is done
-    // while the device has nothing to do: so much of a frame could be saved at most by doing it while the device draws
-    // the one before.
+    // Latency is that from the poses to the images. The host's work is that from showing the stage to the submission,
+    // without input and poses; the device has nothing to do meanwhile, as each frame is waited for.
     FrameTimes times;
+    // Milliseconds a frame of frames without a pause: each waited for before the next is begun, and recorded while the
+    // device draws the one before.
+    double waiting_ms = 0, overlapping_ms = 0;
     // Of each frame; left_share is the time of the left eye alone divided by that of both.
     std::vector<double> left_share, eye_pass_ms;
     std::vector<PassSum> passes;  // of both eyes
@@ -137,6 +139,31 @@ double eyes_ms(const std::vector<gpu::PassTime>& passes) {
     return 0;
 }
 
+// Draws frames without a pause, and returns the milliseconds a frame.
+double back_to_back_ms(XrFrames& frames, uint32_t count, bool waits) {
+    const double begin_s = seconds_now();
+    for (uint32_t i = 0; i < count && !stop_requested(); i++) {
+        frames.begin(i);
+        frames.take_poses(i);
+        frames.submit();
+        if (waits) frames.frames().finish();
+    }
+    frames.frames().finish();
+    return 1000 * (seconds_now() - begin_s) / count;
+}
+
+// In turns, as clocks change.
+void measure_overlap(XrFrames& frames, Result& result) {
+    constexpr uint32_t kRounds = 5, kFrames = 24;
+    std::vector<double> waiting, overlapping;
+    for (uint32_t round = 0; round < kRounds; round++) {
+        waiting.push_back(back_to_back_ms(frames, kFrames, true));
+        overlapping.push_back(back_to_back_ms(frames, kFrames, false));
+    }
+    result.waiting_ms = median(waiting);
+    result.overlapping_ms = median(overlapping);
+}
+
 Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
     XrFrames frames(device, stage, options);
     Result result;
@@ -164,6 +191,7 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
         add_image(result.passes, passes);
         progress.update(i - kWarmUp + 1);
     }
+    if (!stop_requested()) measure_overlap(frames, result);
     return result;
 }
 
@@ -180,6 +208,8 @@ void print(const Result& result, const gpu::Device& device, const XrOptions& opt
     fmt::print("a frame of both eyes takes {:.0f} % of the device's time at {:.0f} Hz (p99)\n",
                100 * quantile(result.times.gpu, 0.99) / budget_ms, options.hz);
     fmt::print("of which bringing them to the headset's images: {:.1f} ms\n", median(result.eye_pass_ms));
+    fmt::print("frames without a pause: {:.2f} ms each, {:.2f} where the next is recorded meanwhile\n",
+               result.waiting_ms, result.overlapping_ms);
     const double second = second_eye(result);
     if (second > 0)
         fmt::print("the second eye costs {:.2f} times the first\n", second);
@@ -193,6 +223,8 @@ nlohmann::ordered_json json_of(const Result& result) {
                                  {"p99_ms", quantile(result.times.gpu, 0.99)},
                                  {"eye_pass_ms", median(result.eye_pass_ms)},
                                  {"second_eye", second_eye(result)},
+                                 {"waiting_ms", result.waiting_ms},
+                                 {"overlapping_ms", result.overlapping_ms},
                                  {"passes_ms", passes_json(result.passes)}};
     add_frame_times(result.times, facts);
     return facts;
