@@ -143,7 +143,7 @@ struct Shade {
 
 // The shades of a leaf over the frames; `rows` belongs to `frames`.
 std::vector<Shade> shades_of(const voctree::VOctree& tree, uint32_t leaf, std::span<const float> frames,
-                             std::span<const RowsAtTime> rows, const ColourShift& shift) {
+                             std::span<const voctree::RowsAtTime> rows, const ColourShift& shift) {
     std::vector<Shade> shades;
     bool there = false;
     for (size_t i = 0; i < frames.size(); i++) {
@@ -171,8 +171,8 @@ std::vector<voctree::LeafEdit> shift_colours(const Canvas& canvas, std::span<con
     std::vector<float> frames{first};
     for (float frame = std::floor(first) + 1; frame < last; frame++) frames.push_back(frame);
     if (last > first) frames.push_back(last);
-    std::vector<RowsAtTime> rows;
-    for (const float frame : frames) rows.emplace_back(canvas.tree, frame);
+    std::vector<voctree::RowsAtTime> rows;
+    for (const float frame : frames) rows.emplace_back(canvas.tree, double{frame});
     std::vector<std::vector<voctree::LeafEdit>> of_leaf(leaves.size());
     parallel_for(leaves.size(), 1024, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++)

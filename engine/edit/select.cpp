@@ -13,25 +13,6 @@ namespace {
 
 constexpr size_t kGrain = 4096;  // leaves that a thread processes at once
 
-// A time of the clip as two frames and the fraction between them (errata 9).
-struct Between {
-    uint32_t first, second;
-    float part;
-};
-
-Between between(float frame, uint32_t frames) {
-    const float at = std::clamp(frame, 0.0f, static_cast<float>(frames - 1));
-    const auto first = static_cast<uint32_t>(at);
-    return {first, std::min(first + 1, frames - 1), at - static_cast<float>(first)};
-}
-
-std::vector<float> row_at(const std::vector<float>& rows, uint32_t bases, const Between& at) {
-    std::vector<float> row(bases);
-    for (uint32_t c = 0; c < bases; c++)
-        row[c] = std::lerp(rows[size_t{at.first} * bases + c], rows[size_t{at.second} * bases + c], at.part);
-    return row;
-}
-
 float dot(const std::vector<float>& row, const float* weights) {
     float sum = 0;
     for (size_t c = 0; c < row.size(); c++) sum += row[c] * weights[c];
@@ -102,7 +83,7 @@ Canvas::Canvas(const voctree::VOctree& field)
 
 std::vector<float> densities(const Canvas& canvas, float frame, std::span<const render::PaintUse> paint) {
     const voctree::VOctree& tree = canvas.tree;
-    const RowsAtTime rows(tree, frame);
+    const voctree::RowsAtTime rows(tree, double{frame});
     std::vector<float> sigma(tree.leaf_count);
     parallel_for(sigma.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++) sigma[leaf] = density(tree, rows, static_cast<uint32_t>(leaf));
@@ -114,15 +95,11 @@ std::vector<float> densities(const Canvas& canvas, float frame, std::span<const 
     return sigma;
 }
 
-RowsAtTime::RowsAtTime(const voctree::VOctree& tree, float frame)
-    : sigma(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames))),
-      gamma(row_at(tree.gamma_basis, tree.bases, between(frame, tree.frames))) {}
-
-float density(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf) {
+float density(const voctree::VOctree& tree, const voctree::RowsAtTime& rows, uint32_t leaf) {
     return std::max(dot(rows.sigma, tree.leaf(leaf)), 0.0f);
 }
 
-glm::vec3 mean_colour(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf) {
+glm::vec3 mean_colour(const voctree::VOctree& tree, const voctree::RowsAtTime& rows, uint32_t leaf) {
     constexpr float kPi = 3.14159265f, kY00 = 0.28209479f;
     const float* weights = tree.leaf(leaf);
     const float c = std::cos(kPi * sigmoid(dot(rows.gamma, weights + tree.bases)));
@@ -172,10 +149,9 @@ std::vector<uint32_t> leaves_in(const Canvas& canvas, const Region& region, floa
     // Between two frames a density is interpolated, so it is largest at a whole frame or at `first` or `last`.
     std::vector<std::vector<float>> rows;
     const voctree::VOctree& tree = canvas.tree;
-    for (const float frame : {first, last})
-        rows.push_back(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames)));
+    for (const float frame : {first, last}) rows.push_back(voctree::RowsAtTime(tree, double{frame}).sigma);
     for (float frame = std::floor(first) + 1; frame < last; frame++)
-        rows.push_back(row_at(tree.sigma_basis, tree.bases, between(frame, tree.frames)));
+        rows.push_back(voctree::RowsAtTime(tree, double{frame}).sigma);
     std::vector<uint8_t> live(tree.leaf_count);
     parallel_for(live.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t leaf = begin; leaf < end; leaf++)

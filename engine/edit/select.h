@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/paint.h"
+#include "voctree/frame_leaves.h"
 #include "voctree/leaf_density.h"
 
 namespace neuvv::edit {
@@ -22,15 +23,9 @@ struct Canvas {
 // σ of every leaf at a frame, in 1/m, with paint; between two frames it is interpolated.
 std::vector<float> densities(const Canvas& canvas, float frame, std::span<const render::PaintUse> paint = {});
 
-// A_t and B_t at a frame, interpolated between two frames, for any number of leaves.
-struct RowsAtTime {
-    RowsAtTime(const voctree::VOctree& tree, float frame);
-    std::vector<float> sigma, gamma;
-};
-
 // σ of a leaf without paint, in 1/m, at least 0; and its mean colour, linear: sigmoid(k_00 Y_00).
-float density(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf);
-glm::vec3 mean_colour(const voctree::VOctree& tree, const RowsAtTime& rows, uint32_t leaf);
+float density(const voctree::VOctree& tree, const voctree::RowsAtTime& rows, uint32_t leaf);
+glm::vec3 mean_colour(const voctree::VOctree& tree, const voctree::RowsAtTime& rows, uint32_t leaf);
 
 // Whether a point belongs to the region: performer's space, metres.
 using Region = std::function<bool(glm::vec3)>;

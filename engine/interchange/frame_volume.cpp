@@ -33,15 +33,16 @@ float FrameVolume::edge_m(const VolumeLeaf& leaf) const {
     return (edges.x + edges.y + edges.z) / 3;
 }
 
-FrameVolume frame_volume(const voctree::VOctree& tree, uint32_t frame, std::span<const voctree::PaintStep> paint) {
+FrameVolume frame_volume(const voctree::VOctree& tree, double frame, std::span<const voctree::PaintStep> paint) {
     FrameVolume volume{tree.box_min, tree.box_size, 2 * tree.node_levels, tree.hh_degree, {}};
+    const voctree::RowsAtTime rows(tree, frame);
     const voctree::FrameEdits edits(paint, static_cast<float>(frame));
-    const std::vector<voctree::LiveLeaf> live = voctree::live_leaves(tree, frame, edits, kLeastOpacity);
+    const std::vector<voctree::LiveLeaf> live = voctree::live_leaves(tree, rows, edits, kLeastOpacity);
     volume.leaves.resize(live.size());
     parallel_for(live.size(), kLeavesOfPart, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             VolumeLeaf& leaf = volume.leaves[i];
-            leaf = {live[i].cell, live[i].depth, live[i].sigma, voctree::leaf_colours(tree, live[i].leaf, frame, edits),
+            leaf = {live[i].cell, live[i].depth, live[i].sigma, voctree::leaf_colours(tree, live[i].leaf, rows, edits),
                     0};
             leaf.shown = live[i].opacity * volume.edge_m(leaf) * volume.edge_m(leaf);
         }

@@ -31,9 +31,9 @@ struct FrameVolume {
     float optical_depth(const VolumeLeaf& leaf) const { return leaf.sigma * edge_m(leaf); }
 };
 
-// What a tree shows at a frame under layers of paint, the lowest first: its leaves whose opacity along their edge is at
-// least a thousandth. Each counts as shown by its opacity and size, as if nothing hid it.
-FrameVolume frame_volume(const voctree::VOctree& tree, uint32_t frame, std::span<const voctree::PaintStep> paint = {});
+// What a tree shows at a frame, or between two, under layers of paint, the lowest first: its leaves whose opacity along
+// their edge is at least a thousandth. Each counts as shown by its opacity and size, as if nothing hid it.
+FrameVolume frame_volume(const voctree::VOctree& tree, double frame, std::span<const voctree::PaintStep> paint = {});
 
 // The same volume with at most `most_leaves` leaves, or eight where that is less: cells of the finest depth become one,
 // those first of which images show least difference. What they hide and show together stays about the same.

@@ -17,11 +17,19 @@ struct LiveLeaf {
     float opacity = 0;   // along the mean of its edges: 1 − exp(−σ · edge)
 };
 
-// The leaves of a tree whose opacity is at least `least_opacity` at a frame, under layers of paint, in order of their
-// cells. `edits`: those of the frame.
-std::vector<LiveLeaf> live_leaves(const VOctree& tree, uint32_t frame, const FrameEdits& edits, float least_opacity);
+// The rows A_t and B_t at a frame, mixed linearly between two frames (errata 9). Before the first and behind the last
+// frame they are theirs.
+struct RowsAtTime {
+    RowsAtTime(const VOctree& tree, double frame);
+    std::vector<float> sigma, gamma;  // one for each basis
+};
 
-// The colours of a leaf at a frame under that paint: sigmoid(Σ k_lm Y_lm(d)) is linear light.
-LeafColours leaf_colours(const VOctree& tree, uint32_t leaf, uint32_t frame, const FrameEdits& edits);
+// The leaves of a tree whose opacity is at least `least_opacity` at a time, under layers of paint, in order of their
+// cells. `edits`: those of that time.
+std::vector<LiveLeaf> live_leaves(const VOctree& tree, const RowsAtTime& rows, const FrameEdits& edits,
+                                  float least_opacity);
+
+// The colours of a leaf at a time under that paint: sigmoid(Σ k_lm Y_lm(d)) is linear light.
+LeafColours leaf_colours(const VOctree& tree, uint32_t leaf, const RowsAtTime& rows, const FrameEdits& edits);
 
 }  // namespace neuvv::voctree

@@ -112,10 +112,11 @@ float optical_depth_of(int16_t opacity) {
 
 }  // namespace
 
-stream::Slice slice_of(const VOctree& tree, uint32_t frame, std::span<const PaintStep> paint) {
+stream::Slice slice_of(const VOctree& tree, double frame, std::span<const PaintStep> paint) {
     for ([[maybe_unused]] const PaintStep& step : paint) assert(step.layer->field.leaf_count == tree.leaf_count);
+    const RowsAtTime rows(tree, frame);
     const FrameEdits edits(paint, static_cast<float>(frame));
-    const std::vector<LiveLeaf> live = live_leaves(tree, frame, edits, 0.5f / stream::kUnit);
+    const std::vector<LiveLeaf> live = live_leaves(tree, rows, edits, 0.5f / stream::kUnit);
     stream::Slice slice{2 * tree.node_levels, tree.hh_degree, {}, {}};
     slice.planes.resize(stream::planes_of(slice.degree));
     for (auto& plane : slice.planes) plane.resize(live.size());
@@ -124,7 +125,7 @@ stream::Slice slice_of(const VOctree& tree, uint32_t frame, std::span<const Pain
         for (size_t i = begin; i < end; i++) {
             slice.leaves[i] = {live[i].cell, live[i].depth};
             slice.planes[stream::kOpacityPlane][i] = units(live[i].opacity);
-            write_colours(leaf_colours(tree, live[i].leaf, frame, edits), i, slice);
+            write_colours(leaf_colours(tree, live[i].leaf, rows, edits), i, slice);
         }
     });
     return slice;

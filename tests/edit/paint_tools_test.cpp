@@ -34,7 +34,7 @@ TEST(Canvas, KnowsPlacesDensitiesAndColoursAsTheReferenceDoes) {
             const std::vector<float> sigma = edit::densities(canvas, frame);
             for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
                 EXPECT_NEAR(sigma[leaf], truth[leaf].sigma, 1e-4);
-                const glm::vec3 colour = edit::mean_colour(tree, edit::RowsAtTime(tree, frame), leaf);
+                const glm::vec3 colour = edit::mean_colour(tree, voctree::RowsAtTime(tree, double{frame}), leaf);
                 for (int c = 0; c < 3; c++) {
                     const double k = truth[leaf].k[static_cast<size_t>(c)][0];
                     EXPECT_NEAR(colour[c], 1 / (1 + std::exp(-0.28209479 * k)), 1e-4);
@@ -174,7 +174,8 @@ TEST(ColourShifts, AreOfEachFramesOwnColour) {
             if (found == edits.end()) continue;
             live++;
             changing += found->first > 1 && found->last < 5;
-            const glm::vec3 want = edit::shifted(edit::mean_colour(tree, edit::RowsAtTime(tree, frame), leaf), shift);
+            const glm::vec3 want =
+                edit::shifted(edit::mean_colour(tree, voctree::RowsAtTime(tree, double{frame}), leaf), shift);
             for (int c = 0; c < 3; c++)
                 EXPECT_NEAR(std::sqrt(found->colour[c]), std::sqrt(want[c]), 0.0601) << leaf << " at " << frame;
         }

@@ -95,7 +95,7 @@ TEST_F(PaintWorks, ShiftedColoursFollowTheSurface) {
         EXPECT_EQ(edit.last, 2);
         EXPECT_FLOAT_EQ(edit.alpha, 0.75f);
         const glm::vec3 want =
-            edit::shifted(edit::mean_colour(tree, edit::RowsAtTime(tree, 2), edit.leaf), operation.shift);
+            edit::shifted(edit::mean_colour(tree, voctree::RowsAtTime(tree, 2), edit.leaf), operation.shift);
         EXPECT_LT(glm::distance(edit.colour, want), 1e-5f);
     }
     operation.frames.follow = edit::Follow::kAll;
@@ -105,7 +105,7 @@ TEST_F(PaintWorks, ShiftedColoursFollowTheSurface) {
     size_t longer = 0;
     for (const uint32_t leaf : leaves_of(*now))
         for (uint32_t frame = 0; frame < tree.frames; frame++) {
-            const bool there = edit::density(tree, edit::RowsAtTime(tree, static_cast<float>(frame)), leaf) > 0;
+            const bool there = edit::density(tree, voctree::RowsAtTime(tree, frame), leaf) > 0;
             EXPECT_EQ(holds_at(*always, leaf, static_cast<float>(frame)), there);
             longer += there;
         }

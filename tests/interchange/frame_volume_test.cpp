@@ -32,11 +32,10 @@ std::map<std::pair<uint64_t, uint32_t>, VolumeLeaf> by_cell(const FrameVolume& v
     return leaves;
 }
 
-TEST(FrameVolume, HasTheLiveLeavesOfTheSlice) {
-    const voctree::VOctree tree = some_tree();
-    const FrameVolume volume = interchange::frame_volume(tree, 3);
+void expect_live_leaves(const voctree::VOctree& tree, double frame) {
+    const FrameVolume volume = interchange::frame_volume(tree, frame);
     const auto leaves = by_cell(volume);
-    const auto truth = reference::slice_tree(tree, 3);
+    const auto truth = reference::slice_tree(tree, frame);
     const auto positions = voctree::leaf_positions(tree);
     size_t live = 0;
     for (size_t i = 0; i < truth.size(); i++) {
@@ -58,6 +57,14 @@ TEST(FrameVolume, HasTheLiveLeavesOfTheSlice) {
     }
     EXPECT_EQ(live, volume.leaves.size());
     EXPECT_GT(live, 100u);
+}
+
+TEST(FrameVolume, HasTheLiveLeavesOfTheSlice) {
+    expect_live_leaves(some_tree(), 3);
+}
+
+TEST(FrameVolume, MixesFramesBetweenTwo) {
+    expect_live_leaves(some_tree(), 2.25);
 }
 
 TEST(FrameVolume, OfFewerLeavesHidesAsMuch) {

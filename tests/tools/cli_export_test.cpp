@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reference/splats.h"
+#include "stage/gltf_scene.h"
 #include "stream/nvs_writer.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/evaluation/metrics.h"
@@ -21,14 +22,13 @@ struct CliExported : CliGpu {
         return run.code == 0 ? nlohmann::json::parse(run.out) : nlohmann::json();
     }
     // PSNR of a .ply, drawn by the definition, against a render of the clip's frame by the program.
-    double psnr_of(const std::string& ply, const std::string& clip, uint32_t frame) {
+    double psnr_of(const std::string& ply, const std::string& clip, double frame) {
         const ProgramResult run = run_neuvv({"render", clip, "-o", file("x.png"), "--frames", std::to_string(frame),
                                              "--size", "96x96", "--background", "white"});
         EXPECT_EQ(run.code, 0) << run.err;
         const media::Image shown = media::read_png(file("x.png"));
-        const double one = frame;
         const stage::Camera camera =
-            tools::orbit_path(voctree::occupied_box(tree), {{one, one}, 2, 2}, {96, 96})[0].camera;
+            tools::orbit_path(voctree::occupied_box(tree), {{frame, frame}, 2, 2}, {96, 96})[0].camera;
         const glm::dmat3 about_x(1, 0, 0, 0, -1, 0, 0, 0, -1), about_z(-1, 0, 0, 0, -1, 0, 0, 0, 1);
         const auto pixels = reference::draw_splats(
             reference::read_splats(ply),
@@ -90,6 +90,34 @@ TEST_F(CliExport, OneFileHoldsAllFrames) {
     EXPECT_EQ(exported(scene, file("all.glb"), {}).at("files"), 1);
     EXPECT_EQ(exported(scene, file("all.usda"), {"--frames", "1:2"}).at("files"), 1);
     EXPECT_NE(read_text(file("all.usda")).find("endTimeCode = 1\n"), std::string::npos);
+}
+
+TEST_F(CliExport, FramesMayHaveAnotherRate) {
+    exported(scene, file("own_%d.ply"), {});
+    EXPECT_EQ(exported(scene, file("fast_%d.ply"), {"--fps", "4"}).at("files"), 8);
+    for (const int frame : {0, 1, 2, 3})
+        EXPECT_EQ(read_text(file(("fast_" + std::to_string(2 * frame) + ".ply").c_str())),
+                  read_text(file(("own_" + std::to_string(frame) + ".ply").c_str())));
+    EXPECT_EQ(read_text(file("fast_7.ply")), read_text(file("own_3.ply"))) << "the last frame stays";
+    EXPECT_GT(psnr_of(file("fast_5.ply"), scene, 2.5), 24);
+    EXPECT_GT(psnr_of(file("fast_5.ply"), scene, 2.5), psnr_of(file("own_3.ply"), scene, 2.5) + 2) << "it is mixed";
+    // A part has the numbers that it has in the whole, and --resume finds them.
+    EXPECT_EQ(exported(scene, file("part_%d.ply"), {"--fps", "1", "--frames", "2:3"}).at("files"), 1);
+    EXPECT_TRUE(std::filesystem::exists(file("part_1.ply")));
+    write_text(file("part_1.ply"), "kept");
+    EXPECT_EQ(exported(scene, file("part_%d.ply"), {"--fps", "1", "--resume"}).at("files"), 1);
+    EXPECT_EQ(read_text(file("part_1.ply")), "kept");
+    expect_refused({"export", scene, "-o", file("x.ply"), "--frames", "1", "--fps", "1"}, 2,
+                   {"--frames", "at 1 a second"});
+}
+
+TEST_F(CliExport, OneFileHasTheTimesOfItsRate) {
+    exported(scene, file("all.usda"), {"--fps", "4", "--frames", "1:2"});
+    const std::string usda = read_text(file("all.usda"));
+    EXPECT_NE(usda.find("endTimeCode = 3\n"), std::string::npos);
+    EXPECT_NE(usda.find("timeCodesPerSecond = 4\n"), std::string::npos);
+    exported(scene, file("all.glb"), {"--fps", "4", "--frames", "1:2"});
+    EXPECT_NEAR(stage::load_gltf(file("all.glb")).animations.at(0).duration_s, 1, 1e-6);
 }
 
 TEST_F(CliExport, StreamsAreExportedToo) {

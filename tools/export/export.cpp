@@ -37,7 +37,8 @@ const std::array kKinds = {
     Kind{"volumes", {".vdb"}, {"--iso"}, export_volumes},
 };
 constexpr const char* kFrameSize = "720x720";
-const std::vector<std::string> kFrameOptions = {"--performer", "--frames", "--views", "--size", "--up", "--resume"};
+const std::vector<std::string> kFrameOptions = {"--performer", "--frames", "--fps",   "--views",
+                                                "--size",      "--up",     "--resume"};
 
 std::vector<std::string> kind_names() {
     std::vector<std::string> names;
@@ -103,7 +104,7 @@ void run(const Command& verb, ExportOptions& options, const CommonOptions& commo
     own.insert(own.end(), kind.options.begin(), kind.options.end());
     expect_options_of(verb, kind.name, own);
     if (options.size.empty()) options.size = kFrameSize;
-    ExportedClip clip(read_published_scene(options.scene, options.performer, options.up));
+    ExportedClip clip(read_published_scene(options.scene, options.performer, options.up), options.fps);
     const std::string ending = std::filesystem::path(options.output).extension().string();
     const std::unique_ptr<FrameExport> frames = kind.begin(options, ending, clip, common);
     ExportRun run(options, clip, *frames);
@@ -139,7 +140,13 @@ constexpr const char* kKindsHelp =
 void add_frame_options(const Command& verb, ExportOptions& options) {
     verb.add_option("--performer", options.performer,
                     "Of a stage: which, by its name or index; may be left out where there is one");
-    verb.add_option("--frames", options.frames, "FIRST:LAST of the clip (all)");
+    verb.add_option("--frames", options.frames, "FIRST:LAST of the clip as it was recorded (all)");
+    verb.add_option("--fps", options.fps,
+                    "Frames a second (those of the clip, or of the stage of which a camera or the layout is written). "
+                    "Files are numbered at this\nrate from the clip's beginning. What lies between two recorded frames "
+                    "is mixed, as in slow "
+                    "motion; of a .nvs, it is the nearer one")
+        .number_between(0.01, 1e4);
     verb.add_option("--most-splats", options.most_splats, "Of each frame: what agrees best is merged (no limit)");
     verb.add_option("--opacity", options.mesh.opacity, "Of meshes: what a ray gets where the surface is")
         .number_between(0.01, 0.99)
@@ -172,8 +179,6 @@ void add_stage_options(const Command& verb, ExportOptions& options) {
         "--camera", options.camera,
         "Of a stage's camera kinds: path (the stage's own, and the default where it has one), a camera's name "
         "or index, or a file with a camera path");
-    verb.add_option("--fps", options.fps, "Of those, and of layout: images a second (the stage's)")
-        .number_between(0.01, 1e4);
     verb.add_option(
         "--world", options.world,
         "Of those: nerfstudio's dataparser_transforms.json, or the transforms.json of instant-ngp's data set");
@@ -213,6 +218,7 @@ void add_export(Command app, CommonOptions& common) {
          "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:4\n"
          "  neuvv export build/performer.nvv -o build/performer.glb --frames 0:4 --most-splats 20000\n"
          "  neuvv export build/performer.nvv -o build/performer.usda --frames 0 --most-splats 20000\n"
+         "  neuvv export build/performer.nvv -o build/slow/frame_%04d.ply --frames 0:1 --fps 50\n"
          "  neuvv export build/performer.nvv -o build/mesh_%04d.obj --frames 0:1\n"
          "  neuvv export build/performer.nvv -o build/meshes.glb --as mesh --frames 0:1 --most-triangles 20000\n"
          "  neuvv export build/performer.nvv -o build/volume/frame_%04d.vdb --frames 0:2 --iso 0.5\n"

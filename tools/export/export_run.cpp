@@ -10,30 +10,28 @@
 namespace neuvv::tools {
 
 ExportRun::ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExport& kind)
-    : options_(options), kind_(kind), numbered_(NumberedPath::parse(options.output)) {
-    const FrameRange range = parse_frame_range(options.frames, clip.frames());
-    first_ = static_cast<uint32_t>(range.first);
-    last_ = static_cast<uint32_t>(range.last);
-    if (range.first != first_ || range.last != last_)
-        throw InputError("--frames", options.frames, "lies between two frames", "write whole frames");
+    : options_(options),
+      kind_(kind),
+      numbered_(NumberedPath::parse(options.output)),
+      frames_(clip.frames_in(options.frames)) {
     expect_files_for_frames(std::filesystem::path(options.output).extension().string());
-    prepare_output_file("--output", numbered_ ? numbered_->file(uint64_t{first_}) : options.output);
+    prepare_output_file("--output", numbered_ ? numbered_->file(uint64_t{frames_.first}) : options.output);
 }
 
 void ExportRun::expect_files_for_frames(const std::string& ending) const {
     if (options_.output.find('%') != (numbered_ ? options_.output.rfind('%') : std::string::npos))
         throw InputError("--output", options_.output, "needs one place for the frame's number",
                          fmt::format("write it as in out_%04d{}", ending));
-    if (!numbered_ && !kind_.holds_many() && frame_count() > 1)
-        throw InputError("--output", options_.output, fmt::format("holds one frame, not {}", frame_count()),
-                         fmt::format("write out_%04d{}, or choose --frames {}", ending, first_));
+    if (!numbered_ && !kind_.holds_many() && frames_.count() > 1)
+        throw InputError("--output", options_.output, fmt::format("holds one frame, not {}", frames_.count()),
+                         fmt::format("write out_%04d{}, or choose one with --frames", ending));
     if (options_.resume && !numbered_)
         throw InputError("--resume", options_.output, "is one file, which is written at once", "leave it out");
 }
 
 void ExportRun::expect_room(const FrameExport::Estimate& estimate) const {
-    const uint64_t bytes = estimate.bytes * frame_count();
-    fmt::print(stderr, "export: {} frames of {} take about {}\n", frame_count(), estimate.what, size_text(bytes));
+    const uint64_t bytes = estimate.bytes * frames_.count();
+    fmt::print(stderr, "export: {} frames of {} take about {}\n", frames_.count(), estimate.what, size_text(bytes));
     std::error_code error;
     const std::filesystem::path folder = std::filesystem::absolute(options_.output).parent_path();
     const std::filesystem::space_info space = std::filesystem::space(folder, error);
@@ -59,13 +57,13 @@ void ExportRun::write(const std::filesystem::path& file) {
 
 void ExportRun::run() {
     catch_stop_signals();
-    progress_.set_total(frame_count());
-    const uint32_t middle = first_ + frame_count() / 2;
+    progress_.set_total(frames_.count());
+    const uint32_t middle = frames_.first + frames_.count() / 2;
     expect_room(kind_.estimate(middle));
     kind_.measure(middle, working(0));
     bool waiting = false;  // frames that were added, but not written
-    for (uint32_t frame = first_; frame <= last_; frame++) {
-        const Working at_work = working(frame - first_);
+    for (uint32_t frame = frames_.first; frame <= frames_.last; frame++) {
+        const Working at_work = working(frame - frames_.first);
         at_work("");
         const std::filesystem::path file = numbered_ ? numbered_->file(uint64_t{frame}) : options_.output;
         if (options_.resume && std::filesystem::exists(file)) continue;
@@ -74,7 +72,7 @@ void ExportRun::run() {
         if (numbered_) write(file);
     }
     if (waiting) write(options_.output);
-    progress_.update(frame_count());
+    progress_.update(frames_.count());
     progress_.finish();
 }
 

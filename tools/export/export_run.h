@@ -25,12 +25,11 @@ class ExportRun {
     void expect_room(const FrameExport::Estimate& estimate) const;
     void write(const std::filesystem::path& file);
     Working working(uint64_t done);
-    uint32_t frame_count() const { return last_ - first_ + 1; }
 
     const ExportOptions& options_;
     FrameExport& kind_;
     std::optional<NumberedPath> numbered_;
-    uint32_t first_ = 0, last_ = 0;  // frames of the clip
+    ExportedClip::Frames frames_;
     uint64_t files_ = 0, bytes_ = 0;
     Progress progress_{"export"};
 };
