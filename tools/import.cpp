@@ -246,7 +246,18 @@ Imported import_frames(const FrameImportOptions& options, const CommonOptions& c
     return imported;
 }
 
+// How well a stream keeps the clip is chosen when it is published, which needs the clip.
+void expect_no_stream_output(const FrameImportOptions& options) {
+    const std::filesystem::path output(options.output);
+    if (output.extension() != ".nvs") return;
+    const std::string clip = std::filesystem::path(output).replace_extension(".nvv").string();
+    throw InputError("--output", options.output, "is a stream, which is made of a clip",
+                     fmt::format("run `neuvv import {} -o {}`, then `neuvv publish {} -o {}`", options.input, clip,
+                                 clip, options.output));
+}
+
 void run(const FrameImportOptions& options, const CommonOptions& common) {
+    expect_no_stream_output(options);
     const Imported imported = import_frames(options, common);
     if (options.json) {
         nlohmann::ordered_json json = {{"input", options.input},
@@ -303,7 +314,8 @@ void add_import(Command app, CommonOptions& common) {
          "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:2\n"
          "  neuvv import build/splats/frame_%04d.ply -o build/splats.nvv\n"
          "  neuvv export build/performer.nvv -o build/volume/frame_%04d.vdb --frames 0:2\n"
-         "  neuvv import build/volume/frame_%04d.vdb -o build/volume.nvv"});
+         "  neuvv import build/volume/frame_%04d.vdb -o build/volume.nvv\n"
+         "  neuvv publish build/volume.nvv -o build/volume.nvs"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

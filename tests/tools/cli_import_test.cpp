@@ -31,6 +31,8 @@ TEST_F(CliImport, FramesOfVolumesBecomeAClip) {
     EXPECT_EQ(info.at("frames"), 3);
     EXPECT_EQ(info.at("fps"), 10);
     std::filesystem::remove(file("in_01.vdb"));
+    expect_refused({"import", file("in_%02d.vdb"), "-o", file("x.nvs")}, 2,
+                   {"x.nvs", "in_%02d.vdb -o " + file("x.nvv") + "`", "neuvv publish " + file("x.nvv")});
     expect_refused({"import", file("in_%02d.vdb"), "-o", file("gap.nvv")}, 2, {"in_01.vdb", "is missing"});
     EXPECT_FALSE(std::filesystem::exists(file("gap.nvv")));
 }
