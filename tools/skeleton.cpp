@@ -39,6 +39,10 @@ Or, from a motion capture of the same performance in the same space:
 
   neuvv skeleton import build/take.bvh -o build/performer.skeleton.glb
 
+For programs that animate by BVH:
+
+  neuvv skeleton export build/performer.skeleton.glb -o build/performer.bvh
+
 What somebody who performs along does otherwise:
 
   neuvv skeleton compare build/performer.skeleton.glb build/take.bvh --html build/report.html
@@ -86,6 +90,21 @@ void run_import(const ImportOptions& options) {
     fmt::print("{}: {} frames at {:.6g} a second, a body of {:.2f} m; {} of {} joints are measured\n", options.output,
                clip.frames.size(), clip.fps, motion::body_height(motion::bone_lengths(clip)), measured,
                motion::kJoints);
+}
+
+struct BvhOptions {
+    std::string input, output, animation, unit = "m";
+};
+
+void run_export(const BvhOptions& options) {
+    if (std::filesystem::path(options.output).extension() != ".bvh")
+        throw InputError("--output", options.output, "does not end with .bvh",
+                         "name it so; a .skeleton.glb, which `neuvv skeleton import` writes, is animated glTF itself");
+    prepare_output_file("--output", options.output);
+    const motion::SkeletonClip clip = motion::read_skeleton(options.input, options.animation);
+    motion::write_bvh(options.output, clip, options.unit == "cm" ? 100 : 1);
+    fmt::print("{}: {} frames at {:.6g} a second, in {}\n", options.output, clip.frames.size(), clip.fps,
+               options.unit == "cm" ? "centimetres" : "metres");
 }
 
 struct ShowOptions {
@@ -177,6 +196,22 @@ void add_import(Command group) {
     verb.callback([options] { run_import(*options); });
 }
 
+void add_export_bvh(Command group) {
+    Command verb = group.add_verb("export", "Write a skeleton's motion for another program, as BVH");
+    const auto options = std::make_shared<BvhOptions>();
+    verb.add_option("FILE", options->input, "a .skeleton.glb, or what `neuvv skeleton import` reads").required();
+    verb.add_option("-o,--output", options->output, "the .bvh").required();
+    verb.add_option("--animation", options->animation, "of a glTF file, its name or index; default: the first");
+    verb.add_option("--unit", options->unit, "of lengths in the file: m as in Blender, cm as in Maya and MotionBuilder")
+        .one_of({"m", "cm"})
+        .show_default();
+    verb.footer(
+        {"\nThe .skeleton.glb itself is glTF: an armature with its animation, which other programs open.\n"
+         "\nExample:\n"
+         "  neuvv skeleton export build/performer.skeleton.glb -o build/performer.bvh"});
+    verb.callback([options] { run_export(*options); });
+}
+
 void add_show(Command group, CommonOptions& common) {
     Command verb = group.add_verb("show", "Draw a clip's skeleton over a turn around it");
     const auto options = std::make_shared<ShowOptions>();
@@ -195,12 +230,13 @@ void add_show(Command group, CommonOptions& common) {
 }  // namespace
 
 void add_skeleton(Command app, CommonOptions& common) {
-    Command group = app.add_verb("skeleton", "Find, import, show and compare where a performer's joints are");
+    Command group = app.add_verb("skeleton", "Find, import, export, show and compare where a performer's joints are");
     group.require_verb();
     group.footer({kSkeletonFooter});
     add_views(group, common);
     add_skeleton_extract(group);
     add_import(group);
+    add_export_bvh(group);
     add_show(group, common);
     add_skeleton_compare(group);
     add_skeleton_follow(group);

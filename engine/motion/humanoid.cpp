@@ -21,7 +21,21 @@ struct BoneNames {
     bool sided;
     bool needed;
 };
-enum BoneKind : uint8_t { kHeadBone, kUpperArm, kForearm, kHand, kThigh, kShin, kFoot, kToes, kBoneKinds };
+enum BoneKind : uint8_t {
+    kHeadBone,
+    kUpperArm,
+    kForearm,
+    kHand,
+    kThigh,
+    kShin,
+    kFoot,
+    kToes,
+    kNose,
+    kHeel,
+    kBigToe,
+    kSmallToe,
+    kBoneKinds
+};
 
 const std::array<BoneNames, kBoneKinds>& bone_names() {
     static const std::array<BoneNames, kBoneKinds> names = {{
@@ -33,6 +47,10 @@ const std::array<BoneNames, kBoneKinds>& bone_names() {
         {"shin", {"shin", "leg", "lowerleg", "calf", "lowleg", "knee"}, true, true},
         {"foot", {"foot", "ankle"}, true, true},
         {"toes", {"toes", "toebase", "toe", "ball"}, true, false},
+        {"nose", {"nose"}, false, false},
+        {"heel", {"heel"}, true, false},
+        {"big toe", {"bigtoe"}, true, false},
+        {"small toe", {"smalltoe"}, true, false},
     }};
     return names;
 }
@@ -135,7 +153,7 @@ class Finder {
         };
         set(Joint::kPelvis, {bone_point(kThigh, Side::kRight), bone_point(kThigh, Side::kLeft)}, true);
         set(Joint::kNeck, {bone_point(kUpperArm, Side::kRight), bone_point(kUpperArm, Side::kLeft)}, true);
-        const auto nose = extreme(kHeadBone, Side::kNone, frame_.forward);
+        const auto nose = first_of(extreme(kHeadBone, Side::kNone, frame_.forward), kNose, Side::kNone);
         set(Joint::kNose, {nose ? *nose : beside(kHeadBone, Side::kNone, 0, 0.08, 0.13)}, nose.has_value());
         for (const Side side : {Side::kRight, Side::kLeft}) add_side(all, side);
         return all;
@@ -157,17 +175,22 @@ class Finder {
         const glm::dvec3 forward = frame_.forward;
         // Toes have bones of their own in some skeletons; their skin is then not the foot's.
         const BoneKind front = found_.has(kToes, side) && !rest_[found_.of(kToes, side)].skin.empty() ? kToes : kFoot;
-        const auto heel = extreme(kFoot, side, down - 2.0 * forward);
+        const auto heel = first_of(extreme(kFoot, side, down - 2.0 * forward), kHeel, side);
         set(Joint::kRightHeel, heel ? *heel : beside(kFoot, side, 0, -0.09, -0.06), heel.has_value());
-        const auto big = extreme(front, side, 2.0 * forward + 0.5 * down - out);
+        const auto big = first_of(extreme(front, side, 2.0 * forward + 0.5 * down - out), kBigToe, side);
         set(Joint::kRightBigToe, big ? *big : beside(kFoot, side, -0.02, -0.09, 0.19), big.has_value());
-        const auto small = extreme(front, side, forward + 0.5 * down + 2.0 * out);
+        const auto small = first_of(extreme(front, side, forward + 0.5 * down + 2.0 * out), kSmallToe, side);
         set(Joint::kRightSmallToe, small ? *small : beside(kFoot, side, 0.06, -0.09, 0.14), small.has_value());
     }
 
     glm::dvec3 origin(BoneKind kind, Side side) const { return rest_[found_.of(kind, side)].world_from_bone[3]; }
 
     JointSource::Point bone_point(BoneKind kind, Side side) const { return {found_.of(kind, side), glm::dvec3(0)}; }
+
+    // A point of the skin; else the bone that lies there, where the skeleton has one.
+    std::optional<JointSource::Point> first_of(std::optional<JointSource::Point> skin, BoneKind kind, Side side) const {
+        return skin || !found_.has(kind, side) ? skin : bone_point(kind, side);
+    }
 
     // A point of the world at rest, fixed to a bone.
     JointSource::Point fixed(size_t bone, glm::dvec3 world) const {

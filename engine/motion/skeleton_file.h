@@ -14,6 +14,12 @@ constexpr const char* kSkeletonExtension = "NEUVV_skeleton";
 // kMaxSkeletonFrames, and RuntimeFailure; the clip must have a frame (assert).
 void write_skeleton(const std::filesystem::path& file, const SkeletonClip& clip);
 
+// Writes a BVH of bones that begin at the joints, with +Y up; `units_per_metre`: 100 for centimetres. Each bone has its
+// position in each frame, as bones of captured bodies vary in length. A joint that a frame does not know is where it
+// was before. Confidence is lost. The file is replaced atomically. Throws RuntimeFailure; the clip must have a frame
+// (assert).
+void write_bvh(const std::filesystem::path& file, const SkeletonClip& clip, double units_per_metre);
+
 // Reads a file of write_skeleton; or an animated humanoid of another glTF file, a BVH or a TRC file, by the ending of
 // its name. `animation` is the name or index of a glTF animation, empty: the first. Files of other programs have no
 // confidence: what they give counts as certain. Throws InputError with file, place and fix.

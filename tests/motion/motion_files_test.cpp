@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <iterator>
 #include <numbers>
+#include <sstream>
 
 #include "motion/detector.h"
 #include "motion/pose_line.h"
@@ -75,6 +78,65 @@ TEST(Bvh, GivesMetresAndFollowsItsChannels) {
     test::expect_near(motion::at(clip.frames[1], Joint::kLeftElbow).position, {0.5, 1.45, -0.48});
     test::expect_near(motion::at(clip.frames[1], Joint::kLeftWrist).position, {0.5, 1.70, -0.48});
     test::expect_near(motion::at(clip.frames[1], Joint::kRightKnee).position, {0.5, 0.55, 0.1});
+}
+
+// The writer against the reader, which the tests above check by hand.
+TEST(Bvh, IsReadAsItWasWritten) {
+    constexpr double kWithin_m = 2e-6;
+    const TemporaryFolder folder;
+    const auto path = folder.path / "a.bvh";
+    for (const auto& [units, scale] : {std::pair(1.0, 1.0), {100.0, 1.0}, {1.0, 0.3}}) {  // the last one is a doll
+        motion::SkeletonClip clip = test::performer_motion(30);
+        for (motion::Pose& pose : clip.frames)
+            for (motion::JointSample& sample : pose) sample.position *= scale;
+        motion::write_bvh(path, clip, units);
+        const motion::SkeletonClip read = motion::read_skeleton(path);
+        EXPECT_DOUBLE_EQ(read.fps, clip.fps);
+        ASSERT_EQ(read.frames.size(), clip.frames.size());
+        for (size_t f = 0; f < clip.frames.size(); ++f)
+            for (size_t j = 0; j < motion::kJoints; ++j) {
+                test::expect_near(read.frames[f][j].position, clip.frames[f][j].position, kWithin_m);
+                EXPECT_TRUE(read.frames[f][j].measured);
+            }
+    }
+}
+
+TEST(Bvh, KeepsAJointThatAFrameDoesNotKnow) {
+    const TemporaryFolder folder;
+    motion::SkeletonClip clip = test::performer_motion(3);
+    motion::at(clip.frames[1], Joint::kLeftWrist) = {glm::dvec3(5), 0, false};
+    motion::write_bvh(folder.path / "a.bvh", clip, 1);
+    const motion::SkeletonClip read = motion::read_skeleton(folder.path / "a.bvh");
+    test::expect_near(motion::at(read.frames[1], Joint::kLeftWrist).position,
+                      motion::at(clip.frames[0], Joint::kLeftWrist).position, 2e-6);
+}
+
+// Programs mix frames by their angles.
+TEST(Bvh, HasNoJumpsInItsAngles) {
+    const TemporaryFolder folder;
+    motion::SkeletonClip clip = test::performer_motion(1);
+    clip.frames.resize(50, clip.frames[0]);
+    for (size_t f = 0; f < clip.frames.size(); ++f)  // two turns about +Y
+        for (motion::JointSample& sample : clip.frames[f]) {
+            const double angle = 4 * std::numbers::pi * static_cast<double>(f) / 49;
+            const glm::dvec3 p = sample.position;
+            sample.position = {std::cos(angle) * p.x + std::sin(angle) * p.z, p.y,
+                               std::cos(angle) * p.z - std::sin(angle) * p.x};
+        }
+    motion::write_bvh(folder.path / "a.bvh", clip, 1);
+    std::istringstream text(read_text(folder.path / "a.bvh"));
+    std::string line;
+    while (line.find("Frame Time") == std::string::npos) ASSERT_TRUE(std::getline(text, line));
+    double turned = 0;
+    std::vector<double> before;
+    while (std::getline(text, line)) {
+        std::istringstream words(line);
+        const std::vector<double> values{std::istream_iterator<double>(words), {}};
+        for (size_t i = 3; i < 6 && !before.empty(); ++i) EXPECT_LT(std::abs(values[i] - before[i]), 30);
+        if (!before.empty()) turned += values[5] - before[5];
+        before = values;
+    }
+    EXPECT_NEAR(turned, 720, 1e-3);
 }
 
 TEST(Bvh, RefusesWhatIsNotWhole) {

@@ -132,6 +132,13 @@ TEST_F(CliSkeleton, ImportsAModelsMotion) {
     for (size_t f = 0; f < kFrames; ++f)
         for (size_t j = 0; j < motion::kJoints; ++j)
             EXPECT_LT(glm::distance(found.frames[f][j].position, truth.frames[f][j].position), 1e-4);
+    ASSERT_EQ(run_neuvv({"skeleton", "export", file("a.skeleton.glb"), "-o", file("a.bvh"), "--unit", "cm"}).code, 0);
+    ASSERT_EQ(run_neuvv({"skeleton", "import", file("a.bvh"), "-o", file("b.skeleton.glb")}).code, 0);
+    const motion::SkeletonClip back = motion::read_skeleton(file("b.skeleton.glb"));
+    EXPECT_LT(glm::distance(motion::at(back.frames[9], motion::Joint::kLeftBigToe).position,
+                            motion::at(truth.frames[9], motion::Joint::kLeftBigToe).position),
+              1e-4);
+    expect_refused({"skeleton", "export", file("a.skeleton.glb"), "-o", file("a.fbx")}, 2, {"a.fbx", ".bvh"});
     expect_refused({"skeleton", "import", file("none.bvh"), "-o", file("b.glb")}, 2, {"none.bvh"});
     expect_refused({"skeleton"}, 2, {"neuvv skeleton --help"});
 }
