@@ -1,8 +1,8 @@
-// Eye: copies the images of both eyes to a headset's images, in linear light, as the format of these encodes. It also
+// Eye: copies the images of all views to a headset's images, in linear light, as the format of these encodes. It also
 // writes depth, so that hands and panels are hidden by what is before them: the depth of performers where the ray's
 // alpha is at least one half (errata 12), else that of the set.
 // Reads image and rays; writes premultiplied light, and as depth near_m / metres along the axis. One invocation per
-// pixel of both eyes. Bound by memory: 28 bytes per pixel.
+// pixel of all views. Bound by memory: 28 bytes per pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"

@@ -1,4 +1,4 @@
-// Eye: one triangle that covers an eye's image, drawn as one instance per eye.
+// Eye: one triangle that covers a view's image, drawn as one instance per view.
 #version 460
 #extension GL_ARB_shader_viewport_layer_array : require
 

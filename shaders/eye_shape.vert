@@ -1,4 +1,4 @@
-// Eye shapes: controllers, rays, boxes, arcs, and holes where panels are visible; drawn as one instance per eye.
+// Eye shapes: controllers, rays, boxes, arcs, and holes where panels are visible; drawn as one instance per view.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_ARB_shader_viewport_layer_array : require
@@ -11,6 +11,6 @@ layout(push_constant) uniform Push { ShapePush push; };
 
 void main() {
     gl_Layer = gl_InstanceIndex;
-    gl_Position = push.clip_from_world[gl_InstanceIndex] * vec4(position, 1.0);
+    gl_Position = push.clip_from_world[gl_InstanceIndex & 1] * vec4(position, 1.0);
     light = colour;
 }

@@ -1,4 +1,4 @@
-// Eye text: rectangles that show parts of a font's image, drawn as one instance per eye.
+// Eye text: rectangles that show parts of a font's image, drawn as one instance per view.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_ARB_shader_viewport_layer_array : require
@@ -13,7 +13,7 @@ layout(push_constant) uniform Push { ShapePush push; };
 
 void main() {
     gl_Layer = gl_InstanceIndex;
-    gl_Position = push.clip_from_world[gl_InstanceIndex] * vec4(position, 1.0);
+    gl_Position = push.clip_from_world[gl_InstanceIndex & 1] * vec4(position, 1.0);
     light = colour;
     font_uv = uv;
 }

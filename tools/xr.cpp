@@ -17,7 +17,7 @@ struct XrOptions {
     std::string file;
     headset::HeadsetOptions headset;
     std::string report;
-    bool check = false, no_mask = false, no_depth = false;
+    bool check = false, no_mask = false, no_depth = false, stereo = false;
     double refresh_hz = 0, inset = 0;
     std::optional<bool> far_levels;  // nothing: on
 };
@@ -36,6 +36,21 @@ void print_extensions(const xr::Runtime& runtime) {
     }
 }
 
+void print_views(const xr::Runtime& runtime) {
+    const auto print = [&](const char* what, uint32_t left, bool follows_gaze) {
+        const VkExtent2D size = runtime.recommended_size(left, follows_gaze);
+        fmt::print("{}: {}x{} recommended\n", what, size.width, size.height);
+    };
+    const VkExtent2D most = runtime.max_image_size();
+    print(runtime.has_narrow_views() ? "wide view of each eye" : "view of each eye", 0, false);
+    if (runtime.has_narrow_views()) print("narrow view of each eye, in the middle", xr::kEyes, false);
+    if (runtime.narrow_views_follow_gaze()) {
+        print("wide view while the eyes are tracked", 0, true);
+        print("narrow view while the eyes are tracked, where they look", xr::kEyes, true);
+    }
+    fmt::print("images: {}x{} at most\n", most.width, most.height);
+}
+
 void print_session(const xr::Runtime& runtime, const gpu::Device& device) {
     const xr::Session session(runtime, device);
     fmt::print("\nfloor: {}\n", session.knows_floor() ? "the runtime knows it (STAGE space)"
@@ -43,7 +58,7 @@ void print_session(const xr::Runtime& runtime, const gpu::Device& device) {
     const std::vector<float> rates = session.refresh_rates();
     if (!rates.empty()) fmt::print("refresh rates: {} Hz\n", fmt::join(rates, ", "));
     const headset::EyeImages eyes(device, session, {});
-    fmt::print("images: {}x{} an eye, {}\n", eyes.size().width, eyes.size().height, eyes.format_name());
+    fmt::print("images: {}x{} a view, {}\n", eyes.size().width, eyes.size().height, eyes.format_name());
     fmt::print("controllers with bindings:");
     for (const xr::ControllerProfile& profile : xr::controller_profiles())
         if (!profile.extension || runtime.has(profile.extension)) fmt::print(" {};", profile.title);
@@ -51,13 +66,11 @@ void print_session(const xr::Runtime& runtime, const gpu::Device& device) {
 }
 
 // Prints what the runtime and the headset offer, and what is missing.
-void check_headset(const std::string& choice) {
-    xr::Runtime runtime;
+void check_headset(const std::string& choice, xr::ViewChoice views) {
+    xr::Runtime runtime(views);
     fmt::print("runtime: {}\nheadset: {}, {}\n", runtime.name(), runtime.headset(),
                runtime.tracks_position() ? "position and orientation are tracked" : "only its orientation is tracked");
-    const VkExtent2D most = runtime.max_eye_size();
-    fmt::print("eyes: {}x{} recommended, {}x{} at most\n", runtime.eye_size().width, runtime.eye_size().height,
-               most.width, most.height);
+    print_views(runtime);
     std::vector<std::string> modes;
     for (const XrEnvironmentBlendMode mode : runtime.blend_modes()) modes.emplace_back(xr::blend_mode_name(mode));
     fmt::print("blend modes: {}\nyour own room: {}\n", fmt::join(modes, ", "),
@@ -95,6 +108,9 @@ void add_xr(Command app, CommonOptions& common) {
                     "Only this share of each eye's side gets all rays, where you look (or in the middle, where the "
                     "headset does not say); beside it half of them")
         .number_between(0.1, 0.95);
+    verb.add_flag("--stereo", options->stereo,
+                  "One view for each eye, even where the headset has a narrow one with more pixels besides, in which "
+                  "case there is no --inset");
     verb.add_option("--refresh", options->refresh_hz, "Hz of the display, or the nearest rate that it knows")
         .number_between(1, 1000);
     add_far_levels_option(verb, options->far_levels);
@@ -117,12 +133,14 @@ void add_xr(Command app, CommonOptions& common) {
          "  neuvv xr demo/stage.gltf --mirror\n"
          "  neuvv xr demo/stage.gltf --trainee vmc"});
     verb.callback([options, &common] {
-        if (options->check) return check_headset(common.device);
+        const xr::ViewChoice views = options->stereo ? xr::ViewChoice::kStereo : xr::ViewChoice::kAsOffered;
+        if (options->check) return check_headset(common.device, views);
         if (options->file.empty()) throw InputError("xr", "", "there is nothing to show", "name a stage or a clip");
         headset::HeadsetOptions& settings = options->headset;
         settings.file = options->file;
         settings.device = common.device;
         settings.report = options->report;
+        settings.views = views;
         settings.quality.far_levels = options->far_levels.value_or(true);
         settings.quality.mask = !options->no_mask;
         settings.quality.depth = !options->no_depth;

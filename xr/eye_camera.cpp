@@ -21,12 +21,12 @@ stage::Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, Vk
     return camera;
 }
 
-std::vector<glm::vec2> hidden_triangles(const Session& session, uint32_t eye, const XrFovf& fov) {
+std::vector<glm::vec2> hidden_triangles(const Session& session, uint32_t view, const XrFovf& fov) {
     const Runtime& runtime = session.runtime();
     if (!runtime.has(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME)) return {};
     const auto get = runtime.function<PFN_xrGetVisibilityMaskKHR>("xrGetVisibilityMaskKHR");
     const auto get_mask = [&](XrVisibilityMaskKHR& mask) {
-        return succeeded(get(session.handle(), runtime.view_configuration(), eye,
+        return succeeded(get(session.handle(), runtime.view_configuration(), view,
                              XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR, &mask),
                          "xrGetVisibilityMaskKHR", runtime.headset());
     };

@@ -16,9 +16,9 @@ namespace neuvv::xr {
 // The angles must span an image (spans_image).
 stage::Camera eye_camera(const EyeView& eye, const Pose& world_from_tracking, VkExtent2D size);
 
-// The triangles that the lens of an eye hides, in the form that SetRaster::hide takes (see corners_in_image). Empty
+// The triangles of a view that the lens hides, in the form that SetRaster::hide takes (see corners_in_image). Empty
 // where the runtime does not have XR_KHR_visibility_mask, or knows no mesh.
-std::vector<glm::vec2> hidden_triangles(const Session& session, uint32_t eye, const XrFovf& fov);
+std::vector<glm::vec2> hidden_triangles(const Session& session, uint32_t view, const XrFovf& fov);
 // Converts an indexed mesh on the plane one metre before the eye to the corners of triangles in the eye's image, 0..1
 // from the upper left. Indices that are left over after the last whole triangle are ignored; where an index is out of
 // range the result is empty.

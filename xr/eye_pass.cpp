@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
 
 #include "render/raster.h"
@@ -111,24 +112,25 @@ void EyePass::upload(const EyeShapes& shapes) {
 }
 
 void EyePass::record(gpu::Commands& commands, const render::StageRenderer& renderer, const gpu::Buffer& images,
-                     const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
+                     std::span<const stage::Camera> cameras, const EyeShapes& shapes, double vignette,
                      const EyeTarget& target) {
     bind(renderer, images);
     upload(shapes);
     const gpu::PassScope scope(commands, "eyes");
     gpu::draw_barrier(commands);
-    constexpr VkImageSubresourceRange kColour{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, kEyes},
-        kDepth{VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, kEyes};
+    const auto views = static_cast<uint32_t>(cameras.size());
+    const VkImageSubresourceRange all_colour{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, views},
+        all_depth{VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, views};
     constexpr VkImageLayout kColourLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                             kDepthLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
     // OpenXR hands images out in these layouts and expects them back in the same ones; their old content is not needed.
-    gpu::move_layout(commands, target.colour, kColour, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout);
-    gpu::move_layout(commands, target.depth, kDepth, VK_IMAGE_LAYOUT_UNDEFINED, kDepthLayout);
+    gpu::move_layout(commands, target.colour, all_colour, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout);
+    gpu::move_layout(commands, target.depth, all_depth, VK_IMAGE_LAYOUT_UNDEFINED, kDepthLayout);
     const VkRenderingAttachmentInfo colour = attachment(target.colour_view, kColourLayout),
                                     depth = attachment(target.depth_view, kDepthLayout);
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
     info.renderArea.extent = target.size;
-    info.layerCount = kEyes;
+    info.layerCount = views;
     info.colorAttachmentCount = 1;
     info.pColorAttachments = &colour;
     info.pDepthAttachment = &depth;
@@ -153,16 +155,17 @@ void EyePass::draw_image(gpu::Commands& commands, const render::ViewLayout& layo
     push(commands, image_,
          EyePush{layout.width, layout.height, layout.tiles_across(), layout.tiles_down(),
                  static_cast<float>(render::kSetNear_m), static_cast<float>(vignette)});
-    vkCmdDraw(commands.handle(), 3, kEyes, 0, 0);
+    vkCmdDraw(commands.handle(), 3, layout.views, 0, 0);
 }
 
 // Holes and solid shapes are drawn where they are nearer than what is drawn already. Holes write their depth, too, so a
 // hand in front of a panel covers it.
-void EyePass::draw_shapes(gpu::Commands& commands, const std::array<stage::Camera, kEyes>& cameras,
-                          const EyeShapes& shapes) {
-    ShapePush views{};
-    for (uint32_t eye = 0; eye < kEyes; eye++)
-        views.clip_from_world[eye] = glm::mat4(render::clip_from_world(cameras[eye], render::kSetNear_m));
+void EyePass::draw_shapes(gpu::Commands& commands, std::span<const stage::Camera> cameras, const EyeShapes& shapes) {
+    assert(cameras.size() % kEyes == 0);
+    std::vector<ShapePush> pairs(cameras.size() / kEyes);
+    for (size_t view = 0; view < cameras.size(); view++)
+        pairs[view / kEyes].clip_from_world[view % kEyes] =
+            glm::mat4(render::clip_from_world(cameras[view], render::kSetNear_m));
     const VkDeviceSize start = 0;
     vkCmdBindVertexBuffers(commands.handle(), 0, 1, &vertices_[0].buffer, &start);
     uint32_t first = 0;
@@ -171,8 +174,10 @@ void EyePass::draw_shapes(gpu::Commands& commands, const std::array<stage::Camer
         if (count > 0) {
             vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline());
             vkCmdSetDepthWriteEnable(commands.handle(), writes_depth);
-            push(commands, pass, views);
-            vkCmdDraw(commands.handle(), count, kEyes, first, 0);
+            for (uint32_t pair = 0; pair < pairs.size(); pair++) {
+                push(commands, pass, pairs[pair]);
+                vkCmdDraw(commands.handle(), count, kEyes, first, pair * kEyes);
+            }
         }
         first += count;
     };
@@ -180,7 +185,7 @@ void EyePass::draw_shapes(gpu::Commands& commands, const std::array<stage::Camer
     draw(solid_, shapes.solid(), VK_TRUE);
     draw(translucent_, shapes.translucent(), VK_FALSE);
     draw(on_top_, shapes.on_top(), VK_FALSE);
-    text_.draw(commands, shapes.text(), views);
+    text_.draw(commands, shapes.text(), pairs);
 }
 
 }  // namespace neuvv::xr

@@ -1,10 +1,11 @@
 // Eye pass: draws the rendered images of a stage, their depth, and shapes over them to a headset's images. One pass
-// draws both eyes: each eye is a layer of the target and an instance of each draw. (Multiview is not used, as lavapipe
+// draws all views: each view is a layer of the target and an instance of each draw. (Multiview is not used, as lavapipe
 // of Mesa 22.3 draws whole tiles of all views to the first layer.)
 #pragma once
 
 #include <array>
 #include <memory>
+#include <span>
 
 #include "gpu/graphics_pass.h"
 #include "render/stage_renderer.h"
@@ -20,7 +21,7 @@ const std::vector<VkFormat>& eye_colour_formats();
 const std::vector<VkFormat>& eye_depth_formats();
 
 struct EyeTarget {
-    VkImage colour = VK_NULL_HANDLE, depth = VK_NULL_HANDLE;  // a layer for each eye
+    VkImage colour = VK_NULL_HANDLE, depth = VK_NULL_HANDLE;  // a layer for each view
     VkImageView colour_view = VK_NULL_HANDLE, depth_view = VK_NULL_HANDLE;
     VkExtent2D size{};  // of the part that is drawn, from the upper left
 };
@@ -32,10 +33,11 @@ class EyePass {
 
     // Records how the images of the renderer, and the shapes over them, are drawn: behind the images in their
     // submission (FrameRenderer::Then). Of what it recorded before, the last may be under way. `cameras` are those of
-    // the images (left, right) and have the target's size. `vignette` says how dark the edges are, 0..1. Leaves the
-    // target in the layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL and DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
+    // the images, as many as there are views (a multiple of kEyes), and have the target's size. `vignette` says how
+    // dark the edges are, 0..1. Leaves the target in the layouts in which OpenXR expects it (COLOR_ATTACHMENT_OPTIMAL
+    // and DEPTH_STENCIL_ATTACHMENT_OPTIMAL).
     void record(gpu::Commands& commands, const render::StageRenderer& renderer, const gpu::Buffer& images,
-                const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes, double vignette,
+                std::span<const stage::Camera> cameras, const EyeShapes& shapes, double vignette,
                 const EyeTarget& target);
     void set_font(const gpu::DeviceImage& image) { text_.set_font(image); }
 
@@ -43,7 +45,7 @@ class EyePass {
     void bind(const render::StageRenderer& renderer, const gpu::Buffer& images);
     void upload(const EyeShapes& shapes);
     void draw_image(gpu::Commands& commands, const render::ViewLayout& layout, double vignette);
-    void draw_shapes(gpu::Commands& commands, const std::array<stage::Camera, kEyes>& cameras, const EyeShapes& shapes);
+    void draw_shapes(gpu::Commands& commands, std::span<const stage::Camera> cameras, const EyeShapes& shapes);
     const gpu::Device& device_;
     gpu::GraphicsPass image_, solid_, translucent_, on_top_;
     EyeText text_;

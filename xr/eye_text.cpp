@@ -41,7 +41,7 @@ void EyeText::set_font(const gpu::DeviceImage& image) {
     bound_.emplace(pass_, std::span(&texture, 1));
 }
 
-void EyeText::draw(gpu::Commands& commands, std::span<const TextVertex> text, const ShapePush& views) {
+void EyeText::draw(gpu::Commands& commands, std::span<const TextVertex> text, std::span<const ShapePush> pairs) {
     if (!bound_ || text.empty()) return;
     std::rotate(vertices_.begin(), vertices_.begin() + 1, vertices_.end());
     std::copy(text.begin(), text.end(), vertices_[0].as<TextVertex>());
@@ -51,8 +51,11 @@ void EyeText::draw(gpu::Commands& commands, std::span<const TextVertex> text, co
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.pipeline());
     vkCmdBindDescriptorSets(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.layout(), 0, 1, &set, 0, nullptr);
     vkCmdSetDepthWriteEnable(commands.handle(), VK_FALSE);
-    vkCmdPushConstants(commands.handle(), pass_.layout(), gpu::kDrawStages, 0, pass_.interface().push_bytes, &views);
-    vkCmdDraw(commands.handle(), static_cast<uint32_t>(text.size()), kEyes, 0, 0);
+    for (uint32_t pair = 0; pair < pairs.size(); pair++) {
+        vkCmdPushConstants(commands.handle(), pass_.layout(), gpu::kDrawStages, 0, pass_.interface().push_bytes,
+                           &pairs[pair]);
+        vkCmdDraw(commands.handle(), static_cast<uint32_t>(text.size()), kEyes, 0, pair * kEyes);
+    }
 }
 
 }  // namespace neuvv::xr

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include "gpu/graphics_pass.h"
 #include "render/ray_target.h"
@@ -18,8 +19,9 @@ class EyeText {
     // Without a font no text is drawn. The image (red is how much of a pixel is covered; layout SHADER_READ_ONLY) must
     // outlive this object. To be called while no frame is drawn.
     void set_font(const gpu::DeviceImage& image);
-    // Records the draw of `text`, inside the eyes' rendering. Of what it recorded before, the last may be under way.
-    void draw(gpu::Commands& commands, std::span<const TextVertex> text, const ShapePush& views);
+    // Records the draw of `text`, inside the eyes' rendering. `pairs` are the matrices of the views, two by two. Of
+    // what it recorded before, the last may be under way.
+    void draw(gpu::Commands& commands, std::span<const TextVertex> text, std::span<const ShapePush> pairs);
 
   private:
     gpu::GraphicsPass pass_;

@@ -69,6 +69,10 @@ std::vector<OptionalExtension> optional_extensions() {
          "your own room is seen only by a blend mode, see above"},
         {XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME, "the inset is where you look (--inset)",
          "the inset is in the middle of each eye's image"},
+        {XR_VARJO_QUAD_VIEWS_EXTENSION_NAME, "each eye has a narrow view with more pixels over its wide one",
+         "each eye has one view"},
+        {XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME, "the narrow views are where you look",
+         "narrow views, where there are any, are in the middle"},
         {kUserPresenceExtension, "the stage pauses while nobody wears the headset", "the stage goes on"},
     };
     for (const ControllerProfile& profile : controller_profiles()) {
@@ -93,12 +97,12 @@ const char* blend_mode_name(XrEnvironmentBlendMode mode) {
 }
 
 // XR_LOADER_DEBUG keeps the loader from printing: its lines say less than the messages of this program.
-Runtime::Runtime() {
+Runtime::Runtime(ViewChoice choice) {
     if (!std::getenv("XR_LOADER_DEBUG")) setenv("XR_LOADER_DEBUG", "none", 1);
     offered_ = offered_extensions();
     create_instance();
     find_headset();
-    find_views();
+    find_views(choice);
     if (has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) || has(XR_KHR_VULKAN_ENABLE_EXTENSION_NAME)) return;
     throw RuntimeFailure(fmt::format("{} shows no images made by Vulkan; start a runtime that does", name_));
 }
@@ -163,6 +167,10 @@ void Runtime::find_properties() {
     find(XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,
          XrSystemEyeGazeInteractionPropertiesEXT{XR_TYPE_SYSTEM_EYE_GAZE_INTERACTION_PROPERTIES_EXT, nullptr, XR_FALSE},
          &XrSystemEyeGazeInteractionPropertiesEXT::supportsEyeGazeInteraction);
+    find(
+        XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME,
+        XrSystemFoveatedRenderingPropertiesVARJO{XR_TYPE_SYSTEM_FOVEATED_RENDERING_PROPERTIES_VARJO, nullptr, XR_FALSE},
+        &XrSystemFoveatedRenderingPropertiesVARJO::supportsFoveatedRendering);
     find(XR_FB_PASSTHROUGH_EXTENSION_NAME,
          XrSystemPassthroughPropertiesFB{XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB, nullptr, XR_FALSE},
          &XrSystemPassthroughPropertiesFB::supportsPassthrough);
@@ -178,21 +186,39 @@ void Runtime::find_properties() {
          &XrSystemBodyTrackingPropertiesBD::supportsBodyTracking);
 }
 
-void Runtime::find_views() {
+std::vector<XrViewConfigurationView> Runtime::views_of(XrViewConfigurationType type, bool follows_gaze) const {
+    XrFoveatedViewConfigurationViewVARJO foveated{XR_TYPE_FOVEATED_VIEW_CONFIGURATION_VIEW_VARJO, nullptr, XR_TRUE};
+    XrViewConfigurationView blank{XR_TYPE_VIEW_CONFIGURATION_VIEW};
+    if (follows_gaze) blank.next = &foveated;  // one for all views, which only read it
+    return enumerate("xrEnumerateViewConfigurationViews", headset_, blank,
+                     [&](uint32_t capacity, uint32_t* count, XrViewConfigurationView* all) {
+                         return xrEnumerateViewConfigurationViews(instance(), system_, type, capacity, count, all);
+                     });
+}
+
+// OpenXR 1.1 has the quad views of XR_VARJO_quad_views as stereo with a foveated inset, with the same number.
+void Runtime::find_views(ViewChoice choice) {
     const auto kinds = enumerate("xrEnumerateViewConfigurations", headset_, XrViewConfigurationType{},
                                  [&](uint32_t capacity, uint32_t* count, XrViewConfigurationType* all) {
                                      return xrEnumerateViewConfigurations(instance(), system_, capacity, count, all);
                                  });
-    if (std::find(kinds.begin(), kinds.end(), view_configuration()) == kinds.end())
-        throw RuntimeFailure(fmt::format("\"{}\" of {} does not show two eyes", headset_, name_));
-    const auto views = enumerate(
-        "xrEnumerateViewConfigurationViews", headset_, XrViewConfigurationView{XR_TYPE_VIEW_CONFIGURATION_VIEW},
-        [&](uint32_t capacity, uint32_t* count, XrViewConfigurationView* all) {
-            return xrEnumerateViewConfigurationViews(instance(), system_, view_configuration(), capacity, count, all);
-        });
-    if (views.size() != kEyes)
-        throw RuntimeFailure(fmt::format("\"{}\" of {} has {} views for two eyes", headset_, name_, views.size()));
-    std::copy(views.begin(), views.end(), views_.begin());
+    const auto is_offered = [&](XrViewConfigurationType type) {
+        return std::find(kinds.begin(), kinds.end(), type) != kinds.end();
+    };
+    constexpr XrViewConfigurationType kQuad = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_QUAD_VARJO;
+    if (!is_offered(kQuad)) lacking_.emplace_back(XR_VARJO_QUAD_VIEWS_EXTENSION_NAME);
+    if (choice == ViewChoice::kAsOffered && is_offered(kQuad)) views_ = views_of(kQuad, false);
+    if (views_.size() == kMaxViews) {
+        view_configuration_ = kQuad;
+        if (supports(XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME)) gaze_views_ = views_of(kQuad, true);
+        if (gaze_views_.size() != kMaxViews) gaze_views_.clear();
+    } else {
+        if (!is_offered(view_configuration()))
+            throw RuntimeFailure(fmt::format("\"{}\" of {} does not show two eyes", headset_, name_));
+        views_ = views_of(view_configuration(), false);
+        if (views_.size() != kEyes)
+            throw RuntimeFailure(fmt::format("\"{}\" of {} has {} views for two eyes", headset_, name_, views_.size()));
+    }
     blend_modes_ = enumerate("xrEnumerateEnvironmentBlendModes", headset_, XrEnvironmentBlendMode{},
                              [&](uint32_t capacity, uint32_t* count, XrEnvironmentBlendMode* all) {
                                  return xrEnumerateEnvironmentBlendModes(instance(), system_, view_configuration(),
@@ -201,15 +227,28 @@ void Runtime::find_views() {
     if (blend_modes_.empty()) throw RuntimeFailure(fmt::format("\"{}\" of {} shows no image", headset_, name_));
 }
 
-VkExtent2D Runtime::eye_size() const {
-    const VkExtent2D max = max_eye_size();
-    return {std::min(std::max(views_[0].recommendedImageRectWidth, views_[1].recommendedImageRectWidth), max.width),
-            std::min(std::max(views_[0].recommendedImageRectHeight, views_[1].recommendedImageRectHeight), max.height)};
+VkExtent2D Runtime::recommended_size(uint32_t view, bool follows_gaze) const {
+    const VkExtent2D max = max_image_size();
+    const XrViewConfigurationView& one = (follows_gaze && narrow_views_follow_gaze() ? gaze_views_ : views_)[view];
+    return {std::min(one.recommendedImageRectWidth, max.width), std::min(one.recommendedImageRectHeight, max.height)};
 }
 
-VkExtent2D Runtime::max_eye_size() const {
-    return {std::min(views_[0].maxImageRectWidth, views_[1].maxImageRectWidth),
-            std::min(views_[0].maxImageRectHeight, views_[1].maxImageRectHeight)};
+VkExtent2D Runtime::image_size() const {
+    VkExtent2D size{};
+    for (uint32_t view = 0; view < view_count(); view++)
+        for (const bool follows_gaze : {false, true}) {
+            const VkExtent2D one = recommended_size(view, follows_gaze);
+            size = {std::max(size.width, one.width), std::max(size.height, one.height)};
+        }
+    return size;
+}
+
+VkExtent2D Runtime::max_image_size() const {
+    VkExtent2D size{UINT32_MAX, UINT32_MAX};
+    for (const auto* views : {&views_, &gaze_views_})
+        for (const XrViewConfigurationView& one : *views)
+            size = {std::min(size.width, one.maxImageRectWidth), std::min(size.height, one.maxImageRectHeight)};
+    return size;
 }
 
 PFN_xrVoidFunction Runtime::find_function(const char* name) const {

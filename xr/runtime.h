@@ -1,7 +1,6 @@
 // The OpenXR runtime of this machine, its headset, and what they offer.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -20,13 +19,20 @@ struct OptionalExtension {
 std::vector<OptionalExtension> optional_extensions();
 
 constexpr uint32_t kEyes = 2;
+// Some headsets show two images to each eye: a wide one and, over its middle or where the eye looks, a narrow one with
+// more pixels for each degree (quad views). The order of views is left, right, narrow left, narrow right.
+constexpr uint32_t kMaxViews = 4;
+enum class ViewChoice {
+    kAsOffered,  // four views, where runtime and headset have them
+    kStereo      // two
+};
 
 // An instance of the runtime, and its headset. It must outlive all other objects of this module.
 class Runtime {
   public:
     // Throws RuntimeFailure where there is no runtime, no headset, no support of Vulkan or no stereo; its message is
     // one line that says what to start or to plug in.
-    Runtime();
+    explicit Runtime(ViewChoice choice = ViewChoice::kAsOffered);
 
     XrInstance instance() const { return instance_.get(); }
     XrSystemId system() const { return system_; }
@@ -44,14 +50,19 @@ class Runtime {
     const std::string& name() const { return name_; }          // "Monado 21.0.0"
     const std::string& headset() const { return headset_; }    // "Simulated HMD"
     bool tracks_position() const { return tracks_position_; }  // else only the head's orientation is tracked
-    const std::array<XrViewConfigurationView, kEyes>& views() const { return views_; }
-    // The size in pixels that the runtime recommends for the image of an eye (the larger one of both eyes), and the
-    // largest size that it takes.
-    VkExtent2D eye_size() const;
-    VkExtent2D max_eye_size() const;
+    uint32_t view_count() const { return static_cast<uint32_t>(views_.size()); }  // kEyes or kMaxViews
+    bool has_narrow_views() const { return view_count() > kEyes; }
+    // Whether the narrow views are where the eyes look, while these are tracked (XR_VARJO_foveated_rendering).
+    bool narrow_views_follow_gaze() const { return !gaze_views_.empty(); }
+    // The size in pixels that the runtime recommends for a view's image. While narrow views follow the gaze, it may be
+    // another one. It is at most max_image_size().
+    VkExtent2D recommended_size(uint32_t view, bool follows_gaze = false) const;
+    // The size of images that have room for each view at any time, and the largest size that the runtime takes for all.
+    VkExtent2D image_size() const;
+    VkExtent2D max_image_size() const;
     // At least one; the runtime prefers the first.
     const std::vector<XrEnvironmentBlendMode>& blend_modes() const { return blend_modes_; }
-    XrViewConfigurationType view_configuration() const { return XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO; }
+    XrViewConfigurationType view_configuration() const { return view_configuration_; }
 
     // The Vulkan extensions that the runtime requires, and the calls with which it creates instance and device, for the
     // constructor of gpu::Device. Both refer to this object, which must outlive the Device. device_extensions() throws
@@ -64,7 +75,8 @@ class Runtime {
     void create_instance();
     void find_headset();
     void find_properties();
-    void find_views();
+    void find_views(ViewChoice choice);
+    std::vector<XrViewConfigurationView> views_of(XrViewConfigurationType type, bool follows_gaze) const;
     void check_vulkan_version() const;
 
     std::vector<std::string> offered_;
@@ -74,7 +86,8 @@ class Runtime {
     std::string name_, headset_;
     bool tracks_position_ = false;
     std::vector<std::string> lacking_;  // extensions that the runtime offers and the headset has no use for
-    std::array<XrViewConfigurationView, kEyes> views_{};
+    XrViewConfigurationType view_configuration_ = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+    std::vector<XrViewConfigurationView> views_, gaze_views_;  // the latter while narrow views follow the gaze
     std::vector<XrEnvironmentBlendMode> blend_modes_;
 };
 

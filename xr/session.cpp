@@ -69,6 +69,9 @@ void Session::create_spaces() {
     if (!knows_floor_) reference_from_tracking_.position.y = -kEyeHeight_m;
     tracking_ = reference_space(handle(), tracking_type_, reference_from_tracking_);
     head_ = reference_space(handle(), XR_REFERENCE_SPACE_TYPE_VIEW);
+    constexpr XrReferenceSpaceType kGaze = XR_REFERENCE_SPACE_TYPE_COMBINED_EYE_VARJO;
+    if (runtime_.narrow_views_follow_gaze() && std::find(types.begin(), types.end(), kGaze) != types.end())
+        gaze_ = reference_space(handle(), kGaze);
 }
 
 // LOCAL and LOCAL_FLOOR move where the user asks for it; STAGE, where its area or its floor is found anew.
@@ -143,8 +146,8 @@ SessionStatus Session::poll(SessionEvents& events) {
                     events.is_worn = change.isUserPresent == XR_TRUE;
                 break;
             case XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR:
-                if (const uint32_t eye = as(XrEventDataVisibilityMaskChangedKHR{}).viewIndex; eye < kEyes)
-                    events.mask_changed[eye] = true;
+                if (const uint32_t view = as(XrEventDataVisibilityMaskChangedKHR{}).viewIndex; view < kMaxViews)
+                    events.mask_changed[view] = true;
                 break;
             default:
                 break;  // such as refresh rates, which show in times; and unused extensions
@@ -184,19 +187,28 @@ void Session::end_frame(const FrameTime& time, XrEnvironmentBlendMode blend,
     check(xrEndFrame(handle(), &info), "xrEndFrame", runtime_.headset());
 }
 
+bool Session::is_gaze_tracked(XrTime time) const {
+    if (gaze_.get() == XR_NULL_HANDLE) return false;
+    XrSpaceLocation location{XR_TYPE_SPACE_LOCATION};
+    check(xrLocateSpace(gaze_.get(), head_space(), time, &location), "xrLocateSpace", runtime_.headset());
+    return (location.locationFlags & XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT) != 0;
+}
+
 std::optional<EyeViews> Session::locate_eyes(XrTime time) {
-    const XrViewLocateInfo info{XR_TYPE_VIEW_LOCATE_INFO, nullptr, runtime_.view_configuration(), time,
-                                tracking_space()};
+    const bool follows_gaze = is_gaze_tracked(time);
+    const XrViewLocateFoveatedRenderingVARJO foveated{XR_TYPE_VIEW_LOCATE_FOVEATED_RENDERING_VARJO, nullptr, XR_TRUE};
+    const XrViewLocateInfo info{XR_TYPE_VIEW_LOCATE_INFO, follows_gaze ? &foveated : nullptr,
+                                runtime_.view_configuration(), time, tracking_space()};
     XrViewState state{XR_TYPE_VIEW_STATE};
-    std::array<XrView, kEyes> views{};
-    views.fill({XR_TYPE_VIEW});
+    std::vector<XrView> views(runtime_.view_count(), {XR_TYPE_VIEW});
     uint32_t count = 0;
-    check(xrLocateViews(handle(), &info, &state, kEyes, &count, views.data()), "xrLocateViews", runtime_.headset());
+    check(xrLocateViews(handle(), &info, &state, runtime_.view_count(), &count, views.data()), "xrLocateViews",
+          runtime_.headset());
     const bool all_span =
         std::all_of(views.begin(), views.end(), [](const XrView& view) { return spans_image(view.fov); });
     if (!is_known(state.viewStateFlags) || !all_span) return last_eyes_;
-    last_eyes_.emplace();
-    for (uint32_t i = 0; i < kEyes; i++) last_eyes_->eye[i] = {pose_of(views[i].pose), views[i].fov};
+    last_eyes_ = EyeViews{{}, follows_gaze};
+    for (const XrView& view : views) last_eyes_->views.push_back({pose_of(view.pose), view.fov});
     return last_eyes_;
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "xr/pose.h"
 #include "xr/runtime.h"
@@ -39,8 +40,8 @@ struct SessionEvents {
     std::optional<TrackingChange> tracking_change;  // the last one
     std::optional<bool> is_worn;                    // whether somebody wears the headset, where that has changed
     bool passthrough_lost = false;                  // call Room::restart
-    bool controllers_changed = false;        // the user holds other controllers: call Actions::update_controllers
-    std::array<bool, kEyes> mask_changed{};  // the lens of this eye hides another part of the image
+    bool controllers_changed = false;            // the user holds other controllers: call Actions::update_controllers
+    std::array<bool, kMaxViews> mask_changed{};  // the lens hides another part of this view
 };
 
 constexpr double kEyeHeight_m = 1.6;  // above the floor, where the runtime does not know the floor
@@ -56,7 +57,8 @@ struct EyeView {
     XrFovf fov{};
 };
 struct EyeViews {
-    std::array<EyeView, kEyes> eye;
+    std::vector<EyeView> views;  // Runtime::view_count()
+    bool follows_gaze = false;   // whether the narrow views are where the eyes look
 };
 // Whether a field of view spans an image: each angle is within 89.4° of the axis, left is less than right, and down is
 // less than up. False for NaN.
@@ -92,7 +94,8 @@ class Session {
     void end_frame(const FrameTime& time, XrEnvironmentBlendMode blend,
                    std::span<const XrCompositionLayerBaseHeader* const> layers);
 
-    // The predicted poses (tracking space) and fields of view of the eyes. While the head is not tracked, or where a
+    // The predicted poses (tracking space) and fields of view of the views; the narrow ones are where the eyes look,
+    // where the runtime can do that and the eyes are tracked. While the head is not tracked, or where a
     // field of view spans no image, the last good ones; empty where there are none yet.
     std::optional<EyeViews> locate_eyes(XrTime time);
     // The pose of a space in the tracking space; empty while it is not tracked.
@@ -104,6 +107,7 @@ class Session {
 
   private:
     void create_spaces();
+    bool is_gaze_tracked(XrTime time) const;
     TrackingChange tracking_change(const XrEventDataReferenceSpaceChangePending& event) const;
     void begin_session();
     void end_session();
@@ -111,7 +115,7 @@ class Session {
     const Runtime& runtime_;
     const gpu::Device& device_;
     XrOwnedSession session_;
-    XrOwnedSpace tracking_, head_;
+    XrOwnedSpace tracking_, head_, gaze_;  // gaze_: null where narrow views do not follow it
     XrReferenceSpaceType tracking_type_ = XR_REFERENCE_SPACE_TYPE_STAGE;
     Pose reference_from_tracking_;
     bool knows_floor_ = false;

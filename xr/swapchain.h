@@ -11,7 +11,7 @@ namespace neuvv::xr {
 
 struct SwapchainShape {
     VkExtent2D size{};
-    uint32_t layers = 1;  // of each image; one for each eye
+    uint32_t layers = 1;  // of each image; one for each view
     XrSwapchainUsageFlags usage = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT;
     VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
     std::vector<VkFormat> formats;  // those that the program can draw, in any order

@@ -23,6 +23,12 @@ constexpr ChainRule kChainRules[] = {
     {XR_TYPE_SYSTEM_PROPERTIES, XR_TYPE_SYSTEM_EYE_GAZE_INTERACTION_PROPERTIES_EXT,
      XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME, nullptr},
     {XR_TYPE_SYSTEM_PROPERTIES, XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB, XR_FB_PASSTHROUGH_EXTENSION_NAME, nullptr},
+    {XR_TYPE_SYSTEM_PROPERTIES, XR_TYPE_SYSTEM_FOVEATED_RENDERING_PROPERTIES_VARJO,
+     XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME, nullptr},
+    {XR_TYPE_VIEW_CONFIGURATION_VIEW, XR_TYPE_FOVEATED_VIEW_CONFIGURATION_VIEW_VARJO,
+     XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME, nullptr},
+    {XR_TYPE_VIEW_LOCATE_INFO, XR_TYPE_VIEW_LOCATE_FOVEATED_RENDERING_VARJO, XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME,
+     nullptr},
     {XR_TYPE_SYSTEM_PROPERTIES, xr::kUserPresenceProperties, xr::kUserPresenceExtension, nullptr},
     {XR_TYPE_SYSTEM_PROPERTIES, XR_TYPE_SYSTEM_BODY_TRACKING_PROPERTIES_FB, XR_FB_BODY_TRACKING_EXTENSION_NAME,
      nullptr},
@@ -174,12 +180,28 @@ void check_system(const Instance& instance, XrSystemId system) {
 }
 
 void check_view_configuration(XrViewConfigurationType type) {
+    const bool is_quad = type == XR_VIEW_CONFIGURATION_TYPE_PRIMARY_QUAD_VARJO &&
+                         runtime().instance->has(XR_VARJO_QUAD_VIEWS_EXTENSION_NAME);
     const bool is_known =
-        type == XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO || type == XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+        type == XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO || type == XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO || is_quad;
     require(is_known, XR_ERROR_VALIDATION_FAILURE, "view-configuration",
-            fmt::format("{} is no XrViewConfigurationType of core OpenXR", static_cast<int>(type)));
-    require(type == XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO, XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
-            "view-configuration", "xrEnumerateViewConfigurations does not name this view configuration");
+            fmt::format("{} is no XrViewConfigurationType of core OpenXR or of an enabled extension",
+                        static_cast<int>(type)));
+    const auto offered = offered_view_configurations();
+    require(std::find(offered.begin(), offered.end(), type) != offered.end(),
+            XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED, "view-configuration",
+            "xrEnumerateViewConfigurations does not name this view configuration");
+}
+
+std::vector<XrViewConfigurationType> offered_view_configurations() {
+    std::vector<XrViewConfigurationType> types = {XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO};
+    if (runtime().script.narrow && runtime().instance->has(XR_VARJO_QUAD_VIEWS_EXTENSION_NAME))
+        types.insert(types.begin(), XR_VIEW_CONFIGURATION_TYPE_PRIMARY_QUAD_VARJO);
+    return types;
+}
+
+uint32_t view_count(XrViewConfigurationType type) {
+    return type == XR_VIEW_CONFIGURATION_TYPE_PRIMARY_QUAD_VARJO ? 4 : 2;
 }
 
 void check_time(XrTime time) {

@@ -161,6 +161,9 @@ XrResult give_structs(uint32_t capacity, uint32_t* count, T* out, size_t availab
 Instance& instance_of(XrInstance handle);
 void check_system(const Instance& instance, XrSystemId system);
 void check_view_configuration(XrViewConfigurationType type);
+// Those that xrEnumerateViewConfigurations names, the preferred one first; and the number of views of each.
+std::vector<XrViewConfigurationType> offered_view_configurations();
+uint32_t view_count(XrViewConfigurationType type);
 void check_time(XrTime time);
 void check_pose(const XrPosef& pose, const char* name);
 const std::string& text_of(XrPath path);  // refuses XR_ERROR_PATH_INVALID

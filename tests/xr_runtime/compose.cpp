@@ -59,6 +59,15 @@ Hit hit_quad(const Layer& layer, const LinearImage& image, const XrPosef& eye_in
     return {is_inside, u * static_cast<float>(image.width), v * static_cast<float>(image.height)};
 }
 
+// Replaces the colour of an eye's wide view where the narrow one shows the ray.
+void see_narrow(Colour& colour, const LinearImage& image, const XrFovf& fov, XrVector3f ray) {
+    const float left = std::tan(fov.angleLeft), right = std::tan(fov.angleRight);
+    const float up = std::tan(fov.angleUp), down = std::tan(fov.angleDown);
+    const float u = (ray.x - left) / (right - left), v = (ray.y - up) / (down - up);
+    if (u < 0 || u >= 1 || v < 0 || v >= 1) return;
+    colour = sampled(image, u * static_cast<float>(image.width), v * static_cast<float>(image.height));
+}
+
 // The user's room along a ray of an eye: grey walls, and a floor of tiles of half a metre, at the height of STAGE.
 Colour room(const XrPosef& head, XrVector3f ray) {
     const XrVector3f along = rotate(head.orientation, ray);
@@ -71,8 +80,8 @@ Colour room(const XrPosef& head, XrVector3f ray) {
 
 }  // namespace
 
-LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images, uint32_t eye, XrTime time,
-                    XrEnvironmentBlendMode mode) {
+LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images,
+                    const std::vector<LinearImage>& narrow, uint32_t eye, XrTime time, XrEnvironmentBlendMode mode) {
     const Script& script = runtime().script;
     LinearImage seen = {script.width, script.height, std::vector<float>(size_t{script.width} * script.height * 4)};
     const XrFovf& fov = script.fov[eye];
@@ -105,7 +114,10 @@ LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearIm
             if (layer.kind == LayerKind::kPassthrough) return blend(pixel, room(head, ray), layer.flags);
             const Hit hit =
                 layer.is_quad() ? hit_quad(layer, image, eye_in_quad, ray) : Hit{true, u * width, v * height};
-            if (hit.is_hit) blend(pixel, sampled(image, hit.x, hit.y), layer.flags);
+            if (!hit.is_hit) return;
+            Colour colour = sampled(image, hit.x, hit.y);
+            if (layer.views.size() > 2) see_narrow(colour, narrow[i], layer.fov[2 + eye], ray);
+            blend(pixel, colour, layer.flags);
         });
     }
     if (mode == XR_ENVIRONMENT_BLEND_MODE_ADDITIVE)

@@ -89,7 +89,7 @@ XrResult wait_frame(XrSession handle, const XrFrameWaitInfo* info, XrFrameState*
     report.frames = progress.frame() + 1;
     check_events_polled(*session->instance);
     play_events(*session, progress.frame());
-    Frame frame = {progress.frame(), progress.display_times.back(), false, 0};
+    Frame frame = {progress.frame(), progress.display_times.back(), false, 0, false};
     frame.should_render = session->state == XR_SESSION_STATE_VISIBLE || session->state == XR_SESSION_STATE_FOCUSED;
     session->waited = frame;
     session->waiter = std::this_thread::get_id();
@@ -135,13 +135,14 @@ bool is_saved(int64_t frame) {
 
 void keep_images(const Session& session, const Frame& frame, const std::vector<Layer>& layers,
                  XrEnvironmentBlendMode blend) {
-    SavedLayers saved = {frame.index, {}, false, frame.display_time, 0, {0, 0}, blend_name(blend)};
+    SavedLayers saved = {frame.index, {}, false, frame.display_time, 0, {0, 0}, blend_name(blend), {}};
     for (const Layer& layer : layers) {
         saved.types.push_back(layer.is_quad() ? "quad" : layer.is_projection() ? "projection" : "passthrough");
         saved.has_depth = saved.has_depth || layer.has_depth();
         if (!layer.is_projection()) continue;
         saved.format = layer.views[0].colour.swapchain->info.format;
         saved.size = layer.views[0].colour.rect.extent;
+        saved.fov = layer.fov;
     }
     runtime().report.layers.push_back(saved);
     save_images(session.vulkan, frame, layers, blend);
@@ -173,7 +174,7 @@ XrResult end_frame(XrSession handle, const XrFrameEndInfo* end_info) {
     require(session.begun.has_value(), XR_ERROR_CALL_ORDER_INVALID, "frame-order", "xrEndFrame without xrBeginFrame");
     const Frame frame = *session.begun;
     check_end_info(info, frame);
-    const std::vector<Layer> layers = checked_layers(info, frame);
+    const std::vector<Layer> layers = checked_layers(info, session, frame);
     mark_shown(layers);
     if (!layers.empty()) ++runtime().report.frames_with_layers;
     if (is_saved(frame.index)) keep_images(session, frame, layers, info.environmentBlendMode);

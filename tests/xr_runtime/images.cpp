@@ -135,35 +135,45 @@ LinearImage linear_image(const std::vector<uint8_t>& texels, int64_t format, uin
     return image;
 }
 
+namespace {
+
+// Writes colour and depth of a view, and returns its colour.
+LinearImage save_view(const VulkanDevice& vulkan, const ProjectionView& view, const std::filesystem::path& stem,
+                      const std::string& layer) {
+    const Texels texels = texels_of(vulkan, view.colour);
+    write_colour(stem.string() + layer + ".png", texels);
+    if (view.depth) write_depth(stem.string() + "_depth", texels_of(vulkan, *view.depth));
+    return texels.linear();
+}
+
+}  // namespace
+
 void save_images(const VulkanDevice& vulkan, const Frame& frame, const std::vector<Layer>& layers,
                  XrEnvironmentBlendMode blend) {
     const std::filesystem::path folder = runtime().report.folder;
     const char* const kEyes[] = {"left", "right"};
     for (uint32_t eye = 0; eye < 2; ++eye) {
-        std::vector<LinearImage> images;
+        const std::filesystem::path stem = folder / fmt::format("frame_{:04}_{}", frame.index, kEyes[eye]);
+        std::vector<LinearImage> images(layers.size()), narrow(layers.size());
         int quads = 0, projections = 0;
-        for (const Layer& layer : layers) {
-            if (layer.kind == LayerKind::kPassthrough) {
-                images.emplace_back();
-                continue;
+        for (size_t i = 0; i < layers.size(); ++i) {
+            const Layer& layer = layers[i];
+            if (layer.is_quad()) {
+                const Texels texels = texels_of(vulkan, layer.image);
+                images[i] = texels.linear();
+                if (eye == 0) write_colour(folder / fmt::format("frame_{:04}_quad{}.png", frame.index, quads), texels);
+                ++quads;
             }
-            const SubImage& image = layer.is_quad() ? layer.image : layer.views[eye].colour;
-            const Texels texels = texels_of(vulkan, image);
-            images.push_back(texels.linear());
-            std::string name = fmt::format("frame_{:04}_quad{}.png", frame.index, quads);
+            if (!layer.is_projection()) continue;
             // A second projection layer must not overwrite the files of the first.
-            if (!layer.is_quad())
-                name = fmt::format("frame_{:04}_{}{}.png", frame.index, kEyes[eye],
-                                   projections ? fmt::format("_layer{}", projections) : "");
-            if (!layer.is_quad() || eye == 0) write_colour(folder / name, texels);
-            if (!layer.is_quad() && layer.views[eye].depth)
-                write_depth(folder / fmt::format("frame_{:04}_{}_depth", frame.index, kEyes[eye]),
-                            texels_of(vulkan, *layer.views[eye].depth));
-            ++(layer.is_quad() ? quads : projections);
+            const std::string number = projections ? fmt::format("_layer{}", projections) : "";
+            images[i] = save_view(vulkan, layer.views[eye], stem, number);
+            if (layer.views.size() > 2)
+                narrow[i] = save_view(vulkan, layer.views[2 + eye], stem.string() + "_narrow", number);
+            ++projections;
         }
-        const LinearImage seen = compose(layers, images, eye, frame.display_time, blend);
-        write_png(folder / fmt::format("frame_{:04}_{}_seen.png", frame.index, kEyes[eye]), seen.width, seen.height,
-                  PNG_FORMAT_RGBA, srgb_bytes(seen));
+        const LinearImage seen = compose(layers, images, narrow, eye, frame.display_time, blend);
+        write_png(stem.string() + "_seen.png", seen.width, seen.height, PNG_FORMAT_RGBA, srgb_bytes(seen));
     }
 }
 

@@ -21,9 +21,10 @@ LinearImage linear_image(const std::vector<uint8_t>& texels, int64_t format, uin
 
 uint8_t srgb_byte(float linear);
 
-// What an eye sees of the layers. `images` has the eye's image of each layer, in the order of the layers.
-LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images, uint32_t eye, XrTime time,
-                    XrEnvironmentBlendMode blend);
+// What an eye sees of the layers. `images` has the eye's image of each layer, in the order of the layers, and `narrow`
+// that of its narrow view, where the layer has one.
+LinearImage compose(const std::vector<Layer>& layers, const std::vector<LinearImage>& images,
+                    const std::vector<LinearImage>& narrow, uint32_t eye, XrTime time, XrEnvironmentBlendMode blend);
 
 void save_images(const VulkanDevice& vulkan, const Frame& frame, const std::vector<Layer>& layers,
                  XrEnvironmentBlendMode blend);

@@ -62,12 +62,12 @@ SubImage checked_depth(const XrCompositionLayerDepthInfoKHR& info, const std::st
     return image;
 }
 
-void check_fov(const XrFovf& fov, uint32_t view, const std::string& what) {
+void check_fov(const XrFovf& fov, uint32_t view, const Frame& frame, const std::string& what) {
     const float limit = 1.57079633f;  // exclusive; left > right and down > up are valid and mean a flipped image
     for (const float angle : {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown})
         require(std::abs(angle) < limit, XR_ERROR_VALIDATION_FAILURE, "fov",
                 fmt::format("{}: the angle {} of the fov must be between -pi/2 and pi/2", what, angle));
-    const XrFovf& given = runtime().script.fov[view];
+    const XrFovf given = fov_of(view, frame.display_time, frame.follows_gaze);
     const float differences[] = {fov.angleLeft - given.angleLeft, fov.angleRight - given.angleRight,
                                  fov.angleUp - given.angleUp, fov.angleDown - given.angleDown};
     for (float difference : differences)
@@ -101,24 +101,30 @@ void check_view_pose(const XrPosef& pose, const Space& space, uint32_t view, con
             fmt::format("{}: the pose is not the one of xrLocateViews for the frame's display time and space", what));
 }
 
-Layer checked_projection(const XrCompositionLayerProjection& info, const Frame& frame, const std::string& what) {
+Layer checked_projection(const XrCompositionLayerProjection& info, const Session& session, const Frame& frame,
+                         const std::string& what) {
     Layer layer;
     layer.space = &object<Space>(info.space);
-    require(info.viewCount == 2, XR_ERROR_VALIDATION_FAILURE, "view-count",
-            fmt::format("{}: viewCount must be 2 for stereo, not {}", what, info.viewCount));
+    const uint32_t count = view_count(session.views);
+    require(info.viewCount == count, XR_ERROR_VALIDATION_FAILURE, "view-count",
+            fmt::format("{}: viewCount must be {} for the session's view configuration, not {}", what, count,
+                        info.viewCount));
     check_pointer(info.views, "views");
-    for (uint32_t i = 0; i < 2; ++i) {
+    layer.views.resize(count);
+    for (uint32_t i = 0; i < count; ++i) {
         const std::string name = fmt::format("{} view {}", what, i);
         const XrCompositionLayerProjectionView& view = checked(&info.views[i]);
         layer.views[i].colour = checked_sub_image(view.subImage, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT, name);
-        check_fov(view.fov, i, name);
+        check_fov(view.fov, i, frame, name);
+        layer.fov.push_back(view.fov);
         check_view_pose(view.pose, *layer.space, i, frame, name);
         if (const auto* depth = chained<XrCompositionLayerDepthInfoKHR>(&view))
             layer.views[i].depth = checked_depth(checked(depth), name);
     }
     if (frame.locate_count == 0) warn("locate-views", "a projection layer of a frame without xrLocateViews");
-    if (layer.views[0].depth.has_value() != layer.views[1].depth.has_value())
-        violate("depth-views", what + ": depth must be given for both views or for none");
+    const auto has_depth = [](const ProjectionView& view) { return view.depth.has_value(); };
+    if (!layer.has_depth() && std::any_of(layer.views.begin(), layer.views.end(), has_depth))
+        violate("depth-views", what + ": depth must be given for all views or for none");
     return layer;
 }
 
@@ -152,12 +158,13 @@ Layer checked_passthrough(const XrCompositionLayerPassthroughFB& info, const std
     return layer;
 }
 
-Layer checked_layer(const XrCompositionLayerBaseHeader* header, const Frame& frame, uint32_t index) {
+Layer checked_layer(const XrCompositionLayerBaseHeader* header, const Session& session, const Frame& frame,
+                    uint32_t index) {
     require(header, XR_ERROR_LAYER_INVALID, "layer", fmt::format("layer {} is null", index));
     Layer layer;
     if (header->type == XR_TYPE_COMPOSITION_LAYER_PROJECTION) {
-        layer = checked_projection(checked(reinterpret_cast<const XrCompositionLayerProjection*>(header)), frame,
-                                   fmt::format("projection layer {}", index));
+        layer = checked_projection(checked(reinterpret_cast<const XrCompositionLayerProjection*>(header)), session,
+                                   frame, fmt::format("projection layer {}", index));
     } else if (header->type == XR_TYPE_COMPOSITION_LAYER_QUAD) {
         layer = checked_quad(checked(reinterpret_cast<const XrCompositionLayerQuad*>(header)),
                              fmt::format("quad layer {}", index));
@@ -176,12 +183,12 @@ Layer checked_layer(const XrCompositionLayerBaseHeader* header, const Frame& fra
 
 }  // namespace
 
-std::vector<Layer> checked_layers(const XrFrameEndInfo& info, const Frame& frame) {
+std::vector<Layer> checked_layers(const XrFrameEndInfo& info, const Session& session, const Frame& frame) {
     require(info.layerCount <= XR_MIN_COMPOSITION_LAYERS_SUPPORTED, XR_ERROR_LAYER_LIMIT_EXCEEDED, "layer-count",
             fmt::format("{} layers are more than maxLayerCount", info.layerCount));
     if (info.layerCount) check_pointer(info.layers, "layers");
     std::vector<Layer> layers;
-    for (uint32_t i = 0; i < info.layerCount; ++i) layers.push_back(checked_layer(info.layers[i], frame, i));
+    for (uint32_t i = 0; i < info.layerCount; ++i) layers.push_back(checked_layer(info.layers[i], session, frame, i));
     return layers;
 }
 

@@ -49,14 +49,21 @@ OrderedJson json_of(const Report& report) {
                                    {"amplitude", pulse.amplitude},
                                    {"duration_ns", pulse.duration_ns}});
     json["layers"] = OrderedJson::array();
-    for (const SavedLayers& layers : report.layers)
+    for (const SavedLayers& layers : report.layers) {
+        OrderedJson fov = OrderedJson::array();
+        const auto degrees = [](float radians) { return radians * 180 / 3.14159265358979f; };
+        for (const XrFovf& one : layers.fov)
+            fov.push_back(
+                {degrees(one.angleLeft), degrees(one.angleRight), degrees(one.angleUp), degrees(one.angleDown)});
         json["layers"].push_back({{"frame", layers.frame},
                                   {"types", layers.types},
                                   {"depth", layers.has_depth},
                                   {"display_time", layers.display_time},
                                   {"format", name_of_format(layers.format)},
                                   {"blend", layers.blend},
-                                  {"size", {layers.size.width, layers.size.height}}});
+                                  {"size", {layers.size.width, layers.size.height}},
+                                  {"fov_deg", fov}});
+    }
     json["actions"] = report.actions;
     json["bindings"] = OrderedJson::object();
     for (const auto& [profile, bindings] : report.bindings) {

@@ -29,9 +29,10 @@ struct SavedLayers {
     std::vector<std::string> types;
     bool has_depth;
     XrTime display_time;
-    int64_t format;     // of the last projection layer's left image; 0 without one
-    XrExtent2Di size;   // of its imageRect
-    std::string blend;  // the environment blend mode, as the script names it
+    int64_t format;           // of the last projection layer's left image; 0 without one
+    XrExtent2Di size;         // of its imageRect
+    std::string blend;        // the environment blend mode, as the script names it
+    std::vector<XrFovf> fov;  // of its views
 };
 
 struct Report {

@@ -263,13 +263,23 @@ void read_failures(Fields& fields, Script& script) {
     }
 }
 
-void read_views(Fields& fields, Script& script) {
-    std::array<std::array<float, 4>, 2> fov_deg = {{{-45, 40, 44, -44}, {-40, 45, 44, -44}}};
+void read_fov(Fields& fields, std::array<std::array<float, 4>, 2> fov_deg, XrFovf (&fov)[2]) {
     fields.read("fov_deg", fov_deg);
     const float radians = 3.14159265358979f / 180;
     for (size_t i = 0; i < 2; ++i)
-        script.fov[i] = {fov_deg[i][0] * radians, fov_deg[i][1] * radians, fov_deg[i][2] * radians,
-                         fov_deg[i][3] * radians};
+        fov[i] = {fov_deg[i][0] * radians, fov_deg[i][1] * radians, fov_deg[i][2] * radians, fov_deg[i][3] * radians};
+}
+
+void read_views(Fields& fields, Script& script) {
+    read_fov(fields, {{{-45, 40, 44, -44}, {-40, 45, 44, -44}}}, script.fov);
+    if (const Json* narrow = fields.find("narrow_views")) {
+        Fields parts(*narrow, fields.at("narrow_views"));
+        NarrowViews& views = script.narrow.emplace();
+        read_fov(parts, {{{-14, 12, 13, -13}, {-12, 14, 13, -13}}}, views.fov);
+        parts.read("width", views.width);
+        parts.read("height", views.height);
+        parts.finish();
+    }
     fields.read("width", script.width);
     fields.read("height", script.height);
     fields.read("eye_distance_m", script.eye_distance_m);
@@ -284,6 +294,8 @@ std::vector<std::string> default_extensions(const Script& script) {
         if (name == xr::kUserPresenceExtension) continue;
         if (name == XR_FB_PASSTHROUGH_EXTENSION_NAME && !script.has_passthrough) continue;
         if (name == XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME && !script.has_gaze) continue;
+        if (name == XR_VARJO_QUAD_VIEWS_EXTENSION_NAME && !script.narrow) continue;
+        if (name == XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME && !(script.narrow && script.has_gaze)) continue;
         if (!script.bodies.empty() || name.find("body_tracking") == std::string::npos) names.push_back(name);
     }
     return names;
@@ -353,6 +365,8 @@ const std::vector<XrExtensionProperties>& implemented_extensions() {
         add(xr::kLocalFloorExtension, 1);
         add(xr::kUserPresenceExtension, 1);
         add(XR_EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME, XR_EXT_eye_gaze_interaction_SPEC_VERSION);
+        add(XR_VARJO_QUAD_VIEWS_EXTENSION_NAME, XR_VARJO_quad_views_SPEC_VERSION);
+        add(XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME, XR_VARJO_foveated_rendering_SPEC_VERSION);
         add(XR_FB_PASSTHROUGH_EXTENSION_NAME, XR_FB_passthrough_SPEC_VERSION);
         for (const char* controllers : {"XR_FB_touch_controller_pro", "XR_META_touch_controller_plus",
                                         "XR_BD_controller_interaction", "XR_HTC_vive_focus3_controller_interaction",

@@ -59,9 +59,16 @@ struct ForcedResult {
     int64_t skip;  // so many calls succeed first
 };
 
+// The narrow views of a headset that shows two images to each eye.
+struct NarrowViews {
+    uint32_t width = 256, height = 256;
+    XrFovf fov[2] = {};
+};
+
 struct Script {
     uint32_t width = 256, height = 256;
     XrFovf fov[2] = {};
+    std::optional<NarrowViews> narrow;
     float eye_distance_m = 0.064f, floor_m = -1.6f, refresh_hz = 90;
     std::vector<float> rates_hz = {72, 90};
     bool is_real_time = false, has_mask = true, has_hand_joints = false, has_passthrough = false,

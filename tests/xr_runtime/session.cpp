@@ -100,6 +100,7 @@ XrResult begin_session(XrSession handle, const XrSessionBeginInfo* begin_info) {
     require(session.state == XR_SESSION_STATE_READY, XR_ERROR_SESSION_NOT_READY, "session-state",
             fmt::format("xrBeginSession in the state {}; only READY allows it", short_name(session.state)));
     check_view_configuration(info.primaryViewConfigurationType);
+    session.views = info.primaryViewConfigurationType;
     session.is_running = true;
     session.ended_frames = 0;
     session.target = XR_SESSION_STATE_FOCUSED;
@@ -162,10 +163,10 @@ void recentre(Session& session, const ScriptEvent& event) {
 void change_mask(Session& session) {
     ++runtime().progress.mask_version;
     if (!session.instance->has(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME)) return;
-    for (uint32_t view = 0; view < 2; ++view)
-        queue_event(*session.instance, XrEventDataVisibilityMaskChangedKHR{
-                                           XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR, nullptr, session.handle,
-                                           XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO, view});
+    for (uint32_t view = 0; view < view_count(session.views); ++view)
+        queue_event(*session.instance,
+                    XrEventDataVisibilityMaskChangedKHR{XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR, nullptr,
+                                                        session.handle, session.views, view});
 }
 
 void lose_session(Session& session) {

@@ -25,13 +25,6 @@ Located tracker_in_world(const std::string& role, XrTime time) {
     return {pose_at(track->second, frame_at(time), kIdentityPose), true};
 }
 
-Located gaze_in_world(XrTime time) {
-    const GazeTracks& gaze = runtime().script.gaze;
-    const double frame = frame_at(time);
-    const bool is_tracked = value_at(gaze.tracked, static_cast<int64_t>(std::floor(frame + 1e-6)), false);
-    return {pose_at(gaze.pose, frame, kIdentityPose), is_tracked};
-}
-
 Located action_in_world(const Space& space, XrTime time) {
     const auto& states = space.session->action_states;
     const auto found = states.find({space.action->handle, space.subaction_path});
@@ -47,6 +40,8 @@ Located action_in_world(const Space& space, XrTime time) {
 std::vector<XrReferenceSpaceType> offered_spaces() {
     std::vector<XrReferenceSpaceType> spaces = runtime().script.spaces;
     if (!runtime().instance->has(xr::kLocalFloorExtension)) std::erase(spaces, xr::kLocalFloorSpace);
+    if (runtime().instance->has(XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME))
+        spaces.push_back(XR_REFERENCE_SPACE_TYPE_COMBINED_EYE_VARJO);
     return spaces;
 }
 
@@ -138,6 +133,13 @@ Located head_in_world(XrTime time) {
     return {pose_at(runtime().script.head, frame_at(time), upright), is_tracked};
 }
 
+Located gaze_in_world(XrTime time) {
+    const GazeTracks& gaze = runtime().script.gaze;
+    const double frame = frame_at(time);
+    const bool is_tracked = value_at(gaze.tracked, static_cast<int64_t>(std::floor(frame + 1e-6)), false);
+    return {pose_at(gaze.pose, frame, kIdentityPose), is_tracked};
+}
+
 Located hand_in_world(Hand hand, bool is_aim, XrTime time) {
     const HandTracks& tracks = runtime().script.hands[hand];
     const double frame = frame_at(time);
@@ -152,6 +154,8 @@ Located space_in_world(const Space& space, XrTime time) {
         located = action_in_world(space, time);
     else if (space.reference == XR_REFERENCE_SPACE_TYPE_VIEW)
         located = head_in_world(time);
+    else if (space.reference == XR_REFERENCE_SPACE_TYPE_COMBINED_EYE_VARJO)
+        located = gaze_in_world(time);
     else
         located.pose = origin_in_world(space.reference, time);
     return {located.pose * space.offset, located.is_valid};
@@ -168,8 +172,21 @@ Located locate(const Space& space, const Space& base, XrTime time) {
 Located view_in(const Space& space, uint32_t view, XrTime time) {
     Space head;
     head.reference = XR_REFERENCE_SPACE_TYPE_VIEW;
-    head.offset.position.x = runtime().script.eye_distance_m * (view == 0 ? -0.5f : 0.5f);
+    head.offset.position.x = runtime().script.eye_distance_m * (view % 2 == 0 ? -0.5f : 0.5f);
     return locate(head, space, time);
+}
+
+XrFovf fov_of(uint32_t view, XrTime time, bool follows_gaze) {
+    const Script& script = runtime().script;
+    if (view < 2) return script.fov[view];
+    const XrFovf& still = script.narrow->fov[view - 2];
+    if (!follows_gaze) return still;
+    const XrPosef gaze = inverse(head_in_world(time).pose) * gaze_in_world(time).pose;
+    const XrVector3f along = rotate(gaze.orientation, {0, 0, -1});
+    const float right = std::atan2(along.x, -along.z), up = std::atan2(along.y, -along.z);
+    const float half_width = (still.angleRight - still.angleLeft) / 2,
+                half_height = (still.angleUp - still.angleDown) / 2;
+    return {right - half_width, right + half_width, up + half_height, up - half_height};
 }
 
 std::vector<EntryPoint> space_entries() {

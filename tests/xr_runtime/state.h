@@ -171,6 +171,7 @@ struct Frame {
     XrTime display_time = 0;
     bool should_render = false;
     int locate_count = 0;
+    bool follows_gaze = false;  // whether the last xrLocateViews moved the narrow views to where the eyes look
 };
 
 // The state of an action for one subaction path (or for none), as of the last xrSyncActions.
@@ -192,6 +193,7 @@ struct Session {
     VulkanDevice vulkan;
     XrSessionState state = XR_SESSION_STATE_UNKNOWN;
     XrSessionState target = XR_SESSION_STATE_FOCUSED;  // the state that the session goes to with each finished frame
+    XrViewConfigurationType views = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;  // since xrBeginSession
     bool is_running = false, is_lost = false;
     AfterStop after_stop = AfterStop::kNothing;
     int64_t restart_polls = 0;  // how many empty xrPollEvent calls, in IDLE, come before READY

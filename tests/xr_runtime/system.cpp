@@ -1,4 +1,4 @@
-// The only system, a headset with two views, and its properties.
+// The only system, a headset with two or four views, and its properties.
 #include "call.h"
 #include "session.h"
 
@@ -35,6 +35,9 @@ XrResult get_system_properties(XrInstance handle, XrSystemId system, XrSystemPro
     auto* gaze =
         const_cast<XrSystemEyeGazeInteractionPropertiesEXT*>(chained<XrSystemEyeGazeInteractionPropertiesEXT>(out));
     if (gaze) gaze->supportsEyeGazeInteraction = runtime().script.has_gaze ? XR_TRUE : XR_FALSE;
+    auto* views =
+        const_cast<XrSystemFoveatedRenderingPropertiesVARJO*>(chained<XrSystemFoveatedRenderingPropertiesVARJO>(out));
+    if (views) views->supportsFoveatedRendering = runtime().script.has_gaze ? XR_TRUE : XR_FALSE;
     auto* room = const_cast<XrSystemPassthroughPropertiesFB*>(chained<XrSystemPassthroughPropertiesFB>(out));
     if (room) room->supportsPassthrough = runtime().script.has_passthrough ? XR_TRUE : XR_FALSE;
     fill_body_properties(properties);
@@ -54,8 +57,7 @@ XrResult enumerate_blend_modes(XrInstance handle, XrSystemId system, XrViewConfi
 XrResult enumerate_view_configurations(XrInstance handle, XrSystemId system, uint32_t capacity, uint32_t* count,
                                        XrViewConfigurationType* out) {
     check_system(instance_of(handle), system);
-    const std::vector<XrViewConfigurationType> types = {XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO};
-    return give_values(capacity, count, out, types);
+    return give_values(capacity, count, out, offered_view_configurations());
 }
 
 XrResult get_view_configuration(XrInstance handle, XrSystemId system, XrViewConfigurationType type,
@@ -73,11 +75,16 @@ XrResult enumerate_views(XrInstance handle, XrSystemId system, XrViewConfigurati
     check_system(instance_of(handle), system);
     check_view_configuration(type);
     const Script& script = runtime().script;
-    return give_structs(capacity, count, out, 2, [&](XrViewConfigurationView& view, size_t) {
-        view.recommendedImageRectWidth = script.width;
-        view.maxImageRectWidth = 2 * script.width;
-        view.recommendedImageRectHeight = script.height;
-        view.maxImageRectHeight = 2 * script.height;
+    return give_structs(capacity, count, out, view_count(type), [&](XrViewConfigurationView& view, size_t i) {
+        const bool is_wide = i < 2;
+        const auto* foveated = chained<XrFoveatedViewConfigurationViewVARJO>(&view);
+        const uint32_t divisor = is_wide && foveated && foveated->foveatedRenderingActive ? 2 : 1;
+        const uint32_t width = is_wide ? script.width : script.narrow->width,
+                       height = is_wide ? script.height : script.narrow->height;
+        view.recommendedImageRectWidth = width / divisor;
+        view.maxImageRectWidth = 2 * width;
+        view.recommendedImageRectHeight = height / divisor;
+        view.maxImageRectHeight = 2 * height;
         view.recommendedSwapchainSampleCount = view.maxSwapchainSampleCount = 1;
     });
 }

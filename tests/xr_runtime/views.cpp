@@ -1,4 +1,4 @@
-// The two views, and the mask of those parts of them that are never visible.
+// The views, two or four, and the mask of those parts of them that are never visible.
 #include <array>
 #include <cmath>
 
@@ -17,10 +17,11 @@ Frame* open_frame(Session& session, XrTime time) {
     return nullptr;
 }
 
-void check_locate_time(Session& session, XrTime time) {
+void check_locate_time(Session& session, XrTime time, bool follows_gaze) {
     check_time(time);
     Frame* frame = open_frame(session, time);
     if (frame) {
+        frame->follows_gaze = follows_gaze;
         if (frame->locate_count++ > 0) warn("locate-views", "xrLocateViews more than once in a frame");
     } else if (session.begun || session.waited) {
         violate("display-time",
@@ -36,19 +37,24 @@ XrResult locate_views(XrSession handle, const XrViewLocateInfo* locate_info, XrV
     XrViewState& state = checked(out_state);
     const Space& space = object<Space>(info.space);
     check_view_configuration(info.viewConfigurationType);
+    if (session.is_running && info.viewConfigurationType != session.views)
+        violate("view-configuration", "xrLocateViews with another view configuration than the session began with");
+    const auto* foveated = chained<XrViewLocateFoveatedRenderingVARJO>(locate_info);
+    const bool follows_gaze = foveated && foveated->foveatedRenderingActive && gaze_in_world(info.displayTime).is_valid;
     if (capacity == 0)
         check_time(info.displayTime);
     else
-        check_locate_time(session, info.displayTime);
+        check_locate_time(session, info.displayTime, follows_gaze);
 
     state.viewStateFlags = 0;
     if (view_in(space, 0, info.displayTime).is_valid)
         state.viewStateFlags = XR_VIEW_STATE_ORIENTATION_VALID_BIT | XR_VIEW_STATE_POSITION_VALID_BIT |
                                XR_VIEW_STATE_ORIENTATION_TRACKED_BIT | XR_VIEW_STATE_POSITION_TRACKED_BIT;
-    return give_structs(capacity, count, out, 2, [&](XrView& view, size_t i) {
+    const uint32_t views = view_count(info.viewConfigurationType);
+    return give_structs(capacity, count, out, views, [&](XrView& view, size_t i) {
         const Located located = view_in(space, static_cast<uint32_t>(i), info.displayTime);
         view.pose = located.is_valid ? located.pose : kIdentityPose;
-        view.fov = runtime().script.fov[i];
+        view.fov = fov_of(static_cast<uint32_t>(i), info.displayTime, follows_gaze);
     });
 }
 
@@ -121,7 +127,7 @@ Mesh mask_of(uint32_t view, XrVisibilityMaskTypeKHR type) {
     const Runtime& state = runtime();
     if (!state.script.has_mask) return {};
     const float scale = state.progress.mask_version % 2 ? 0.9f : 1.0f;
-    const XrFovf& fov = state.script.fov[view];
+    const XrFovf& fov = state.script.fov[view % 2];  // the lens hides the same of both views of an eye
     switch (type) {
         case XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR:
             return hidden_mesh(fov, scale);
@@ -138,7 +144,8 @@ XrResult get_visibility_mask(XrSession handle, XrViewConfigurationType type, uin
                              XrVisibilityMaskTypeKHR mask_type, XrVisibilityMaskKHR* out) {
     object<Session>(handle);
     check_view_configuration(type);
-    require(view < 2, XR_ERROR_VALIDATION_FAILURE, "view-index", "the viewIndex must be below the number of views");
+    require(view < view_count(type), XR_ERROR_VALIDATION_FAILURE, "view-index",
+            "the viewIndex must be below the number of views");
     XrVisibilityMaskKHR& mask = checked(out);
     const Mesh mesh = mask_of(view, mask_type);
     mask.vertexCountOutput = static_cast<uint32_t>(mesh.vertices.size());

@@ -94,6 +94,95 @@ TEST_F(Eyes, AreSharpWhereTheyLook) {
     EXPECT_TRUE(same_pixels(run(script, {"--inset", "0.25"}).image(kAtFeet, "left"), lost));
 }
 
+// Four views: two wide ones of 128 × 128 pixels, and two narrow ones of 192 × 192.
+struct NarrowViews : Eyes {
+    NarrowViews() {
+        script.json["profile"] = "";
+        for (const char* side : {"width", "height"}) script.json[side] = 128;
+        script.json["narrow_views"] = {{"width", 192}, {"height", 192}, {"fov_deg", fov}};
+        script.save(kSaved);
+        script.end(kSaved + 2);
+    }
+    // A session with two views, of this field of view, and images of 192 × 192 pixels.
+    XrRun stereo(const json& fov_deg) {
+        XrScript two;
+        two.json["profile"] = "";
+        two.json["fov_deg"] = fov_deg;
+        two.save(kSaved);
+        two.end(kSaved + 2);
+        return run(two, {"--no-mask"});
+    }
+    static constexpr int kSaved = 8;
+    const json fov = {{-13, 11, 12, -14}, {-11, 13, 12, -14}};
+    XrScript script;
+};
+
+TEST_F(NarrowViews, AreDrawnOverTheWideOnes) {
+    const XrRun four = run(script, {"--no-mask"});
+    expect_clean(four);
+    EXPECT_EQ(four.report["layers"][0]["fov_deg"].size(), 4u);
+    EXPECT_EQ(four.report["layers"][0]["size"], json({192, 192}));
+    const XrRun narrow = stereo(fov), wide = stereo(script.json["fov_deg"]);
+    for (const std::string eye : {"left", "right"}) {
+        SCOPED_TRACE(eye);
+        EXPECT_TRUE(same_pixels(four.image(kSaved, eye + "_narrow"), narrow.image(kSaved, eye)))
+            << "a ray in each pixel";
+        EXPECT_FALSE(same_pixels(four.image(kSaved, eye), wide.image(kSaved, eye))) << "fewer rays than pixels";
+        EXPECT_LT(mean_difference(four.image(kSaved, eye), wide.image(kSaved, eye)), 3) << "but the same";
+        EXPECT_EQ(four.image(kSaved, eye + "_narrow_depth").width, 192u);
+    }
+}
+
+TEST_F(NarrowViews, HaveShapesAndMasksOfTheirOwn) {
+    script.json.erase("profile");
+    script.json["narrow_views"]["fov_deg"] = {{-10, 37, 12, -40}, {-10, 41, 12, -40}};  // right below, at the mask
+    script.hand(0, "right", kRightHand, kAnna);
+    const XrRun four = run(script);
+    expect_clean(four);
+    script.json["mask"] = false;
+    const XrRun unmasked = run(script);
+    script.json["mask"] = true;
+    script.lose(0, "right");
+    const XrRun bare = run(script);
+    for (const char* view : {"left", "right", "left_narrow", "right_narrow"}) {
+        EXPECT_FALSE(same_pixels(four.image(kSaved, view), unmasked.image(kSaved, view))) << view;
+        EXPECT_FALSE(same_pixels(four.image(kSaved, view), bare.image(kSaved, view))) << view;
+    }
+}
+
+TEST_F(NarrowViews, FollowTheGazeWhileItIsTracked) {
+    constexpr int kLost = 14;
+    script.json["gaze"] = true;
+    script.gaze(0, {0, 1.5, 0}, {0, 0.3, -2});
+    script.lose_gaze(kLost - 2);
+    script.save(kLost);
+    script.end(kLost + 2);
+    const XrRun four = run(script, {"--no-mask"});
+    expect_clean(four);
+    const json looked = four.report["layers"][0]["fov_deg"][2], still = four.report["layers"][1]["fov_deg"][2];
+    EXPECT_LT(looked[2].get<double>(), still[2].get<double>() - 10) << "down to the feet";
+    for (size_t i = 0; i < 4; i++) EXPECT_NEAR(still[i].get<double>(), fov[0][i].get<double>(), 1e-3);
+    const json two = {looked, four.report["layers"][0]["fov_deg"][3]};
+    EXPECT_TRUE(same_pixels(four.image(kSaved, "left_narrow"), stereo(two).image(kSaved, "left")));
+    EXPECT_FALSE(same_pixels(four.image(kSaved, "left"), four.image(kLost, "left")))
+        << "the runtime recommends fewer pixels for wide views meanwhile";
+}
+
+TEST_F(NarrowViews, AreLeftOutByStereo) {
+    const XrRun four = run(script, {"--inset", "0.5"});
+    expect_clean(four);
+    EXPECT_NE(four.log.find("--inset is not used"), std::string::npos) << four.log;
+    const XrRun two = run(script, {"--stereo"});
+    expect_clean(two);
+    EXPECT_EQ(two.report["layers"][0]["fov_deg"].size(), 2u);
+    EXPECT_EQ(two.report["layers"][0]["size"], json({128, 128}));
+    script.json["gaze"] = true;
+    const std::string check = run(script, {"--check"}).log, stereo_check = run(script, {"--check", "--stereo"}).log;
+    EXPECT_NE(check.find("narrow view while the eyes are tracked, where they look: 192x192"), std::string::npos)
+        << check;
+    EXPECT_EQ(stereo_check.find("narrow view of each eye, in the middle"), std::string::npos) << stereo_check;
+}
+
 // The share of a part of an image whose alpha is above `alpha`.
 double covered(const media::Image& image, uint32_t left, uint32_t top, uint32_t right, uint32_t bottom, int alpha) {
     uint32_t count = 0;

@@ -36,13 +36,13 @@ xr::EyeViews eyes_at(const stage::Stage& stage, double time_s) {
     const auto [low, high] = stage::performers_box(stage, stage::stage_at(stage, 0));
     const glm::dvec3 middle = 0.5 * (low + high);
     const glm::dvec3 head(middle.x + 0.12 * std::sin(1.3 * time_s), std::min(high.y, low.y + 1.65), high.z + 2);
-    xr::EyeViews eyes;
+    xr::EyeViews eyes{std::vector<xr::EyeView>(xr::kEyes)};
     for (uint32_t eye = 0; eye < xr::kEyes; eye++) {
-        eyes.eye[eye].pose.position = head + glm::dvec3((eye - 0.5) * 0.064, 0, 0);
-        eyes.eye[eye].pose.rotation = glm::angleAxis(0.08 * std::sin(0.7 * time_s), glm::dvec3(0, 1, 0));
+        eyes.views[eye].pose.position = head + glm::dvec3((eye - 0.5) * 0.064, 0, 0);
+        eyes.views[eye].pose.rotation = glm::angleAxis(0.08 * std::sin(0.7 * time_s), glm::dvec3(0, 1, 0));
         const auto rad = [](double degrees) { return static_cast<float>(glm::radians(degrees)); };
         const double outer = 54, inner = 50;
-        eyes.eye[eye].fov = {rad(eye == 0 ? -outer : -inner), rad(eye == 0 ? inner : outer), rad(46), rad(-50)};
+        eyes.views[eye].fov = {rad(eye == 0 ? -outer : -inner), rad(eye == 0 ? inner : outer), rad(46), rad(-50)};
     }
     return eyes;
 }
@@ -100,7 +100,7 @@ class XrFrames {
     void take_poses(uint32_t frame) {
         const xr::EyeViews eyes = eyes_at(stage_, frame / options_.hz);
         for (uint32_t eye = 0; eye < xr::kEyes; eye++)
-            cameras_[eye] = xr::eye_camera(eyes.eye[eye], {}, {size_.width, size_.height});
+            cameras_[eye] = xr::eye_camera(eyes.views[eye], {}, {size_.width, size_.height});
     }
     // Both eyes, brought to the headset's images.
     void draw() { frames().draw(cameras_, settings_, record()); }

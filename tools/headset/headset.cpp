@@ -85,6 +85,8 @@ class RetryLimit {
 void run_sessions(Program& program, RuntimeContext& context) {
     print_line(fmt::format("{}, \"{}\", on {}", context.runtime.name(), context.runtime.headset(),
                            context.device.summary().name));
+    if (program.options.quality.inset && context.runtime.has_narrow_views())
+        print_line("--inset is not used: this headset has narrow views instead; with --stereo it has none");
     for (RetryLimit retries(program);;) {
         std::string why = "every session ends";
         try {

@@ -22,6 +22,7 @@ struct HeadsetOptions {
     std::string trainee;  // the address of a motion::PoseSource with which training begins at once; empty: none
     EyeQuality quality;
     std::optional<double> refresh_hz;
+    xr::ViewChoice views = xr::ViewChoice::kAsOffered;
     bool room = false;  // show the user's own room from the start
     bool mirror = false, validate = false, recover = false, play = false;
     // Where to write, at the end, the last state and the positions of the panel's buttons, for programs that drive this

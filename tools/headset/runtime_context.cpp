@@ -5,7 +5,8 @@
 namespace neuvv::headset {
 
 RuntimeContext::RuntimeContext(Program& program)
-    : device(
+    : runtime(program.options.views),
+      device(
           program.options.device, program.options.validate ? gpu::Validation::kOn : gpu::Validation::kOff,
           [this, &program] {
               gpu::DeviceExtensions extensions = runtime.device_extensions();

@@ -147,7 +147,7 @@ void draw_labels(Program& program, SessionContext& session, const xr::Pose& worl
     draw_names(session.shapes, session.font, state, program.interaction, world_head);
 }
 
-// Draws the stage for both eyes. Returns false while the poses of the eyes are not known.
+// Draws the stage for all views. Returns false while the poses of the eyes are not known.
 bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time) {
     HeadsetState& state = program.state;
     const xr::Pose world = xr::world_from_tracking(state.rig);
@@ -189,8 +189,8 @@ void handle_events(const xr::SessionEvents& events, Program& program, SessionCon
             if (const std::string controller = session.actions.controller(hand); !controller.empty())
                 print_line(fmt::format("{} hand: {}", hand == xr::kLeft ? "left" : "right", controller));
     }
-    for (uint32_t eye = 0; eye < xr::kEyes; eye++)
-        if (events.mask_changed[eye]) session.eyes.invalidate_mask(eye);
+    for (uint32_t view = 0; view < session.xr_session.runtime().view_count(); view++)
+        if (events.mask_changed[view]) session.eyes.invalidate_mask(view);
 }
 
 void frame(Program& program, RuntimeContext& context, SessionContext& session) {

@@ -17,7 +17,7 @@ namespace neuvv::headset {
 struct SessionContext {
     SessionContext(Program& program, RuntimeContext& context)
         : xr_session(context.runtime, context.device),
-          actions(xr_session, program.options.quality.inset.has_value()),
+          actions(xr_session, program.options.quality.inset && !context.runtime.has_narrow_views()),
           hand_tracking(xr_session),
           room(xr_session),
           eyes(context.device, xr_session, program.options.quality),
