@@ -35,10 +35,12 @@ PublishedScene read_published_scene(const std::string& path, const std::string& 
                                     std::optional<voctree::UpAxis> up) {
     PublishedScene scene{voctree::clip_path(path), {}, {}};
     if (editor::has_stage_ending(path)) {
-        const stage::Stage stage = stage::load_stage(path);
-        const stage::StagePerformer& found = stage.performers[find_performer(stage, "--performer", performer)];
-        scene.clip = stage.clips[found.clip].path;
-        scene.layers = visible_layers(stage, found);
+        const auto stage = std::make_shared<const stage::Stage>(stage::load_stage(path));
+        scene.performer = find_performer(*stage, "--performer", performer);
+        const stage::StagePerformer& found = stage->performers[scene.performer];
+        scene.clip = stage->clips[found.clip].path;
+        scene.layers = visible_layers(*stage, found);
+        scene.stage = stage;
     } else if (!performer.empty()) {
         throw InputError("--performer", performer, "is for stages", "leave it out: a clip is one performer");
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/segment_paint.h"
+#include "stage/stage.h"
 #include "voctree/clip_index.h"
 #include "voctree/slice_paint.h"
 
@@ -16,6 +17,8 @@ struct PublishedScene {
     std::filesystem::path clip;
     voctree::ClipIndex index;     // of the clip
     render::LayerFolders layers;  // the performer's visible ones, the lowest first; folders where the clip has segments
+    std::shared_ptr<const stage::Stage> stage{};  // none where the scene is a clip
+    uint32_t performer = 0;                       // index into the stage's performers
 };
 
 // `performer`: the node of a stage, by its name or index; empty for the only performer of a stage, and for a clip.

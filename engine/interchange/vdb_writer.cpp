@@ -142,6 +142,14 @@ openvdb::FloatGrid::Ptr surface_of(const openvdb::FloatGrid& density, float leve
     return surface;
 }
 
+void turn(openvdb::GridBase& grid, const glm::dquat& rotation) {
+    const glm::dmat3 r = glm::mat3_cast(rotation);
+    const openvdb::math::Transform::Ptr turned = grid.transform().copy();
+    turned->postMult(
+        openvdb::Mat3d(r[0].x, r[0].y, r[0].z, r[1].x, r[1].y, r[1].z, r[2].x, r[2].y, r[2].z));  // of rows
+    grid.setTransform(turned);
+}
+
 // The library's own function for files does not notice a full disk, and writes into the file itself.
 class MemoryArchive : public openvdb::io::Archive {
   public:
@@ -163,9 +171,11 @@ bool has_cubic_cells(const FrameVolume& volume) {
 std::string vdb_bytes(const FrameVolume& volume, const VdbOptions& options) {
     openvdb::initialize();
     const Grids grids = fill(volume, options.depth > 0 ? options.depth : finest_depth(volume));
-    openvdb::GridCPtrVec all = {grids.density, grids.colour};
+    std::vector<openvdb::GridBase::Ptr> all = {grids.density, grids.colour};
     if (options.surface_opacity) all.push_back(surface_of(*grids.density, *options.surface_opacity));
-    return MemoryArchive().write(all);
+    if (options.rotation != glm::dquat(1, 0, 0, 0))
+        for (const openvdb::GridBase::Ptr& grid : all) turn(*grid, options.rotation);
+    return MemoryArchive().write({all.begin(), all.end()});
 }
 
 void write_vdb(const std::filesystem::path& file, const FrameVolume& volume, const VdbOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/gtc/quaternion.hpp>
 #include <optional>
 #include <string>
 
@@ -15,6 +16,9 @@ struct VdbOptions {
     // Where it is given, there is a level set "surface", too: the distance in metres, negative inside and up to three
     // voxels, to where the opacity along a voxel's edge, interpolated between voxels, falls below this (0 to 1).
     std::optional<float> surface_opacity{};
+    // Of all grids about the origin: the volume's axes are not those of the world. neuvv::interchange::volume_of
+    // refuses grids that are turned.
+    glm::dquat rotation{1, 0, 0, 0};
 };
 
 // Writes the fog volume "density", in 1/m, and the vectors "Cd": the mean of a leaf's colour over all directions, in

@@ -11,6 +11,7 @@
 #include "interchange/vdb_writer.h"
 #include "reference/hh.h"
 #include "reference/slice.h"
+#include "support/input_error.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
 
@@ -123,6 +124,31 @@ TEST(VdbWriter, HasTheLeavesOfTheFrame) {
         for (int c = 0; c < 3; c++) EXPECT_NEAR(double{shown[c]}, mean[c], 0.01);
     }
     EXPECT_GT(inside, 300);
+}
+
+TEST(VdbWriter, MayBeTurned) {
+    const voctree::VOctree tree = some_tree();
+    const FrameVolume volume = interchange::frame_volume(tree, 2);
+    const TemporaryFolder folder;
+    interchange::VdbOptions options;
+    options.rotation = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3)));
+    interchange::write_vdb(folder.path / "x.vdb", volume, options);
+    const OpenFile file(folder.path / "x.vdb");
+    const auto density = file.grid<openvdb::FloatGrid>("density");
+    ASSERT_TRUE(density);
+    Random random(5);
+    int inside = 0;
+    for (int i = 0; i < 500; i++) {
+        const glm::dvec3 at = point_in(tree, random);
+        const VolumeLeaf* leaf = leaf_at(volume, at);
+        const double sigma = leaf ? double{leaf->sigma} : 0;
+        EXPECT_NEAR(double{value_at(*density, options.rotation * at)}, sigma, 1e-3 * sigma);
+        inside += leaf != nullptr;
+    }
+    EXPECT_GT(inside, 70);
+    expect_input_error(
+        [&] { interchange::volume_of(interchange::read_vdb(folder.path / "x.vdb"), "x.vdb", glm::dmat4(1)); },
+        {"turned"});
 }
 
 // Through the file as a renderer walks it, and through the clip by the reference's slice.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "reference/splats.h"
 #include "stage/gltf_scene.h"
@@ -139,6 +140,61 @@ TEST_F(CliExport, SaysWhatIsWrong) {
     expect_refused({"export", file("none.nvv"), "-o", file("x.glb")}, 2, {"none.nvv"});
 }
 
+struct CliStageSpace : CliExport {
+    std::string show = file("show.gltf");
+    void SetUp() override {
+        CliExport::SetUp();
+        ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
+        ASSERT_EQ(run_neuvv({"stage", "add", show, scene, "--name", "anna", "--at", "1,2,3", "--turn", "0,90,0",
+                             "--scale", "2", "--time", "freeze:1f"})
+                      .code,
+                  0);
+    }
+    // The colour of a splat in a direction, by the harmonics of 3D Gaussian Splatting.
+    static glm::dvec3 colour(const reference::GaussianSplat& splat, const glm::dvec3& d) {
+        constexpr double kC0 = 0.28209479177387814, kC1 = 0.4886025119029199;
+        return kC0 * splat.sh[0] + kC1 * (-d.y * splat.sh[1] + d.z * splat.sh[2] - d.x * splat.sh[3]);
+    }
+};
+
+TEST_F(CliStageSpace, PutsAPerformerWhereTheStageHasIt) {
+    exported(scene, file("own.ply"), {"--frames", "1"});
+    exported(show, file("staged_%d.ply"), {"--stage-space", "--frames", "0"});
+    const auto own = reference::read_splats(file("own.ply")), staged = reference::read_splats(file("staged_0.ply"));
+    ASSERT_EQ(own.size(), staged.size());
+    const auto up = [](const glm::dvec3& p) { return glm::dvec3(-p.x, -p.y, p.z); };     // the file's +Y is down
+    const auto turned = [](const glm::dvec3& p) { return glm::dvec3(p.z, p.y, -p.x); };  // by 90° about +Y
+    for (size_t i = 0; i < own.size(); i++) {
+        const glm::dvec3 at = 2.0 * turned(up(own[i].position)) + glm::dvec3(1, 2, 3);
+        EXPECT_LT(glm::distance(up(staged[i].position), at), 1e-4);
+        EXPECT_NEAR(staged[i].scale.x, 2 * own[i].scale.x, 0.1 * own[i].scale.x);
+        EXPECT_NEAR(staged[i].opacity, own[i].opacity, 0.05);
+        for (const glm::dvec3 d : {glm::dvec3(1, 0, 0), {0, 1, 0}, {0, 0, 1}})
+            EXPECT_LT(glm::distance(colour(staged[i], up(turned(d))), colour(own[i], up(d))), 0.01);
+    }
+}
+
+TEST_F(CliStageSpace, NamesAFileForEachPerformer) {
+    ASSERT_EQ(run_neuvv({"stage", "add", show, scene, "--name", "ben", "--visible", "off"}).code, 0);
+    const std::vector<std::string> some = {"--stage-space", "--frames", "0"};
+    const nlohmann::json both = exported(show, file("{performer}.ply"), some);
+    ASSERT_EQ(both.size(), 2u);
+    EXPECT_EQ(both[0].at("output"), file("anna.ply"));
+    EXPECT_GT(both[0].at("splats"), 100);
+    EXPECT_EQ(both[1].at("output"), file("ben.ply"));
+    EXPECT_EQ(both[1].at("splats"), 0) << "ben is hidden";
+    expect_refused({"export", show, "-o", file("x.ply"), "--stage-space", "--frames", "0"}, 2, {"--performer", "ben"});
+    expect_refused({"export", scene, "-o", file("x.ply"), "--stage-space", "--frames", "0"}, 2, {"--stage-space"});
+}
+
+TEST_F(CliStageSpace, RefusesWhatAKindCannotKeep) {
+    const ProgramResult tree = run_neuvv({"export", show, "-o", file("x.npz"), "--stage-space", "--frames", "0"});
+    EXPECT_EQ(tree.code, 2);
+    EXPECT_NE(tree.err.find("turned, which no PlenOctree can be"), std::string::npos) << tree.err;
+    ASSERT_EQ(run_neuvv({"stage", "set", show, "anna", "--scale", "1,2,1"}).code, 0);
+    expect_refused({"export", show, "-o", file("x.ply"), "--stage-space", "--frames", "0"}, 2, {"anna", "stretched"});
+}
+
 // An opaque, grey ball that two frames show.
 struct CliMesh : CliExported {
     void SetUp() override {
@@ -174,6 +230,29 @@ TEST_F(CliMesh, ObjHasATextureAndSaysItsLoss) {
         bytes += std::filesystem::file_size(file(name));
     EXPECT_EQ(json.at("bytes"), bytes);
     EXPECT_EQ(media::read_png(file("m_01_texture.png")).width, 128u);
+}
+
+TEST_F(CliMesh, IsPutWhereTheStageHasIt) {
+    const std::string show = file("show.gltf");
+    ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
+    ASSERT_EQ(run_neuvv({"stage", "add", show, scene, "--at", "5,0,0", "--turn", "0,90,0", "--scale", "2"}).code, 0);
+    const auto box_of = [&](const std::string& from, const std::vector<std::string>& more) {
+        exported(from, file("m.obj"), more);
+        std::istringstream text(read_text(file("m.obj")));
+        std::string word;
+        glm::dvec3 p, low(1e9), high(-1e9);
+        while (text >> word)
+            if (word == "v") {
+                text >> p.x >> p.y >> p.z;
+                low = glm::min(low, p);
+                high = glm::max(high, p);
+            }
+        return std::pair(low, high);
+    };
+    const auto [low, high] = box_of(scene, {"--frames", "0"});
+    const auto [staged_low, staged_high] = box_of(show, {"--frames", "0", "--stage-space"});
+    EXPECT_LT(glm::distance(staged_low, 2.0 * glm::dvec3(low.z, low.y, -high.x) + glm::dvec3(5, 0, 0)), 1e-3);
+    EXPECT_LT(glm::distance(staged_high, 2.0 * glm::dvec3(high.z, high.y, -low.x) + glm::dvec3(5, 0, 0)), 1e-3);
 }
 
 TEST_F(CliMesh, GlbIsDrawnAsScenery) {

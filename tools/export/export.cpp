@@ -37,6 +37,7 @@ const std::array kKinds = {
     Kind{"volumes", {".vdb"}, {"--iso"}, export_volumes},
 };
 constexpr const char* kFrameSize = "720x720";
+constexpr const char* kPerformerPlace = "{performer}";
 const std::vector<std::string> kFrameOptions = {"--performer", "--frames", "--fps",   "--views",
                                                 "--size",      "--up",     "--resume"};
 
@@ -94,6 +95,35 @@ void write_stage(const ExportOptions& options, const StageKind& kind) {
         fmt::print("{}: {}, {}\n", options.output, size_text(bytes), text);
 }
 
+// What --json prints of one clip, or of one performer; nothing where it was printed for people.
+std::optional<nlohmann::ordered_json> export_performer(const ExportOptions& options, const Kind& kind,
+                                                       const CommonOptions& common) {
+    if (options.stage_space) expect_stage_name("--stage-space", options.scene);
+    ExportedClip clip(read_published_scene(options.scene, options.performer, options.up), options.fps,
+                      options.stage_space);
+    const std::string ending = std::filesystem::path(options.output).extension().string();
+    const std::unique_ptr<FrameExport> frames = kind.begin(options, ending, clip, common);
+    ExportRun run(options, clip, *frames);
+    run.run();
+    if (!options.json) {
+        fmt::print("{}: {} in {} files, {}\n", options.output, size_text(run.bytes()), run.files(), frames->summary());
+        return std::nullopt;
+    }
+    nlohmann::ordered_json json = {{"output", options.output}, {"files", run.files()}, {"bytes", run.bytes()}};
+    frames->report(json);
+    return json;
+}
+
+// A performer's name as a part of a file's name, with its node where another performer has the same name.
+std::string file_name_of(const stage::StagePerformer& performer, const stage::Stage& stage) {
+    std::string name = performer.name;
+    const auto same = std::count_if(stage.performers.begin(), stage.performers.end(),
+                                    [&](const stage::StagePerformer& other) { return other.name == name; });
+    if (same > 1) name += fmt::format("_{}", performer.node);
+    std::replace(name.begin(), name.end(), '/', '_');
+    return name;
+}
+
 void run(const Command& verb, ExportOptions& options, const CommonOptions& common) {
     if (const StageKind* stage = stage_kind_of(options)) {
         expect_options_of(verb, stage->name, stage->options);
@@ -104,18 +134,26 @@ void run(const Command& verb, ExportOptions& options, const CommonOptions& commo
     own.insert(own.end(), kind.options.begin(), kind.options.end());
     expect_options_of(verb, kind.name, own);
     if (options.size.empty()) options.size = kFrameSize;
-    ExportedClip clip(read_published_scene(options.scene, options.performer, options.up), options.fps);
-    const std::string ending = std::filesystem::path(options.output).extension().string();
-    const std::unique_ptr<FrameExport> frames = kind.begin(options, ending, clip, common);
-    ExportRun run(options, clip, *frames);
-    run.run();
-    if (!options.json) {
-        fmt::print("{}: {} in {} files, {}\n", options.output, size_text(run.bytes()), run.files(), frames->summary());
+    const size_t place = options.output.find(kPerformerPlace);
+    if (place == std::string::npos) {
+        const std::optional<nlohmann::ordered_json> json = export_performer(options, kind, common);
+        if (json) fmt::print("{}", json_text(*json));
         return;
     }
-    nlohmann::ordered_json json = {{"output", options.output}, {"files", run.files()}, {"bytes", run.bytes()}};
-    frames->report(json);
-    fmt::print("{}", json_text(json));
+    expect_stage_name("--output", options.scene);
+    if (!options.performer.empty())
+        throw InputError("--performer", options.performer, "is one of those that the output names",
+                         fmt::format("leave it out, or {} in --output", kPerformerPlace));
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    const stage::Stage stage = stage::load_stage(options.scene);
+    for (const stage::StagePerformer& performer : stage.performers) {
+        ExportOptions one = options;
+        one.performer = std::to_string(performer.node);
+        one.output.replace(place, std::string(kPerformerPlace).size(), file_name_of(performer, stage));
+        const std::optional<nlohmann::ordered_json> json = export_performer(one, kind, common);
+        if (json) all.push_back(*json);
+    }
+    if (options.json) fmt::print("{}", json_text(all));
 }
 
 constexpr const char* kKindsHelp =
@@ -140,6 +178,11 @@ constexpr const char* kKindsHelp =
 void add_frame_options(const Command& verb, ExportOptions& options) {
     verb.add_option("--performer", options.performer,
                     "Of a stage: which, by its name or index; may be left out where there is one");
+    verb.add_flag(
+        "--stage-space", options.stage_space,
+        "Of a stage: put the performer where the stage has it, frame by frame, turned, scaled, by its time map "
+        "and not while\nit is hidden; lights and opacity are left out. --frames and --fps are then the "
+        "stage's, and files are numbered from its\nbeginning");
     verb.add_option("--frames", options.frames, "FIRST:LAST of the clip as it was recorded (all)");
     verb.add_option("--fps", options.fps,
                     "Frames a second (those of the clip, or of the stage of which a camera or the layout is written). "

@@ -11,6 +11,7 @@ namespace neuvv::tools {
 
 ExportRun::ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExport& kind)
     : options_(options),
+      clip_(clip),
       kind_(kind),
       numbered_(NumberedPath::parse(options.output)),
       frames_(clip.frames_in(options.frames)) {
@@ -55,10 +56,19 @@ void ExportRun::write(const std::filesystem::path& file) {
     }
 }
 
+uint32_t ExportRun::measured_frame() const {
+    const uint32_t middle = frames_.first + frames_.count() / 2;
+    for (uint32_t away = 0; away < frames_.count(); away++) {
+        if (middle + away <= frames_.last && !clip_.is_hidden(middle + away)) return middle + away;
+        if (middle >= frames_.first + away && !clip_.is_hidden(middle - away)) return middle - away;
+    }
+    return middle;
+}
+
 void ExportRun::run() {
     catch_stop_signals();
     progress_.set_total(frames_.count());
-    const uint32_t middle = frames_.first + frames_.count() / 2;
+    const uint32_t middle = measured_frame();
     expect_room(kind_.estimate(middle));
     kind_.measure(middle, working(0));
     bool waiting = false;  // frames that were added, but not written

@@ -23,10 +23,12 @@ class ExportRun {
   private:
     void expect_files_for_frames(const std::string& ending) const;
     void expect_room(const FrameExport::Estimate& estimate) const;
+    uint32_t measured_frame() const;  // the one nearest to the middle in which the performer is not hidden
     void write(const std::filesystem::path& file);
     Working working(uint64_t done);
 
     const ExportOptions& options_;
+    const ExportedClip& clip_;
     FrameExport& kind_;
     std::optional<NumberedPath> numbered_;
     ExportedClip::Frames frames_;

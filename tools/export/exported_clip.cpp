@@ -3,24 +3,43 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "base/error.h"
+#include "stage/evaluated_stage.h"
 #include "stage/time_map.h"
 #include "tools/options.h"
 #include "voctree/slice.h"
 
 namespace neuvv::tools {
 
+namespace {
+
+constexpr double kLikeRotation = 1e-5;  // by how much edges of the turned unit cube may differ from one scale
+
+uint32_t recorded_frames_of(const stage::Stage& stage) {
+    const double frames = std::round(stage.duration_s * stage.fps);
+    if (!(frames <= voctree::kMaxClipFrames))
+        throw InputError(stage.file.path.string(), "", "is too long", "give the stage a duration");
+    return std::max(1u, static_cast<uint32_t>(frames));
+}
+
+}  // namespace
+
 // A clip keeps its rate as a float, so that of the export is rounded to one, too: otherwise 59.94 frames a second would
 // drift off those of a clip of 29.97.
-ExportedClip::ExportedClip(PublishedScene scene, std::optional<double> fps)
-    : scene_(std::move(scene)), fps_(double{fps ? static_cast<float>(*fps) : scene_.index.fps}) {
-    step_ = double{scene_.index.fps} / fps_;
+ExportedClip::ExportedClip(PublishedScene scene, std::optional<double> fps, bool in_stage)
+    : scene_(std::move(scene)), in_stage_(in_stage) {
+    assert(!in_stage || scene_.stage);
+    const auto recorded_fps = in_stage ? static_cast<float>(scene_.stage->fps) : scene_.index.fps;
+    fps_ = double{fps ? static_cast<float>(*fps) : recorded_fps};
+    step_ = double{recorded_fps} / fps_;
+    recorded_frames_ = in_stage ? recorded_frames_of(*scene_.stage) : scene_.index.frames();
 }
 
 ExportedClip::Frames ExportedClip::frames_in(const std::string& range) const {
-    const FrameRange part = parse_frame_range(range, scene_.index.frames());
+    const FrameRange part = parse_frame_range(range, recorded_frames_);
     if (part.first != std::floor(part.first) || part.last != std::floor(part.last))
         throw InputError("--frames", range, "lies between two frames", "write whole frames");
     const auto first_from = [&](double recorded) { return std::ceil(recorded / step_ - stage::kFrameTolerance); };
@@ -36,11 +55,34 @@ ExportedClip::Frames ExportedClip::frames_in(const std::string& range) const {
 
 double ExportedClip::recorded_frame(uint32_t frame) const {
     const double at = frame * step_, whole = std::round(at);
-    return std::min(std::abs(at - whole) <= stage::kFrameTolerance ? whole : at, scene_.index.frames() - 1.0);
+    return std::min(std::abs(at - whole) <= stage::kFrameTolerance ? whole : at, recorded_frames_ - 1.0);
+}
+
+ExportedClip::Pose ExportedClip::pose_at(uint32_t frame) const {
+    Pose pose{recorded_frame(frame)};
+    if (!in_stage_) return pose;
+    const stage::Stage& stage = *scene_.stage;
+    const double time_s = frame / fps_;
+    const stage::EvaluatedPerformer found = stage::stage_at(stage, time_s).performers[scene_.performer];
+    pose.frame = double{found.frame};
+    pose.hidden = !found.visible || found.opacity <= 0;
+    if (pose.hidden) return pose;
+    const glm::dmat3 axes(found.world_from_performer);
+    pose.scale = std::cbrt(std::max(glm::determinant(axes), 0.0));
+    const glm::dmat3 turn = axes / pose.scale;
+    const glm::dmat3 rest = glm::transpose(turn) * turn - glm::dmat3(1);
+    const double off = std::sqrt(glm::dot(rest[0], rest[0]) + glm::dot(rest[1], rest[1]) + glm::dot(rest[2], rest[2]));
+    if (!(off <= kLikeRotation))
+        throw InputError("--stage-space", fmt::format("\"{}\"", stage.performers[scene_.performer].name),
+                         fmt::format("is stretched, sheared or mirrored at {:.6g} s", time_s),
+                         "give the performer and the nodes above it one scale for all axes");
+    pose.rotation = glm::normalize(glm::quat_cast(turn));
+    pose.shift = glm::conjugate(pose.rotation) * glm::dvec3(found.world_from_performer[3]);
+    return pose;
 }
 
 ExportedClip::Shown ExportedClip::shown(uint32_t frame) {
-    const voctree::SegmentFrame at = voctree::segment_frame(scene_.index, recorded_frame(frame));
+    const voctree::SegmentFrame at = voctree::segment_frame(scene_.index, pose_at(frame).frame);
     if (!segment_ || segment_number_ != at.segment) {
         segment_.reset();  // before the next one is read: together they may be too large
         segment_ = std::make_unique<Segment>(scene_, scene_.index.segments[at.segment]);
@@ -51,13 +93,24 @@ ExportedClip::Shown ExportedClip::shown(uint32_t frame) {
 
 voctree::VOctree ExportedClip::still(uint32_t frame) {
     const auto& [segment, at] = shown(frame);
-    return voctree::tree_of(voctree::slice_of(segment.tree, at, segment.paint.steps), segment.tree.box_min,
-                            segment.tree.box_size, segment.tree.fps);
+    const Pose pose = pose_at(frame);
+    return voctree::tree_of(voctree::slice_of(segment.tree, at, segment.paint.steps),
+                            glm::vec3(pose.scale * glm::dvec3(segment.tree.box_min) + pose.shift),
+                            static_cast<float>(pose.scale) * segment.tree.box_size, segment.tree.fps);
 }
 
 interchange::FrameVolume ExportedClip::volume(uint32_t frame) {
     const auto& [segment, at] = shown(frame);
-    return interchange::frame_volume(segment.tree, at, segment.paint.steps);
+    const Pose pose = pose_at(frame);
+    interchange::FrameVolume volume = interchange::frame_volume(segment.tree, at, segment.paint.steps);
+    if (pose.hidden) volume.leaves.clear();
+    volume.box_min = glm::vec3(pose.scale * glm::dvec3(volume.box_min) + pose.shift);
+    volume.box_size *= static_cast<float>(pose.scale);
+    for (interchange::VolumeLeaf& leaf : volume.leaves) {
+        leaf.sigma /= static_cast<float>(pose.scale);
+        leaf.shown *= static_cast<float>(pose.scale * pose.scale);
+    }
+    return volume;
 }
 
 }  // namespace neuvv::tools

@@ -11,12 +11,15 @@
 
 namespace neuvv::tools {
 
-// Frames are counted from the clip's beginning at the rate of the export. Where they lie between two recorded frames,
-// they are mixed as in slow motion; of a stream, and between segments without an overlap, they are the nearer one.
+// Frames are counted from the beginning of the clip, or of the stage, at the rate of the export. Where they lie between
+// two recorded frames, they are mixed as in slow motion; of a stream, and between segments without an overlap, they are
+// the nearer one.
 class ExportedClip {
   public:
-    // `fps`: of the export; none: the clip's own.
-    ExportedClip(PublishedScene scene, std::optional<double> fps);
+    // `fps`: of the export; none: the clip's own, or the stage's. `in_stage`: frames are those of the stage, in whose
+    // space the performer is where the stage has it, and nothing while it is hidden; the scene must be a performer of a
+    // stage (assert).
+    ExportedClip(PublishedScene scene, std::optional<double> fps, bool in_stage);
 
     double fps() const { return fps_; }
 
@@ -39,9 +42,14 @@ class ExportedClip {
     };
     const Segment& segment_of(uint32_t frame) { return shown(frame).segment; }
 
-    // A frame with its paint, as a tree of one frame and as leaves. Both throw as segment_of() does.
+    // A frame with its paint, as a tree of one frame and as leaves. Both throw as segment_of() does. In a stage, they
+    // have its lengths and are still to be turned about the origin by rotation(). Throws InputError where the performer
+    // is stretched, sheared or mirrored.
     voctree::VOctree still(uint32_t frame);
     interchange::FrameVolume volume(uint32_t frame);
+    glm::dquat rotation(uint32_t frame) const { return pose_at(frame).rotation; }
+
+    bool is_hidden(uint32_t frame) const { return pose_at(frame).hidden; }
 
   private:
     struct Shown {
@@ -50,10 +58,21 @@ class ExportedClip {
     };
     Shown shown(uint32_t frame);
     double recorded_frame(uint32_t frame) const;
+    // p of the clip's space is at rotation · (scale · p + shift) in the stage's.
+    struct Pose {
+        double frame = 0;  // recorded
+        glm::dquat rotation{1, 0, 0, 0};
+        double scale = 1;
+        glm::dvec3 shift{0};  // metres
+        bool hidden = false;
+    };
+    Pose pose_at(uint32_t frame) const;
 
     PublishedScene scene_;
     double fps_;
-    double step_ = 1;  // recorded frames from one frame to the next
+    bool in_stage_;
+    uint32_t recorded_frames_;  // of the clip, or of the stage at its rate
+    double step_ = 1;           // of those, from one frame to the next
     std::unique_ptr<Segment> segment_;
     uint32_t segment_number_ = 0;
 };

@@ -26,7 +26,7 @@ struct ExportOptions {
     interchange::MeshSettings mesh;
     std::optional<double> iso;  // opacity of a surface, 0 to 1
     std::optional<voctree::UpAxis> up;
-    bool resume = false, json = false;
+    bool stage_space = false, resume = false, json = false;
 };
 
 // Of work that takes long: shows what is being done, and throws RuntimeFailure where the user wants to stop.

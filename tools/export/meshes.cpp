@@ -99,6 +99,9 @@ void MeshExport::measure(uint32_t frame, const Working& working) {
 
 void MeshExport::add(uint32_t frame, const Working& working) {
     waiting_ = mesh_of(frame, working);
+    const glm::dquat rotation = clip_.rotation(frame);
+    for (glm::vec3& position : waiting_.mesh.positions) position = glm::vec3(rotation * glm::dvec3(position));
+    for (glm::vec3& normal : waiting_.mesh.normals) normal = glm::vec3(rotation * glm::dvec3(normal));
     added_ += waiting_.mesh.triangles.size();
     if (is(".glb")) glb_.add(waiting_);
 }

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "base/error.h"
 #include "tools/compared_views.h"
 #include "tools/export/exported_clip.h"
 #include "tools/export/frame_export.h"
@@ -16,6 +18,8 @@
 namespace neuvv::tools {
 
 namespace {
+
+constexpr double kLeastTurn = 1e-9;  // 1 − cos of half the angle
 
 class PlenoctreeExport : public FrameExport {
   public:
@@ -59,6 +63,10 @@ void PlenoctreeExport::measure(uint32_t frame, const Working& working) {
 }
 
 void PlenoctreeExport::add(uint32_t frame, const Working&) {
+    // The cells of a PlenOctree are along the axes.
+    if (std::abs(clip_.rotation(frame).w) < 1 - kLeastTurn)
+        throw InputError("--stage-space", fmt::format("frame {}", frame),
+                         "has the performer turned, which no PlenOctree can be", "choose another kind of --as");
     waiting_ = clip_.volume(frame);
     waiting_frame_ = frame;
 }

@@ -95,7 +95,7 @@ void SplatExport::measure(uint32_t frame, const Working& working) {
 
 void SplatExport::add(uint32_t frame, const Working&) {
     const interchange::SplatShape shape = fit_ ? fit_->shape : interchange::SplatShape{};
-    waiting_.push_back(interchange::splats_of(volume_of(frame), shape, format_.rotation));
+    waiting_.push_back(interchange::splats_of(volume_of(frame), shape, format_.rotation * clip_.rotation(frame)));
 }
 
 void SplatExport::write(const std::filesystem::path& file) {

@@ -26,7 +26,10 @@ class VolumeExport : public FrameExport {
     bool holds_many() const override { return false; }
     Estimate estimate(uint32_t frame) override;
     void measure(uint32_t frame, const Working& working) override;
-    void add(uint32_t frame, const Working&) override { waiting_ = volume_of(frame); }
+    void add(uint32_t frame, const Working&) override {
+        waiting_ = volume_of(frame);
+        vdb_.rotation = clip_.rotation(frame);
+    }
     void write(const std::filesystem::path& file) override;
     void report(nlohmann::ordered_json& json) const override;
     std::string summary() const override;
@@ -64,7 +67,7 @@ FrameExport::Estimate VolumeExport::estimate(uint32_t frame) {
 void VolumeExport::measure(uint32_t frame, const Working& working) {
     if (waiting_.leaves.empty()) return;
     working("comparing the volume with images of the middle frame");
-    const std::string bytes = interchange::vdb_bytes(waiting_, {vdb_.depth, {}});
+    const std::string bytes = interchange::vdb_bytes(waiting_, {vdb_.depth});
     const interchange::VdbVolume read = interchange::volume_of(
         interchange::parse_vdb({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options_.output),
         options_.output, glm::dmat4(1));
