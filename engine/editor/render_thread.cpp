@@ -272,6 +272,17 @@ void RenderThread::replace_shaders_now(const Replacement& replacement) {
     replacement.done(problem);
 }
 
+// On the thread that reads. Says nothing where another stage waits by now, or none, whose clips are others.
+void RenderThread::report_preload(const std::vector<std::filesystem::path>& clips, size_t read) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (state_.loading != clips[read - 1].filename() || state_.files != clips.size()) return;
+        state_.loading = clips[read].filename().string();
+        state_.files_read = read;
+    }
+    wake_();
+}
+
 // Whether the stage has clips that the one before has not, and that are not read yet: then they are, by a thread, and
 // the stage waits. One thread reads at a time; what another stage wants meanwhile is read when it is done.
 bool RenderThread::preloads(const Waiting& stage) {
@@ -289,7 +300,8 @@ bool RenderThread::preloads(const Waiting& stage) {
     report_progress(unknown[0].filename().string(), 0, unknown.size());
     waiting_ = stage;
     if (preload_ && !preload_->is_done()) return true;
-    preload_ = std::make_unique<render::ClipPreload>(loader_->files(), unknown, [this] {
+    const auto each = [this, unknown](size_t read) { report_preload(unknown, read); };
+    preload_ = std::make_unique<render::ClipPreload>(loader_->files(), unknown, each, [this] {
         {
             const std::lock_guard lock(mutex_);
             preloaded_ = true;

@@ -82,7 +82,7 @@ constexpr double kMovingTarget_ms = 45;
 
 class RenderThread {
   public:
-    // `wake` is called on the render thread after anything in state() changed.
+    // `wake` is called after anything in state() changed, on the render thread or on one that reads clips.
     RenderThread(const gpu::Device& device, std::function<void()> wake);
     ~RenderThread();
     // Waits until the current image is drawn, then ends the thread.
@@ -144,6 +144,7 @@ class RenderThread {
     void do_job(Job& job);
     void replace_shaders_now(const Replacement& replacement);
     void report_progress(const std::string& file, size_t done, size_t of);
+    void report_preload(const std::vector<std::filesystem::path>& clips, size_t read);
     void report_problem(std::string problem, uint64_t unsound_id);
     bool wait_for_job(Job& job);
     bool preloads(const Waiting& stage);

@@ -7,9 +7,11 @@
 
 namespace neuvv::render {
 
-ClipPreload::ClipPreload(std::shared_ptr<ClipFiles> files, std::vector<std::filesystem::path> clips,
+ClipPreload::ClipPreload(std::shared_ptr<ClipFiles> files, std::vector<std::filesystem::path> clips, Each each,
                          std::function<void()> done)
-    : files_(std::move(files)), clips_(std::move(clips)), thread_([this, then = std::move(done)] { run(then); }) {}
+    : files_(std::move(files)),
+      clips_(std::move(clips)),
+      thread_([this, one = std::move(each), all = std::move(done)] { run(one, all); }) {}
 
 ClipPreload::~ClipPreload() {
     {
@@ -24,10 +26,13 @@ void ClipPreload::expect_read() const {
     if (problem_) std::rethrow_exception(problem_);
 }
 
-void ClipPreload::run(const std::function<void()>& done) {
+void ClipPreload::run(const Each& each, const std::function<void()>& done) {
     name_trace_thread("reads new clips");
     try {
-        for (const std::filesystem::path& clip : clips_) read(clip);
+        for (size_t i = 0; i < clips_.size(); i++) {
+            read(clips_[i]);
+            if (each && i + 1 < clips_.size()) each(i + 1);
+        }
     } catch (const InputError&) {
         problem_ = std::current_exception();
     } catch (const std::exception&) {  // load() meets it again

@@ -13,9 +13,12 @@ namespace neuvv::render {
 class ClipPreload {
   public:
     // Begins to read what load() of a loader with these files would read: of a segmented clip or a stream, the first
-    // segment that can be read. `done` is called on the thread when all is read, or a clip could not be. What `files`
-    // reads on must outlive this object.
-    ClipPreload(std::shared_ptr<ClipFiles> files, std::vector<std::filesystem::path> clips, std::function<void()> done);
+    // segment that can be read. `each` is called on the thread when a clip is read, with the number of those that are,
+    // but not for the last; `done`, when all is read, or a clip could not be. Either may be empty. What `files` reads
+    // on must outlive this object.
+    using Each = std::function<void(size_t read)>;
+    ClipPreload(std::shared_ptr<ClipFiles> files, std::vector<std::filesystem::path> clips, Each each,
+                std::function<void()> done);
     // Waits for the file that is being read, but not for servers that have answered before.
     ~ClipPreload();
     ClipPreload(const ClipPreload&) = delete;
@@ -28,7 +31,7 @@ class ClipPreload {
     void expect_read() const;
 
   private:
-    void run(const std::function<void()>& done);
+    void run(const Each& each, const std::function<void()>& done);
     void read(const std::filesystem::path& clip);
     void read_segment(const voctree::ClipSegment& segment);
     std::shared_ptr<ClipFiles> files_;

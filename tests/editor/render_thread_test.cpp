@@ -8,9 +8,11 @@
 
 #include "edit/operations.h"
 #include "stream/served_stream.h"
+#include "support/figure.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"
 #include "support/temporary_folder.h"
+#include "voctree/nvv.h"
 
 namespace neuvv::test {
 namespace {
@@ -131,6 +133,29 @@ TEST_F(RenderThreads, DrawTheStageBeforeUntilANewClipIsRead) {
     EXPECT_EQ(thread.state().loading, "");
     thread.stop();
     EXPECT_TRUE(ran_on_new);
+}
+
+// The second of two clips is on a server that does not answer.
+TEST_F(RenderThreads, CountTheClipsThatAreRead) {
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.stage_id == 1; })) << thread.state().problem;
+    ServedStream served;
+    served.start(3);
+    voctree::write_nvv(folder.path / "figure.nvv", figure_tree());
+    edit::Document document;
+    document.file = edit::new_stage(folder.path / "show.gltf");
+    for (const std::filesystem::path clip : {(folder.path / "figure.nvv").string(), served.address("shut")}) {
+        edit::PerformerEdit performer;
+        performer.clip = clip;
+        edit::add_performer(document.file, clip.stem().string(), performer, {});
+    }
+    thread.show(std::make_shared<const edit::Document>(std::move(document)), 2);
+    EXPECT_TRUE(wait_for([](const auto& state) { return state.loading == "show.nvs"; })) << thread.state().loading;
+    EXPECT_EQ(thread.state().files_read, 1u);
+    EXPECT_EQ(thread.state().files, 2u);
+    std::ofstream(served.folder.path / "open").put('1');
+    ASSERT_TRUE(wait_for([](const auto& state) { return state.stage_id == 2; })) << thread.state().problem;
+    EXPECT_EQ(thread.state().loading, "");
+    thread.stop();
 }
 
 // A performer of another scene is not drawn: its clip may be missing.

@@ -52,7 +52,8 @@ void RuntimeContext::read_new_clip(HeadsetState& state) {
     if (!performer || (preload && preload->clips()[0] != performer->clip)) preload.reset();
     if (!performer || performer->is_read) return;
     if (!preload && !clips.contains(performer->clip)) {
-        preload = std::make_unique<render::ClipPreload>(loader->files(), std::vector{performer->clip}, nullptr);
+        preload =
+            std::make_unique<render::ClipPreload>(loader->files(), std::vector{performer->clip}, nullptr, nullptr);
         return;
     }
     try {
