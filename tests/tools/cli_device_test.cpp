@@ -58,6 +58,36 @@ TEST_F(CliDevice, ArraysInStorageBuffersGiveTheSameImages) {
     EXPECT_NE(refused.err.find("give texel, storage or fastest"), std::string::npos) << refused.err;
 }
 
+// As Vulkan guarantees texel buffers, arrays go to storage buffers; where these are too small, too, an error says what
+// to do.
+TEST_F(CliDevice, SmallLimitsGiveTheSameImageOrAnErrorThatHelps) {
+    const std::string layer = "VK_INSTANCE_LAYERS=VK_LAYER_NEUVV_lower_limits VK_LAYER_PATH=" NEUVV_LOWER_LIMITS_LAYER
+                              " XDG_CACHE_HOME=" +
+                              shell_quoted((folder.path / "cache").string()) + " ";
+    const auto render = [&](const std::string& environment) {
+        return run_neuvv({"render", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"}, environment);
+    };
+    ASSERT_EQ(render("NEUVV_BUFFERS=texel").code, 0);
+    const std::string expected = read_text(file("out.exr"));
+    const std::string guaranteed = layer + "NEUVV_MOST_TEXELS=65536 NEUVV_MOST_STORAGE_BYTES=134217728";
+    const ProgramResult listed = run_neuvv({"devices", "--json"}, guaranteed);
+    ASSERT_EQ(listed.code, 0) << listed.err;
+    const auto buffers = nlohmann::json::parse(listed.out).at(0).at("buffers");
+    EXPECT_EQ(buffers.at("max_texels"), 65536);
+    EXPECT_EQ(buffers.at("reason"), "limits");
+    const ProgramResult small = render(guaranteed);
+    ASSERT_EQ(small.code, 0) << small.err;
+    EXPECT_TRUE(read_text(file("out.exr")) == expected);
+    const std::string tiny = layer + "NEUVV_MOST_TEXELS=512 NEUVV_MOST_STORAGE_BYTES=8192";
+    const ProgramResult rays = render(tiny);
+    EXPECT_EQ(rays.code, 1);
+    EXPECT_NE(rays.err.find("too many for this device; choose a smaller --size"), std::string::npos) << rays.err;
+    const ProgramResult leaves =
+        run_neuvv({"render", scene, "-o", file("out.exr"), "--size", "8x4", "--frames", "1.5"}, tiny);
+    EXPECT_EQ(leaves.code, 1);
+    EXPECT_NE(leaves.err.find("choose a clip of fewer leaves"), std::string::npos) << leaves.err;
+}
+
 // The first start times both ways to bind arrays, and the next ones go by what it found.
 TEST_F(CliDevice, TheFasterBuffersAreKeptInTheCacheFolder) {
     const std::filesystem::path cache = folder.path / "cache";
