@@ -84,9 +84,10 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
 // Where each field's share of the budget changes, slices are created again.
 void FrameRenderer::change_fields(std::vector<const Field*> fields, uint32_t shares) {
     if (shares == 0) shares = static_cast<uint32_t>(fields.size());
-    const bool same_shares = std::exchange(slice_shares_, shares) == shares;
+    const bool same_shares = slice_shares_ == shares;
     if (same_shares && std::ranges::equal(fields, std::span(levels_.all).first(levels_.given()))) return;
     finish();
+    slice_shares_ = shares;
     FieldLevels next(std::move(fields));
     std::vector<std::unique_ptr<Paints>> paints(next.all.size());
     std::vector<std::unique_ptr<Performer>> performers(next.all.size());
@@ -414,6 +415,7 @@ FrameSettings FrameRenderer::begin_with_memory_left(std::span<const stage::Camer
 void FrameRenderer::submit_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given,
                               const Then& then) {
     check_settings(cameras, given);
+    if (device_.used_debug_buffer()) finish();  // the host reads and empties it when an image is finished
     slot_ = (slot_ + 1) % kImagesUnderWay;
     if (!finish(slot_)) {
         finish();

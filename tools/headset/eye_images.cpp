@@ -95,7 +95,9 @@ const char* EyeImages::format_name() const {
 void EyeImages::choose_size(double budget_ms, double last_ms) {
     constexpr double kNearlyWhole = 0.97;
     dynamic_scale_.set_target(budget_ms);
-    dynamic_scale_.drawn(drawn_scale_, last_ms);
+    // The time may be that of any of the last images, so it counts once all of them had the same scale.
+    if (same_scale_ > render::kImagesUnderWay || device_.summary().kind == "cpu")
+        dynamic_scale_.drawn(drawn_scale_, last_ms);
     const double scale = quality_.scale > 0 ? quality_.scale : dynamic_scale_.scale();
     const double share = quality_.scale > 0 ? 1 : share_.update(scale > kNearlyWhole ? 1 : scale);
     const auto part = [&](uint32_t side) {  // whole tiles of rays
@@ -105,7 +107,8 @@ void EyeImages::choose_size(double budget_ms, double last_ms) {
     drawn_size_ = {part(size().width), part(size().height)};
     ray_scale_ = std::min(scale / share, 1.0);
     if (ray_scale_ > kNearlyWhole) ray_scale_ = 1;
-    drawn_scale_ = share * ray_scale_;
+    const double before = std::exchange(drawn_scale_, share * ray_scale_);
+    same_scale_ = drawn_scale_ == before ? same_scale_ + 1 : 1;
 }
 
 double EyeImages::ray_share(uint32_t view, bool follows_gaze) const {

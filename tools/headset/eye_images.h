@@ -96,6 +96,7 @@ class EyeImages {
     VkExtent2D drawn_size_{};  // of the part of the swapchain's image that is drawn
     double ray_scale_ = 1;     // rays per pixel of that part along each side
     double drawn_scale_ = 1;
+    uint32_t same_scale_ = 0;  // images in a row that were drawn at this scale
     xr::EyeViews drawn_eyes_;
     std::optional<gpu::DeviceImage> left_;
     bool has_left_ = false;  // left_ has been drawn to
