@@ -190,10 +190,13 @@ std::vector<XrViewConfigurationView> Runtime::views_of(XrViewConfigurationType t
     XrFoveatedViewConfigurationViewVARJO foveated{XR_TYPE_FOVEATED_VIEW_CONFIGURATION_VIEW_VARJO, nullptr, XR_TRUE};
     XrViewConfigurationView blank{XR_TYPE_VIEW_CONFIGURATION_VIEW};
     if (follows_gaze) blank.next = &foveated;  // one for all views, which only read it
-    return enumerate("xrEnumerateViewConfigurationViews", headset_, blank,
-                     [&](uint32_t capacity, uint32_t* count, XrViewConfigurationView* all) {
-                         return xrEnumerateViewConfigurationViews(instance(), system_, type, capacity, count, all);
-                     });
+    auto views =
+        enumerate("xrEnumerateViewConfigurationViews", headset_, blank,
+                  [&](uint32_t capacity, uint32_t* count, XrViewConfigurationView* all) {
+                      return xrEnumerateViewConfigurationViews(instance(), system_, type, capacity, count, all);
+                  });
+    for (XrViewConfigurationView& view : views) view.next = nullptr;
+    return views;
 }
 
 // OpenXR 1.1 has the quad views of XR_VARJO_quad_views as stereo with a foveated inset, with the same number.

@@ -38,8 +38,8 @@ const std::array kKinds = {
 };
 constexpr const char* kFrameSize = "720x720";
 constexpr const char* kPerformerPlace = "{performer}";
-const std::vector<std::string> kFrameOptions = {"--performer", "--frames", "--fps",   "--views",
-                                                "--size",      "--up",     "--resume"};
+const std::vector<std::string> kFrameOptions = {"--performer", "--stage-space", "--frames", "--fps",
+                                                "--views",     "--size",        "--up",     "--resume"};
 
 std::vector<std::string> kind_names() {
     std::vector<std::string> names;
@@ -119,8 +119,9 @@ std::string file_name_of(const stage::StagePerformer& performer, const stage::St
     std::string name = performer.name;
     const auto same = std::count_if(stage.performers.begin(), stage.performers.end(),
                                     [&](const stage::StagePerformer& other) { return other.name == name; });
-    if (same > 1) name += fmt::format("_{}", performer.node);
-    std::replace(name.begin(), name.end(), '/', '_');
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '/' || c == '%'; }, '_');
+    if (same > 1 || name != performer.name) name += fmt::format("_{}", performer.node);
     return name;
 }
 
