@@ -18,10 +18,11 @@ void choose_profile(BufferLimits& limits, const std::string& forced) {
     const uint64_t as_texels = std::min(kWidestElement * limits.texels, kEnoughBytes);
     const uint64_t as_storage = std::min(limits.storage_bytes, kEnoughBytes);
     const bool can_choose = limits.storage_buffers >= kMostStorageBuffers;
+    const bool can_time = can_choose && limits.texels >= kTimedTexels;
     if (forced == "texel" || forced == "storage") {
         limits.profile = forced == "texel" ? BufferProfile::kTexel : BufferProfile::kStorage;
         limits.reason = ProfileReason::kForced;
-    } else if (can_choose && (as_texels == as_storage || (forced == "fastest" && limits.texels >= kTimedTexels))) {
+    } else if (can_time && (as_texels == as_storage || forced == "fastest")) {
         limits.reason = ProfileReason::kSpeed;
     } else if (can_choose && as_texels < as_storage) {
         limits.profile = BufferProfile::kStorage;

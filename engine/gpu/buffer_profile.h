@@ -47,9 +47,9 @@ struct BufferLimits {
 
 // Takes the profile whose arrays may be longer. Where both hold 2 GiB or equally much, the reason is kSpeed and the
 // profile texel buffers, until the two are timed. NEUVV_BUFFERS of the environment, "texel" or "storage", forces a
-// profile. With "fastest" the two are timed, too, where one's arrays may be longer, as long as the device can bind what
-// is timed (2^20 texels) and as many storage buffers as shaders have (kMostStorageBuffers). Throws InputError for
-// another value.
+// profile. With "fastest" the two are timed, too, where one's arrays may be longer. They are timed only where the
+// device can bind what is timed (2^20 texels) and as many storage buffers as shaders have (kMostStorageBuffers). Throws
+// InputError for another value of NEUVV_BUFFERS.
 BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits);
 
 }  // namespace neuvv::gpu

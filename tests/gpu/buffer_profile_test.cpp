@@ -58,6 +58,7 @@ TEST(BufferProfile, IsTheFasterWhereArraysMayBeEquallyLong) {
     EXPECT_EQ(chosen(8 * mib, 128 * mib, 32).profile, gpu::BufferProfile::kTexel) << "until it is known";
     EXPECT_EQ(chosen(128 * mib, 0xffffffffu, 4).reason, kLimits) << "shaders bind more storage buffers";
     EXPECT_EQ(chosen(128 * mib, 128 * mib, 32, "fastest").reason, kSpeed);
+    EXPECT_EQ(chosen(65536, 1 * mib, 32).reason, kLimits) << "equally much, but too short to be timed";
     EXPECT_EQ(chosen(65536, 128 * mib, 32, "fastest").profile, gpu::BufferProfile::kStorage) << "too short to be timed";
 }
 
