@@ -1,4 +1,5 @@
-// FrameRenderer: creates and fills what a frame needs on the device. Recording is in frame.cpp.
+// FrameRenderer: creates and fills what a frame needs on the device. Recording is in frame.cpp, submitting in
+// frame_submit.cpp.
 #include "render/frame.h"
 
 #include <fmt/format.h>
@@ -6,11 +7,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 #include "base/error.h"
-#include "base/trace_file.h"
 
 namespace neuvv::render {
 
@@ -142,18 +141,19 @@ void FrameRenderer::check_settings(std::span<const stage::Camera> cameras, const
 
 // Sets the ray grids of the views, and the number of rays of a view, which is that of the view with the most rays.
 void FrameRenderer::make_grids(const FrameSettings& settings, uint32_t views) {
+    const bool upscaled = settings.scale != 1 || !settings.foveae.empty();
+    if (upscaled && !upscaler_)  // first, as it may find no memory: then the tiles are still those of layout_
+        upscaler_ = std::make_unique<Resolver>(device_, RaysPerPixel::kFewer, target_.rays, image_,
+                                               set_ ? nullptr : &target_.ranges, set_);
     layout_ = {settings.width, settings.height, settings.samples, views};
     grids_.clear();
-    if (settings.scale == 1 && settings.foveae.empty()) return;
+    if (!upscaled) return;
     assert(settings.samples == 1);
     for (uint32_t view = 0; view < views; view++) {
         const Fovea fovea = settings.foveae.empty() ? Fovea{} : settings.foveae[view];
         grids_.push_back(ray_grid(settings.width, settings.height, settings.scale, fovea));
         layout_.rays = glm::max(layout_.rays, grids_.back().rays);
     }
-    if (!upscaler_)
-        upscaler_ = std::make_unique<Resolver>(device_, RaysPerPixel::kFewer, target_.rays, image_,
-                                               set_ ? nullptr : &target_.ranges, set_);
 }
 
 TargetViews FrameRenderer::views_of(std::span<const stage::Camera> cameras, const FrameSettings& settings) {
@@ -290,33 +290,6 @@ Segments& FrameRenderer::segments() {
     return *segments_;
 }
 
-// Whether the image of this slot, which must be finished, needed more room on the device than there was.
-bool FrameRenderer::overflowed(uint32_t slot) const {
-    return (segments_ && segments_->overflowed(slot)) ||
-           std::ranges::any_of(performers_, [slot](const auto& one) { return one && one->overflowed(slot); });
-}
-
-// Makes more room for what had too little in finished images. No image may be under way.
-void FrameRenderer::enlarge() {
-    const auto in_any = [](const auto& what) {
-        for (uint32_t slot = 0; slot < kImagesUnderWay; slot++)
-            if (what.overflowed(slot)) return true;
-        return false;
-    };
-    try {
-        for (const auto& performer : performers_)
-            if (performer && in_any(*performer)) performer->enlarge_slices();
-        if (segments_ && in_any(*segments_)) {
-            for (const auto& performer : performers_)
-                if (performer) performer->forget_segments();
-            segments_->enlarge();
-        }
-    } catch (const gpu::VulkanError& error) {
-        segments_.reset();
-        drop_slices_or_rethrow(error);
-    }
-}
-
 bool FrameRenderer::drop_slices() {
     wait_for_device();
     under_way_ = {};
@@ -410,87 +383,6 @@ FrameSettings FrameRenderer::begin_with_memory_left(std::span<const stage::Camer
             drop_slices_or_rethrow(error);
         }
     }
-}
-
-void FrameRenderer::submit_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& given,
-                              const Then& then) {
-    check_settings(cameras, given);
-    if (device_.used_debug_buffer()) finish();  // the host reads and empties it when an image is finished
-    slot_ = (slot_ + 1) % kImagesUnderWay;
-    if (!finish(slot_)) {
-        finish();
-        enlarge();
-    }
-    const TraceSpan span("record a frame");
-    const FrameSettings settings = begin_with_memory_left(cameras, given);
-    if (segments_) segments_->begin_frame(slot_);
-    commands().begin();
-    record_frame(settings);
-    if (to == Destination::kHost) record_readback();
-    if (then) then(commands(), image_);
-    commands().submit();
-    under_way_[slot_] = true;
-}
-
-void FrameRenderer::wait_for_device() {
-    for (gpu::Commands& commands : commands_) commands.wait();
-}
-
-// Of the slot's image, which is finished. The timestamps of software devices leave compute passes out where a
-// submission also draws.
-void FrameRenderer::note_times(uint32_t slot) {
-    const gpu::Commands& commands = commands_[slot];
-    milliseconds_ = commands.milliseconds();
-    device_milliseconds_ = device_.summary().kind == "cpu" ? milliseconds_ : commands.device_milliseconds();
-}
-
-// Waits for the image of the slot. Returns false where it lacks parts: finish() must be called.
-bool FrameRenderer::finish(uint32_t slot) {
-    commands_[slot].wait();
-    if (!std::exchange(under_way_[slot], false)) return true;
-    note_times(slot);
-    return !overflowed(slot);
-}
-
-bool FrameRenderer::finish() {
-    bool whole = true;
-    for (uint32_t i = 1; i <= kImagesUnderWay; i++)  // the oldest first
-        whole &= finish((slot_ + i) % kImagesUnderWay);
-    if (!whole) enlarge();
-    return whole;
-}
-
-void FrameRenderer::submit(std::span<const stage::Camera> cameras, const FrameSettings& settings, const Then& then) {
-    submit_to(Destination::kDevice, cameras, settings, then);
-}
-
-void FrameRenderer::draw_to(Destination to, std::span<const stage::Camera> cameras, const FrameSettings& settings,
-                            const Then& then) {
-    do submit_to(to, cameras, settings, then);
-    while (!finish());
-}
-
-const gpu::Buffer& FrameRenderer::draw(std::span<const stage::Camera> cameras, const FrameSettings& settings,
-                                       const Then& then) {
-    draw_to(Destination::kDevice, cameras, settings, then);
-    return image_;
-}
-
-std::vector<media::Image> FrameRenderer::render_views(std::span<const stage::Camera> cameras,
-                                                      const FrameSettings& settings) {
-    draw_to(Destination::kHost, cameras, settings, {});
-    std::vector<media::Image> images;
-    const uint8_t* from = readback_.as<uint8_t>();
-    for (size_t view = 0; view < cameras.size(); view++) {
-        media::Image& image = images.emplace_back(settings.width, settings.height);
-        std::memcpy(image.rgba.data(), from, image.rgba.size());
-        from += image.rgba.size();
-    }
-    return images;
-}
-
-media::Image FrameRenderer::render(const stage::Camera& camera, const FrameSettings& settings) {
-    return std::move(render_views({&camera, 1}, settings)[0]);
 }
 
 std::vector<glm::vec4> FrameRenderer::radiance(uint32_t view) const {
