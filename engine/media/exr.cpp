@@ -115,7 +115,7 @@ LinearImage decode(const std::string& name, const std::vector<uint8_t>& bytes) {
 }  // namespace
 
 void write_exr(const std::filesystem::path& file, const LinearImage& image) {
-    const size_t pixels = size_t{image.width} * image.height;
+    [[maybe_unused]] const size_t pixels = size_t{image.width} * image.height;
     assert(pixels > 0 && "an image to write has pixels");
     assert((image.rgba.empty() || image.rgba.size() == 4 * pixels) && "four values a pixel, or none");
     assert((image.depth_m.empty() || image.depth_m.size() == pixels) && "a depth a pixel, or none");
