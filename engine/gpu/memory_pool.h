@@ -29,7 +29,7 @@ class MemoryPool {
     void clear(VkDevice device);
 
     // Memory of these types (a bit mask) counts as allocated(). Beyond the limit, take() returns
-    // VK_ERROR_OUT_OF_DEVICE_MEMORY.
+    // VK_ERROR_OUT_OF_DEVICE_MEMORY, and nothing is kept.
     void set_limit(uint32_t types, std::optional<VkDeviceSize> limit);
     std::optional<VkDeviceSize> limit() const;
     // Bytes, with what is kept.
