@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "base/trace_file.h"
 
 namespace neuvv::training {
 
@@ -24,6 +25,7 @@ glm::vec4 seen_at(const Dataset& dataset, const View& view, const glm::dmat4& ca
 
 std::vector<glm::vec3> first_colours(const Dataset& dataset, const std::vector<glm::vec3>& positions,
                                      const std::vector<uint32_t>& allowed) {
+    const TraceSpan span("first colours");
     const size_t times = dataset.times.size(), words = (times + 31) / 32;
     std::vector<glm::vec4> sums(positions.size(), glm::vec4(0));
     for (size_t i = 0; i < std::min(kTimes, times); i++) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "base/trace_file.h"
 #include "training/silhouettes.h"
 
 namespace neuvv::training {
@@ -18,15 +19,26 @@ std::vector<HullCell> grid_cells(const std::pair<glm::dvec3, glm::dvec3>& box, u
     return cells;
 }
 
-std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells) {
+std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells,
+                            const std::vector<uint32_t>& possible) {
+    const TraceSpan span("carve", static_cast<int64_t>(cells.size()));
     const size_t words = hull_words(dataset);
     std::vector<uint32_t> bits(cells.size() * words);
     for (size_t t = 0; t < dataset.times.size(); t++) {
         const std::vector<Silhouette> silhouettes = silhouettes_at(dataset, dataset.times[t]);
         const size_t least = min_witnesses(silhouettes);
         parallel_for(cells.size(), 4096, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; i++)
-                if (count_witnesses(silhouettes, cells[i]).all >= least) bits[i * words + t / 32] |= 1u << t % 32;
+            std::vector<HullCell> asked;
+            std::vector<size_t> word_of;  // of the bits of each
+            for (size_t i = begin; i < end; i++) {
+                const size_t word = i * words + t / 32;
+                if (!possible.empty() && !(possible[word] >> t % 32 & 1)) continue;
+                asked.push_back(cells[i]);
+                word_of.push_back(word);
+            }
+            const std::vector<Witnesses> witnesses = count_witnesses(silhouettes, asked);
+            for (size_t k = 0; k < asked.size(); k++)
+                if (witnesses[k].all >= least) bits[word_of[k]] |= 1u << t % 32;
         });
     }
     return bits;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/trace_file.h"
 #include "training/silhouettes.h"
 
 namespace neuvv::training {
@@ -106,7 +107,9 @@ void mark_matter(const Dataset& dataset, double time, const std::vector<HullCell
     const size_t third = (silhouettes.size() + 2) / 3;
     std::vector<uint16_t> witnesses(cells.size());
     parallel_for(cells.size(), 4096, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) witnesses[i] = count_witnesses(silhouettes, cells[i]).whole;
+        const std::span<const HullCell> part(&cells[begin], end - begin);
+        const std::vector<Witnesses> found = count_witnesses(silhouettes, part);
+        for (size_t i = begin; i < end; i++) witnesses[i] = found[i - begin].whole;
     });
     const Parts parts = find_parts(std::move(witnesses), min_witnesses(silhouettes), third);
     const bool all_sure = std::all_of(parts.sure.begin(), parts.sure.end(), [](bool sure) { return sure; });
@@ -140,6 +143,7 @@ std::pair<glm::dvec3, glm::dvec3> first_box(const Dataset& dataset) {
 }
 
 MatterGrid find_matter(const Dataset& dataset) {
+    const TraceSpan span("find the matter");
     MatterGrid grid;
     grid.tight_box = first_box(dataset);
     for (int round = 0; round < 2; round++) {

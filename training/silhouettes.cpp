@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/parallel.h"
 
@@ -30,29 +31,44 @@ Silhouette make_silhouette(const Dataset& dataset, uint32_t index) {
     return silhouette;
 }
 
-// A rectangle that may reach beyond the image, in pixels.
-struct Extent {
-    double left, top, right, bottom;
+// The pixels in which matter in a cell may be visible.
+struct Seen {
+    PixelRectangle part;  // of the image; empty where there are none, or the cell is too near
+    bool whole;           // matter in the cell cannot be visible beyond the image
+
+    bool is_empty() const { return part.x0 >= part.x1 || part.y0 >= part.y1; }
 };
 
-// The pixels in which matter in the cell's ball may be visible; nothing where the ball is too near.
-std::optional<Extent> extent_of(const Silhouette& silhouette, const HullCell& cell) {
-    const stage::Camera& camera = *silhouette.camera;
-    const glm::dvec4 p = silhouette.camera_from_world * glm::dvec4(glm::dvec3(cell.centre), 1);
-    const double depth = -p.z, radius = static_cast<double>(cell.radius);
-    if (depth <= 2 * radius) return {};
-    const double x = camera.cx + camera.fx * p.x / depth, y = camera.cy - camera.fy * p.y / depth;
-    // The ball's image lies inside this rectangle, whose size is that at the distance of the ball's nearest point.
-    // Matter in the ball is visible in pixels whose centres are at most half a pixel further out.
-    const double half_width = camera.fx * radius * (1 + std::abs(p.x) / depth) / (depth - radius) + 0.5;
-    const double half_height = camera.fy * radius * (1 + std::abs(p.y) / depth) / (depth - radius) + 0.5;
-    return Extent{std::ceil(x - half_width - 0.5), std::ceil(y - half_height - 0.5),
-                  std::floor(x + half_width - 0.5) + 1, std::floor(y + half_height - 0.5) + 1};
+// The first whole number that is not below `value`, which is not negative; std::ceil takes longer.
+uint32_t ceiled(double value) {
+    const auto whole = static_cast<uint32_t>(value);
+    return whole + (whole < value ? 1u : 0u);
 }
 
-PixelRectangle rectangle_of(const Extent& extent) {
-    return {static_cast<uint32_t>(extent.left), static_cast<uint32_t>(extent.top), static_cast<uint32_t>(extent.right),
-            static_cast<uint32_t>(extent.bottom)};
+// Of the cell's ball. Carving spends its time here, so there is one division and no branch.
+Seen seen_of(const Silhouette& silhouette, const HullCell& cell) {
+    const stage::Camera& camera = *silhouette.camera;
+    const glm::dvec4 p = silhouette.camera_from_world * glm::dvec4(glm::dvec3(cell.centre), 1);
+    const double depth = -p.z, radius = static_cast<double>(cell.radius), nearest = depth - radius;
+    const double scale = 1 / (depth * nearest), to_pixels = nearest * scale;
+    const double width = camera.width, height = camera.height, is_far = depth > 2 * radius ? 1 : 0;
+    const double x = camera.cx + camera.fx * p.x * to_pixels - 0.5, y = camera.cy - camera.fy * p.y * to_pixels - 0.5;
+    // The ball's image lies inside this rectangle, whose size is that at the distance of the ball's nearest point.
+    // Matter in the ball is visible in pixels whose centres are at most half a pixel further out.
+    const double half_width = camera.fx * radius * (depth + std::abs(p.x)) * scale + 0.5;
+    const double half_height = camera.fy * radius * (depth + std::abs(p.y)) * scale + 0.5;
+    const double left = x - half_width, right = x + half_width, top = y - half_height, bottom = y + half_height;
+    // std::min and std::max take their first argument where the second is no number, as it is for a ball at the camera.
+    return {{ceiled(std::min(width, std::max(0.0, left))), ceiled(std::min(height, std::max(0.0, top))),
+             static_cast<uint32_t>(is_far * std::min(width, std::max(0.0, right + 1))),
+             static_cast<uint32_t>(is_far * std::min(height, std::max(0.0, bottom + 1)))},
+            left > -1 && right < width && top > -1 && bottom < height};
+}
+
+Verdict verdict_of(const Silhouette& silhouette, const Seen& seen) {
+    if (seen.is_empty()) return Verdict::kUnseen;
+    if (silhouette.foreground.count(seen.part) > 0) return seen.whole ? Verdict::kMatter : Verdict::kMatterInPart;
+    return !seen.whole || silhouette.ignored.count(seen.part) > 0 ? Verdict::kUnseen : Verdict::kBackground;
 }
 
 }  // namespace
@@ -69,21 +85,8 @@ std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time) {
 }
 
 std::optional<PixelRectangle> image_of(const Silhouette& silhouette, const HullCell& cell) {
-    const std::optional<Extent> whole = extent_of(silhouette, cell);
-    if (!whole || !(whole->left >= 0 && whole->top >= 0 && whole->right <= silhouette.camera->width &&
-                    whole->bottom <= silhouette.camera->height))
-        return {};
-    return rectangle_of(*whole);
-}
-
-std::optional<PixelRectangle> visible_part_of(const Silhouette& silhouette, const HullCell& cell) {
-    const std::optional<Extent> whole = extent_of(silhouette, cell);
-    if (!whole) return {};
-    const double width = silhouette.camera->width, height = silhouette.camera->height;
-    const Extent part{std::max(whole->left, 0.0), std::max(whole->top, 0.0), std::min(whole->right, width),
-                      std::min(whole->bottom, height)};
-    if (!(part.left < part.right && part.top < part.bottom)) return {};
-    return rectangle_of(part);
+    const Seen seen = seen_of(silhouette, cell);
+    return seen.whole && !seen.is_empty() ? std::optional(seen.part) : std::nullopt;
 }
 
 std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector<HullCell>& cells) {
@@ -92,12 +95,13 @@ std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector
     // Each rectangle adds 1 to its pixels, as differences to the pixel on the left and to the row above.
     std::vector<int32_t> differences(stride * (size_t{height} + 1));
     for (const HullCell& cell : cells) {
-        const std::optional<PixelRectangle> r = visible_part_of(silhouette, cell);
-        if (!r) continue;
-        differences[r->y0 * stride + r->x0]++;
-        differences[r->y0 * stride + r->x1]--;
-        differences[r->y1 * stride + r->x0]--;
-        differences[r->y1 * stride + r->x1]++;
+        const Seen seen = seen_of(silhouette, cell);
+        if (seen.is_empty()) continue;
+        const PixelRectangle& r = seen.part;
+        differences[r.y0 * stride + r.x0]++;
+        differences[r.y0 * stride + r.x1]--;
+        differences[r.y1 * stride + r.x0]--;
+        differences[r.y1 * stride + r.x1]++;
     }
     std::vector<bool> covered(size_t{width} * height);
     std::vector<int32_t> counts(width);
@@ -130,20 +134,29 @@ std::vector<PixelSums> unexplained_pixels(const Dataset& dataset, const std::vec
 }
 
 Verdict judge(const Silhouette& silhouette, const HullCell& cell) {
-    const std::optional<PixelRectangle> seen = visible_part_of(silhouette, cell);
-    if (!seen) return Verdict::kUnseen;
-    const bool whole = image_of(silhouette, cell).has_value();
-    if (silhouette.foreground.count(*seen) > 0) return whole ? Verdict::kMatter : Verdict::kMatterInPart;
-    return !whole || silhouette.ignored.count(*seen) > 0 ? Verdict::kUnseen : Verdict::kBackground;
+    return verdict_of(silhouette, seen_of(silhouette, cell));
 }
 
-Witnesses count_witnesses(const std::vector<Silhouette>& silhouettes, const HullCell& cell) {
-    Witnesses witnesses;
+std::vector<Witnesses> count_witnesses(const std::vector<Silhouette>& silhouettes, std::span<const HullCell> cells) {
+    std::vector<Witnesses> witnesses(cells.size());
+    std::vector<uint32_t> possible(cells.size());  // the cells that no image has shown to be empty
+    std::iota(possible.begin(), possible.end(), 0u);
+    std::vector<Seen> seen(cells.size());
     for (const Silhouette& silhouette : silhouettes) {
-        const Verdict verdict = judge(silhouette, cell);
-        if (verdict == Verdict::kBackground) return {};
-        if (verdict == Verdict::kMatter) witnesses.whole++;
-        if (verdict != Verdict::kUnseen) witnesses.all++;
+        // First where all cells are: a processor works on several of them at a time, as nothing depends on what is
+        // read.
+        for (size_t k = 0; k < possible.size(); k++) seen[k] = seen_of(silhouette, cells[possible[k]]);
+        size_t left = 0;
+        for (size_t k = 0; k < possible.size(); k++) {
+            const uint32_t i = possible[k];
+            const Verdict verdict = verdict_of(silhouette, seen[k]);
+            if (verdict == Verdict::kMatter) witnesses[i].whole++;
+            if (verdict == Verdict::kMatter || verdict == Verdict::kMatterInPart) witnesses[i].all++;
+            if (verdict == Verdict::kBackground) witnesses[i] = {};
+            possible[left] = i;
+            left += verdict == Verdict::kBackground ? 0 : 1;
+        }
+        possible.resize(left);
     }
     return witnesses;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "training/dataset.h"
@@ -60,9 +61,6 @@ std::vector<Silhouette> silhouettes_at(const Dataset& dataset, double time);
 // the image.
 std::optional<PixelRectangle> image_of(const Silhouette& silhouette, const HullCell& cell);
 
-// The same pixels, but of a ball that is partly outside the image those in the image; nothing where there are none.
-std::optional<PixelRectangle> visible_part_of(const Silhouette& silhouette, const HullCell& cell);
-
 // For each pixel of the image, row by row, whether one of the cells may be visible in it.
 std::vector<bool> covered_pixels(const Silhouette& silhouette, const std::vector<HullCell>& cells);
 
@@ -81,7 +79,9 @@ Verdict judge(const Silhouette& silhouette, const HullCell& cell);
 struct Witnesses {
     uint16_t all = 0, whole = 0;
 };
-Witnesses count_witnesses(const std::vector<Silhouette>& silhouettes, const HullCell& cell);
+// Of each cell. All cells are looked up in one image after the other, as an image's sums fit a core's cache, those of
+// all images do not.
+std::vector<Witnesses> count_witnesses(const std::vector<Silhouette>& silhouettes, std::span<const HullCell> cells);
 
 // The witnesses that a cell of the hull needs: two, or one where a time has a single image.
 inline size_t min_witnesses(const std::vector<Silhouette>& silhouettes) {
