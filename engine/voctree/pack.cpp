@@ -17,17 +17,22 @@ namespace {
 constexpr uint32_t kFinestStep = 24;  // the smallest positive half is 2^−24
 constexpr uint32_t kHalfCoding = 128, kMaxShift = 15;
 
-// A column while it is encoded or decoded.
+// A column, or a block's part of it, while it is encoded or decoded.
 struct Column {
     uint32_t coding = 0;
     float scale = 1;     // 2^coding
-    size_t count = 0;    // numbers in the column
-    size_t at = 0;       // index of the column's next number among the numbers of all columns
+    size_t count = 0;    // of its numbers
+    size_t at = 0;       // index of its next number among the numbers of all columns
     int16_t before = 0;  // the multiple of the number before the next
 
     void set_coding(uint32_t value) {
         coding = value;
         if (coding < kHalfCoding) scale = std::ldexp(1.0f, static_cast<int>(coding));
+    }
+    // Of 2^−coding, as a half; 0 where halves themselves are stored.
+    int16_t multiple_of(float weight) const {
+        if (coding >= kHalfCoding) return 0;
+        return static_cast<int16_t>(float_from_half(half_from_float(weight)) * scale);
     }
 };
 
@@ -35,7 +40,7 @@ bool is_present(const std::vector<uint8_t>& presence, size_t leaves, size_t leaf
     return presence[column / 8 * leaves + leaf] >> column % 8 & 1;
 }
 
-constexpr uint32_t kBlockLeaves = 1u << 14;  // leaves of a block; blocks are decoded in parallel
+constexpr uint32_t kBlockLeaves = 1u << 14;  // leaves of a block; blocks are encoded and decoded in parallel
 
 struct LeafRange {
     uint32_t begin, end;
@@ -50,37 +55,25 @@ void for_each_number(const VOctree& tree, WeightRange range, const std::vector<u
             if (!range.sparse || is_present(presence, tree.leaf_count, leaf, column)) visit(leaf, column);
 }
 
-void set_offsets(std::vector<Column>& columns) {
-    size_t at = 0;
-    for (Column& column : columns) {
-        column.at = at;
-        at += column.count;
-    }
-}
-
 LeafRange leaves_of_block(const VOctree& tree, size_t block) {
     const auto begin = static_cast<uint32_t>(block * kBlockLeaves);
     return {begin, std::min(begin + kBlockLeaves, tree.leaf_count)};
 }
 
-// For each block of leaves the part of each column that belongs to it, so that blocks can be decoded in parallel.
-std::vector<std::vector<Column>> columns_of_blocks(const VOctree& tree, WeightRange range,
-                                                   const std::vector<uint8_t>& presence,
-                                                   const std::vector<uint8_t>& codings) {
-    const size_t count = (size_t{tree.leaf_count} + kBlockLeaves - 1) / kBlockLeaves;
-    std::vector<std::vector<Column>> blocks(count, std::vector<Column>(range.count));
-    parallel_for(count, 1, [&](size_t block, size_t) {
-        for_each_number(tree, range, presence, leaves_of_block(tree, block),
-                        [&](uint32_t, uint32_t column) { blocks[block][column].count++; });
-    });
+size_t count_of_blocks(const VOctree& tree) {
+    return (size_t{tree.leaf_count} + kBlockLeaves - 1) / kBlockLeaves;
+}
+
+// The parts of each column that belong to a block of leaves each, of which the counts are known: sets where they begin,
+// and their codings.
+void lay_out(std::vector<std::vector<Column>>& blocks, const uint8_t* codings) {
     size_t at = 0;
-    for (uint32_t column = 0; column < range.count; column++)
+    for (size_t column = 0; !blocks.empty() && column < blocks[0].size(); column++)
         for (std::vector<Column>& block : blocks) {
             block[column].at = at;
             block[column].set_coding(codings[column]);
             at += block[column].count;
         }
-    return blocks;
 }
 
 // What decides the coding of a column.
@@ -98,6 +91,11 @@ struct Digits {
         const uint32_t digits = exponent > 0 ? fraction | 0x400 : fraction;
         const int lowest = std::max(static_cast<int>(exponent), 1) - 25 + std::countr_zero(digits);
         finest = std::max(finest, static_cast<uint32_t>(std::max(-lowest, 0)));
+    }
+    void add(const Digits& other) {
+        bits |= other.bits;
+        finest = std::max(finest, other.finest);
+        largest = std::max(largest, other.largest);
     }
     uint32_t coding() const {
         const bool fits = std::ldexp(float_from_half(largest), static_cast<int>(finest)) <= INT16_MAX;
@@ -117,7 +115,7 @@ int16_t unfolded(uint16_t number) {
 uint16_t encode(Column& column, float weight) {
     if (column.coding >= kHalfCoding)
         return static_cast<uint16_t>(half_from_float(weight) >> (column.coding - kHalfCoding));
-    const auto multiple = static_cast<int16_t>(float_from_half(half_from_float(weight)) * column.scale);
+    const int16_t multiple = column.multiple_of(weight);
     const auto step = static_cast<int16_t>(multiple - column.before);
     column.before = multiple;
     return folded(step);
@@ -157,12 +155,14 @@ std::vector<uint32_t> unpack_children(const std::vector<uint8_t>& bytes) {
 
 std::vector<uint8_t> pack_presence(const VOctree& tree) {
     std::vector<uint8_t> presence(size_t{(tree.bases + 7) / 8} * tree.leaf_count);
-    for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) {
-        const float* weights = tree.leaf(leaf);
-        for (uint32_t c = 0; c < tree.bases; c++)
-            if (((half_from_float(weights[c]) | half_from_float(weights[tree.bases + c])) & 0x7fff) != 0)
-                presence[c / 8 * size_t{tree.leaf_count} + leaf] |= static_cast<uint8_t>(1u << c % 8);
-    }
+    parallel_for(tree.leaf_count, kBlockLeaves, [&](size_t begin, size_t end) {
+        for (size_t leaf = begin; leaf < end; leaf++) {
+            const float* weights = tree.leaf(static_cast<uint32_t>(leaf));
+            for (uint32_t c = 0; c < tree.bases; c++)
+                if (((half_from_float(weights[c]) | half_from_float(weights[tree.bases + c])) & 0x7fff) != 0)
+                    presence[c / 8 * size_t{tree.leaf_count} + leaf] |= static_cast<uint8_t>(1u << c % 8);
+        }
+    });
     return presence;
 }
 
@@ -174,25 +174,44 @@ bool presence_fits(const VOctree& tree, const std::vector<uint8_t>& presence) {
 }
 
 std::vector<uint8_t> pack_weights(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence) {
-    std::vector<Column> columns(range.count);
-    std::vector<Digits> digits(range.count);
-    for_each_number(tree, range, presence, {0, tree.leaf_count}, [&](uint32_t leaf, uint32_t column) {
-        columns[column].count++;
-        digits[column].add(half_from_float(tree.leaf(leaf)[range.first + column]));
+    std::vector<std::vector<Column>> blocks(count_of_blocks(tree), std::vector<Column>(range.count));
+    std::vector<std::vector<Digits>> digits(blocks.size(), std::vector<Digits>(range.count));
+    std::vector<std::vector<float>> last(blocks.size(), std::vector<float>(range.count));  // number of each part
+    parallel_for(blocks.size(), 1, [&](size_t block, size_t) {
+        for_each_number(tree, range, presence, leaves_of_block(tree, block), [&](uint32_t leaf, uint32_t column) {
+            const float weight = tree.leaf(leaf)[range.first + column];
+            blocks[block][column].count++;
+            digits[block][column].add(half_from_float(weight));
+            last[block][column] = weight;
+        });
     });
-    set_offsets(columns);
-    const size_t numbers = columns.back().at + columns.back().count;
-    std::vector<uint8_t> bytes(range.count + 2 * numbers);
+    size_t numbers = 0;
+    std::vector<uint8_t> codings(range.count);
     for (uint32_t column = 0; column < range.count; column++) {
-        columns[column].set_coding(digits[column].coding());
-        bytes[column] = static_cast<uint8_t>(columns[column].coding);
+        Digits all;
+        for (size_t block = 0; block < blocks.size(); block++) {
+            all.add(digits[block][column]);
+            numbers += blocks[block][column].count;
+        }
+        codings[column] = static_cast<uint8_t>(all.coding());
     }
+    lay_out(blocks, codings.data());
+    for (uint32_t column = 0; column < range.count; column++)
+        for (size_t block = 1; block < blocks.size(); block++) {
+            const Column& left = blocks[block - 1][column];
+            blocks[block][column].before = left.count > 0 ? left.multiple_of(last[block - 1][column]) : left.before;
+        }
+    std::vector<uint8_t> bytes(range.count + 2 * numbers);
+    std::copy(codings.begin(), codings.end(), bytes.begin());
     uint8_t* low = bytes.data() + range.count;
-    for_each_number(tree, range, presence, {0, tree.leaf_count}, [&](uint32_t leaf, uint32_t column) {
-        const uint16_t number = encode(columns[column], tree.leaf(leaf)[range.first + column]);
-        const size_t at = columns[column].at++;
-        low[at] = static_cast<uint8_t>(number);
-        low[numbers + at] = static_cast<uint8_t>(number >> 8);
+    parallel_for(blocks.size(), 1, [&](size_t block, size_t) {
+        std::vector<Column>& columns = blocks[block];
+        for_each_number(tree, range, presence, leaves_of_block(tree, block), [&](uint32_t leaf, uint32_t column) {
+            const uint16_t number = encode(columns[column], tree.leaf(leaf)[range.first + column]);
+            const size_t at = columns[column].at++;
+            low[at] = static_cast<uint8_t>(number);
+            low[numbers + at] = static_cast<uint8_t>(number >> 8);
+        });
     });
     return bytes;
 }
@@ -214,7 +233,12 @@ bool unpack_weights(VOctree& tree, WeightRange range, const std::vector<uint8_t>
     const size_t numbers = (bytes.size() - range.count) / 2;
     const uint8_t* low = bytes.data() + range.count;
     const auto number_at = [&](size_t at) { return static_cast<uint16_t>(low[at] | low[numbers + at] << 8); };
-    std::vector<std::vector<Column>> blocks = columns_of_blocks(tree, range, presence, bytes);
+    std::vector<std::vector<Column>> blocks(count_of_blocks(tree), std::vector<Column>(range.count));
+    parallel_for(blocks.size(), 1, [&](size_t block, size_t) {
+        for_each_number(tree, range, presence, leaves_of_block(tree, block),
+                        [&](uint32_t, uint32_t column) { blocks[block][column].count++; });
+    });
+    lay_out(blocks, bytes.data());
     // The multiple before a block's first number is the sum of all steps before the block.
     parallel_for(range.count, 1, [&](size_t first, size_t) {
         int16_t sum = 0;
