@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "base/trace_file.h"
 
 namespace neuvv::training {
 
@@ -118,6 +119,7 @@ BatchSampler::Drawn BatchSampler::draw(uint32_t samples) {
 }
 
 Batch BatchSampler::next(uint32_t samples, uint32_t part, uint32_t parts) {
+    const TraceSpan span("draw a batch");
     const Drawn drawn = draw(samples);
     Batch batch;
     batch.samples = samples;

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/trace_file.h"
 #include "training/compact.h"
 #include "training/schedule.h"
 #include "voctree/coarse.h"
@@ -282,6 +283,7 @@ std::filesystem::path state_path(const std::filesystem::path& nvv) {
 
 Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tree, const RunState& run,
                            const CameraColours& colours, const RigChanges& rig) {
+    const TraceSpan span("read the device's state");
     Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}, colours, rig};
     step.download(checkpoint.tree);
     const gpu::Device& device = *step.field().weights.device;
@@ -295,10 +297,13 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
     return checkpoint;
 }
 
-uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint) {
+uint32_t save_checkpoint(const std::filesystem::path& nvv, Checkpoint checkpoint) {
+    // Chunk wf32 has the weights as they are. Rounded ones, as a .nvv has them, would be of no use beside it.
+    std::vector<float> weights(checkpoint.tree.weights.size());
+    weights.swap(checkpoint.tree.weights);
     const voctree::NvvChunk run = run_chunk(checkpoint.run);
     std::vector<voctree::NvvChunkView> chunks{voctree::NvvChunkView(run),
-                                              chunk("wf32", checkpoint.tree.weights),
+                                              chunk("wf32", weights),
                                               chunk("mom1", checkpoint.first),
                                               chunk("mom2", checkpoint.second),
                                               chunk("row1", checkpoint.rows_first),
@@ -316,11 +321,16 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& che
     append_learnt(chunks, kVignetteChunks, colours.vignettes);
     if (!checkpoint.rig.poses.empty()) chunks.push_back(chunk("pose", checkpoint.rig.poses));
     if (!checkpoint.rig.frames_late.empty()) chunks.push_back(chunk("late", checkpoint.rig.frames_late));
-    voctree::write_nvv(state_path(nvv), checkpoint.tree, chunks, 1);
-    return save_compact(nvv, checkpoint.tree);
+    {
+        const TraceSpan span("write the state");
+        voctree::write_nvv(state_path(nvv), checkpoint.tree, chunks, 1);
+    }
+    checkpoint.tree.weights = std::move(weights);
+    return save_compact(nvv, std::move(checkpoint.tree));
 }
 
 uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree) {
+    const TraceSpan span("write the clip");
     empty_thin_leaves(tree);
     voctree::drop_empty_leaves(tree);
     make_compact(tree);

@@ -54,7 +54,7 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
 
 // Replaces the checkpoint file, then the .nvv, each atomically: at any moment each file is the old or the new one, and
 // wherever there is a .nvv, its run can be resumed. Returns how many leaves the .nvv has. Throws RuntimeFailure.
-uint32_t save_checkpoint(const std::filesystem::path& nvv, const Checkpoint& checkpoint);
+uint32_t save_checkpoint(const std::filesystem::path& nvv, Checkpoint checkpoint);
 
 // Writes the .nvv alone, made compact (compact.h). Returns how many leaves it has. Throws RuntimeFailure.
 uint32_t save_compact(const std::filesystem::path& nvv, voctree::VOctree tree);

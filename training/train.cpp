@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <future>
 #include <memory>
 
 #include "base/error.h"
 #include "base/seconds.h"
+#include "base/trace_file.h"
 #include "training/bases.h"
 #include "training/batch.h"
 #include "training/change_tree.h"
@@ -84,13 +86,18 @@ class Run {
     void begin_phase_if_due();
     void change_own_tree(uint32_t max_leaves);
     bool may_go_on();
+    // Reads the run's state from the device. Files are written while training goes on; wait_for_save() waits for them,
+    // as does the next save(). Both throw what writing threw.
     void save();
+    void wait_for_save();
     // Expected of the next checkpoint: the tree may have become many times as large. A part of what a small one took
     // does not grow with the tree.
     double save_will_take() const {
         return save_took_ * std::clamp(static_cast<double>(tree_.leaf_count) / saved_leaves_, 1.0, 10.0);
     }
     StepSettings step_settings(double time) const;
+    // Throws RuntimeFailure where the step of this time went wrong.
+    void expect_sound(const StepResult& result, const StepSettings& settings, double time);
     TrainProgress progress() const;
 
     const gpu::Device& device_;
@@ -105,15 +112,22 @@ class Run {
     CameraColours colours_;
     RigChanges rig_;
     std::vector<RefinedPose> poses_;
-    uint32_t finest_ = 0;  // octree depth of the tree's finest leaves
-    uint64_t saved_step_ = 0;
+    uint32_t finest_ = 0;          // octree depth of the tree's finest leaves
+    uint64_t saved_step_ = 0;      // of the checkpoint that is written, or was
     uint64_t file_bytes_ = 0;      // size of the last .nvv
     uint32_t written_leaves_ = 0;  // in the last .nvv
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
     uint64_t began_at_step_ = 0;
-    double saved_at_ = 0, save_took_ = 0;
+    double saved_at_ = 0;        // when its state was read
+    double save_took_ = 0;       // reading it and writing the files of the last one
     uint32_t saved_leaves_ = 1;  // of the tree at that checkpoint
+    struct Written {
+        uint32_t leaves;
+        uint64_t bytes;
+        double took_s;
+    };
+    std::future<Written> writing_;
     // Sums since the last report.
     double loss_sum_ = 0, rgb_sum_ = 0, grad_sum_ = 0, rays_sum_ = 0, steps_sum_ = 0, reported_at_ = 0;
     TrainProgress reported_;
@@ -223,6 +237,7 @@ void Run::correct_rig(const RigChanges& changes) {
 }
 
 void Run::make_step() {
+    const TraceSpan span("buffers of the step");
     finest_ = 0;
     for (const voctree::LeafPosition& position : voctree::leaf_positions(tree_))
         finest_ = std::max(finest_, position.depth);
@@ -243,6 +258,8 @@ void Run::begin_phase_if_due() {
     if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
     run_.phase++;
     if (!coarse && !run_.adaptive) return;
+    wait_for_save();  // what is written takes memory, and so does a change of the tree
+    const TraceSpan span("change the tree", run_.phase);
     step_->download(tree_);
     const std::vector<uint32_t> bounds = gather_values(team(), max_leaves());
     if (team().is_first()) change_own_tree(*std::min_element(bounds.begin(), bounds.end()));
@@ -301,15 +318,30 @@ bool Run::may_go_on() {
 
 void Run::save() {
     if (output_.empty() || !team().is_first()) return;
+    wait_for_save();
+    const TraceSpan span("checkpoint");
     const double start = seconds_now();
     RunState now = run_;
     now.elapsed_s = own_clock().elapsed_s;
-    written_leaves_ = save_checkpoint(output_, take_checkpoint(*step_, tree_, now, colours_, rig_));
-    file_bytes_ = std::filesystem::file_size(output_);
+    writing_ = std::async(
+        std::launch::async,
+        [start, output = output_](Checkpoint checkpoint) {
+            const uint32_t leaves = save_checkpoint(output, std::move(checkpoint));
+            return Written{leaves, std::filesystem::file_size(output), seconds_now() - start};
+        },
+        take_checkpoint(*step_, tree_, now, colours_, rig_));
     saved_step_ = run_.step;
     saved_at_ = seconds_now();
-    save_took_ = saved_at_ - start;
     saved_leaves_ = tree_.leaf_count;
+}
+
+void Run::wait_for_save() {
+    if (!writing_.valid()) return;
+    const TraceSpan span("wait for the checkpoint");
+    const Written written = writing_.get();
+    written_leaves_ = written.leaves;
+    file_bytes_ = written.bytes;
+    save_took_ = written.took_s;
 }
 
 // Removes leaves of lowest maximum weight from the finished .nvv where it exceeds its bound; the state keeps all
@@ -352,6 +384,22 @@ StepSettings Run::step_settings(double time) const {
     return settings;
 }
 
+void Run::expect_sound(const StepResult& result, const StepSettings& settings, double time) {
+    const bool diverged = !std::isfinite(result.rgb_loss);
+    if (diverged && !team().is_first()) throw RuntimeFailure("training diverged, as the first process says");
+    if (diverged) {
+        wait_for_save();
+        throw RuntimeFailure(
+            fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number; {} "
+                        "holds step {}, from which --resume goes on",
+                        run_.step, settings.tiles, time, state_path(output_).string(), saved_step_));
+    }
+    if (result.overflow > 0)
+        throw RuntimeFailure(
+            fmt::format("{} of {} live leaves found no slot on this device; choose a lower --resolution or --hh-degree",
+                        result.overflow, result.overflow + result.slots));
+}
+
 TrainProgress Run::progress() const {
     TrainProgress now;
     now.elapsed_s = elapsed();
@@ -387,6 +435,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     began_at_step_ = run_.step;
     expect_alike();
     save();
+    wait_for_save();  // where nothing can be written, nothing should be trained
     run_.other_s += seconds_now() - began_;
     bool go_on = agree(true), first_saved = false;
     Batch batch = next_batch(run_.step + 1);
@@ -405,18 +454,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         const Batch trained = std::move(batch);
         batch = next_batch(run_.step + 1);
         const StepResult result = step_->wait();
-        if (!std::isfinite(result.rgb_loss) && !team().is_first())
-            throw RuntimeFailure("training diverged, as the first process says");
-        if (!std::isfinite(result.rgb_loss))
-            throw RuntimeFailure(
-                fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number; {} "
-                            "holds step {}, from which --resume goes on",
-                            run_.step, settings.tiles, trained.time, state_path(output_).string(), saved_step_));
-        if (result.overflow > 0)
-            throw RuntimeFailure(
-                fmt::format("{} of {} live leaves found no slot on this device; choose a lower "
-                            "--resolution or --hh-degree",
-                            result.overflow, result.overflow + result.slots));
+        expect_sound(result, settings, trained.time);
         colours_.learn(trained, dataset_.cameras, step_->colour_gradients(), camera_colour_rate(fraction()), run_.step);
         rays_sum_ += static_cast<double>(result.pixels);
         run_.rays += static_cast<double>(result.pixels);
@@ -442,6 +480,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     const double reached = fraction();  // the last checkpoint does not finish a run that was stopped before its end
     aside([&] {
         save();
+        wait_for_save();
         if (reached >= 1) fit_to_max_bytes();
     });
     TrainProgress last = progress();
