@@ -35,8 +35,10 @@ HullCell hull_cell(const voctree::VOctree& tree, const voctree::LeafPosition& po
     return {centre, radius + static_cast<float>(margin)};
 }
 
-voctree::LeafPosition child_of(const voctree::LeafPosition& position, uint32_t i) {
-    return {2 * position.x + (i & 1), 2 * position.y + (i >> 1 & 1), 2 * position.z + (i >> 2), position.depth + 1};
+void append_children(std::vector<voctree::LeafPosition>& positions, const voctree::LeafPosition& position) {
+    for (uint32_t i = 0; i < 8; i++)
+        positions.push_back(
+            {2 * position.x + (i & 1), 2 * position.y + (i >> 1 & 1), 2 * position.z + (i >> 2), position.depth + 1});
 }
 
 bool any_bit(const uint32_t* bits, size_t words) {
@@ -50,20 +52,21 @@ struct Carved {
     std::vector<uint32_t> kept;  // per position: its index among those given to keep_allowed
 };
 
-bool has_matter(const MatterGrid& grid, const voctree::VOctree& tree, const voctree::LeafPosition& position) {
-    const double edge = static_cast<double>(tree.box_size.x) / (1u << position.depth);
-    const glm::dvec3 low = glm::dvec3(tree.box_min) + edge * glm::dvec3(position.x, position.y, position.z);
-    return grid.overlaps({low, low + edge});
+// Removes the cells in which the grid has no matter.
+void remove_empty(const MatterGrid& grid, const voctree::VOctree& tree, std::vector<voctree::LeafPosition>& positions) {
+    std::erase_if(positions, [&](const voctree::LeafPosition& p) {
+        const double edge = static_cast<double>(tree.box_size.x) / (1u << p.depth);
+        const glm::dvec3 low = glm::dvec3(tree.box_min) + edge * glm::dvec3(p.x, p.y, p.z);
+        return !grid.overlaps({low, low + edge});
+    });
 }
 
-// `possible`: as carve() takes it.
 Carved keep_allowed(const Dataset& dataset, const voctree::VOctree& tree,
-                    const std::vector<voctree::LeafPosition>& positions, const std::vector<uint32_t>& possible,
-                    uint32_t finest, double margin) {
+                    const std::vector<voctree::LeafPosition>& positions, uint32_t finest, double margin) {
     const size_t words = hull_words(dataset);
     std::vector<HullCell> cells(positions.size());
     for (size_t i = 0; i < positions.size(); i++) cells[i] = hull_cell(tree, positions[i], finest, margin);
-    const std::vector<uint32_t> bits = carve(dataset, cells, possible);
+    const std::vector<uint32_t> bits = carve(dataset, cells);
     Carved kept;
     for (size_t i = 0; i < positions.size(); i++) {
         if (!any_bit(&bits[i * words], words)) continue;
@@ -88,29 +91,6 @@ std::vector<uint32_t> frame_bits(const Dataset& dataset, uint32_t frames, const 
             result[static_cast<size_t>(near) / 32] |= 1u << static_cast<uint32_t>(near) % 32;
     }
     return result;
-}
-
-// For each of these leaves the times of the data set at which it has density, as bits of carve(). Where it has none,
-// its children have none, either, whatever the hull allows. Where frames share bases, a bit says nothing, and none is
-// given.
-std::vector<uint32_t> live_times(const Dataset& dataset, const voctree::VOctree& tree,
-                                 const std::vector<uint32_t>& leaves) {
-    if (!has_basis_per_frame(tree)) return {};
-    const size_t words = hull_words(dataset), times = dataset.times.size();
-    std::vector<std::pair<size_t, size_t>> frames(times);  // before and after each time
-    for (size_t t = 0; t < times; t++) {
-        const double frame = frame_of_time(dataset.times[t], tree.frames);
-        frames[t] = {static_cast<size_t>(std::floor(frame)), static_cast<size_t>(std::ceil(frame))};
-    }
-    std::vector<uint32_t> live(leaves.size() * words);
-    parallel_for(leaves.size(), 4096, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; i++) {
-            const float* sigma = tree.leaf(leaves[i]);
-            for (size_t t = 0; t < times; t++)
-                if (sigma[frames[t].first] > 0 || sigma[frames[t].second] > 0) live[i * words + t / 32] |= 1u << t % 32;
-        }
-    });
-    return live;
 }
 
 // Makes a leaf's σ of each frame, `values`, negative in the frames in which the hull forbids it.
@@ -275,21 +255,14 @@ voctree::VOctree initial_tree(const Dataset& dataset, TreeShape shape, uint32_t 
     std::vector<voctree::LeafPosition> positions;
     for (uint32_t z = 0; z < 1u << start; z++)
         for (uint32_t y = 0; y < 1u << start; y++)
-            for (uint32_t x = 0; x < 1u << start; x++)
-                if (has_matter(grid, tree, {x, y, z, start})) positions.push_back({x, y, z, start});
-    Carved carved = keep_allowed(dataset, tree, positions, {}, depth, shape.hull_margin);
-    const size_t words = hull_words(dataset);
+            for (uint32_t x = 0; x < 1u << start; x++) positions.push_back({x, y, z, start});
+    remove_empty(grid, tree, positions);
+    Carved carved = keep_allowed(dataset, tree, positions, depth, shape.hull_margin);
     for (uint32_t at = start; at < target; at++) {
         std::vector<voctree::LeafPosition> finer;
-        std::vector<uint32_t> possible;  // a child's ball lies in its parent's
-        for (size_t i = 0; i < 8 * carved.positions.size(); i++) {
-            const voctree::LeafPosition child = child_of(carved.positions[i / 8], i % 8);
-            if (!has_matter(grid, tree, child)) continue;
-            finer.push_back(child);
-            const uint32_t* parent = &carved.bits[i / 8 * words];
-            possible.insert(possible.end(), parent, parent + words);
-        }
-        carved = keep_allowed(dataset, tree, finer, possible, depth, shape.hull_margin);
+        for (const voctree::LeafPosition& position : carved.positions) append_children(finer, position);
+        remove_empty(grid, tree, finer);
+        carved = keep_allowed(dataset, tree, finer, depth, shape.hull_margin);
     }
     if (carved.positions.empty())
         throw InputError(dataset.folder.string(), "", "the mattes leave no matter at this resolution",
@@ -309,7 +282,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
     for (uint32_t i = 0; i < positions.size(); i++) {
         if (!stays[i]) continue;
         if (divided[i]) {
-            for (uint32_t k = 0; k < 8; k++) children.push_back(child_of(positions[i], k));
+            append_children(children, positions[i]);
             origins.insert(origins.end(), 8, i);
         } else if (settings.carve_kept && positions[i].depth == settings.max_depth) {
             children.push_back(positions[i]);
@@ -320,8 +293,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
         }
     }
     const size_t kept = grown.size();
-    const Carved carved = keep_allowed(dataset, tree, children, live_times(dataset, tree, origins), settings.max_depth,
-                                       settings.hull_margin);
+    const Carved carved = keep_allowed(dataset, tree, children, settings.max_depth, settings.hull_margin);
     grown.insert(grown.end(), carved.positions.begin(), carved.positions.end());
     for (const uint32_t child : carved.kept) parents.push_back(origins[child]);
     if (grown.empty()) return tree;  // rays saw nothing: an unchanged tree is better than none
@@ -331,7 +303,7 @@ voctree::VOctree grow(const Dataset& dataset, const voctree::VOctree& tree, cons
         result.node_levels = std::max(result.node_levels, (position.depth + 1) / 2);
     voctree::build_topology(result, grown);
     result.weights.resize(size_t{result.leaf_count} * result.weights_per_leaf());
-    const TraceSpan weights("weights of the tree");
+    const TraceSpan span("weights of the tree");
     const BasisSolver solver(tree.sigma_basis, tree.frames, tree.bases);
     parallel_for(grown.size(), 1024, [&](size_t begin, size_t end) {
         std::vector<float> values(tree.frames);

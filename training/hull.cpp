@@ -19,8 +19,7 @@ std::vector<HullCell> grid_cells(const std::pair<glm::dvec3, glm::dvec3>& box, u
     return cells;
 }
 
-std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells,
-                            const std::vector<uint32_t>& possible) {
+std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells) {
     const TraceSpan span("carve", static_cast<int64_t>(cells.size()));
     const size_t words = hull_words(dataset);
     std::vector<uint32_t> bits(cells.size() * words);
@@ -28,17 +27,10 @@ std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>&
         const std::vector<Silhouette> silhouettes = silhouettes_at(dataset, dataset.times[t]);
         const size_t least = min_witnesses(silhouettes);
         parallel_for(cells.size(), 4096, [&](size_t begin, size_t end) {
-            std::vector<HullCell> asked;
-            std::vector<size_t> word_of;  // of the bits of each
-            for (size_t i = begin; i < end; i++) {
-                const size_t word = i * words + t / 32;
-                if (!possible.empty() && !(possible[word] >> t % 32 & 1)) continue;
-                asked.push_back(cells[i]);
-                word_of.push_back(word);
-            }
-            const std::vector<Witnesses> witnesses = count_witnesses(silhouettes, asked);
-            for (size_t k = 0; k < asked.size(); k++)
-                if (witnesses[k].all >= least) bits[word_of[k]] |= 1u << t % 32;
+            const std::span<const HullCell> part(&cells[begin], end - begin);
+            const std::vector<Witnesses> witnesses = count_witnesses(silhouettes, part);
+            for (size_t i = begin; i < end; i++)
+                if (witnesses[i - begin].all >= least) bits[i * words + t / 32] |= 1u << t % 32;
         });
     }
     return bits;

@@ -17,10 +17,8 @@ struct HullCell {
 // cell may hold matter at that time: at least two cameras (one, where only one has an image) see foreground in the
 // image of the cell's ball, and no camera that sees the whole ball finds only background there (matte below 1/8). An
 // image never empties a ball that lies partly outside it, or in which it has ignored pixels.
-// `possible` has bits of the same kind; where one is not set, it is known that there is no matter, and no image is
-// asked. Empty: nothing is known. Runs on all cores, one time after the other.
-std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells,
-                            const std::vector<uint32_t>& possible = {});
+// Runs on all cores, one time after the other.
+std::vector<uint32_t> carve(const Dataset& dataset, const std::vector<HullCell>& cells);
 
 // Words of carve()'s bits per cell: ⌈times/32⌉.
 inline size_t hull_words(const Dataset& dataset) {
