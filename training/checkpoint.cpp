@@ -298,7 +298,9 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
 }
 
 uint32_t save_checkpoint(const std::filesystem::path& nvv, Checkpoint checkpoint) {
-    // Chunk wf32 has the weights as they are. Rounded ones, as a .nvv has them, would be of no use beside it.
+    const std::string defect = voctree::defect_of(checkpoint.tree);
+    if (!defect.empty()) throw RuntimeFailure(fmt::format("{}: not written: {}", state_path(nvv).string(), defect));
+    // Chunk wf32 has the weights as they are. The chunks of a .nvv, which rounds them, get zeros, which take no space.
     std::vector<float> weights(checkpoint.tree.weights.size());
     weights.swap(checkpoint.tree.weights);
     const voctree::NvvChunk run = run_chunk(checkpoint.run);
@@ -326,6 +328,8 @@ uint32_t save_checkpoint(const std::filesystem::path& nvv, Checkpoint checkpoint
         voctree::write_nvv(state_path(nvv), checkpoint.tree, chunks, 1);
     }
     checkpoint.tree.weights = std::move(weights);
+    checkpoint.first = {};
+    checkpoint.second = {};
     return save_compact(nvv, std::move(checkpoint.tree));
 }
 

@@ -53,7 +53,9 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
                            const CameraColours& colours = {}, const RigChanges& rig = {});
 
 // Replaces the checkpoint file, then the .nvv, each atomically: at any moment each file is the old or the new one, and
-// wherever there is a .nvv, its run can be resumed. Returns how many leaves the .nvv has. Throws RuntimeFailure.
+// wherever there is a .nvv, its run can be resumed. As a clip, the checkpoint file would show nothing: its weights are
+// in a chunk of their own. A tree with a number that is not finite is not written. Returns how many leaves the .nvv
+// has. Throws RuntimeFailure.
 uint32_t save_checkpoint(const std::filesystem::path& nvv, Checkpoint checkpoint);
 
 // Writes the .nvv alone, made compact (compact.h). Returns how many leaves it has. Throws RuntimeFailure.

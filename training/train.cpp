@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <memory>
 
 #include "base/error.h"
@@ -75,6 +77,10 @@ class Run {
         run_.other_s += seconds_now() - start;
     }
     double fraction() const;
+    // Seconds until the budget is spent; changes of the tree and the like come on top of a budget in steps.
+    double seconds_left() const {
+        return fraction() > 0 ? steps_s() / fraction() - steps_s() : std::numeric_limits<double>::infinity();
+    }
     double epochs_done() const { return run_.rays / static_cast<double>(sampler_.rays_per_epoch()); }
     double epochs_of_run() const { return fraction() > 0 ? epochs_done() / fraction() : 0; }
     uint32_t max_leaves() const;
@@ -86,10 +92,13 @@ class Run {
     void begin_phase_if_due();
     void change_own_tree(uint32_t max_leaves);
     bool may_go_on();
-    // Reads the run's state from the device. Files are written while training goes on; wait_for_save() waits for them,
-    // as does the next save(). Both throw what writing threw.
+    // Reads the run's state from the device. The files are written while training goes on, but not in a team, whose
+    // members keep together. wait_for_save() waits for them, as does the next save(). Both throw what writing threw.
     void save();
     void wait_for_save();
+    bool save_has_ended() const {
+        return writing_.valid() && writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    }
     // Expected of the next checkpoint: the tree may have become many times as large. A part of what a small one took
     // does not grow with the tree.
     double save_will_take() const {
@@ -113,18 +122,19 @@ class Run {
     RigChanges rig_;
     std::vector<RefinedPose> poses_;
     uint32_t finest_ = 0;          // octree depth of the tree's finest leaves
-    uint64_t saved_step_ = 0;      // of the checkpoint that is written, or was
+    uint64_t saved_step_ = 0;      // of the last checkpoint whose files were written
     uint64_t file_bytes_ = 0;      // size of the last .nvv
     uint32_t written_leaves_ = 0;  // in the last .nvv
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
     uint64_t began_at_step_ = 0;
-    double saved_at_ = 0;        // when its state was read
-    double save_took_ = 0;       // reading it and writing the files of the last one
+    double save_took_ = 0;       // reading its state and writing its files
     uint32_t saved_leaves_ = 1;  // of the tree at that checkpoint
+    double saved_at_ = 0;        // when the state of the last one that was begun had been read
     struct Written {
-        uint32_t leaves;
-        uint64_t bytes;
+        uint64_t step;
+        uint32_t tree_leaves, leaves;  // those of the .nvv
+        uint64_t bytes;                // of the .nvv
         double took_s;
     };
     std::future<Written> writing_;
@@ -326,19 +336,23 @@ void Run::save() {
     writing_ = std::async(
         std::launch::async,
         [start, output = output_](Checkpoint checkpoint) {
-            const uint32_t leaves = save_checkpoint(output, std::move(checkpoint));
-            return Written{leaves, std::filesystem::file_size(output), seconds_now() - start};
+            Written written{checkpoint.run.step, checkpoint.tree.leaf_count, 0, 0, 0};
+            written.leaves = save_checkpoint(output, std::move(checkpoint));
+            written.bytes = std::filesystem::file_size(output);
+            written.took_s = seconds_now() - start;
+            return written;
         },
         take_checkpoint(*step_, tree_, now, colours_, rig_));
-    saved_step_ = run_.step;
     saved_at_ = seconds_now();
-    saved_leaves_ = tree_.leaf_count;
+    if (!team().is_alone()) wait_for_save();
 }
 
 void Run::wait_for_save() {
     if (!writing_.valid()) return;
     const TraceSpan span("wait for the checkpoint");
     const Written written = writing_.get();
+    saved_step_ = written.step;
+    saved_leaves_ = written.tree_leaves;
     written_leaves_ = written.leaves;
     file_bytes_ = written.bytes;
     save_took_ = written.took_s;
@@ -388,7 +402,10 @@ void Run::expect_sound(const StepResult& result, const StepSettings& settings, d
     const bool diverged = !std::isfinite(result.rgb_loss);
     if (diverged && !team().is_first()) throw RuntimeFailure("training diverged, as the first process says");
     if (diverged) {
-        wait_for_save();
+        try {
+            wait_for_save();
+        } catch (const std::exception&) {  // then the checkpoint before it is there
+        }
         throw RuntimeFailure(
             fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number; {} "
                         "holds step {}, from which --resume goes on",
@@ -405,7 +422,7 @@ TrainProgress Run::progress() const {
     now.elapsed_s = elapsed();
     now.other_s = clock().other_s;
     now.fraction = fraction();
-    now.eta_s = now.fraction > 0 ? steps_s() / now.fraction - steps_s() : 0;
+    now.eta_s = now.fraction > 0 ? seconds_left() : 0;
     now.rays_per_s = reported_.rays_per_s;
     now.loss = reported_.loss;
     now.psnr = reported_.psnr;
@@ -469,9 +486,11 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
             loss_sum_ = rgb_sum_ = grad_sum_ = rays_sum_ = steps_sum_ = 0;
             reported_at_ = seconds_now();
         }
+        if (save_has_ended()) wait_for_save();  // throws where the disk is full, for instance
         const double wait =
             std::max(first_saved ? kCheckpointEvery : kFirstCheckpoint, save_will_take() / kCheckpointShare);
-        if (!output_.empty() && seconds_now() - saved_at_ > wait) {
+        // A run that ends sooner than its checkpoint is written would only have to wait for it.
+        if (!output_.empty() && seconds_now() - saved_at_ > wait && seconds_left() > save_will_take()) {
             aside([&] { save(); });
             first_saved = true;
         }

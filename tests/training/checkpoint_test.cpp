@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "support/gpu_test.h"
@@ -319,6 +320,14 @@ TEST(CheckpointFile, RefusesNumbersThatAreNotFinite) {
         }
         file.refused({"scene.nvv.state", name, "finite"});
     }
+}
+
+TEST(CheckpointFile, NumbersThatAreNotFiniteDoNotReplaceTheLastState) {
+    const StateFile file;
+    training::Checkpoint checkpoint = file.checkpoint;
+    checkpoint.tree.weights[17] = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_THROW(training::save_checkpoint(file.nvv, checkpoint), RuntimeFailure);
+    EXPECT_EQ(training::load_checkpoint(file.nvv).tree.weights, file.checkpoint.tree.weights);
 }
 
 TEST(CheckpointFile, RefusesARunOutOfRange) {
