@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <climits>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -162,6 +163,18 @@ uint64_t peak_memory_bytes() {
 void return_freed_memory() {
 #ifdef __GLIBC__
     malloc_trim(0);
+#endif
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+    static std::once_flag once;
+    std::call_once(once, [] {
+        mallopt(M_MMAP_THRESHOLD, 1 << 30);
+        mallopt(M_TRIM_THRESHOLD, INT_MAX);
+        mallopt(M_TOP_PAD,
+                64 << 20);  // a thread's heap, of 64 MiB, is unmapped once it is empty, unless this is as large
+    });
 #endif
 }
 

@@ -44,6 +44,11 @@ uint64_t peak_memory_bytes();
 // be called between large tasks, so that what one of them took does not add to the peak of the next.
 void return_freed_memory();
 
+// From now on, freed memory is kept for later allocations, also that of large arrays, which the C library gives back to
+// the system otherwise. Whoever allocates as much again and again, as for each frame of a stream, then need not wait
+// for the system to clear pages. Each thread's memory stays as large as it ever was, until return_freed_memory().
+void keep_freed_memory();
+
 // How much memory this process may still take, in bytes: the smaller of the system's free memory and what the limit of
 // its control group leaves.
 uint64_t available_memory_bytes();

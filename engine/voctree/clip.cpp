@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/platform.h"
 #include "base/trace_file.h"
 #include "voctree/slice.h"
 
@@ -78,6 +79,7 @@ NvvHead head_of_frame(const ClipSegment& segment) {
 
 VOctree read_segment(const ClipSegment& segment, stream::Part last, PlenoctreeColours colours) {
     if (segment.stream) {
+        keep_freed_memory();  // a frame has tens of megabytes of arrays, which take as long to clear as to fill
         const auto slice = segment.stream->frame(segment.first, last);
         const TraceSpan span("make the tree of frame", segment.first);
         return tree_of(*slice, vector_of(group_of(segment).box_min), vector_of(group_of(segment).box_size),
