@@ -194,7 +194,9 @@ TEST_F(StageRendererTest, ImagesUnderWayAreThoseThatOneWaitsFor) {
     for (size_t i = 0; i < all.size(); i++) {
         const auto* pixels = kept[i].as<uint8_t>();
         EXPECT_TRUE(std::equal(expected[i].rgba.begin(), expected[i].rgba.end(), pixels)) << i;
-        if (i > 0) EXPECT_NE(expected[i].rgba, expected[i - 1].rgba);
+        if (i > 0) {
+            EXPECT_NE(expected[i].rgba, expected[i - 1].rgba);
+        }
     }
 }
 

@@ -188,9 +188,9 @@ TEST_F(CliStageSpace, NamesAFileForEachPerformer) {
 }
 
 TEST_F(CliStageSpace, RefusesWhatAKindCannotKeep) {
-    const ProgramResult tree = run_neuvv({"export", show, "-o", file("x.npz"), "--stage-space", "--frames", "0"});
-    EXPECT_EQ(tree.code, 2);
-    EXPECT_NE(tree.err.find("turned, which no PlenOctree can be"), std::string::npos) << tree.err;
+    const ProgramResult plenoctree = run_neuvv({"export", show, "-o", file("x.npz"), "--stage-space", "--frames", "0"});
+    EXPECT_EQ(plenoctree.code, 2);
+    EXPECT_NE(plenoctree.err.find("turned, which no PlenOctree can be"), std::string::npos) << plenoctree.err;
     ASSERT_EQ(run_neuvv({"stage", "set", show, "anna", "--scale", "1,2,1"}).code, 0);
     expect_refused({"export", show, "-o", file("x.ply"), "--stage-space", "--frames", "0"}, 2, {"anna", "stretched"});
 }
