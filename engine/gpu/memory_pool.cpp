@@ -86,8 +86,7 @@ void MemoryPool::give(VkDevice device, const DeviceMemory& memory) {
         const std::lock_guard lock(mutex_);
         kept_.push_back(memory);
         kept_bytes_ += memory.bytes;
-        const bool is_over_limit = limit_ && allocated_ > *limit_;
-        while (!kept_.empty() && (is_over_limit || kept_bytes_ > kMostKept || kept_.size() > kMostPieces)) {
+        while (kept_bytes_ > kMostKept || kept_.size() > kMostPieces) {
             kept_bytes_ -= kept_.front().bytes;
             too_many.push_back(kept_.front());
             kept_.pop_front();

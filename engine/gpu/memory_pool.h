@@ -28,9 +28,8 @@ class MemoryPool {
     // Frees all that is kept.
     void clear(VkDevice device);
 
-    // Memory of these types (a bit mask) counts as allocated(). Where it would become more than the limit, take()
-    // returns VK_ERROR_OUT_OF_DEVICE_MEMORY; where it is more, as of a limit that was lowered, what is given back is
-    // freed.
+    // Memory of these types (a bit mask) counts as allocated(). Beyond the limit, take() returns
+    // VK_ERROR_OUT_OF_DEVICE_MEMORY.
     void set_limit(uint32_t types, std::optional<VkDeviceSize> limit);
     std::optional<VkDeviceSize> limit() const;
     // Bytes, with what is kept.

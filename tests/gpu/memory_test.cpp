@@ -37,18 +37,6 @@ struct DeviceMemoryTest : GpuTest {
     }
 };
 
-TEST_F(DeviceMemoryTest, WhatIsGivenBackBeyondALimitIsFreed) {
-    const auto allocated = [] { return device().memory_pool().allocated(); };
-    const uint64_t before = allocated();
-    { const gpu::Buffer kept = buffer("kept", kMiB); }
-    ASSERT_EQ(allocated(), before + kMiB) << "without a limit it is kept";
-    {
-        const gpu::Buffer again = buffer("again", kMiB);
-        device().limit_memory(1);
-    }
-    EXPECT_EQ(allocated(), before);
-}
-
 TEST_F(DeviceMemoryTest, IsCountedAndLimited) {
     const gpu::HeapMemory all = device().memory();
     EXPECT_GT(all.size, 64 * kMiB);
