@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <memory>
 
@@ -16,6 +14,7 @@
 #include "training/bases.h"
 #include "training/batch.h"
 #include "training/change_tree.h"
+#include "training/checkpoint_writer.h"
 #include "training/dataset_hash.h"
 #include "training/hull_box.h"
 #include "training/pose_probe.h"
@@ -86,24 +85,16 @@ class Run {
     uint32_t max_leaves() const;
     uint32_t samples_of(uint64_t step) const { return step < run_.several_rays_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
-    void fit_to_max_bytes();
+    uint32_t fit_to_max_bytes();
     void correct_rig(const RigChanges& changes);
     void make_step();
     void begin_phase_if_due();
     void change_own_tree(uint32_t max_leaves);
     bool may_go_on();
     // Reads the run's state from the device. The files are written while training goes on, but not in a team, whose
-    // members keep together. wait_for_save() waits for them, as does the next save(). Both throw what writing threw.
+    // members keep together.
     void save();
-    void wait_for_save();
-    bool save_has_ended() const {
-        return writing_.valid() && writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    }
-    // Expected of the next checkpoint: the tree may have become many times as large. A part of what a small one took
-    // does not grow with the tree.
-    double save_will_take() const {
-        return save_took_ * std::clamp(static_cast<double>(tree_.leaf_count) / saved_leaves_, 1.0, 10.0);
-    }
+    double save_will_take() const { return checkpoints_.next_will_take_s(tree_.leaf_count); }
     StepSettings step_settings(double time) const;
     // Throws RuntimeFailure where the step of this time went wrong.
     void expect_sound(const StepResult& result, const StepSettings& settings, double time);
@@ -121,23 +112,12 @@ class Run {
     CameraColours colours_;
     RigChanges rig_;
     std::vector<RefinedPose> poses_;
-    uint32_t finest_ = 0;          // octree depth of the tree's finest leaves
-    uint64_t saved_step_ = 0;      // of the last checkpoint whose files were written
-    uint64_t file_bytes_ = 0;      // size of the last .nvv
-    uint32_t written_leaves_ = 0;  // in the last .nvv
+    uint32_t finest_ = 0;  // octree depth of the tree's finest leaves
     std::unique_ptr<TrainingStep> step_;
     BatchSampler sampler_;
     uint64_t began_at_step_ = 0;
-    double save_took_ = 0;       // reading its state and writing its files
-    uint32_t saved_leaves_ = 1;  // of the tree at that checkpoint
-    double saved_at_ = 0;        // when the state of the last one that was begun had been read
-    struct Written {
-        uint64_t step;
-        uint32_t tree_leaves, leaves;  // those of the .nvv
-        uint64_t bytes;                // of the .nvv
-        double took_s;
-    };
-    std::future<Written> writing_;
+    double saved_at_ = 0;  // when the state of the last checkpoint had been read
+    CheckpointWriter checkpoints_;
     // Sums since the last report.
     double loss_sum_ = 0, rgb_sum_ = 0, grad_sum_ = 0, rays_sum_ = 0, steps_sum_ = 0, reported_at_ = 0;
     TrainProgress reported_;
@@ -213,9 +193,9 @@ uint32_t Run::max_leaves() const {
     limit = std::min<uint64_t>(limit, device_.limits().maxTexelBufferElements / planes);
     limit = std::min(limit, device_.max_allocation_bytes() / (16 * planes));
     if (run_.max_leaves > 0) limit = std::min<uint64_t>(limit, run_.max_leaves);
-    if (run_.max_bytes > 0 && file_bytes_ > 0) {
+    if (const uint64_t file_bytes = checkpoints_.last().bytes; run_.max_bytes > 0 && file_bytes > 0) {
         const uint64_t bytes = run_.max_bytes * (run_.phase + 1 < kPhaseCount ? kEarlyBytesFactor : 1);
-        limit = std::min(limit, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes_, 1));
+        limit = std::min(limit, std::max<uint64_t>(bytes * tree_.leaf_count / file_bytes, 1));
     }
     return static_cast<uint32_t>(limit);
 }
@@ -268,7 +248,7 @@ void Run::begin_phase_if_due() {
     if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
     run_.phase++;
     if (!coarse && !run_.adaptive) return;
-    wait_for_save();  // what is written takes memory, and so does a change of the tree
+    checkpoints_.wait();  // what is written takes memory, and so does a change of the tree
     const TraceSpan span("change the tree", run_.phase);
     step_->download(tree_);
     const std::vector<uint32_t> bounds = gather_values(team(), max_leaves());
@@ -328,49 +308,31 @@ bool Run::may_go_on() {
 
 void Run::save() {
     if (output_.empty() || !team().is_first()) return;
-    wait_for_save();
+    checkpoints_.wait();
     const TraceSpan span("checkpoint");
     const double start = seconds_now();
     RunState now = run_;
     now.elapsed_s = own_clock().elapsed_s;
-    writing_ = std::async(
-        std::launch::async,
-        [start, output = output_](Checkpoint checkpoint) {
-            Written written{checkpoint.run.step, checkpoint.tree.leaf_count, 0, 0, 0};
-            written.leaves = save_checkpoint(output, std::move(checkpoint));
-            written.bytes = std::filesystem::file_size(output);
-            written.took_s = seconds_now() - start;
-            return written;
-        },
-        take_checkpoint(*step_, tree_, now, colours_, rig_));
+    checkpoints_.begin(output_, take_checkpoint(*step_, tree_, now, colours_, rig_), start);
     saved_at_ = seconds_now();
-    if (!team().is_alone()) wait_for_save();
-}
-
-void Run::wait_for_save() {
-    if (!writing_.valid()) return;
-    const TraceSpan span("wait for the checkpoint");
-    const Written written = writing_.get();
-    saved_step_ = written.step;
-    saved_leaves_ = written.tree_leaves;
-    written_leaves_ = written.leaves;
-    file_bytes_ = written.bytes;
-    save_took_ = written.took_s;
+    if (!team().is_alone()) checkpoints_.wait();
 }
 
 // Removes leaves of lowest maximum weight from the finished .nvv where it exceeds its bound; the state keeps all
-// leaves.
-void Run::fit_to_max_bytes() {
-    if (run_.max_bytes == 0 || file_bytes_ <= run_.max_bytes) return;
+// leaves. Returns how many the .nvv has.
+uint32_t Run::fit_to_max_bytes() {
+    uint32_t leaves = checkpoints_.last().leaves;
+    uint64_t bytes = checkpoints_.last().bytes;
+    if (run_.max_bytes == 0 || bytes <= run_.max_bytes) return leaves;
     step_->download(tree_);
     const LeafUse use = read_use(device_, step_->tally(), tree_);
-    while (file_bytes_ > run_.max_bytes && written_leaves_ > 1) {
+    while (bytes > run_.max_bytes && leaves > 1) {
         GrowSettings settings;
-        const auto fitting = static_cast<uint32_t>(run_.max_bytes * written_leaves_ / file_bytes_);
-        settings.max_leaves = std::clamp(fitting, 1u, written_leaves_ - 1);
-        written_leaves_ = save_compact(output_, grow(dataset_, tree_, use, settings));
-        file_bytes_ = std::filesystem::file_size(output_);
+        settings.max_leaves = std::clamp(static_cast<uint32_t>(run_.max_bytes * leaves / bytes), 1u, leaves - 1);
+        leaves = save_compact(output_, grow(dataset_, tree_, use, settings));
+        bytes = std::filesystem::file_size(output_);
     }
+    return leaves;
 }
 
 Batch Run::next_batch(uint64_t step) {
@@ -403,13 +365,13 @@ void Run::expect_sound(const StepResult& result, const StepSettings& settings, d
     if (diverged && !team().is_first()) throw RuntimeFailure("training diverged, as the first process says");
     if (diverged) {
         try {
-            wait_for_save();
+            checkpoints_.wait();
         } catch (const std::exception&) {  // then the checkpoint before it is there
         }
         throw RuntimeFailure(
             fmt::format("training diverged at step {}: the loss of its {} tiles at time {:.3f} is not a number; {} "
                         "holds step {}, from which --resume goes on",
-                        run_.step, settings.tiles, time, state_path(output_).string(), saved_step_));
+                        run_.step, settings.tiles, time, state_path(output_).string(), checkpoints_.last().step));
     }
     if (result.overflow > 0)
         throw RuntimeFailure(
@@ -452,7 +414,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
     began_at_step_ = run_.step;
     expect_alike();
     save();
-    wait_for_save();  // where nothing can be written, nothing should be trained
+    checkpoints_.wait();  // where nothing can be written, nothing should be trained
     run_.other_s += seconds_now() - began_;
     bool go_on = agree(true), first_saved = false;
     Batch batch = next_batch(run_.step + 1);
@@ -486,7 +448,7 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
             loss_sum_ = rgb_sum_ = grad_sum_ = rays_sum_ = steps_sum_ = 0;
             reported_at_ = seconds_now();
         }
-        if (save_has_ended()) wait_for_save();  // throws where the disk is full, for instance
+        checkpoints_.check();
         const double wait =
             std::max(first_saved ? kCheckpointEvery : kFirstCheckpoint, save_will_take() / kCheckpointShare);
         // A run that ends sooner than its checkpoint is written would only have to wait for it.
@@ -497,14 +459,15 @@ TrainProgress Run::operator()(const TrainCallback& callback) {
         go_on = agree(go_on);
     }
     const double reached = fraction();  // the last checkpoint does not finish a run that was stopped before its end
+    uint32_t written_leaves = 0;
     aside([&] {
         save();
-        wait_for_save();
-        if (reached >= 1) fit_to_max_bytes();
+        checkpoints_.wait();
+        written_leaves = reached >= 1 ? fit_to_max_bytes() : checkpoints_.last().leaves;
     });
     TrainProgress last = progress();
     last.fraction = reached;
-    last.leaves = written_leaves_;
+    last.leaves = written_leaves;
     if (run_.step > began_at_step_) callback(last);
     last.field = nullptr;
     return last;

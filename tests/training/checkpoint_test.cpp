@@ -1,5 +1,6 @@
 // The state of a run is written and read back; damaged states are refused.
 #include "training/checkpoint.h"
+#include "training/checkpoint_writer.h"
 #include "training/schedule.h"
 
 #include <gtest/gtest.h>
@@ -9,6 +10,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
+#include "base/seconds.h"
 #include "support/gpu_test.h"
 #include "support/input_error.h"
 #include "support/random_tree.h"
@@ -327,6 +330,23 @@ TEST(CheckpointFile, NumbersThatAreNotFiniteDoNotReplaceTheLastState) {
     training::Checkpoint checkpoint = file.checkpoint;
     checkpoint.tree.weights[17] = std::numeric_limits<float>::quiet_NaN();
     EXPECT_THROW(training::save_checkpoint(file.nvv, checkpoint), RuntimeFailure);
+    EXPECT_EQ(training::load_checkpoint(file.nvv).tree.weights, file.checkpoint.tree.weights);
+}
+
+TEST(CheckpointFile, AWriterTellsWhatFailedAndGoesOn) {
+    const StateFile file;
+    training::CheckpointWriter writer;
+    EXPECT_EQ(writer.next_will_take_s(100), 0);
+    writer.begin(file.folder.path / "nowhere" / "scene.nvv", file.checkpoint, seconds_now());
+    EXPECT_THROW(writer.wait(), RuntimeFailure);
+    EXPECT_EQ(writer.last().step, 0u);
+    writer.begin(file.nvv, file.checkpoint, seconds_now() - 1);
+    writer.wait();
+    EXPECT_EQ(writer.last().step, file.checkpoint.run.step);
+    EXPECT_EQ(writer.last().tree_leaves, file.checkpoint.tree.leaf_count);
+    EXPECT_EQ(writer.last().bytes, std::filesystem::file_size(file.nvv));
+    EXPECT_GE(writer.last().took_s, 1);
+    EXPECT_GE(writer.next_will_take_s(2 * file.checkpoint.tree.leaf_count), 2);
     EXPECT_EQ(training::load_checkpoint(file.nvv).tree.weights, file.checkpoint.tree.weights);
 }
 
