@@ -143,8 +143,8 @@ std::vector<Witnesses> count_witnesses(const std::vector<Silhouette>& silhouette
     std::iota(possible.begin(), possible.end(), 0u);
     std::vector<Seen> seen(cells.size());
     for (const Silhouette& silhouette : silhouettes) {
-        // First where all cells are: a processor works on several of them at a time, as nothing depends on what is
-        // read.
+        // First the pixels of all cells: they do not wait for what is read of the image, so that a processor computes
+        // those of several cells at a time.
         for (size_t k = 0; k < possible.size(); k++) seen[k] = seen_of(silhouette, cells[possible[k]]);
         size_t left = 0;
         for (size_t k = 0; k < possible.size(); k++) {

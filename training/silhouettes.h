@@ -79,8 +79,7 @@ Verdict judge(const Silhouette& silhouette, const HullCell& cell);
 struct Witnesses {
     uint16_t all = 0, whole = 0;
 };
-// Of each cell. All cells are looked up in one image after the other, as an image's sums fit a core's cache, those of
-// all images do not.
+// Of each cell.
 std::vector<Witnesses> count_witnesses(const std::vector<Silhouette>& silhouettes, std::span<const HullCell> cells);
 
 // The witnesses that a cell of the hull needs: two, or one where a time has a single image.

@@ -172,8 +172,8 @@ void keep_freed_memory() {
     std::call_once(once, [] {
         mallopt(M_MMAP_THRESHOLD, 1 << 30);
         mallopt(M_TRIM_THRESHOLD, INT_MAX);
-        mallopt(M_TOP_PAD,
-                64 << 20);  // a thread's heap, of 64 MiB, is unmapped once it is empty, unless this is as large
+        // A thread's heap, of 64 MiB, is unmapped once it is empty, unless this is as large.
+        mallopt(M_TOP_PAD, 64 << 20);
     });
 #endif
 }

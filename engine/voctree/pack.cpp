@@ -64,8 +64,8 @@ size_t count_of_blocks(const VOctree& tree) {
     return (size_t{tree.leaf_count} + kBlockLeaves - 1) / kBlockLeaves;
 }
 
-// The parts of each column that belong to a block of leaves each, of which the counts are known: sets where they begin,
-// and their codings.
+// `blocks` has for each block of leaves the part of each column that belongs to it, of which only the count is known.
+// Sets the codings, and where each part begins.
 void lay_out(std::vector<std::vector<Column>>& blocks, const uint8_t* codings) {
     size_t at = 0;
     for (size_t column = 0; !blocks.empty() && column < blocks[0].size(); column++)
@@ -176,7 +176,7 @@ bool presence_fits(const VOctree& tree, const std::vector<uint8_t>& presence) {
 std::vector<uint8_t> pack_weights(const VOctree& tree, WeightRange range, const std::vector<uint8_t>& presence) {
     std::vector<std::vector<Column>> blocks(count_of_blocks(tree), std::vector<Column>(range.count));
     std::vector<std::vector<Digits>> digits(blocks.size(), std::vector<Digits>(range.count));
-    std::vector<std::vector<float>> last(blocks.size(), std::vector<float>(range.count));  // number of each part
+    std::vector<std::vector<float>> last(blocks.size(), std::vector<float>(range.count));  // numbers
     parallel_for(blocks.size(), 1, [&](size_t block, size_t) {
         for_each_number(tree, range, presence, leaves_of_block(tree, block), [&](uint32_t leaf, uint32_t column) {
             const float weight = tree.leaf(leaf)[range.first + column];
