@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
 
 namespace neuvv::stream {
 
@@ -9,8 +10,8 @@ namespace {
 
 // The index of an octant's cell, or kNone.
 uint32_t child_of(const Cell& cell, uint32_t octant) {
-    if (!(cell.children >> octant & 1)) return kNone;
-    return cell.first + octant_count(static_cast<uint8_t>(cell.children & ((1u << octant) - 1)));
+    const uint32_t index = cell.first + octant_count(static_cast<uint8_t>(cell.children & ((1u << octant) - 1)));
+    return cell.children >> octant & 1 ? index : kNone;
 }
 
 }  // namespace
@@ -46,41 +47,42 @@ Octree octree_of(const std::vector<Leaf>& leaves, uint32_t depth) {
     return tree;
 }
 
-void link_cells(Octree& tree) {
-    const size_t last = tree.cells.size() - 1;
-    // How many leaves lie below each cell.
-    std::vector<std::vector<uint32_t>> below(tree.cells.size());
-    tree.divided_count = 0;
-    for (size_t d = tree.cells.size(); d-- > 0;) {
-        below[d].reserve(tree.cells[d].size());
-        uint32_t next = 0;
-        for (Cell& cell : tree.cells[d]) {
-            const uint32_t children = octant_count(cell.children);
-            cell.first = next;
-            uint32_t leaves = d == last ? children : 0;
-            for (uint32_t c = 0; d < last && c < children; c++) leaves += below[d + 1][next + c];
-            next += children;
-            below[d].push_back(children > 0 ? leaves : 1);
-            tree.divided_count += children > 0;
-        }
-    }
-    tree.leaf_count = below[0][0];
-    // The number of the first of them, from the root down.
-    std::vector<uint32_t> first = {0}, first_below;
-    for (size_t d = 0; d < last; d++) {
-        first_below.resize(tree.cells[d + 1].size());
-        for (size_t i = 0; i < first.size(); i++) {
-            Cell& cell = tree.cells[d][i];
-            uint32_t next = first[i];
-            for (uint32_t c = 0; c < octant_count(cell.children); c++) {
-                first_below[cell.first + c] = next;
-                next += below[d + 1][cell.first + c];
+namespace {
+
+// Numbers the leaves of a tree in order. The children of a depth's cells follow each other in the next depth, so that
+// of each depth only the next cell has to be known.
+struct Numbering {
+    Octree& tree;
+    std::vector<uint32_t> next;  // by depth: the next cell
+    uint32_t leaves = 0, divided = 0;
+
+    void number(size_t depth, uint32_t count) {
+        Cell* cell = &tree.cells[depth][next[depth]];
+        next[depth] += count;
+        for (Cell* end = cell + count; cell < end; cell++) {
+            const uint32_t children = octant_count(cell->children);
+            const bool is_above_leaves = depth + 1 == tree.cells.size();
+            cell->first = children == 0 || is_above_leaves ? leaves : next[depth + 1];
+            if (children == 0) {
+                leaves++;
+                continue;
             }
-            if (!cell.children) cell.first = first[i];
+            divided++;
+            if (is_above_leaves)
+                leaves += children;
+            else
+                number(depth + 1, children);
         }
-        first.swap(first_below);
     }
-    for (size_t i = 0; i < first.size(); i++) tree.cells[last][i].first = first[i];
+};
+
+}  // namespace
+
+void link_cells(Octree& tree) {
+    Numbering numbering{tree, std::vector<uint32_t>(tree.cells.size())};
+    numbering.number(0, 1);
+    tree.leaf_count = numbering.leaves;
+    tree.divided_count = numbering.divided;
 }
 
 std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth) {
@@ -95,45 +97,85 @@ std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth) {
     return leaves;
 }
 
-std::vector<uint8_t> patterns_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours) {
-    // By axis: the octants on its lower side. Those on the upper side are so many bits higher.
-    constexpr std::array<uint32_t, 3> kLower = {0x55, 0x33, 0x0f}, kStep = {1, 2, 4};
-    std::vector<uint8_t> patterns;
-    patterns.reserve(4 * cells.size());
-    for (size_t i = 0; i < cells.size(); i++) {
-        const auto octants_beside = [&](size_t side) {
-            return neighbours[i][side] == kNone ? 0u : uint32_t{cells[neighbours[i][side]].children};
-        };
-        const uint32_t own = cells[i].children;
-        std::array<uint32_t, 6> beside;  // by side: the octants that have a neighbour there
-        for (size_t axis = 0; axis < 3; axis++) {
-            const uint32_t lower = kLower[axis], step = kStep[axis];
-            beside[2 * axis] = (own & lower) << step | (octants_beside(2 * axis) >> step & lower);
-            beside[2 * axis + 1] = (own >> step & lower) | (octants_beside(2 * axis + 1) & lower) << step;
-        }
-        for_octants(own, [&](uint32_t octant) {
-            uint32_t pattern = 0;
-            for (uint32_t side = 0; side < 6; side++) pattern |= (beside[side] >> octant & 1) << side;
-            patterns.push_back(static_cast<uint8_t>(pattern));
-        });
-    }
-    return patterns;
+Surroundings surroundings_of_root() {
+    return {{0}, {{kNone, kNone, kNone, kNone, kNone, kNone}}};
 }
 
-std::vector<Neighbours> neighbours_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours) {
-    std::vector<Neighbours> below;
-    below.reserve(4 * cells.size());
-    for (size_t i = 0; i < cells.size(); i++)
-        for_octants(cells[i].children, [&](uint32_t octant) {
-            Neighbours& all = below.emplace_back();
-            for (uint32_t axis = 0; axis < 3; axis++) {
-                // Towards the octant's own side lies another cell, else a sibling.
-                const uint32_t own_side = octant >> axis & 1, beside = octant ^ 1u << axis;
-                const uint32_t other = neighbours[i][2 * axis + own_side];
-                all[2 * axis + own_side] = other == kNone ? kNone : child_of(cells[other], beside);
-                all[2 * axis + 1 - own_side] = child_of(cells[i], beside);
-            }
+namespace {
+
+// The bits of eight bytes, of which byte i is to have bits i: a matrix of 8 by 8 bits is mirrored.
+uint64_t transposed(uint64_t bits) {
+    const auto swap = [&](uint32_t distance, uint64_t lower) {
+        const uint64_t differs = (bits ^ bits >> distance) & lower;
+        bits ^= differs ^ differs << distance;
+    };
+    swap(7, 0x00aa00aa00aa00aa);
+    swap(14, 0x0000cccc0000cccc);
+    swap(28, 0x00000000f0f0f0f0);
+    return bits;
+}
+
+// A divided cell and those at its sides, which are empty where there are none.
+struct Around {
+    Cell own;
+    std::array<Cell, 6> beside;
+};
+
+Around around(const std::vector<Cell>& cells, const Cell& own, const Neighbours& neighbours) {
+    static constexpr Cell kEmpty;
+    Around all{own, {}};
+    for (size_t side = 0; side < 6; side++)
+        all.beside[side] = *(neighbours[side] == kNone ? &kEmpty : &cells[neighbours[side]]);
+    return all;
+}
+
+// Byte i has the pattern of octant i.
+uint64_t patterns_of(const Around& all) {
+    // By axis: the octants on its lower side. Those on the upper side are so many bits higher.
+    constexpr std::array<uint32_t, 3> kLower = {0x55, 0x33, 0x0f}, kStep = {1, 2, 4};
+    uint64_t sides = 0;  // byte `side` has the octants that have a neighbour there
+    for (size_t axis = 0; axis < 3; axis++) {
+        const uint32_t own = all.own.children, lower = kLower[axis], step = kStep[axis];
+        const uint32_t before = all.beside[2 * axis].children, behind = all.beside[2 * axis + 1].children;
+        sides |= uint64_t{(own & lower) << step | (before >> step & lower)} << 16 * axis;
+        sides |= uint64_t{(own >> step & lower) | (behind & lower) << step} << (16 * axis + 8);
+    }
+    return transposed(sides);
+}
+
+Neighbours neighbours_of(const Around& all, uint32_t octant) {
+    Neighbours neighbours;
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        // Towards the octant's own side lies another cell, else a sibling.
+        const uint32_t own_side = octant >> axis & 1, beside = octant ^ 1u << axis;
+        neighbours[2 * axis + own_side] = child_of(all.beside[2 * axis + own_side], beside);
+        neighbours[2 * axis + 1 - own_side] = child_of(all.own, beside);
+    }
+    return neighbours;
+}
+
+}  // namespace
+
+Surroundings surroundings_below(const std::vector<Cell>& cells, const Surroundings& beside,
+                                const std::vector<uint8_t>& is_leaf, bool with_neighbours) {
+    const auto divided =
+        is_leaf.size() - static_cast<size_t>(std::accumulate(is_leaf.begin(), is_leaf.end(), size_t{0}));
+    Surroundings below;
+    below.patterns.reserve(divided);
+    if (with_neighbours) below.neighbours.reserve(divided);
+    if (divided == 0) return below;
+    size_t number = 0;  // of the cell among those that are divided
+    for (const Cell& cell : cells) {
+        if (!cell.children) continue;
+        const Around all = around(cells, cell, beside.neighbours[number++]);
+        const uint64_t patterns = patterns_of(all);
+        size_t child = cell.first;
+        for_octants(cell.children, [&](uint32_t octant) {
+            if (is_leaf[child++]) return;
+            below.patterns.push_back(static_cast<uint8_t>(patterns >> 8 * octant));
+            if (with_neighbours) below.neighbours.push_back(neighbours_of(all, octant));
         });
+    }
     return below;
 }
 

@@ -55,11 +55,18 @@ std::vector<Leaf> leaves_of(const Octree& tree, uint32_t depth);
 // are known.
 void link_cells(Octree& tree);
 
-// The six face neighbours of the cells of a depth, by index; kNone where there is no cell: −x, +x, −y, +y, −z, +z.
+// The six face neighbours of a cell, by index among the cells of its depth; kNone where there is no cell: −x, +x, −y,
+// +y, −z, +z.
 using Neighbours = std::array<uint32_t, 6>;
-// Of the children of the cells of a depth, which of their face neighbours there are: bits in that order.
-std::vector<uint8_t> patterns_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours);
-// The neighbours of those children, from those of the cells.
-std::vector<Neighbours> neighbours_below(const std::vector<Cell>& cells, const std::vector<Neighbours>& neighbours);
+// What lies beside the divided cells of a depth, in their order.
+struct Surroundings {
+    std::vector<uint8_t> patterns;  // which of the neighbours there are: bits in their order
+    std::vector<Neighbours> neighbours;
+};
+Surroundings surroundings_of_root();
+// Of those children of the cells of a depth that `is_leaf` does not say (1) to be leaves; `beside` is that of the
+// cells. Without neighbours where nobody needs them.
+Surroundings surroundings_below(const std::vector<Cell>& cells, const Surroundings& beside,
+                                const std::vector<uint8_t>& is_leaf, bool with_neighbours);
 
 }  // namespace neuvv::stream

@@ -23,14 +23,15 @@ inline std::vector<Cell> children_of(const std::vector<Cell>& cells, uint32_t mo
     return below;
 }
 
-// Codes the octants of the cells of a depth that are no leaves. `leaves` says which are (1); `patterns` are
-// patterns_below.
+// Codes the octants of the cells of a depth that are no leaves. `leaves` says which are (1); `patterns` are those of
+// the others' surroundings.
 template <typename Coder>
 void code_octants(Coder& coder, std::vector<Cell>& cells, const std::vector<uint8_t>& leaves,
                   const std::vector<uint8_t>& patterns, bool is_finest) {
+    const uint8_t* pattern = patterns.data();
     for (size_t i = 0; i < cells.size(); i++) {
         if (leaves[i]) continue;
-        const uint32_t table = kOctantTables + (is_finest ? 0 : 64) + patterns[i];
+        const uint32_t table = kOctantTables + (is_finest ? 0 : 64) + *pattern++;
         cells[i].children = static_cast<uint8_t>(coder.take(table, cells[i].children));
         if (cells[i].children == 0) throw std::runtime_error("has a cell without octants");
     }
@@ -64,11 +65,10 @@ Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t mos
     coded.cells.resize(depth);
     coded.cells[0] = {{0, writes ? tree.cells[0][0].children : uint8_t{0}, 0}};
     std::vector<uint8_t> leaves = {0};
-    std::vector<uint8_t> patterns = {0};
-    std::vector<Neighbours> neighbours = {{kNone, kNone, kNone, kNone, kNone, kNone}};
+    Surroundings beside = surroundings_of_root();
     for (uint32_t d = 0; d < depth; d++) {
         std::vector<Cell>& cells = coded.cells[d];
-        code_octants(coder, cells, leaves, patterns, d + 1 == depth);
+        code_octants(coder, cells, leaves, beside.patterns, d + 1 == depth);
         if (d + 1 == depth) break;
         coded.cells[d + 1] = children_of(cells, most);
         uint32_t next = 0;
@@ -80,8 +80,7 @@ Octree code_shape(Coder& coder, const Octree& tree, uint32_t depth, uint32_t mos
         leaves = code_leaves(coder, cells, below, d + 2 == depth);
         if (below)
             for (size_t i = 0; i < below->size(); i++) coded.cells[d + 1][i].children = (*below)[i].children;
-        patterns = patterns_below(cells, neighbours);
-        if (d + 2 < depth) neighbours = neighbours_below(cells, neighbours);
+        beside = surroundings_below(cells, beside, leaves, d + 2 < depth);
     }
     link_cells(coded);
     if (coded.leaf_count > most) throw std::runtime_error("has more leaves than it says");

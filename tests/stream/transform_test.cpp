@@ -36,29 +36,35 @@ TEST(StreamOctree, KnowsFaceNeighbours) {
     const uint32_t depth = 6;
     const stream::Slice slice = random_slice(9, depth, 400, 0);
     const stream::Octree tree = stream::octree_of(slice.leaves, depth);
-    std::vector<stream::Neighbours> neighbours(1);
-    neighbours[0].fill(stream::kNone);
+    stream::Surroundings beside = stream::surroundings_of_root();
     size_t found = 0;
     for (uint32_t d = 0; d < depth; d++) {
+        const std::vector<stream::Cell>& all = tree.cells[d];
         std::map<std::array<int64_t, 3>, uint32_t> cells;
-        for (uint32_t i = 0; i < tree.cells[d].size(); i++) {
-            const Coordinates at = coordinates_of(tree.cells[d][i].code);
+        std::vector<uint8_t> is_leaf;
+        size_t divided = 0;
+        for (uint32_t i = 0; i < all.size(); i++) {
+            const Coordinates at = coordinates_of(all[i].code);
             cells[{at.x, at.y, at.z}] = i;
+            is_leaf.push_back(all[i].children == 0);
         }
-        for (const auto& [at, i] : cells)
+        if (d > 0) beside = stream::surroundings_below(tree.cells[d - 1], beside, is_leaf, true);
+        for (const stream::Cell& one : all) {
+            if (!one.children) continue;
+            ASSERT_LT(divided, beside.neighbours.size());
             for (size_t side = 0; side < 6; side++) {
-                std::array<int64_t, 3> beside = at;
-                beside[side / 2] += side % 2 ? 1 : -1;
-                const auto cell = cells.find(beside);
-                EXPECT_EQ(neighbours[i][side], cell == cells.end() ? stream::kNone : cell->second);
+                const Coordinates at = coordinates_of(one.code);
+                std::array<int64_t, 3> next = {at.x, at.y, at.z};
+                next[side / 2] += side % 2 ? 1 : -1;
+                const auto cell = cells.find(next);
+                EXPECT_EQ(beside.neighbours[divided][side], cell == cells.end() ? stream::kNone : cell->second);
+                EXPECT_EQ(beside.patterns[divided] >> side & 1, cell == cells.end() ? 0 : 1) << d << ' ' << divided;
                 found += cell != cells.end();
             }
-        const std::vector<uint8_t> patterns = stream::patterns_below(tree.cells[d], neighbours);
-        neighbours = stream::neighbours_below(tree.cells[d], neighbours);
-        ASSERT_EQ(patterns.size(), neighbours.size());
-        for (size_t i = 0; i < patterns.size(); i++)
-            for (size_t side = 0; side < 6; side++)
-                EXPECT_EQ(patterns[i] >> side & 1, neighbours[i][side] == stream::kNone ? 0 : 1) << d << ' ' << i;
+            divided++;
+        }
+        EXPECT_EQ(beside.neighbours.size(), divided);
+        EXPECT_EQ(beside.patterns.size(), divided);
     }
     EXPECT_GT(found, 100u);
 }
