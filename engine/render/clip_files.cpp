@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/seconds.h"
 #include "base/trace_file.h"
 #include "voctree/clip.h"
 #include "voctree/nvv.h"
@@ -12,15 +13,14 @@
 namespace neuvv::render {
 
 Field upload_segment(const gpu::Device& device, const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
-    return segment.stream ? upload_field(device, tree, WeightPrecision::kHalf) : upload_far_levels(device, tree);
+    if (!segment.stream) return upload_far_levels(device, tree);
+    const double begin_s = seconds_now();
+    Field field = upload_field(device, tree, WeightPrecision::kHalf);
+    segment.stream->learn_step(stream::FrameStep::kUpload, seconds_now() - begin_s);
+    return field;
 }
 
 namespace {
-
-// Frames of a stream are decoded, made into trees and uploaded by several threads at the same time.
-uint32_t stream_threads() {
-    return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 3u);
-}
 
 // Of a stream, which cannot be painted, no hash is computed.
 voctree::PaintedField painted_field_of(const voctree::ClipSegment& segment, const voctree::VOctree& tree) {
@@ -134,7 +134,7 @@ void ClipFiles::read_ahead(std::vector<Wanted> wanted) {
         if (wanted_.empty() && wanted.empty()) return;
         wanted_.assign(wanted.begin(), wanted.end());
         if (threads_.empty())
-            for (uint32_t i = 0; i <= stream_threads(); i++) threads_.emplace_back([this, i] { run(i > 0); });
+            for (uint32_t i = 0; i <= stream::frames_at_once(); i++) threads_.emplace_back([this, i] { run(i > 0); });
     }
     changed_.notify_all();
 }

@@ -1,6 +1,6 @@
 // Clip files: brings the files of clips from the disk to the device, at once or ahead of time on threads of its own:
-// one for all but what comes from servers, and one to three, by the number of cores, that read only frames of streams,
-// several at the same time, so that no file waits for a server.
+// one for all but what comes from servers, and stream::frames_at_once() that read only frames of streams, several at
+// the same time, so that no file waits for a server.
 #pragma once
 
 #include <condition_variable>

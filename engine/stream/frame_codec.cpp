@@ -22,8 +22,6 @@ namespace {
 // From which fraction of a step on a coefficient is rounded up. Small ones cost more than they show.
 constexpr double kRoundUp = 0.6, kRoundUpSh = 0.67;
 constexpr int kMaxNumber = 32000;
-// Frames that would repeat less than this share of their leaves are key frames: they are decoded without any others.
-constexpr double kWorthRepeating = 0.05;
 
 // Coefficients as numbers of steps.
 std::vector<std::array<int16_t, kPairs>> numbers_of(const Coefficients& coefficients, double step, Kind kind) {
@@ -157,7 +155,8 @@ FrameSymbols encode(const Slice& slice, const Steps& steps, const std::optional<
     frame.fine.resize(planes);
     std::vector<uint32_t> repeated;
     const Slice rest = before ? encode_repeated(slice, *before, frame, repeated) : slice;
-    if (before && static_cast<double>(repeated.size()) < kWorthRepeating * static_cast<double>(slice.leaves.size()))
+    if (before &&
+        static_cast<double>(repeated.size()) < before->least_repeated * static_cast<double>(slice.leaves.size()))
         return encode(slice, steps, std::nullopt, decoded);
     frame.leaf_count = static_cast<uint32_t>(rest.leaves.size());
     Slice coded = without_leaves(slice);

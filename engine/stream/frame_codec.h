@@ -43,11 +43,12 @@ struct FrameSymbols {
 struct FrameBefore {
     const Slice& slice;
     const Slice& decoded;
+    // A frame that would repeat less than this share of its leaves is a key frame, which is decoded without any others.
+    double least_repeated = 0.05;
 };
 
 // Encodes a slice, without a frame before it as a key frame. Blocks of 4³ finest cells that are the same in the frame
-// before, or differ by less than rounding does, are repeated; where these are few, it is a key frame, too. `decoded`
-// becomes what decode() returns.
+// before, or differ by less than rounding does, are repeated. `decoded` becomes what decode() returns.
 FrameSymbols encode(const Slice& slice, const Steps& steps, const std::optional<FrameBefore>& before, Slice& decoded);
 void count(const FrameSymbols& frame, Counts& counts);
 

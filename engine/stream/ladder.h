@@ -11,18 +11,27 @@
 
 namespace neuvv::stream {
 
+// How many frames are decoded, and made ready to be drawn, at the same time: by half of the cores, because the others
+// draw, but not by more than 8.
+uint32_t frames_at_once();
+
 // What a group of frames costs.
 struct GroupCost {
     std::array<uint64_t, kParts> bytes_until{};  // of all of its frames, up to each part
-    double seconds = 1;                          // for which it is shown
+    uint32_t frames = 1;
+    double seconds = 1;  // for which it is shown
 };
 
-// Learns how long decoding planes takes, and chooses by that and by how fast bytes come. Any thread may call its
-// functions.
+// What else is done for each frame than decoding its planes, which takes as long whichever parts are taken.
+enum class FrameStep { kShape, kTree, kUpload, kCount };
+
+// Learns how long frames take until they can be drawn, and chooses by that and by how fast bytes come. Any thread may
+// call its functions.
 class Ladder {
   public:
-    // A frame's parts of so many bytes were decoded in so many seconds.
-    void learn(uint64_t bytes, double seconds);
+    // The planes of a frame's parts of so many bytes were decoded in so many seconds.
+    void learn_planes(uint64_t bytes, double seconds);
+    void learn_step(FrameStep step, double seconds);
     // The last part up to which the frames come at their rate, at least kCoarse. `bytes_per_s`: as they come from a
     // server; nothing where they are here.
     Part choose(const GroupCost& group, std::optional<double> bytes_per_s) const;
@@ -31,8 +40,18 @@ class Ladder {
     static constexpr double kShare = 0.8;
 
   private:
+    // Seconds for each of something; what is older counts less. 0 where nothing is known.
+    class Mean {
+      public:
+        void add(double count, double seconds);
+        double value() const { return count_ > 0 ? seconds_ / count_ : 0; }
+
+      private:
+        double count_ = 0, seconds_ = 0;
+    };
     mutable std::mutex mutex_;
-    double bytes_ = 0, seconds_ = 0;  // of the frames that were decoded last: older ones count less
+    Mean planes_;  // for each byte
+    std::array<Mean, static_cast<size_t>(FrameStep::kCount)> steps_;
 };
 
 }  // namespace neuvv::stream

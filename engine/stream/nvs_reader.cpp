@@ -86,19 +86,17 @@ std::vector<uint8_t> Reader::part_locked(uint32_t frame, Part part) {
 }
 
 std::shared_ptr<const Tables> Reader::tables_locked(uint32_t number) {
-    if (table_group_ == number) return tables_;
-    table_group_.reset();
+    for (const std::shared_ptr<FrameInProgress>& one : kept_)
+        if (one->group == number) return one->tables;
     const Group& group = index_.groups[number];
     const std::string place = fmt::format("the tables of frame {}", group.first);
     const std::vector<uint8_t> bytes = bytes_at({group.offset, group.table_bytes}, place);
     if (check_of(bytes) != group.table_check) fail(place, "are damaged");
     try {
-        tables_ = std::make_shared<const Tables>(read_tables(inflated(bytes, table_bytes())));
+        return std::make_shared<const Tables>(read_tables(inflated(bytes, table_bytes())));
     } catch (const std::runtime_error& problem) {
         fail(place, problem.what());
     }
-    table_group_ = number;
-    return tables_;
 }
 
 // What is missing of the frame's group, and the groups behind it, are fetched while the frame is decoded.
@@ -115,24 +113,13 @@ void Reader::read_ahead_locked(uint32_t frame, Part last) {
 
 // `before` is the frame before it; null: it is a key frame.
 std::shared_ptr<Reader::FrameInProgress> Reader::begin_next_locked(uint32_t frame, Part last,
-                                                                   std::shared_ptr<FrameInProgress> before) {
+                                                                   const std::shared_ptr<FrameInProgress>& before) {
     auto begun = std::make_shared<FrameInProgress>();
     begun->frame = frame;
     begun->group = index_.group_of(frame);
     begun->last = last;
     begun->tables = tables_locked(begun->group);
-    const std::vector<uint8_t> bytes = part_locked(frame, kShape);
-    read_ahead_locked(frame, last);
-    const TraceSpan span("decode the shape of frame", frame);
-    try {
-        begun->shape = decode_shape(bytes, *begun->tables, index_.groups[begun->group].format,
-                                    before ? &before->shape.merged.leaves : nullptr);
-    } catch (const std::runtime_error& problem) {
-        fail(fmt::format("frame {}", frame), problem.what());
-    }
-    if (begun->shape.is_key != index_.frames[frame].is_key)
-        fail(fmt::format("frame {}", frame), "is a key frame or not, other than the index says");
-    if (begun->shape.merged.repeats_any) begun->before = std::move(before);
+    begun->before = before;
     if (kept_.size() == kKept) kept_.erase(kept_.begin());
     kept_.push_back(begun);
     return begun;
@@ -142,10 +129,7 @@ std::shared_ptr<Reader::FrameInProgress> Reader::begin_next_locked(uint32_t fram
 // same frame and parts; null: none was. Frames that are known are not begun again.
 std::shared_ptr<Reader::FrameInProgress> Reader::begin_towards(uint32_t frame, Part last,
                                                                std::shared_ptr<FrameInProgress> known) {
-    const auto lock = [this] {
-        const TraceSpan span("wait for another frame of the stream");
-        return std::unique_lock(mutex_);
-    }();
+    const std::lock_guard lock(mutex_);
     uint32_t next = known ? known->frame + 1 : index_.key_of(frame);
     for (const std::shared_ptr<FrameInProgress>& one : kept_)
         if (one->last == last && one->frame >= next && one->frame <= frame) {
@@ -153,13 +137,44 @@ std::shared_ptr<Reader::FrameInProgress> Reader::begin_towards(uint32_t frame, P
             next = one->frame + 1;
         }
     const uint64_t end = std::min<uint64_t>(uint64_t{frame} + 1, uint64_t{next} + kKept);
-    for (; next < end; next++) known = begin_next_locked(next, last, std::move(known));
+    for (; next < end; next++) known = begin_next_locked(next, last, known);
     return known;
+}
+
+// Whoever comes first decodes it, and those before it that are not decoded.
+const FrameShape& Reader::shape_of(FrameInProgress& begun) {
+    const auto of_frame = [&] {
+        const TraceSpan span("wait for the shape of frame", begun.frame);
+        return std::unique_lock(begun.shape_mutex);
+    }();
+    if (begun.shape) return *begun.shape;
+    const FrameShape* before = begun.before ? &shape_of(*begun.before) : nullptr;
+    const std::vector<uint8_t> bytes = [&] {
+        const std::lock_guard lock(mutex_);
+        std::vector<uint8_t> part = part_locked(begun.frame, kShape);
+        read_ahead_locked(begun.frame, begun.last);
+        return part;
+    }();
+    const TraceSpan span("decode the shape of frame", begun.frame);
+    const double begin_s = seconds_now();
+    try {
+        FrameShape shape = decode_shape(bytes, *begun.tables, index_.groups[begun.group].format,
+                                        before ? &before->merged.leaves : nullptr);
+        if (shape.is_key != index_.frames[begun.frame].is_key)
+            throw std::runtime_error("is a key frame or not, other than the index says");
+        begun.shape = std::move(shape);
+    } catch (const std::runtime_error& problem) {
+        fail(fmt::format("frame {}", begun.frame), problem.what());
+    }
+    ladder_.learn_step(FrameStep::kShape, seconds_now() - begin_s);
+    if (!begun.shape->merged.repeats_any) begun.before.reset();
+    return *begun.shape;
 }
 
 // Where the frame repeats planes of the one before, those are decoded first, by whoever comes first.
 std::shared_ptr<const Slice> Reader::slice_of(FrameInProgress& begun) {
-    const std::lock_guard of_frame(begun.mutex);
+    const FrameShape& shape = shape_of(begun);
+    const std::lock_guard of_frame(begun.slice_mutex);
     if (begun.slice) return begun.slice;
     const std::shared_ptr<const Slice> before = begun.before ? slice_of(*begun.before) : nullptr;
     std::array<std::vector<uint8_t>, kParts> bytes;
@@ -176,14 +191,14 @@ std::shared_ptr<const Slice> Reader::slice_of(FrameInProgress& begun) {
     const TraceSpan span("decode the planes of frame", begun.frame);
     const double begin_s = seconds_now();
     try {
-        begun.slice = std::make_shared<const Slice>(decode_planes(begun.shape, parts, begun.last, *begun.tables,
-                                                                  index_.groups[begun.group].format, before.get()));
+        begun.slice = std::make_shared<const Slice>(
+            decode_planes(shape, parts, begun.last, *begun.tables, index_.groups[begun.group].format, before.get()));
     } catch (const std::runtime_error& problem) {
         fail(fmt::format("frame {}", begun.frame), problem.what());
     }
-    ladder_.learn(count, seconds_now() - begin_s);
+    ladder_.learn_planes(count, seconds_now() - begin_s);
     begun.before.reset();
-    begun.shape.tree = {};  // the next frame needs the leaves alone
+    begun.shape->tree = {};  // the next frame needs the leaves alone
     return begun.slice;
 }
 
@@ -210,6 +225,7 @@ Part Reader::part_in_time(uint32_t frame) {
     GroupCost cost;
     for (uint32_t part = 0; part < kParts; part++)
         cost.bytes_until[part] = index_.place_of_group(number, static_cast<Part>(part)).count;
+    cost.frames = group.frames;
     cost.seconds = group.frames / double{index_.fps};
     const Part last = ladder_.choose(cost, source_->bytes_per_s());
     chosen_.push_back({number, last, now_s + kLeastChoice_s + 2 * cost.seconds});

@@ -36,6 +36,7 @@ class Reader {
 
     // The frame, decoded from its first parts. Frames that were read last are kept, kKept of them. Of the frames from
     // the key frame on, or the last that is kept, the shapes are decoded; the planes only where the frame repeats some.
+    // Threads wait for each other only where their frames depend on the same key frame.
     static constexpr size_t kKept = 16;
     // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile.
     static constexpr double kAhead_s = 3;
@@ -45,25 +46,32 @@ class Reader {
     // frames of a group for so many seconds and twice the group's length; then it is chosen anew.
     static constexpr double kLeastChoice_s = 1;
     Part part_in_time(uint32_t frame);
+    // What a step behind the decoder took for a frame, by which part_in_time() chooses, too.
+    void learn_step(FrameStep step, double seconds) { ladder_.learn_step(step, seconds); }
 
   private:
-    // A frame of which the shape is known.
+    // A frame that is being decoded: first its shape, for which that of the frame before must be known, then its
+    // planes.
     struct FrameInProgress {
         uint32_t frame = 0, group = 0;
         Part last = kShFine;
         std::shared_ptr<const Tables> tables;
-        FrameShape shape;
-        std::mutex mutex;                         // guards what follows
-        std::shared_ptr<FrameInProgress> before;  // the frame before, as long as its planes may be needed
-        std::shared_ptr<const Slice> slice;       // null: its planes are not decoded yet
+        std::mutex shape_mutex;              // guards `shape`, which does not change once it is there but for its tree
+        std::optional<FrameShape> shape;     // nothing: it is not decoded yet
+        std::mutex slice_mutex;              // guards `slice` and, once the shape is there, its tree
+        std::shared_ptr<const Slice> slice;  // null: its planes are not decoded yet
+        // The frame before, as long as it may be needed; null of a key frame. It is the shape's until that is there,
+        // then the slice's.
+        std::shared_ptr<FrameInProgress> before;
     };
     std::vector<uint8_t> bytes_at(const ByteRange& range, const std::string& place);
     std::vector<uint8_t> part_locked(uint32_t frame, Part part);
     std::shared_ptr<const Tables> tables_locked(uint32_t group);
     void read_ahead_locked(uint32_t frame, Part last);
     std::shared_ptr<FrameInProgress> begin_next_locked(uint32_t frame, Part last,
-                                                       std::shared_ptr<FrameInProgress> before);
+                                                       const std::shared_ptr<FrameInProgress>& before);
     std::shared_ptr<FrameInProgress> begin_towards(uint32_t frame, Part last, std::shared_ptr<FrameInProgress> known);
+    const FrameShape& shape_of(FrameInProgress& begun);
     std::shared_ptr<const Slice> slice_of(FrameInProgress& begun);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;
@@ -72,8 +80,6 @@ class Reader {
     mutable std::atomic<bool> failed_ = false;
     Ladder ladder_;
     std::mutex mutex_;  // guards what follows, and reading; locked after a frame's, not before
-    std::optional<uint32_t> table_group_;
-    std::shared_ptr<const Tables> tables_;
     std::vector<std::shared_ptr<FrameInProgress>> kept_;  // the one that was begun last at the end
     struct Chosen {
         uint32_t group = 0;

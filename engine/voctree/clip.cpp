@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "base/seconds.h"
 #include "base/trace_file.h"
 #include "voctree/slice.h"
 
@@ -82,8 +83,11 @@ VOctree read_segment(const ClipSegment& segment, stream::Part last, PlenoctreeCo
         keep_freed_memory();  // a frame has tens of megabytes of arrays, which take as long to clear as to fill
         const auto slice = segment.stream->frame(segment.first, last);
         const TraceSpan span("make the tree of frame", segment.first);
-        return tree_of(*slice, vector_of(group_of(segment).box_min), vector_of(group_of(segment).box_size),
-                       segment.stream->index().fps);
+        const double begin_s = seconds_now();
+        VOctree tree = tree_of(*slice, vector_of(group_of(segment).box_min), vector_of(group_of(segment).box_size),
+                               segment.stream->index().fps);
+        segment.stream->learn_step(stream::FrameStep::kTree, seconds_now() - begin_s);
+        return tree;
     }
     VOctree tree = read_clip(segment.file, colours, segment.up);
     require_frames(segment, tree.frames);

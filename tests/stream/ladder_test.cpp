@@ -6,8 +6,8 @@
 namespace neuvv::test::ladder_test {
 namespace {
 
-// Half a second: 10, 30, 40, 60 and 80 KB up to each part.
-constexpr stream::GroupCost kGroup{{10'000, 30'000, 40'000, 60'000, 80'000}, 0.5};
+// 10 frames in half a second: 10, 30, 40, 60 and 80 KB up to each part.
+constexpr stream::GroupCost kGroup{{10'000, 30'000, 40'000, 60'000, 80'000}, 10, 0.5};
 
 TEST(Ladder, TakesAllOfAFile) {
     EXPECT_EQ(stream::Ladder().choose(kGroup, std::nullopt), stream::kShFine);
@@ -25,17 +25,31 @@ TEST(Ladder, TakesWhatAServerSendsInTime) {
 
 TEST(Ladder, TakesWhatIsDecodedInTime) {
     stream::Ladder ladder;
-    for (int i = 0; i < 200; i++) ladder.learn(1000, 1e-6);
+    for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 1e-6);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
-    // At most 4 frames at once: 60 KB take 6 s and more.
-    for (int i = 0; i < 200; i++) ladder.learn(1000, 0.1);
+    // Of at most 8 frames at once, 60 KB take 6 s and more.
+    for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 0.1);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
-    for (int i = 0; i < 200; i++) ladder.learn(1000, 1e-6);
+    for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 1e-6);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine) << "what is old is forgotten";
     // A frame that only repeats has few bytes, and takes a while all the same.
-    for (int i = 0; i < 200; i++) ladder.learn(20'000, 0.002);
-    ladder.learn(100, 0.003);
+    for (int i = 0; i < 200; i++) ladder.learn_planes(20'000, 0.002);
+    ladder.learn_planes(100, 0.003);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
+}
+
+// 80 KB of planes take 0.1 s. Where the rest of each frame leaves no time for that, fewer of them are taken.
+TEST(Ladder, CountsWhatIsDoneBehindTheDecoder) {
+    stream::Ladder ladder;
+    ladder.learn_planes(80'000, 0.1);
+    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
+    const double time_s = stream::frames_at_once() * 0.5 * 0.8;
+    for (const stream::FrameStep step :
+         {stream::FrameStep::kShape, stream::FrameStep::kTree, stream::FrameStep::kUpload})
+        ladder.learn_step(step, (time_s - 0.09) / 10 / 3);
+    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kFine);
+    for (int i = 0; i < 100; i++) ladder.learn_step(stream::FrameStep::kUpload, time_s);
+    EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
 }
 
 }  // namespace
