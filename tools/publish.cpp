@@ -64,8 +64,9 @@ std::optional<int> largest_strength(const std::function<bool(int)>& keeps) {
     return best;
 }
 
-// Where frames repeat less than this share of their leaves, every fourth is a key frame. It takes about a twentieth
-// more bytes, but players decode the frames of several key frames at the same time, and jump there sooner.
+// Where frames repeat less than this share of their leaves, every fourth is a key frame. That takes a twentieth more
+// bytes where a tenth would be repeated, but players decode frames of several key frames at the same time, and jump
+// there sooner.
 constexpr double kLittleRepeated = 0.2;
 constexpr uint32_t kFramesOfKey = 4;
 
