@@ -79,7 +79,7 @@ void ClipFiles::end_reading(const voctree::ClipSegment& segment, const std::shar
     changed_.notify_all();
 }
 
-std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& segment) {
+std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegment& segment) {
     const FileStamp stamp = stamp_of(segment);
     if (auto known = begin_reading(segment, stamp)) return known;
     try {
@@ -94,6 +94,25 @@ std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& se
         end_reading(segment, nullptr);
         throw;
     }
+}
+
+// What is being read holds memory for the copy to the device, too, which then is free again.
+void ClipFiles::wait_for_others() {
+    std::unique_lock lock(mutex_);
+    const auto others = being_read_;
+    changed_.wait_for(lock, std::chrono::seconds(1), [&] {
+        return std::ranges::none_of(others, [&](const auto& one) { return being_read_.contains(one.first); });
+    });
+}
+
+std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& segment) {
+    try {
+        return read_once(segment);
+    } catch (const gpu::VulkanError& error) {
+        if (!error.out_of_memory()) throw;
+    }
+    wait_for_others();
+    return read_once(segment);
 }
 
 ClipFiles::Paints ClipFiles::read_paints(const voctree::ClipSegment& segment, const LoadedClip& clip,
@@ -204,7 +223,7 @@ void ClipFiles::read_one_ahead(const Wanted& wanted) {
     try {
         if (wanted.in_time && wanted.segment.stream && read_in_time(wanted.segment)) return;
         if (wanted.is_urgent && !find(wanted.segment)) read_coarse(wanted.segment);
-        const std::shared_ptr<const LoadedClip> clip = read(wanted.segment);
+        const std::shared_ptr<const LoadedClip> clip = read_once(wanted.segment);
         add_result({wanted.segment.file, stamp, clip, "", false, read_paints(wanted.segment, *clip, wanted.layers)});
     } catch (const stream::ServerProblem& problem) {
         add_result({wanted.segment.file, stamp, nullptr, problem.what(), false, {}, true});

@@ -52,7 +52,7 @@ class ClipFiles {
     // since; else null. A clip that is one file is a segment, too.
     std::shared_ptr<const LoadedClip> find(const voctree::ClipSegment& segment);
     // The same, read now where it is not there. Throws InputError where read_segment does; RuntimeFailure where the
-    // device has no memory.
+    // device has no memory, nor when the files that the threads are reading are there, for a second at most.
     std::shared_ptr<const LoadedClip> read(const voctree::ClipSegment& segment);
 
     // The paint of a segment that is on the device, for each of these lists of layers. What was read before is read
@@ -92,6 +92,8 @@ class ClipFiles {
     std::shared_ptr<const LoadedClip> find_locked(const std::filesystem::path& path, const FileStamp& stamp) const;
     std::shared_ptr<const LoadedClip> begin_reading(const voctree::ClipSegment& segment, const FileStamp& stamp);
     void end_reading(const voctree::ClipSegment& segment, const std::shared_ptr<const LoadedClip>& whole);
+    std::shared_ptr<const LoadedClip> read_once(const voctree::ClipSegment& segment);
+    void wait_for_others();
     void read_coarse(const voctree::ClipSegment& segment);
     bool read_in_time(const voctree::ClipSegment& segment);
     void read_one_ahead(const Wanted& wanted);
