@@ -157,7 +157,9 @@ TEST_F(StageClipsTest, SegmentsTakeTheMemoryOfSlicesWhereThereIsNoOther) {
         for (int64_t more_bytes = 20 * kStep;; more_bytes -= more_bytes > 5 * kStep ? more_bytes / 5 : kStep) {
             render::StageRenderer renderer(device(), *stage, render::StageLoader(device()).load(*stage), {48, 36});
             if (expected.rgba.empty()) expected = image_at(renderer, *stage, time_s);
-            image_at(renderer, *stage, middle_of(0));
+            // As many segments as are kept, so that no thread reads one while the memory that they take is counted.
+            for (uint32_t number = render::kSegmentsOnDevice; number-- > 0;)
+                image_at(renderer, *stage, middle_of(number));
             const uint64_t budget = renderer.frames().slice_budget();
             device().memory_pool().clear(device().handle());
             device().limit_memory(
