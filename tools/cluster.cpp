@@ -76,7 +76,8 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
 struct Job {
     std::filesystem::path folder;  // of the job script and the logs
     std::string name;
-    std::string task;  // the command of a task, without the program, as the shell reads it
+    std::string task;               // the command of a task, without the program, as the shell reads it
+    std::vector<std::string> plan;  // the command that checks it before; empty: none is needed
     // The exit code of a task that was told that its time is nearly over, and that has more to do.
     int unfinished_code = 0;
 };
@@ -85,6 +86,14 @@ std::string output_of(const std::vector<std::string>& command, const char* fix) 
     const std::optional<std::string> output = value_of(command, {"-o", "--output"});
     if (!output) throw InputError("COMMAND", joined(command), "has no --output", fix);
     return *output;
+}
+
+// Of training, this writes the folder and the index of the clip, which all tasks then go on with.
+std::vector<std::string> with_plan(std::vector<std::string> command) {
+    if (has(command, "--plan"))
+        throw InputError("COMMAND", joined(command), "has --plan, which comes of itself", "leave it out");
+    command.emplace_back("--plan");
+    return command;
 }
 
 // Throws InputError where the command is none that a cluster can share.
@@ -100,11 +109,12 @@ Job training_job(const std::vector<std::string>& command) {
         if (value_of(command, {option}))
             throw InputError("COMMAND", joined(command), fmt::format("has {}, which is for one process", option),
                              "leave it out; tasks have logs");
-    if (has(command, "--plan"))
-        throw InputError("COMMAND", joined(command), "has --plan, which comes of itself", "leave it out");
-    std::vector<std::string> task = command;
-    if (!has(command, "--resume")) task.emplace_back("--resume");
-    return {clip, clip.stem().string(), joined(task), 0};
+    std::vector<std::string> task = command, plan;
+    if (!has(command, "--resume")) {
+        task.emplace_back("--resume");
+        plan = with_plan(command);
+    }
+    return {clip, clip.stem().string(), joined(task), plan, 0};
 }
 
 // Throws InputError where the command renders nothing that has parts.
@@ -115,11 +125,11 @@ Job render_job(const std::vector<std::string>& command, uint32_t tasks) {
         throw InputError("COMMAND", output.path.string(), "is a single image", "render it without a cluster");
     if (has(command, "--part") || value_of(command, {"--part"}))
         throw InputError("COMMAND", joined(command), "has --part, which comes of itself", "leave it out");
-    prepare_output_folder("--output", folder_of_parts(output));
-    std::vector<std::string> task = command;
+    std::vector<std::string> task = command, plan = with_plan(command);
     if (!has(command, "--resume")) task.emplace_back("--resume");
+    plan.insert(plan.end(), {"--part", fmt::format("1/{}", tasks)});
     return {folder_of_parts(output), folder_of_parts(output).stem().string(),
-            fmt::format("{} --part \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"", joined(task), tasks), 1};
+            fmt::format("{} --part \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"", joined(task), tasks), plan, 1};
 }
 
 Job job_of(const ClusterOptions& options) {
@@ -179,22 +189,18 @@ void run_or_throw(const std::vector<std::string>& words) {
     throw RuntimeFailure(fmt::format("{} ended with exit code {}: {}", name, result.code, line));
 }
 
-// Writes the folder and the index of the clip that the command trains, which all tasks then go on with.
-void plan_clip(const std::vector<std::string>& command, const std::filesystem::path& program) {
-    std::vector<std::string> plan = command;
-    plan.insert(plan.begin(), program.string());
-    plan.emplace_back("--plan");
-    run_or_throw(plan);
-}
-
 void run(const ClusterOptions& options) {
     const std::filesystem::path program = program_file();
     expect_one_line("the working directory", std::filesystem::current_path().string());
     expect_one_line("--sbatch", options.sbatch);
     expect_one_line("COMMAND", joined(options.command));
-    const Job job = job_of(options);
+    Job job = job_of(options);
     const bool trains = options.command[0] == "train";
-    if (trains && !has(options.command, "--resume")) plan_clip(options.command, program);
+    if (!job.plan.empty()) {
+        job.plan.insert(job.plan.begin(), program.string());
+        run_or_throw(job.plan);
+    }
+    if (!trains) prepare_output_folder("--output", job.folder);
     const std::filesystem::path script = job.folder / "job.sh";
     write_text_file(script, script_of(options, program, job));
     if (options.dry_run) {
@@ -234,7 +240,8 @@ void add_cluster(Command app, CommonOptions&) {
                       "Options for sbatch in one word, such as --sbatch=\"--gres=gpu:1 --time=4:00:00\"");
     sbatch.add_flag("--dry-run", options->dry_run, "Write the job script and do not submit it");
     sbatch.footer(
-        {"Plans the clip (`train --plan`), writes OUTPUT/job.sh and submits it. Each task trains segments until none "
+        {"Plans the clip (`train --plan`) or checks the render (`render --plan`), writes OUTPUT/job.sh and submits it. "
+         "Each task trains segments until none "
          "is\n"
          "left. A task that is preempted, or whose time is nearly over, saves and is queued again; one that is killed "
          "leaves "

@@ -40,6 +40,9 @@ void run(const RenderOptions& options, const CommonOptions& common) {
                                     {"fps", totals.fps},
                                     {"seconds", totals.seconds},
                                     {"mrays_per_second", mrays_per_s}}));
+    else if (options.plan)
+        fmt::print("{}: {} images of {}x{}, {:g} a second\n", options.output, totals.images, totals.size.width,
+                   totals.size.height, totals.fps);
     else
         fmt::print("{}: {} images of {}x{}, {} of them rendered now, {:.1f} ms each, {:.1f} Mrays/s\n", options.output,
                    totals.images, totals.size.width, totals.size.height, totals.rendered,
@@ -84,6 +87,8 @@ void add_run_options(Command verb, RenderOptions& options) {
                   "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
                   "until it is whole");
+    verb.add_flag("--plan", options.plan,
+                  "Check the options and what they name, say how many images there would be, and draw none");
     verb.add_flag("--capture", options.capture,
                   "Capture the first image with RenderDoc, and say where; needs `renderdoccmd capture neuvv render …`");
     verb.add_flag("--json", options.json,
@@ -91,18 +96,8 @@ void add_run_options(Command verb, RenderOptions& options) {
                   "images were there), ...");
 }
 
-void add_options(Command verb, RenderOptions& options) {
-    verb.add_option("scene", options.scene,
-                    "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (neuvv stage)")
-        .required();
-    verb.add_option("-o,--output", options.output,
-                    "out.mp4; out.mov: ProRes 4444 with straight alpha; out_%04d.png, or out.png for a single image: "
-                    "with --frames F, the orbit's first view of frame F; "
-                    ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
-        .required();
-    verb.add_option("--layers", options.layers,
-                    "Of an .exr: some of rgba, depth (Z along the camera's axis, metres), ids (Cryptomatte with the "
-                    "performers' names) and deep (deep samples, in a file out_deep.exr beside it); default rgba,depth");
+// Which times are shown, from where, how large and before what.
+void add_view_options(Command verb, RenderOptions& options) {
     Option orbit =
         verb.add_flag("--orbit", options.orbit,
                       "Turn around the scene while the clip plays, which repeats until 4 s have passed (default)");
@@ -129,17 +124,10 @@ void add_options(Command verb, RenderOptions& options) {
         "--background", options.background,
         "A colour's name, '#rrggbb' or clear (default: white for an .mp4, else clear; of a stage its own). It "
         "hides the image of a stage's environment, whose light stays");
-    Option samples = add_samples_option(verb, options.samples);
-    Option scale =
-        verb.add_option("--scale", options.scale,
-                        "Rays a pixel along each side, below 1, scaled up: fast, for previews; in place of --samples")
-            .number_between(0.1, 1)
-            .excludes(samples);
-    Option paint = verb.add_option("--paint", options.paint,
-                                   "LAYER.nvpaint[:BLEND[:OPACITY]],...: layers of `neuvv paint`, the lowest "
-                                   "first; normal, multiply, tint or recolour. Of a stage: its performers' own")
-                       .delimiter(',');
-    add_slice_budget_option(verb, options.slice_budget_mb);
+}
+
+// What images show of the scene, and by which passes. `scale` and `paint` are options that exclude the paper's path.
+void add_shown_options(Command verb, RenderOptions& options, Option scale, Option paint) {
     Option depth = verb.add_flag("--depth", options.depth, "Show depth: near is white, far is black");
     Option alpha = verb.add_flag("--alpha", options.alpha, "Show alpha: solid is white").excludes(depth);
     Option level = verb.add_flag("--level", options.level,
@@ -166,6 +154,33 @@ void add_options(Command verb, RenderOptions& options) {
         .excludes(pass)
         .excludes(level)
         .excludes(cost);
+}
+
+void add_options(Command verb, RenderOptions& options) {
+    verb.add_option("scene", options.scene,
+                    "A .nvv file, the .npz of a PlenOctree, or a stage: .gltf or .glb (neuvv stage)")
+        .required();
+    verb.add_option("-o,--output", options.output,
+                    "out.mp4; out.mov: ProRes 4444 with straight alpha; out_%04d.png, or out.png for a single image: "
+                    "with --frames F, the orbit's first view of frame F; "
+                    ".exr: linear light, premultiplied alpha and Z in metres, of a stage with --background clear, too")
+        .required();
+    verb.add_option("--layers", options.layers,
+                    "Of an .exr: some of rgba, depth (Z along the camera's axis, metres), ids (Cryptomatte with the "
+                    "performers' names) and deep (deep samples, in a file out_deep.exr beside it); default rgba,depth");
+    add_view_options(verb, options);
+    Option samples = add_samples_option(verb, options.samples);
+    Option scale =
+        verb.add_option("--scale", options.scale,
+                        "Rays a pixel along each side, below 1, scaled up: fast, for previews; in place of --samples")
+            .number_between(0.1, 1)
+            .excludes(samples);
+    Option paint = verb.add_option("--paint", options.paint,
+                                   "LAYER.nvpaint[:BLEND[:OPACITY]],...: layers of `neuvv paint`, the lowest "
+                                   "first; normal, multiply, tint or recolour. Of a stage: its performers' own")
+                       .delimiter(',');
+    add_slice_budget_option(verb, options.slice_budget_mb);
+    add_shown_options(verb, options, scale, paint);
     add_run_options(verb, options);
 }
 
@@ -276,12 +291,26 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
     return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
 }
 
+namespace {
+
+// The sides of a video are even numbers.
+media::ImageSize written_size(const media::ImageOutput& output, media::ImageSize size) {
+    if (output.kind != media::ImageOutput::Kind::kVideo) return size;
+    return {media::video_side(size.width), media::video_side(size.height)};
+}
+
+}  // namespace
+
+RenderTotals planned(const RenderOptions& options, const media::ImageOutput& output, uint32_t images,
+                     media::ImageSize size, double fps) {
+    expect_enough_images(part_number(options.part, ranks_of_environment()), images);
+    return {images, 0, written_size(output, size), fps};
+}
+
 RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part, media::ImageSize size, double fps) {
     if (const std::string text = part.join_if_complete(); !text.empty())
         fmt::print(stderr, "{}: {}\n", options.output, text);
-    const bool video = part.output().kind == media::ImageOutput::Kind::kVideo;
-    const media::ImageSize encoded{media::video_side(size.width), media::video_side(size.height)};
-    return {part.end() - part.first(), 0, video ? encoded : size, fps};
+    return {part.end() - part.first(), 0, written_size(part.output(), size), fps};
 }
 
 namespace {

@@ -27,7 +27,7 @@ struct RenderOptions {
     std::optional<bool> far_levels;  // nothing: on
     bool orbit = false, depth = false, alpha = false, level = false, cost = false;
     double cost_max = double{render::ResolveSettings{}.cost_max};
-    bool direct = false, resume = false, json = false;
+    bool direct = false, resume = false, plan = false, json = false;
     bool capture = false;  // whether RenderDoc captures the first image
     // Of a stage: seconds, "A:B"; and settings that replace the stage's own.
     std::string time;
@@ -36,7 +36,7 @@ struct RenderOptions {
 };
 
 struct RenderTotals {
-    size_t images = 0, rendered = 0;  // images of the part
+    size_t images = 0, rendered = 0;  // images of the part; of --plan, of all parts
     media::ImageSize size;
     double fps = 0, rays = 0, seconds = 0;
 };
@@ -84,6 +84,9 @@ std::string device_of(const CommonOptions& common);
 
 // Says what became of the part, whose images are all written; joins the parts of a video if no other is missing.
 // Returns the totals of a run that rendered nothing.
+// What --plan says of a render. Throws InputError where its parts are more than its images.
+RenderTotals planned(const RenderOptions& options, const media::ImageOutput& output, uint32_t images,
+                     media::ImageSize size, double fps);
 RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part, media::ImageSize size, double fps);
 
 // Renders the images of the part that the sink does not have yet, one after the other: `render` adds image i to it.

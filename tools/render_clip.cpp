@@ -313,6 +313,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
     const RenderPlan plan = plan_render(options);
     const media::ImageSize size = plan.size;
     const auto images = static_cast<uint32_t>(plan.path.size());
+    if (options.plan) return planned(options, plan.output, images, size, plan.playback.output_fps);
     media::RenderFacts facts = render_facts(options, plan.playback.output_fps, size, images);
     add_clip_facts(facts, "scene", options.scene);
     facts["--camera"] = options.camera.empty() ? "orbit" : media::content_fact(options.camera);

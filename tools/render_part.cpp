@@ -56,6 +56,12 @@ PartNumber part_number(const std::string& text, const Ranks& ranks) {
     return {part, parts};
 }
 
+void expect_enough_images(const PartNumber& number, uint32_t images) {
+    if (number.parts > images)
+        throw InputError("--part", "", fmt::format("{} parts are too many for {} images", number.parts, images),
+                         "choose fewer parts, or start fewer processes");
+}
+
 std::filesystem::path folder_of_parts(const media::ImageOutput& whole) {
     if (whole.kind == media::ImageOutput::Kind::kVideo) return link_target(whole.path).string() + ".parts";
     return whole.file("render").replace_extension(".parts");
@@ -64,9 +70,7 @@ std::filesystem::path folder_of_parts(const media::ImageOutput& whole) {
 RenderPart::RenderPart(PartNumber number, media::ImageOutput whole, const media::RenderFacts& facts, uint32_t images,
                        bool resume)
     : number_(number), whole_(std::move(whole)), facts_hash_(hash_of(facts)), images_(images) {
-    if (number_.parts > images)
-        throw InputError("--part", "", fmt::format("{} parts are too many for {} images", number_.parts, images),
-                         "choose fewer parts, or start fewer processes");
+    expect_enough_images(number_, images);
     if (!is_part_of_video() || (resume && is_joined())) return;
     prepare_output_folder("--output", folder_of_parts(whole_));
     const std::filesystem::path video = video_of(number_.part);

@@ -21,6 +21,9 @@ struct PartNumber {
 // others. Throws InputError.
 PartNumber part_number(const std::string& text, const Ranks& ranks);
 
+// Throws InputError where there are fewer images than parts.
+void expect_enough_images(const PartNumber& number, uint32_t images);
+
 // The folder in which the parts of a render have what they share until it is whole: parts of a video, a job's script
 // and logs. It lies beside the video (out.mp4.parts) or the numbered images (out_render.parts).
 std::filesystem::path folder_of_parts(const media::ImageOutput& whole);

@@ -243,6 +243,7 @@ FrameTimes render_image(render::StageRenderer& renderer, const RenderOptions& op
 
 RenderTotals render_stage(const RenderOptions& options, const CommonOptions& common) {
     const StagePlan plan = plan_stage(options);
+    if (options.plan) return planned(options, plan.output, plan.images, plan.size, plan.fps);
     const media::RenderFacts facts = stage_facts(options, plan);
     std::optional<stage::StageSound> sound;
     if (plan.output.kind == media::ImageOutput::Kind::kVideo)

@@ -68,9 +68,16 @@ TEST_F(Cli, AClusterIsGivenAScript) {
                    {"single image"});
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "render", show, "-o", file("o.mp4"), "--part", "1/2"}, 2,
                    {"--part"});
-    ASSERT_EQ(
-        run_neuvv({"cluster", "sbatch", "--dry-run", "--tasks", "3", "--", "render", show, "-o", file("o.mp4")}).code,
-        0);
+    // The render is checked before.
+    expect_refused({"cluster", "sbatch", "--dry-run", "--", "render", file("none.nvv"), "-o", file("o.mp4")}, 2,
+                   {"none.nvv"});
+    expect_refused({"cluster", "sbatch", "--dry-run", "--tasks", "9999", "--", "render", scene, "-o", file("o.mp4")}, 2,
+                   {"9999 parts are too many"});
+    EXPECT_FALSE(std::filesystem::exists(file("o.mp4") + ".parts"));
+    const ProgramResult checked =
+        run_neuvv({"cluster", "sbatch", "--dry-run", "--tasks", "3", "--", "render", scene, "-o", file("o.mp4")});
+    ASSERT_EQ(checked.code, 0) << checked.err;
+    EXPECT_NE(checked.out.find(" images of "), std::string::npos) << checked.out;
     const std::string render = file("o.mp4") + ".parts/job.sh";
     EXPECT_NE(read_text(render).find("'--resume' --part \"$((SLURM_ARRAY_TASK_ID + 1))/3\" &"), std::string::npos)
         << read_text(render);
@@ -115,6 +122,18 @@ TEST_F(Cli, RenderRefusesWhatItCannotDoBeforeItStarts) {
     expect_refused({"render", scene, "-o", file("x.mp4"), "--camera", file("none.json")}, 2, {"none.json"});
     expect_refused({"render", file("none.nvv"), "-o", file("x.mp4")}, 2, {"none.nvv"});
     EXPECT_EQ(folder.entries(), 1u) << "nothing was written";
+}
+
+TEST_F(Cli, APlannedRenderSaysWhatItWouldBe) {
+    const ProgramResult planned =
+        run_neuvv({"render", scene, "-o", file("turn.mp4"), "--size", "101x50", "--plan", "--json"});
+    ASSERT_EQ(planned.code, 0) << planned.err;
+    const nlohmann::json plan = nlohmann::json::parse(planned.out);
+    EXPECT_EQ(plan["width"], 102) << "the sides of a video are even";
+    EXPECT_EQ(plan["height"], 50);
+    EXPECT_GT(plan["images"], 1);
+    EXPECT_EQ(plan["rendered"], 0);
+    EXPECT_FALSE(std::filesystem::exists(file("turn.mp4")));
 }
 
 TEST_F(Cli, EvalNamesTheMissingDataSet) {
