@@ -22,11 +22,11 @@ struct GroupCost {
     double seconds = 1;  // for which it is shown
 };
 
-// What else is done for each frame than decoding its planes, which takes as long whichever parts are taken.
+// What is done for each frame besides decoding its planes. It takes the same time whichever parts are decoded.
 enum class FrameStep { kShape, kTree, kUpload, kCount };
 
-// Learns how long frames take until they can be drawn, and chooses by that and by how fast bytes come. Any thread may
-// call its functions.
+// Learns how long frames take until they can be drawn, and chooses by that and by how fast bytes come. It takes all
+// frames for independent, but those of a key frame are decoded one after the other. Any thread may call its functions.
 class Ladder {
   public:
     // The planes of a frame's parts of so many bytes were decoded in so many seconds.
@@ -40,7 +40,7 @@ class Ladder {
     static constexpr double kShare = 0.8;
 
   private:
-    // Seconds for each of something; what is older counts less. 0 where nothing is known.
+    // A mean of seconds per unit, in which older values count less; 0 where nothing was added.
     class Mean {
       public:
         void add(double count, double seconds);

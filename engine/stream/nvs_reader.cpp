@@ -202,6 +202,13 @@ std::shared_ptr<const Slice> Reader::slice_of(FrameInProgress& begun) {
     return begun.slice;
 }
 
+// Of the frames of the same key frame, some may have been begun that cannot be decoded now. Who tries again begins with
+// the key frame, so that these do not become more and more.
+void Reader::forget(uint32_t frame) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(kept_, [&](const auto& one) { return index_.key_of(one->frame) == index_.key_of(frame); });
+}
+
 // Frames that are passed over keep the shapes of those before them as long as their planes are not decoded. So these
 // are decoded now and then.
 std::shared_ptr<const Slice> Reader::frame(uint32_t frame, Part last) {
@@ -209,7 +216,12 @@ std::shared_ptr<const Slice> Reader::frame(uint32_t frame, Part last) {
     std::shared_ptr<const Slice> slice;
     do {
         begun = begin_towards(frame, last, std::move(begun));
-        slice = slice_of(*begun);
+        try {
+            slice = slice_of(*begun);
+        } catch (...) {
+            forget(begun->frame);
+            throw;
+        }
     } while (begun->frame != frame);
     return slice;
 }

@@ -36,7 +36,8 @@ class Reader {
 
     // The frame, decoded from its first parts. Frames that were read last are kept, kKept of them. Of the frames from
     // the key frame on, or the last that is kept, the shapes are decoded; the planes only where the frame repeats some.
-    // Threads wait for each other only where their frames depend on the same key frame.
+    // Threads read bytes one at a time, and decode without waiting for each other unless their frames depend on the
+    // same key frame.
     static constexpr size_t kKept = 16;
     // From a server, the bytes of the frames of so many seconds behind it are fetched meanwhile.
     static constexpr double kAhead_s = 3;
@@ -51,17 +52,18 @@ class Reader {
 
   private:
     // A frame that is being decoded: first its shape, for which that of the frame before must be known, then its
-    // planes.
+    // planes. Who holds a frame's mutexes locks those of the frame before, then Reader::mutex_, never the other way
+    // round.
     struct FrameInProgress {
         uint32_t frame = 0, group = 0;
         Part last = kShFine;
         std::shared_ptr<const Tables> tables;
-        std::mutex shape_mutex;              // guards `shape`, which does not change once it is there but for its tree
+        std::mutex shape_mutex;              // guards `shape`, of which only the tree changes once it is there
         std::optional<FrameShape> shape;     // nothing: it is not decoded yet
         std::mutex slice_mutex;              // guards `slice` and, once the shape is there, its tree
         std::shared_ptr<const Slice> slice;  // null: its planes are not decoded yet
-        // The frame before, as long as it may be needed; null of a key frame. It is the shape's until that is there,
-        // then the slice's.
+        // The frame before, as long as it may be needed; null of a key frame. Guarded by shape_mutex until the shape
+        // is there, then by slice_mutex.
         std::shared_ptr<FrameInProgress> before;
     };
     std::vector<uint8_t> bytes_at(const ByteRange& range, const std::string& place);
@@ -72,6 +74,7 @@ class Reader {
                                                        const std::shared_ptr<FrameInProgress>& before);
     std::shared_ptr<FrameInProgress> begin_towards(uint32_t frame, Part last, std::shared_ptr<FrameInProgress> known);
     const FrameShape& shape_of(FrameInProgress& begun);
+    void forget(uint32_t frame);
     std::shared_ptr<const Slice> slice_of(FrameInProgress& begun);
     [[noreturn]] void fail(const std::string& place, const std::string& problem) const;
     std::filesystem::path path_;
@@ -79,7 +82,7 @@ class Reader {
     Index index_;
     mutable std::atomic<bool> failed_ = false;
     Ladder ladder_;
-    std::mutex mutex_;  // guards what follows, and reading; locked after a frame's, not before
+    std::mutex mutex_;                                    // guards what follows, and reading
     std::vector<std::shared_ptr<FrameInProgress>> kept_;  // the one that was begun last at the end
     struct Chosen {
         uint32_t group = 0;

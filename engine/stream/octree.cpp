@@ -103,15 +103,15 @@ Surroundings surroundings_of_root() {
 
 namespace {
 
-// The bits of eight bytes, of which byte i is to have bits i: a matrix of 8 by 8 bits is mirrored.
+// Transposes a matrix of 8 by 8 bits with a row in each byte: byte i of the result holds bit i of each byte.
 uint64_t transposed(uint64_t bits) {
-    const auto swap = [&](uint32_t distance, uint64_t lower) {
+    const auto exchange = [&](uint32_t distance, uint64_t lower) {
         const uint64_t differs = (bits ^ bits >> distance) & lower;
         bits ^= differs ^ differs << distance;
     };
-    swap(7, 0x00aa00aa00aa00aa);
-    swap(14, 0x0000cccc0000cccc);
-    swap(28, 0x00000000f0f0f0f0);
+    exchange(7, 0x00aa00aa00aa00aa);
+    exchange(14, 0x0000cccc0000cccc);
+    exchange(28, 0x00000000f0f0f0f0);
     return bits;
 }
 
@@ -164,6 +164,7 @@ Surroundings surroundings_below(const std::vector<Cell>& cells, const Surroundin
     below.patterns.reserve(divided);
     if (with_neighbours) below.neighbours.reserve(divided);
     if (divided == 0) return below;
+    assert(!beside.neighbours.empty());
     size_t number = 0;  // of the cell among those that are divided
     for (const Cell& cell : cells) {
         if (!cell.children) continue;

@@ -64,8 +64,8 @@ struct Surroundings {
     std::vector<Neighbours> neighbours;
 };
 Surroundings surroundings_of_root();
-// Of those children of the cells of a depth that `is_leaf` does not say (1) to be leaves; `beside` is that of the
-// cells. Without neighbours where nobody needs them.
+// The surroundings of the divided children of the cells of a depth. `is_leaf` has 1 for each child that is a leaf, in
+// order. `beside` are the surroundings of the cells, with neighbours; Cell::first of the cells must be set.
 Surroundings surroundings_below(const std::vector<Cell>& cells, const Surroundings& beside,
                                 const std::vector<uint8_t>& is_leaf, bool with_neighbours);
 

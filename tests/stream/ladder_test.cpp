@@ -27,7 +27,7 @@ TEST(Ladder, TakesWhatIsDecodedInTime) {
     stream::Ladder ladder;
     for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 1e-6);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kShFine);
-    // Of at most 8 frames at once, 60 KB take 6 s and more.
+    // Up to kShCoarse, planes take 4 s; even 8 frames at once leave 3.2 s for them.
     for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 0.1);
     EXPECT_EQ(ladder.choose(kGroup, std::nullopt), stream::kCoarse);
     for (int i = 0; i < 200; i++) ladder.learn_planes(1000, 1e-6);

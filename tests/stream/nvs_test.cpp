@@ -86,6 +86,35 @@ Slice half_changed(const Slice& slice, uint32_t frame) {
     return changed;
 }
 
+// Frames of several key frames, of which one may be damaged: that is told each time, and the others are decoded.
+TEST_F(NvsTest, ThreadsReadFramesOfSeveralKeyFrames) {
+    std::string damaged = bytes();
+    const stream::Index index = stream::Reader(path).index();
+    damaged[index.place_of(4, stream::kShape).offset] ^= 1;
+    for (const bool is_sound : {true, false}) {
+        if (!is_sound) overwrite(damaged);
+        stream::Reader reader(path);
+        std::atomic<size_t> wrong = 0;
+        std::vector<std::thread> threads;
+        for (uint32_t t = 0; t < 4; t++)
+            threads.emplace_back([&, t] {
+                Random random(t);
+                for (int i = 0; i < 100; i++) {
+                    const auto frame = static_cast<uint32_t>(random.below(7));
+                    const bool fails = !is_sound && frame >= 4 && index.key_of(frame) <= 4;
+                    try {
+                        const auto slice = reader.frame(frame);
+                        wrong += fails || slice->planes != decoded[frame].planes ? 1 : 0;
+                    } catch (const InputError&) {
+                        wrong += fails ? 0 : 1;
+                    }
+                }
+            });
+        for (std::thread& thread : threads) thread.join();
+        EXPECT_EQ(wrong, 0u) << (is_sound ? "sound" : "damaged");
+    }
+}
+
 TEST_F(NvsTest, ThreadsReadFramesThatNeedEachOther) {
     constexpr uint32_t kFrames = 60;
     stream::Steps steps;
