@@ -96,22 +96,25 @@ std::shared_ptr<const LoadedClip> ClipFiles::read_once(const voctree::ClipSegmen
     }
 }
 
-// What is being read holds memory for the copy to the device, too, which then is free again.
-void ClipFiles::wait_for_others() {
+// What is being read holds memory for the copy to the device, too, which then is free again. Frames that come from a
+// server may take longer, and hold none while they do. Returns whether there was something to wait for.
+bool ClipFiles::wait_for_others() {
     std::unique_lock lock(mutex_);
-    const auto others = being_read_;
+    std::vector<std::filesystem::path> others;
+    for (const auto& [file, stream] : being_read_)
+        if (!stream || !stream::is_address(stream->path())) others.push_back(file);
     changed_.wait_for(lock, std::chrono::seconds(1), [&] {
-        return std::ranges::none_of(others, [&](const auto& one) { return being_read_.contains(one.first); });
+        return std::ranges::none_of(others, [&](const auto& file) { return being_read_.contains(file); });
     });
+    return !others.empty();
 }
 
 std::shared_ptr<const LoadedClip> ClipFiles::read(const voctree::ClipSegment& segment) {
     try {
         return read_once(segment);
     } catch (const gpu::VulkanError& error) {
-        if (!error.out_of_memory()) throw;
+        if (!error.out_of_memory() || !wait_for_others()) throw;
     }
-    wait_for_others();
     return read_once(segment);
 }
 

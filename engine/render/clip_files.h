@@ -51,8 +51,9 @@ class ClipFiles {
     // The segment, if it is on the device and in use, also as a part of another clip, and its file has not changed
     // since; else null. A clip that is one file is a segment, too.
     std::shared_ptr<const LoadedClip> find(const voctree::ClipSegment& segment);
-    // The same, read now where it is not there. Throws InputError where read_segment does; RuntimeFailure where the
-    // device has no memory, nor when the files that the threads are reading are there, for a second at most.
+    // The same, read now where it is not there. Where the device has no memory, it waits up to a second for the files
+    // that others are reading, and tries once more. Throws InputError where read_segment does, RuntimeFailure where
+    // there still is no memory.
     std::shared_ptr<const LoadedClip> read(const voctree::ClipSegment& segment);
 
     // The paint of a segment that is on the device, for each of these lists of layers. What was read before is read
@@ -93,7 +94,7 @@ class ClipFiles {
     std::shared_ptr<const LoadedClip> begin_reading(const voctree::ClipSegment& segment, const FileStamp& stamp);
     void end_reading(const voctree::ClipSegment& segment, const std::shared_ptr<const LoadedClip>& whole);
     std::shared_ptr<const LoadedClip> read_once(const voctree::ClipSegment& segment);
-    void wait_for_others();
+    bool wait_for_others();
     void read_coarse(const voctree::ClipSegment& segment);
     bool read_in_time(const voctree::ClipSegment& segment);
     void read_one_ahead(const Wanted& wanted);
