@@ -77,7 +77,7 @@ struct Job {
     std::filesystem::path folder;  // of the job script and the logs
     std::string name;
     std::string task;               // the command of a task, without the program, as the shell reads it
-    std::vector<std::string> plan;  // the command that checks it before; empty: none is needed
+    std::vector<std::string> plan;  // the command that checks or plans it before; empty: none is needed
     // The exit code of a task that was told that its time is nearly over, and that has more to do.
     int unfinished_code = 0;
 };
@@ -88,7 +88,8 @@ std::string output_of(const std::vector<std::string>& command, const char* fix) 
     return *output;
 }
 
-// Of training, this writes the folder and the index of the clip, which all tasks then go on with.
+// The command with --plan. Of training, running it writes the folder and the index of the clip, with which all tasks
+// then go on.
 std::vector<std::string> with_plan(std::vector<std::string> command) {
     if (has(command, "--plan"))
         throw InputError("COMMAND", joined(command), "has --plan, which comes of itself", "leave it out");
@@ -109,11 +110,11 @@ Job training_job(const std::vector<std::string>& command) {
         if (value_of(command, {option}))
             throw InputError("COMMAND", joined(command), fmt::format("has {}, which is for one process", option),
                              "leave it out; tasks have logs");
-    std::vector<std::string> task = command, plan;
-    if (!has(command, "--resume")) {
+    std::vector<std::string> task = command, plan = with_plan(command);
+    if (has(command, "--resume"))
+        plan.clear();  // the clip is there
+    else
         task.emplace_back("--resume");
-        plan = with_plan(command);
-    }
     return {clip, clip.stem().string(), joined(task), plan, 0};
 }
 

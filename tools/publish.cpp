@@ -64,11 +64,11 @@ std::optional<int> largest_strength(const std::function<bool(int)>& keeps) {
     return best;
 }
 
-// Where frames repeat less than this share of their leaves, every fourth is a key frame. That takes a twentieth more
-// bytes where a tenth would be repeated, but players decode frames of several key frames at the same time, and jump
+// Where frames repeat less than this share of their leaves, every fourth is a key frame. Such a key frame takes 4 %
+// more bytes where it would repeat a tenth, but players decode frames of several key frames at the same time, and jump
 // there sooner.
 constexpr double kLittleRepeated = 0.2;
-constexpr uint32_t kFramesOfKey = 4;
+constexpr uint32_t kFramesBetweenKeys = 4;
 
 std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>& slices, int strength) {
     std::vector<stream::FrameSymbols> frames;
@@ -78,7 +78,7 @@ std::vector<stream::FrameSymbols> encode_group(const std::vector<stream::Slice>&
         before = std::move(decoded);
         std::optional<stream::FrameBefore> frame_before;
         if (i > 0) frame_before.emplace(stream::FrameBefore{slices[i - 1], before});
-        if (of_key >= kFramesOfKey) frame_before->least_repeated = kLittleRepeated;
+        if (of_key >= kFramesBetweenKeys) frame_before->least_repeated = kLittleRepeated;
         frames.push_back(stream::encode(slices[i], steps_of(strength), frame_before, decoded));
         of_key = frames.back().is_key ? 1 : of_key + 1;
     }

@@ -87,8 +87,10 @@ void add_run_options(Command verb, RenderOptions& options) {
                   "Go on with a render that was interrupted. Numbered images always can, by the record beside them "
                   "(X_render.json for X_%04d.png); a video can if it was begun so, and keeps its images beside it "
                   "until it is whole");
-    verb.add_flag("--plan", options.plan,
-                  "Check the options and what they name, say how many images there would be, and draw none");
+    verb.add_flag(
+        "--plan", options.plan,
+        "Check the options and what they name, make the output's folder, say how many images there would be, and "
+        "draw none");
     verb.add_flag("--capture", options.capture,
                   "Capture the first image with RenderDoc, and say where; needs `renderdoccmd capture neuvv render …`");
     verb.add_flag("--json", options.json,

@@ -84,10 +84,10 @@ std::string device_of(const CommonOptions& common);
 
 // Says what became of the part, whose images are all written; joins the parts of a video if no other is missing.
 // Returns the totals of a run that rendered nothing.
+RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part, media::ImageSize size, double fps);
 // What --plan says of a render. Throws InputError where its parts are more than its images.
 RenderTotals planned(const RenderOptions& options, const media::ImageOutput& output, uint32_t images,
                      media::ImageSize size, double fps);
-RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part, media::ImageSize size, double fps);
 
 // Renders the images of the part that the sink does not have yet, one after the other: `render` adds image i to it.
 // Throws RuntimeFailure where the user stops it.

@@ -53,6 +53,9 @@ TEST_F(Cli, AClusterIsGivenAScript) {
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show, "--segment", "2", "--steps",
                     "9", "--metrics", "log.jsonl"},
                    2, {"--metrics", "one process"});
+    expect_refused(
+        {"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show, "--resume", "--steps", "9", "--plan"}, 2,
+        {"--plan", "of itself"});
     std::filesystem::create_directory(show);
     const ProgramResult made =
         run_neuvv({"cluster", "sbatch", "--dry-run", "--tasks", "3", "--sbatch=--gres=gpu:1 --time=1:00:00", "--",
@@ -134,6 +137,10 @@ TEST_F(Cli, APlannedRenderSaysWhatItWouldBe) {
     EXPECT_GT(plan["images"], 1);
     EXPECT_EQ(plan["rendered"], 0);
     EXPECT_FALSE(std::filesystem::exists(file("turn.mp4")));
+    const ProgramResult numbered = run_neuvv({"render", scene, "-o", file("o_%04d.png"), "--size", "101x51", "--plan"});
+    ASSERT_EQ(numbered.code, 0) << numbered.err;
+    EXPECT_NE(numbered.out.find(" images of 101x51"), std::string::npos) << numbered.out;
+    EXPECT_EQ(numbered.out.find("rendered"), std::string::npos) << numbered.out;
 }
 
 TEST_F(Cli, EvalNamesTheMissingDataSet) {
