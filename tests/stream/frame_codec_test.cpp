@@ -111,6 +111,12 @@ TEST(FrameCodec, BlocksThatStayAreRepeated) {
         expect_same(decoded[i], frames.decoded[i]);
     }
     EXPECT_LT(error_of(decoded[2], moved, 1), 20);
+    // Where more should be repeated than is, it is a key frame.
+    stream::Steps steps;
+    steps.fill(20);
+    Slice any;
+    EXPECT_FALSE(stream::encode(moved, steps, stream::FrameBefore{first, decoded[1], 0.5}, any).is_key);
+    EXPECT_TRUE(stream::encode(moved, steps, stream::FrameBefore{first, decoded[1], 0.95}, any).is_key);
     EXPECT_THROW(stream::decode(frames.bytes[1], stream::kShFine, frames.tables, format, nullptr), std::runtime_error);
 }
 

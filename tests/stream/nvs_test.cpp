@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "reference/slice.h"
@@ -86,6 +87,19 @@ Slice half_changed(const Slice& slice, uint32_t frame) {
     return changed;
 }
 
+// Calls is_right(frame) for frames in random order, on four threads. Returns how often it was false.
+size_t count_wrong(uint32_t frames, const std::function<bool(uint32_t)>& is_right) {
+    std::atomic<size_t> wrong = 0;
+    std::vector<std::thread> threads;
+    for (uint32_t t = 0; t < 4; t++)
+        threads.emplace_back([&, t] {
+            Random random(t);
+            for (int i = 0; i < 100; i++) wrong += is_right(static_cast<uint32_t>(random.below(frames))) ? 0 : 1;
+        });
+    for (std::thread& thread : threads) thread.join();
+    return wrong;
+}
+
 // Frames of several key frames, of which one may be damaged: that is told each time, and the others are decoded.
 TEST_F(NvsTest, ThreadsReadFramesOfSeveralKeyFrames) {
     std::string damaged = bytes();
@@ -94,23 +108,14 @@ TEST_F(NvsTest, ThreadsReadFramesOfSeveralKeyFrames) {
     for (const bool is_sound : {true, false}) {
         if (!is_sound) overwrite(damaged);
         stream::Reader reader(path);
-        std::atomic<size_t> wrong = 0;
-        std::vector<std::thread> threads;
-        for (uint32_t t = 0; t < 4; t++)
-            threads.emplace_back([&, t] {
-                Random random(t);
-                for (int i = 0; i < 100; i++) {
-                    const auto frame = static_cast<uint32_t>(random.below(7));
-                    const bool fails = !is_sound && frame >= 4 && index.key_of(frame) <= 4;
-                    try {
-                        const auto slice = reader.frame(frame);
-                        wrong += fails || slice->planes != decoded[frame].planes ? 1 : 0;
-                    } catch (const InputError&) {
-                        wrong += fails ? 0 : 1;
-                    }
-                }
-            });
-        for (std::thread& thread : threads) thread.join();
+        const size_t wrong = count_wrong(7, [&](uint32_t frame) {
+            const bool fails = !is_sound && frame >= 4 && index.key_of(frame) <= 4;
+            try {
+                return reader.frame(frame)->planes == decoded[frame].planes && !fails;
+            } catch (const InputError&) {
+                return fails;
+            }
+        });
         EXPECT_EQ(wrong, 0u) << (is_sound ? "sound" : "damaged");
     }
 }
@@ -141,17 +146,8 @@ TEST_F(NvsTest, ThreadsReadFramesThatNeedEachOther) {
     for (const stream::FrameEntry& frame : reader.index().frames) keys += frame.is_key ? 1 : 0;
     ASSERT_EQ(keys, 1u);
     EXPECT_EQ(reader.frame(kFrames - 1)->planes, shown.back().planes) << "far behind the key frame";
-    std::atomic<size_t> wrong = 0;
-    std::vector<std::thread> threads;
-    for (uint32_t t = 0; t < 4; t++)
-        threads.emplace_back([&, t] {
-            Random random(t);
-            for (int i = 0; i < 40; i++) {
-                const auto frame = static_cast<uint32_t>(random.below(kFrames));
-                wrong += reader.frame(frame)->planes == shown[frame].planes ? 0 : 1;
-            }
-        });
-    for (std::thread& thread : threads) thread.join();
+    const size_t wrong =
+        count_wrong(kFrames, [&](uint32_t frame) { return reader.frame(frame)->planes == shown[frame].planes; });
     EXPECT_EQ(wrong, 0u);
 }
 
