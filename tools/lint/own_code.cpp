@@ -1,0 +1,38 @@
+// A plugin of clang-tidy 14: keeps all checks to declarations outside system headers, which halves the time of the
+// lint. Without it, clang-tidy matches every check against the standard library and whatever else a file includes, and
+// then drops what it found there. tools/check compiles and loads it.
+#include <clang-tidy/ClangTidyCheck.h>
+#include <clang-tidy/ClangTidyModule.h>
+#include <clang-tidy/ClangTidyModuleRegistry.h>
+#include <clang/AST/ASTContext.h>
+#include <clang/ASTMatchers/ASTMatchFinder.h>
+
+namespace {
+
+// It matches the translation unit itself, which is visited first, and narrows what is visited after it.
+class OwnCode : public clang::tidy::ClangTidyCheck {
+  public:
+    using ClangTidyCheck::ClangTidyCheck;
+    void registerMatchers(clang::ast_matchers::MatchFinder* finder) override {
+        finder->addMatcher(clang::ast_matchers::translationUnitDecl().bind("unit"), this);
+    }
+    void check(const clang::ast_matchers::MatchFinder::MatchResult& result) override {
+        std::vector<clang::Decl*> own;
+        for (clang::Decl* declaration : result.Context->getTranslationUnitDecl()->decls()) {
+            const clang::SourceLocation at = declaration->getLocation();
+            if (at.isValid() && !result.SourceManager->isInSystemHeader(at)) own.push_back(declaration);
+        }
+        result.Context->setTraversalScope(own);
+    }
+};
+
+class Module : public clang::tidy::ClangTidyModule {
+  public:
+    void addCheckFactories(clang::tidy::ClangTidyCheckFactories& factories) override {
+        factories.registerCheck<OwnCode>("neuvv-own-code");
+    }
+};
+
+const clang::tidy::ClangTidyModuleRegistry::Add<Module> kModule("neuvv", "Keeps checks to code outside system headers");
+
+}  // namespace
