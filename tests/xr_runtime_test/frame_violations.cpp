@@ -10,7 +10,7 @@ XrResult begin_without_waiting(Application& app) {
     return xrBeginFrame(app.session, nullptr);
 }
 
-XrResult end_without_beginning(Application& app) {
+XrResult end_frame_without_beginning(Application& app) {
     app.begin_session();
     app.prepare_frame();
     check(app.end_frame(), "xrEndFrame");
@@ -23,13 +23,13 @@ XrResult wait(Application& app) {
 }
 
 // Once the same thread has waited for a frame and begun it, the runtime knows that the application has one thread.
-XrResult wait_twice(Application& app) {
+XrResult wait_for_frame_twice(Application& app) {
     app.make_focused();
     check(wait(app), "xrWaitFrame");
     return wait(app);
 }
 
-XrResult begin_twice(Application& app) {
+XrResult begin_frame_twice(Application& app) {
     app.begin_session();
     app.prepare_frame();
     check(wait(app), "xrWaitFrame");
@@ -130,9 +130,9 @@ std::vector<Violation> frame_violations() {
     const Severity warning = Severity::kWarning;
     return {
         {"BegunWithoutWaiting", "frame-order", "xrBeginFrame", out_of_order, begin_without_waiting},
-        {"EndedWithoutBeginning", "frame-order", "xrEndFrame", out_of_order, end_without_beginning},
-        {"WaitedForTwice", "frame-order", "xrWaitFrame", XR_ERROR_RUNTIME_FAILURE, wait_twice},
-        {"BegunTwice", "frame-order", "xrBeginFrame", XR_FRAME_DISCARDED, begin_twice, warning},
+        {"EndedWithoutBeginning", "frame-order", "xrEndFrame", out_of_order, end_frame_without_beginning},
+        {"WaitedForTwice", "frame-order", "xrWaitFrame", XR_ERROR_RUNTIME_FAILURE, wait_for_frame_twice},
+        {"BegunTwice", "frame-order", "xrBeginFrame", XR_FRAME_DISCARDED, begin_frame_twice, warning},
         {"NeverPolled", "events", "xrWaitFrame", XR_SUCCESS, never_poll},
         {"EndedForAnotherTime", "display-time", "xrEndFrame", XR_SUCCESS, [](App& app) { return end_at(app, 1); }},
         {"EndedBeforeAllTime", "time", "xrEndFrame", XR_ERROR_TIME_INVALID, end_before_all_time},

@@ -96,10 +96,10 @@ void empty_rectangle(Frame& frame) {
 void layer_beyond_the_array(Frame& frame) {
     frame.quad.subImage.imageArrayIndex = 1;
 }
-void depth_as_colour(Frame& frame) {
+void layer_of_depth_as_colour(Frame& frame) {
     frame.quad.subImage.swapchain = frame.depth[0].subImage.swapchain;
 }
-void colour_as_depth(Frame& frame) {
+void layer_of_colour_as_depth(Frame& frame) {
     frame.depth[0].subImage.swapchain = frame.eyes[0].subImage.swapchain;
 }
 
@@ -211,8 +211,8 @@ std::vector<Violation> layer_violations() {
         {"RectangleBefore", "swapchain-rect", call, XR_ERROR_SWAPCHAIN_RECT_INVALID, send<rectangle_before>},
         {"EmptyRectangle", "swapchain-rect", call, XR_ERROR_SWAPCHAIN_RECT_INVALID, send<empty_rectangle>},
         {"BeyondTheArray", "swapchain-array", call, invalid, send<layer_beyond_the_array>},
-        {"DepthAsColour", "swapchain-format", call, no_layer, send<depth_as_colour>},
-        {"ColourAsDepth", "swapchain-format", call, no_layer, send<colour_as_depth>},
+        {"DepthAsColour", "swapchain-format", call, no_layer, send<layer_of_depth_as_colour>},
+        {"ColourAsDepth", "swapchain-format", call, no_layer, send<layer_of_colour_as_depth>},
         {"ImageThatWasNeverDrawn", "swapchain-image", call, no_layer, image_that_was_never_drawn},
         {"ImageThatIsNotReleased", "swapchain-image", call, XR_SUCCESS, image_that_is_not_released},
         {"DepthThatIsNoAttachment", "swapchain-usage", call, XR_SUCCESS, depth_that_is_no_attachment},

@@ -206,10 +206,10 @@ TEST_P(Liberties, MayBeTaken) {
     EXPECT_EQ(report["warnings"], json::array());
 }
 
-std::string name_of(const testing::TestParamInfo<Liberty>& info) {
+std::string liberty_name(const testing::TestParamInfo<Liberty>& info) {
     return info.param.name;
 }
-INSTANTIATE_TEST_SUITE_P(Application, Liberties, testing::ValuesIn(liberties()), name_of);
+INSTANTIATE_TEST_SUITE_P(Application, Liberties, testing::ValuesIn(liberties()), liberty_name);
 
 }  // namespace
 }  // namespace neuvv::test

@@ -219,10 +219,10 @@ TEST_P(WrongScripts, AreOneClearLine) {
     EXPECT_NE(line.find(std::string("script.json: ") + GetParam().place), std::string::npos) << line;
 }
 
-std::string name_of(const testing::TestParamInfo<WrongScript>& info) {
+std::string script_name(const testing::TestParamInfo<WrongScript>& info) {
     return info.param.name;
 }
-INSTANTIATE_TEST_SUITE_P(Script, WrongScripts, testing::ValuesIn(kWrongScripts), name_of);
+INSTANTIATE_TEST_SUITE_P(Script, WrongScripts, testing::ValuesIn(kWrongScripts), script_name);
 
 TEST(Script, ThatIsMissingIsOneClearLine) {
     Application app;

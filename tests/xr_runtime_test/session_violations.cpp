@@ -8,7 +8,7 @@ namespace {
 
 constexpr XrSessionBeginInfo kBegin = {XR_TYPE_SESSION_BEGIN_INFO, nullptr, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO};
 
-XrResult begin_twice(Application& app) {
+XrResult begin_session_twice(Application& app) {
     app.begin_session();
     return xrBeginSession(app.session, &kBegin);
 }
@@ -21,7 +21,7 @@ XrResult begin_after_the_end(Application& app) {
     return xrBeginSession(app.session, &kBegin);
 }
 
-XrResult end_without_beginning(Application& app) {
+XrResult end_session_without_beginning(Application& app) {
     app.make_session();
     return xrEndSession(app.session);
 }
@@ -223,10 +223,10 @@ std::vector<Violation> session_violations() {
     const XrResult invalid = XR_ERROR_VALIDATION_FAILURE;
     const auto hidden = XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR;
     return {
-        {"BegunTwice", "session-state", "xrBeginSession", XR_ERROR_SESSION_RUNNING, begin_twice},
+        {"BegunTwice", "session-state", "xrBeginSession", XR_ERROR_SESSION_RUNNING, begin_session_twice},
         {"BegunAfterTheEnd", "session-state", "xrBeginSession", XR_ERROR_SESSION_NOT_READY, begin_after_the_end},
         {"EndedBeforeTheBeginning", "session-state", "xrEndSession", XR_ERROR_SESSION_NOT_RUNNING,
-         end_without_beginning},
+         end_session_without_beginning},
         {"EndedWhileShown", "session-state", "xrEndSession", XR_ERROR_SESSION_NOT_STOPPING, end_while_shown},
         {"LeftBeforeTheBeginning", "session-state", "xrRequestExitSession", XR_ERROR_SESSION_NOT_RUNNING,
          leave_without_beginning},

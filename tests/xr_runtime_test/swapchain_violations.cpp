@@ -96,7 +96,7 @@ XrResult wait_without_acquiring(Application& app) {
     return xrWaitSwapchainImage(app.panel, &kWait);
 }
 
-XrResult wait_twice(Application& app) {
+XrResult wait_for_image_twice(Application& app) {
     app.make_session();
     acquire(app.panel);
     wait(app.panel);
@@ -177,7 +177,7 @@ std::vector<Violation> swapchain_violations() {
         {"TwoAcquired", "swapchain-order", "xrAcquireSwapchainImage", XR_SUCCESS, acquire_two, warning},
         {"StaticAcquiredAgain", "swapchain-order", "xrAcquireSwapchainImage", out_of_order, acquire_static_again},
         {"WaitedWithoutAcquiring", "swapchain-order", "xrWaitSwapchainImage", out_of_order, wait_without_acquiring},
-        {"WaitedTwice", "swapchain-order", "xrWaitSwapchainImage", out_of_order, wait_twice},
+        {"WaitedTwice", "swapchain-order", "xrWaitSwapchainImage", out_of_order, wait_for_image_twice},
         {"WaitedLessThanNothing", "time", "xrWaitSwapchainImage", invalid, wait_less_than_nothing},
         {"ReleasedWithoutAcquiring", "swapchain-order", "xrReleaseSwapchainImage", out_of_order,
          release_without_acquiring},

@@ -39,18 +39,18 @@ TEST_P(Violations, IsAnsweredAndReported) {
     EXPECT_EQ(report["destroyed_cleanly"], true);
 }
 
-std::string name_of(const testing::TestParamInfo<Violation>& info) {
+std::string violation_name(const testing::TestParamInfo<Violation>& info) {
     return info.param.name;
 }
-INSTANTIATE_TEST_SUITE_P(Setup, Violations, testing::ValuesIn(setup_violations()), name_of);
-INSTANTIATE_TEST_SUITE_P(Struct, Violations, testing::ValuesIn(struct_violations()), name_of);
-INSTANTIATE_TEST_SUITE_P(Parameter, Violations, testing::ValuesIn(parameter_violations()), name_of);
-INSTANTIATE_TEST_SUITE_P(Session, Violations, testing::ValuesIn(session_violations()), name_of);
-INSTANTIATE_TEST_SUITE_P(Frame, Violations, testing::ValuesIn(frame_violations()), name_of);
-INSTANTIATE_TEST_SUITE_P(Layer, Violations, testing::ValuesIn(layer_violations()), name_of);
-INSTANTIATE_TEST_SUITE_P(Swapchain, Violations, testing::ValuesIn(swapchain_violations()), name_of);
-INSTANTIATE_TEST_SUITE_P(Action, Violations, testing::ValuesIn(action_violations()), name_of);
-INSTANTIATE_TEST_SUITE_P(Input, Violations, testing::ValuesIn(input_violations()), name_of);
+INSTANTIATE_TEST_SUITE_P(Setup, Violations, testing::ValuesIn(setup_violations()), violation_name);
+INSTANTIATE_TEST_SUITE_P(Struct, Violations, testing::ValuesIn(struct_violations()), violation_name);
+INSTANTIATE_TEST_SUITE_P(Parameter, Violations, testing::ValuesIn(parameter_violations()), violation_name);
+INSTANTIATE_TEST_SUITE_P(Session, Violations, testing::ValuesIn(session_violations()), violation_name);
+INSTANTIATE_TEST_SUITE_P(Frame, Violations, testing::ValuesIn(frame_violations()), violation_name);
+INSTANTIATE_TEST_SUITE_P(Layer, Violations, testing::ValuesIn(layer_violations()), violation_name);
+INSTANTIATE_TEST_SUITE_P(Swapchain, Violations, testing::ValuesIn(swapchain_violations()), violation_name);
+INSTANTIATE_TEST_SUITE_P(Action, Violations, testing::ValuesIn(action_violations()), violation_name);
+INSTANTIATE_TEST_SUITE_P(Input, Violations, testing::ValuesIn(input_violations()), violation_name);
 
 // Not in the tables, as the runtime also warns of a second acquired image.
 TEST(Swapchain, GivesNoMoreImagesThanItHas) {

@@ -90,7 +90,7 @@ void time_step(std::vector<double>& steps, Call&& call) {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point begin = Clock::now();
     call();
-    steps.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    steps.push_back(milliseconds_since(begin));
 }
 
 // What Coach::update does, part by part, to be timed.
@@ -247,7 +247,7 @@ nlohmann::ordered_json json_of_steps(const Steps& steps) {
             {"added_ms", median(steps.all)}};
 }
 
-void run(const CoachOptions& options, const tools::CommonOptions& common) {
+void run_coach(const CoachOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     Lesson lesson(options);
     const gpu::Device device(common.device);
@@ -286,7 +286,7 @@ void add_coach(tools::Command app, const tools::CommonOptions& common) {
          "either order. The time that a\npacket waits for the next frame is not in it.\n",
          {"build/performer.nvv --against tools/performer/trainee.glb", "build/performer.nvv --packets 216000"},
          "A stage or a .nvv whose performer has a skeleton"},
-        run);
+        run_coach);
     verb.add_option("--against", options.against,
                     "The trainee's motion, as of `neuvv coach` (default: the trainer's, left and right exchanged)");
     verb.add_option("--performer", options.performer, "The trainer's name (default: the first with a skeleton)");

@@ -230,8 +230,7 @@ void measure_host(const gpu::Device& device, const render::Field& field, const r
         const auto start = std::chrono::steady_clock::now();
         rays = march_on_host(slice, ranges, camera, render::kStopTransmittance, host.counts);
         host.images++;
-        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-        host.ms.push_back(took.count());
+        host.ms.push_back(milliseconds_since(start));
     }
     const std::vector<glm::vec4> truth = renderer.radiance();
     for (size_t i = 0; i < rays.size(); i++)

@@ -42,10 +42,6 @@ struct EditCost {
     }
 };
 
-double milliseconds_since(Clock::time_point from) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
-}
-
 // Adds a wavy square whose positions, normals and indices take about so many bytes, in a data URI.
 void add_terrain(ordered_json& json, double bytes) {
     constexpr double kBytesAVertex = 48;  // two vectors, and six indices of two triangles
@@ -147,7 +143,7 @@ void print(const char* name, const EditCost& cost) {
                tools::size_text(cost.history_bytes));
 }
 
-void run(const EditOptions& options) {
+void run_edit(const EditOptions& options) {
     const EditCost empty = measure(0, options.steps), large = measure(options.megabytes * 1e6, options.steps);
     const double ratio = median(large.total_ms()) / median(empty.total_ms());
     if (options.json) {
@@ -184,7 +180,7 @@ void add_edit(tools::Command app, const tools::CommonOptions&) {
          "memory that undoing all steps needs beyond\nthe document. The large stage has a mesh in a data "
          "URI. No device is used.",
          tools::kExamplesHead, "  neuvv-bench edit\n  neuvv-bench edit --megabytes 10 --json"});
-    verb.callback([options] { run(*options); });
+    verb.callback([options] { run_edit(*options); });
 }
 
 }  // namespace neuvv::bench

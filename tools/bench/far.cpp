@@ -161,7 +161,7 @@ std::vector<double> crowd_ms(Scene& scene, const FarOptions& options, bool far_l
     return ms;
 }
 
-struct Result {
+struct FarResult {
     std::vector<Footprint> footprints;
     Switches switches;
     std::vector<double> crowd[2];
@@ -170,8 +170,8 @@ struct Result {
     std::vector<uint32_t> leaves;  // of each level
 };
 
-Result measure(const gpu::Device& device, const voctree::VOctree& tree, const FarOptions& options) {
-    Result result;
+FarResult measure(const gpu::Device& device, const voctree::VOctree& tree, const FarOptions& options) {
+    FarResult result;
     render::Field field;
     for (const int with : {0, 1}) {
         field = {};  // frees the memory of the one before
@@ -179,8 +179,7 @@ Result measure(const gpu::Device& device, const voctree::VOctree& tree, const Fa
         const auto start = std::chrono::steady_clock::now();
         field = with ? render::upload_far_levels(device, tree)
                      : render::upload_field(device, tree, render::WeightPrecision::kHalf);
-        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-        result.upload_ms[with] = took.count();
+        result.upload_ms[with] = milliseconds_since(start);
         result.bytes[with] = device.buffer_bytes() - before;
         if (!with) continue;
         result.leaves.push_back(field.leaf_count);
@@ -194,7 +193,7 @@ Result measure(const gpu::Device& device, const voctree::VOctree& tree, const Fa
     return result;
 }
 
-void print(const Result& result, const gpu::Device& device, const FarOptions& options) {
+void print(const FarResult& result, const gpu::Device& device, const FarOptions& options) {
     fmt::print("{}: {}, {}; levels of {} leaves\n", device.summary().name, options.scene, options.size,
                fmt::join(result.leaves, ", "));
     fmt::print("{:<10} {:>6} {:>18} {:>20} {:>22}\n", "image", "level", "PSNR, dB", "SSIM", "flicker of 255");
@@ -215,7 +214,7 @@ void print(const Result& result, const gpu::Device& device, const FarOptions& op
                static_cast<double>(result.bytes[1]) / 1048576);
 }
 
-nlohmann::ordered_json json_of(const Result& result, const FarOptions& options) {
+nlohmann::ordered_json json_of(const FarResult& result, const FarOptions& options) {
     nlohmann::ordered_json footprints = nlohmann::ordered_json::array();
     for (const Footprint& one : result.footprints)
         footprints.push_back({{"divisor", one.divisor},
@@ -233,11 +232,11 @@ nlohmann::ordered_json json_of(const Result& result, const FarOptions& options) 
             {"bytes", result.bytes}};
 }
 
-void run(const FarOptions& options, const tools::CommonOptions& common) {
+void run_far(const FarOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
-    const Result result = measure(device, tree, options);
+    const FarResult result = measure(device, tree, options);
     expect_not_stopped();
     report(options, device, json_of(result, options), [&] { print(result, device, options); });
 }
@@ -253,7 +252,7 @@ void add_far(tools::Command app, const tools::CommonOptions& common) {
          "levels, and prints how near they come to 64 rays a pixel, how much more they change than those as the camera "
          "turns, what a switch of levels changes, and the time of a crowd, whose slices are built for each image.\n",
          {"build/performer.nvv", "build/performer.nvv --size 480x480 --count 16"}},
-        run);
+        run_far);
     verb.add_option("--count", options.count, "Performers of the crowd")
         .in_range(1u, render::kMaxInstances)
         .show_default();

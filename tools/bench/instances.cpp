@@ -80,7 +80,7 @@ Drawn draw(const gpu::Device& device, const render::Field& field, const Instance
     return drawn;
 }
 
-struct Result {
+struct InstancesResult {
     Drawn one, all;  // `one`: each copy alone
     uint32_t count = 1;
     uint64_t field_bytes = 0;
@@ -94,10 +94,10 @@ struct Result {
     }
 };
 
-Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const InstancesOptions& options) {
+InstancesResult measure_all(const gpu::Device& device, const voctree::VOctree& tree, const InstancesOptions& options) {
     const uint64_t before = device.buffer_bytes();
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
-    Result result;
+    InstancesResult result;
     result.field_bytes = device.buffer_bytes() - before;
     const auto box = voctree::occupied_box(tree);
     const std::vector<render::Instance> copies = copies_of(tree, box, options.count);
@@ -113,7 +113,7 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     return result;
 }
 
-void print(const Result& result, const gpu::Device& device, const InstancesOptions& options) {
+void print(const InstancesResult& result, const gpu::Device& device, const InstancesOptions& options) {
     fmt::print("{}: {}, {}, slices of at most {:.0f} MiB\n", device.summary().name, options.scene, options.size,
                options.slice_budget_mb);
     fmt::print("{:<18} {:>10} {:>14} {:>16} {:>14}\n", "instances", "ms (mean)", "covered rays", "with a slice", "MiB");
@@ -129,7 +129,7 @@ void print(const Result& result, const gpu::Device& device, const InstancesOptio
                (static_cast<double>(result.all.buffer_bytes) - static_cast<double>(result.one.buffer_bytes)) / 1048576);
 }
 
-nlohmann::ordered_json json_of(const Result& result, const InstancesOptions& options) {
+nlohmann::ordered_json json_of(const InstancesResult& result, const InstancesOptions& options) {
     const auto drawn_json = [&](const Drawn& drawn, uint32_t frames) {
         return nlohmann::ordered_json{{"ms", mean(drawn.ms)},
                                       {"covered_rays", drawn.covered / frames},
@@ -144,12 +144,12 @@ nlohmann::ordered_json json_of(const Result& result, const InstancesOptions& opt
             {"memory_ratio", result.memory_ratio()}};
 }
 
-void run(const InstancesOptions& options, const tools::CommonOptions& common) {
+void run_instances(const InstancesOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     if (!options.image.empty()) prepare_output_file("--image", options.image);
     const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
-    const Result result = measure_all(device, tree, options);
+    const InstancesResult result = measure_all(device, tree, options);
     expect_not_stopped();
     if (!options.image.empty()) media::write_png(options.image, result.all.image);
     report(options, device, json_of(result, options), [&] { print(result, device, options); });
@@ -165,7 +165,7 @@ void add_instances(tools::Command app, const tools::CommonOptions& common) {
          "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
          "covered rays and device memory of both.\n",
          {"build/performer.nvv", "build/performer.nvv --count 32 --slice-budget 0"}},
-        run);
+        run_instances);
     verb.add_option("--count", options.count, "Copies, each turned and at its own time")
         .in_range(2u, render::kMaxInstances)
         .show_default();

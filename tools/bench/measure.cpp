@@ -120,6 +120,10 @@ double mean(const std::vector<double>& values) {
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
+double milliseconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
 void Differences::add(const media::Image& truth, const media::Image& image) {
     const training::Quality quality = training::compare(truth, image);
     absolute.push_back(quality.mae);

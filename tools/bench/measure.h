@@ -2,6 +2,7 @@
 // help and callback.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -71,6 +72,7 @@ inline double median(std::vector<double> values) {
     return quantile(std::move(values), 0.5);
 }
 double mean(const std::vector<double>& values);  // 0 of no values
+double milliseconds_since(std::chrono::steady_clock::time_point begin);
 
 // To be called before something is timed: calls `draw` for a second, at least once, and returns how often. Caches fill,
 // pipelines are compiled, and GPUs raise the clocks that they lowered while the host compared images.

@@ -79,7 +79,7 @@ void print(const char* name, const Opening& opening) {
 }
 
 // Both openings; `first` is missing where the file has no coarse tree.
-struct Result {
+struct OpenResult {
     uint64_t file_bytes = 0;
     std::optional<Opening> first;
     Opening whole;
@@ -87,7 +87,7 @@ struct Result {
     double psnr() const { return first ? training::compare(whole.image, first->image).psnr : 99; }
 };
 
-nlohmann::ordered_json json_of(const Result& result) {
+nlohmann::ordered_json json_of(const OpenResult& result) {
     return {{"bytes", result.file_bytes},
             {"first", result.first ? json_of(*result.first) : nlohmann::ordered_json()},
             {"whole", json_of(result.whole)},
@@ -95,7 +95,7 @@ nlohmann::ordered_json json_of(const Result& result) {
             {"psnr_db", result.psnr()}};
 }
 
-void print(const Result& result, const gpu::Device& device, const OpenOptions& options) {
+void print(const OpenResult& result, const gpu::Device& device, const OpenOptions& options) {
     fmt::print("{}: {}, {}, images of {}\n", device.summary().name, options.scene, tools::size_text(result.file_bytes),
                options.size);
     fmt::print("{:<12} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "seconds", "leaves", "total", "read", "checks",
@@ -112,7 +112,7 @@ void print(const Result& result, const gpu::Device& device, const OpenOptions& o
 
 constexpr double kBytesPerLeaf = 282;  // in the compressed file
 constexpr double kThickness = 8;       // of the ball's shell, in leaves
-constexpr uint32_t kFrames = kMaxBases;
+constexpr uint32_t kSyntheticFrames = kMaxBases;
 
 // Random bits, the same for the same leaf and weight (the mixing function of splitmix64).
 uint64_t noise(uint64_t leaf, uint64_t weight) {
@@ -158,10 +158,10 @@ voctree::VOctree synthetic_scene(double megabytes) {
     tree.node_levels = (depth + 1) / 2;
     tree.box_min = glm::vec3(-1);
     tree.box_size = glm::vec3(2);
-    tree.bases = tree.frames = kFrames;
+    tree.bases = tree.frames = kSyntheticFrames;
     tree.hh_degree = 1;
-    tree.sigma_basis.assign(size_t{kFrames} * kFrames, 0.0f);
-    for (size_t t = 0; t < kFrames; t++) tree.sigma_basis[t * kFrames + t] = 1;
+    tree.sigma_basis.assign(size_t{kSyntheticFrames} * kSyntheticFrames, 0.0f);
+    for (size_t t = 0; t < kSyntheticFrames; t++) tree.sigma_basis[t * kSyntheticFrames + t] = 1;
     tree.gamma_basis = tree.sigma_basis;
     std::vector<voctree::LeafPosition> positions = shell(depth, radius);
     const auto before = [&](const voctree::LeafPosition& a, const voctree::LeafPosition& b) {
@@ -172,12 +172,12 @@ voctree::VOctree synthetic_scene(double megabytes) {
     parallel_for(positions.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; i++) {
             float* leaf = tree.leaf(static_cast<uint32_t>(i));
-            for (uint32_t w = 0; w < 2 * kFrames; w++) leaf[w] = any_half(noise(i, w));
-            for (uint32_t w = 2 * kFrames; w < tree.weights_per_leaf(); w++)
+            for (uint32_t w = 0; w < 2 * kSyntheticFrames; w++) leaf[w] = any_half(noise(i, w));
+            for (uint32_t w = 2 * kSyntheticFrames; w < tree.weights_per_leaf(); w++)
                 leaf[w] = static_cast<float>(static_cast<int64_t>(noise(i, w))) * 0x1p-64f;
             const uint32_t band = positions[i].y * 16 >> depth, side = positions[i].x * 16 >> depth;
             for (uint32_t channel = 0; channel < 3; channel++)
-                leaf[2 * kFrames + channel * hh_count(1)] += ((band + side * channel) & 1) ? 8.0f : -8.0f;
+                leaf[2 * kSyntheticFrames + channel * hh_count(1)] += ((band + side * channel) & 1) ? 8.0f : -8.0f;
         }
     });
     return tree;
@@ -197,14 +197,14 @@ bool has_coarse_tree(const std::string& scene) {
     return summary.chunks.size() > 1 && summary.chunks[1].name == "hEAD";
 }
 
-void run(const OpenOptions& options, const tools::CommonOptions& common) {
+void run_open(const OpenOptions& options, const tools::CommonOptions& common) {
     const media::ImageSize size = tools::parse_size(options.size);
     if (!options.images.empty()) prepare_output_folder("--images", options.images);
     if (options.synthetic_megabytes > 0) write_synthetic(options);
     const bool has_coarse = has_coarse_tree(options.scene);
     const gpu::Device device(common.device);
     std::optional<tools::ViewStep> view;
-    Result result{std::filesystem::file_size(options.scene), {}, {}};
+    OpenResult result{std::filesystem::file_size(options.scene), {}, {}};
     if (has_coarse)
         result.first = open(
             device, [&] { return *voctree::read_nvv_coarse(options.scene); }, view, size);
@@ -230,7 +230,7 @@ void add_open(tools::Command app, const tools::CommonOptions& common) {
                   "included). Finding the device is not counted. The system's cache\nof files is used as it is, and "
                   "the coarse opening, which is first, also compiles the pipelines. ",
                   {"build/performer.nvv", "build/large.nvv --synthetic 1000"}},
-                 run);
+                 run_open);
     verb.add_option("--synthetic", options.synthetic_megabytes,
                     "First write a made-up scene of about so many MB there; it stays. 1000 MB are about what devices "
                     "hold in one "

@@ -24,11 +24,7 @@ struct PlayOptions : BenchOptions {
     double seconds = 20, seek_every_s = 4;
 };
 
-double milliseconds_since(Clock::time_point begin) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
-
-struct Result {
+struct PlayResult {
     FrameTimes times;             // latency: from the clock to the image
     std::vector<double> seek_ms;  // from a seek to the first image that shows the performer at its time
     uint64_t frames = 0, missed = 0, held_images = 0;
@@ -43,7 +39,7 @@ void sleep_until(Clock::time_point begin, double after_s) {
 
 // Plays from one seek to the next, an image for each frame that is due.
 void play_from(double from_s, double until_s, const stage::Stage& stage, const stage::Camera& camera,
-               render::StageRenderer& renderer, Result& result, uint64_t& bytes) {
+               render::StageRenderer& renderer, PlayResult& result, uint64_t& bytes) {
     const Clock::time_point begin = Clock::now();
     bool waiting = true;
     int64_t last_frame = -1;
@@ -72,15 +68,15 @@ void play_from(double from_s, double until_s, const stage::Stage& stage, const s
     result.frames += static_cast<uint64_t>(last_frame + 1);
 }
 
-Result measure(const gpu::Device& device, const stage::Stage& stage, const PlayOptions& options) {
+PlayResult measure(const gpu::Device& device, const stage::Stage& stage, const PlayOptions& options) {
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
     const media::ImageSize size = tools::parse_size(options.size);
     const stage::Camera camera = stage::camera_of(stage, "camera", stage::stage_at(stage, 0), size.width, size.height);
     std::mt19937 random(1);
     const double clip_s = stage.clips[0].frames / stage.clips[0].fps;
-    Result result;
+    PlayResult result;
     uint64_t warm_up_bytes = 0;
-    Result warm_up;  // pipelines are compiled
+    PlayResult warm_up;  // pipelines are compiled
     play_from(0, 0.1, stage, camera, renderer, warm_up, warm_up_bytes);
     tools::Progress progress("seconds", static_cast<uint64_t>(options.seconds));
     for (double done_s = 0; done_s < options.seconds && !stop_requested(); done_s += options.seek_every_s) {
@@ -96,7 +92,7 @@ double mebibytes(uint64_t bytes) {
     return static_cast<double>(bytes) / 1048576;
 }
 
-void print(const Result& result, const gpu::Device& device, const PlayOptions& options) {
+void print(const PlayResult& result, const gpu::Device& device, const PlayOptions& options) {
     fmt::print("{}: {}, {}\n", device.summary().name, options.scene, options.size);
     fmt::print(
         "{} frames, of which {} were missed; in {} of {} images the performer was held, in {} not all of it was "
@@ -112,7 +108,7 @@ void print(const Result& result, const gpu::Device& device, const PlayOptions& o
         mebibytes(result.early_bytes), mebibytes(result.late_bytes), mebibytes(peak_memory_bytes()));
 }
 
-nlohmann::ordered_json json_of(const Result& result) {
+nlohmann::ordered_json json_of(const PlayResult& result) {
     nlohmann::ordered_json facts{{"frames", result.frames},
                                  {"missed", result.missed},
                                  {"images", result.times.latency.size()},
@@ -129,11 +125,11 @@ nlohmann::ordered_json json_of(const Result& result) {
     return facts;
 }
 
-void run(const PlayOptions& options, const tools::CommonOptions& common) {
+void run_play(const PlayOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const stage::Stage stage = stage_of_copies(options.scene, 1, 0);
     const gpu::Device device(common.device);
-    const Result result = measure(device, stage, options);
+    const PlayResult result = measure(device, stage, options);
     expect_not_stopped();
     report(options, device, json_of(result), [&] { print(result, device, options); });
 }
@@ -150,7 +146,7 @@ void add_play(tools::Command app, const tools::CommonOptions& common) {
                                      "there after a seek, and memory.\n",
                                      {"build/performer.nvv", "show.nvv --seconds 3600 --seek-every 10"},
                                      "A .nvv, in segments or not"},
-                                    run);
+                                    run_play);
     add_size_option(verb, options);
     verb.add_option("--seconds", options.seconds, "How long it plays").number_between(0.1, 1e6).show_default();
     verb.add_option("--seek-every", options.seek_every_s, "Seconds from one seek to the next")

@@ -35,14 +35,14 @@ struct Path {
     double p99_ms(double slices) const { return slices * median(slice_ms) + quantile(rest_ms, 0.99); }
 };
 
-double milliseconds(const std::vector<gpu::PassTime>& passes, bool of_slice) {
+double part_ms(const std::vector<gpu::PassTime>& passes, bool of_slice) {
     double sum = 0;
     for (const gpu::PassTime& pass : passes)
         if (pass.name != kReadbackPass && pass.name.starts_with("slice") == of_slice) sum += pass.milliseconds;
     return sum;
 }
 
-struct Result {
+struct RenderResult {
     std::vector<Path> paths;
     std::vector<PassSum> passes;  // of the shaded images
     HostTimes host;
@@ -87,14 +87,14 @@ constexpr uint32_t kCallsOfFastPath = 20;  // in a second
 
 // Adds to the times of a path; returns the last image.
 media::Image measure(Renderers& renderers, Path& path, const tools::ViewStep& view, uint32_t repeats,
-                     uint32_t repeats_if_slow, Result& result) {
+                     uint32_t repeats_if_slow, RenderResult& result) {
     // Paths without a slice take seconds on some devices.
     if (warm_up([&] { draw(renderers, path, view); }) < kCallsOfFastPath) repeats = std::min(repeats, repeats_if_slow);
     const auto* mode = std::get_if<render::TraceMode>(&path.mode);
     for (uint32_t i = 0; i < repeats && !stop_requested(); i++) {
         const std::vector<gpu::PassTime> passes = draw(renderers, path, view);
-        path.slice_ms.push_back(milliseconds(passes, true));
-        path.rest_ms.push_back(milliseconds(passes, false));
+        path.slice_ms.push_back(part_ms(passes, true));
+        path.rest_ms.push_back(part_ms(passes, false));
         if (!mode || *mode != render::TraceMode::kShaded) continue;
         add_image(result.passes, passes);
         for (const gpu::PassTime& pass : passes)
@@ -105,11 +105,11 @@ media::Image measure(Renderers& renderers, Path& path, const tools::ViewStep& vi
     return image;
 }
 
-Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const RenderOptions& options) {
+RenderResult measure_all(const gpu::Device& device, const voctree::VOctree& tree, const RenderOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const media::ImageSize size = tools::parse_size(options.size);
     const std::vector<tools::ViewStep> orbit = tools::orbit_path(tree, size);
-    Result result;
+    RenderResult result;
     result.rays = uint64_t{size.width} * size.height;
     result.paths = {{"the paper's: from the root, all numbers", "paper", render::ReferencePath::kPaper, {}, {}},
                     {"all numbers, our walk", "direct", render::ReferencePath::kDirect, {}, {}},
@@ -149,7 +149,7 @@ struct RayWork {
     double gb_s = 0;  // read by all rays during the trace
 };
 
-RayWork work_of(const Result& result) {
+RayWork work_of(const RenderResult& result) {
     const MarchCounts& counts = result.host.counts;
     const auto rays = static_cast<double>(std::max<uint64_t>(counts.rays, 1));
     const auto of = [rays](uint64_t count) { return static_cast<double>(count) / rays; };
@@ -159,14 +159,14 @@ RayWork work_of(const Result& result) {
 }
 
 // The time of the passes that the rival replaces.
-double ranges_and_trace_ms(const Result& result) {
+double ranges_and_trace_ms(const RenderResult& result) {
     double sum = 0;
     for (const PassSum& pass : result.passes)
         if (pass.name == "tile ranges" || pass.name == "trace") sum += median(pass.ms);
     return sum;
 }
 
-void print(const Result& result, const gpu::Device& device, const RenderOptions& options,
+void print(const RenderResult& result, const gpu::Device& device, const RenderOptions& options,
            const voctree::VOctree& tree) {
     const auto rays = static_cast<double>(result.rays);
     fmt::print("{}: {}, {} leaves, degree {}; {} pixels, {} views, {:.0f} % of the pixels covered\n",
@@ -198,7 +198,7 @@ void print(const Result& result, const gpu::Device& device, const RenderOptions&
     if (!options.rival.empty()) fmt::print("{}\n", rival_text(result.rival, ranges_and_trace_ms(result)));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const RenderOptions& options) {
+nlohmann::ordered_json json_of(const RenderResult& result, const RenderOptions& options) {
     auto paths = nlohmann::ordered_json::object();
     const double paper = result.paths[0].seconds(1);
     for (const Path& path : result.paths)
@@ -228,12 +228,12 @@ nlohmann::ordered_json json_of(const Result& result, const RenderOptions& option
     return json;
 }
 
-void run(const RenderOptions& options, const tools::CommonOptions& common) {
+void run_render(const RenderOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree =
         voctree::read_clip(options.scene);  // the paths that it is compared with take linear light
     const gpu::Device device(common.device);
-    const Result result = measure_all(device, tree, options);
+    const RenderResult result = measure_all(device, tree, options);
     expect_not_stopped();
     report(options, device, json_of(result, options), [&] { print(result, device, options, tree); });
 }
@@ -250,7 +250,7 @@ void add_render(tools::Command app, const tools::CommonOptions& common) {
                   "and what the "
                   "images differ by. ",
                   {"build/performer.nvv --views 2", "build/performer.nvv --views 2 --rival raster"}},
-                 run);
+                 run_render);
     add_size_option(verb, options);
     add_views_option(verb, options);
     add_repeats_option(verb, options, "Images of each view that the medians are over");

@@ -70,7 +70,7 @@ SliceTimes measure(const gpu::Device& device, const render::Field& field, const 
     return times;
 }
 
-void run(const SliceOptions& options, const tools::CommonOptions& common) {
+void run_slice(const SliceOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
@@ -114,7 +114,7 @@ void add_slice(tools::Command app, const tools::CommonOptions& common) {
                   "A frame's slice, pass by pass",
                   "Prints the GPU time of each pass, and its share of the bandwidth that a copy has. ",
                   {"build/performer.nvv"}},
-                 run);
+                 run_slice);
     verb.add_option("--frames", options.frames, "Times, spread over the clip").in_range(1, 10000).show_default();
     add_repeats_option(verb, options, "Slices of each time");
     add_json_flag(verb, options);

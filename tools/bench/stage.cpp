@@ -21,7 +21,7 @@ struct StageOptions : BenchOptions {
 };
 
 // Settings of the stage, and the time of each of its images.
-struct Variant {
+struct StageVariant {
     std::string name;
     bool shadows = true, falloff = true;
     stage::StageBlend blend = stage::StageBlend::kExact;
@@ -42,7 +42,7 @@ stage::Camera bench_camera(const stage::Stage& stage, const StageOptions& option
 
 // Draws an image; returns its milliseconds by the host's clock (Commands::milliseconds). Its slices are in the cache
 // already where they fit the budget.
-double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::Camera& camera, Variant& variant,
+double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::Camera& camera, StageVariant& variant,
             media::Image& image) {
     stage.settings.shadows = variant.shadows;
     stage.settings.falloff = variant.falloff;
@@ -53,25 +53,26 @@ double draw(render::StageRenderer& renderer, stage::Stage& stage, const stage::C
     return renderer.frames().milliseconds();
 }
 
-struct Result {
-    std::vector<Variant> variants;
+struct StageResult {
+    std::vector<StageVariant> variants;
     uint64_t one_bytes = 0, all_bytes = 0;  // buffers of a stage with one performer, and with all copies
     media::Image image;
 };
 
 // The variants take turns, so that whatever else the machine does slows all of them alike.
-std::vector<Variant> measure_variants(const gpu::Device& device, const StageOptions& options, media::Image& image) {
+std::vector<StageVariant> measure_variants(const gpu::Device& device, const StageOptions& options,
+                                           media::Image& image) {
     stage::Stage stage = make_bench_stage(options, 2);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
     const stage::Camera camera = bench_camera(stage, options, 4);
-    std::vector<Variant> variants = {{"plain", false, false},
-                                     {"shadows", true, false},
-                                     {"falloff", false, true},
-                                     {"shadows and falloff"},
-                                     {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
+    std::vector<StageVariant> variants = {{"plain", false, false},
+                                          {"shadows", true, false},
+                                          {"falloff", false, true},
+                                          {"shadows and falloff"},
+                                          {"as layers (paper)", true, true, stage::StageBlend::kPaper}};
     tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
-        for (Variant& variant : variants) {
+        for (StageVariant& variant : variants) {
             media::Image drawn;
             const double ms = draw(renderer, stage, camera, variant, drawn);
             if (variant.shadows && variant.falloff && variant.blend == stage::StageBlend::kExact) image = drawn;
@@ -88,21 +89,21 @@ uint64_t bytes_with(const gpu::Device& device, const StageOptions& options, uint
     const uint64_t before = device.buffer_bytes();
     stage::Stage stage = make_bench_stage(options, copies);
     render::StageRenderer renderer(device, stage, render::StageLoader(device).load(stage), capacity_of(options));
-    Variant variant;
+    StageVariant variant;
     media::Image image;
     draw(renderer, stage, bench_camera(stage, options, 4.0 + copies), variant, image);
     return device.buffer_bytes() - before;
 }
 
-double growth(const Result& result, size_t variant) {
+double growth(const StageResult& result, size_t variant) {
     return median(result.variants[variant].ms) / median(result.variants[0].ms) - 1;
 }
 
-void print(const Result& result, const gpu::Device& device, const StageOptions& options) {
+void print(const StageResult& result, const gpu::Device& device, const StageOptions& options) {
     fmt::print("{}: {}, {}, two performers {}, a floor, a spotlight\n", device.summary().name, options.scene,
                options.size, options.together ? "in each other" : "beside each other");
     for (size_t i = 0; i < result.variants.size(); i++) {
-        const Variant& variant = result.variants[i];
+        const StageVariant& variant = result.variants[i];
         fmt::print("{:<20} {:>8.1f} ms  {:>+6.1f} %\n", variant.name, median(variant.ms), 100 * growth(result, i));
     }
     fmt::print("{} copies: {:.1f} MiB of buffers, {:.4f} times those of one\n", options.copies,
@@ -110,7 +111,7 @@ void print(const Result& result, const gpu::Device& device, const StageOptions& 
                static_cast<double>(result.all_bytes) / static_cast<double>(result.one_bytes));
 }
 
-nlohmann::ordered_json json_of(const Result& result, const StageOptions& options) {
+nlohmann::ordered_json json_of(const StageResult& result, const StageOptions& options) {
     nlohmann::ordered_json json;
     for (size_t i = 0; i < result.variants.size(); i++)
         json["ways"].push_back(
@@ -121,11 +122,11 @@ nlohmann::ordered_json json_of(const Result& result, const StageOptions& options
     return json;
 }
 
-void run(const StageOptions& options, const tools::CommonOptions& common) {
+void run_stage(const StageOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     if (!options.image.empty()) prepare_output_file("--image", options.image);
     const gpu::Device device(common.device);
-    Result result;
+    StageResult result;
     result.variants = measure_variants(device, options, result.image);
     expect_not_stopped();
     result.one_bytes = bytes_with(device, options, 1);
@@ -145,7 +146,7 @@ void add_stage(tools::Command app, const tools::CommonOptions& common) {
          "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
          "there already, and prints the time of an image; then device memory of copies.\n",
          {"build/performer.nvv", "build/performer.nvv --together --repeats 5"}},
-        run);
+        run_stage);
     add_size_option(verb, options);
     verb.add_flag("--together", options.together, "The performers stand in each other");
     verb.add_option("--copies", options.copies, "Performers of the stage whose memory is held against one's")

@@ -19,7 +19,7 @@ namespace neuvv::bench {
 namespace {
 
 // How both eyes are drawn, and how long that took.
-struct Variant {
+struct StereoVariant {
     std::string name;
     const char* key;  // in JSON
     double scale = 1;
@@ -68,14 +68,14 @@ struct Playing {
         ahead_ms;  // per frame of the display; slices built when needed, or ahead
 };
 
-struct Result {
-    std::vector<Variant> variants;
+struct StereoResult {
+    std::vector<StereoVariant> variants;
     Playing playing;
     double covered = 0;    // share of pixels
     double copy_tb_s = 0;  // bytes that a copy reads and writes, in TB/s
 };
 
-std::vector<Variant> all_variants() {
+std::vector<StereoVariant> all_variants() {
     const render::Fovea inset{{0.3, 0.3}, {0.7, 0.7}, 0.4};
     return {{"both eyes in one dispatch", "stereo", 1, {}, false, {}, {}},
             {"one eye after the other", "one_by_one", 1, {}, true, {}, {}},
@@ -92,8 +92,8 @@ std::vector<media::Image> images_of(render::FrameRenderer& renderer, const std::
     return images;
 }
 
-void measure(render::FrameRenderer& renderer, Variant& variant, const std::vector<stage::Camera>& eyes,
-             uint32_t repeats, std::vector<media::Image>& truth, Result& result) {
+void measure(render::FrameRenderer& renderer, StereoVariant& variant, const std::vector<stage::Camera>& eyes,
+             uint32_t repeats, std::vector<media::Image>& truth, StereoResult& result) {
     render::FrameSettings settings = play_settings({eyes[0].width, eyes[0].height});
     settings.scale = variant.scale;
     settings.foveae = variant.foveae;
@@ -132,12 +132,12 @@ std::vector<double> play(render::FrameRenderer& renderer, const std::vector<stag
     return ms;
 }
 
-Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchOptions& options) {
+StereoResult measure_all(const gpu::Device& device, const voctree::VOctree& tree, const BenchOptions& options) {
     const render::Field field = render::upload_field(device, tree, render::WeightPrecision::kHalf);
     const media::ImageSize size = tools::parse_size(options.size);
     const std::vector<stage::Camera> eyes = eyes_before(voctree::occupied_box(tree), size, 0.4);
     render::FrameRenderer renderer(device, field, {size.width, size.height, 1, 2});
-    Result result;
+    StereoResult result;
     result.variants = all_variants();
     std::vector<media::Image> truth;
     tools::Progress progress("bench", result.variants.size() + 2);
@@ -153,15 +153,15 @@ Result measure_all(const gpu::Device& device, const voctree::VOctree& tree, cons
     return result;
 }
 
-double mrays_per_second(const Variant& variant) {
+double mrays_per_second(const StereoVariant& variant) {
     return variant.rays / median(variant.ms) / 1000;
 }
 
-void print(const Result& result, const gpu::Device& device, const BenchOptions& options) {
+void print(const StereoResult& result, const gpu::Device& device, const BenchOptions& options) {
     fmt::print("{}: {}, 2 x {}, {:.0f} % of the pixels covered, slices resident; a copy moves {:.3f} TB/s\n",
                device.summary().name, options.scene, options.size, 100 * result.covered, result.copy_tb_s);
     fmt::print("{:<50} {:>9} {:>9} {:>8} {:>16} {:>8}\n", "", "ms (p50)", "p99", "Mrays/s", "Mrays/s per TB/s", "PSNR");
-    for (const Variant& variant : result.variants)
+    for (const StereoVariant& variant : result.variants)
         fmt::print("{:<50} {:>9} {:>9} {:>8.1f} {:>16.0f} {:>8}\n", variant.name, ms_text(median(variant.ms)),
                    ms_text(quantile(variant.ms, 0.99)), mrays_per_second(variant),
                    mrays_per_second(variant) / result.copy_tb_s,
@@ -171,13 +171,13 @@ void print(const Result& result, const gpu::Device& device, const BenchOptions& 
     };
     playing("playing at 25 fps on 90 Hz, slices when needed", result.playing.needed_ms);
     playing("the same, slices built ahead", result.playing.ahead_ms);
-    for (const Variant& variant : result.variants)
+    for (const StereoVariant& variant : result.variants)
         fmt::print("passes of {}: {} ms\n", variant.name, passes_text(variant.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result) {
+nlohmann::ordered_json json_of(const StereoResult& result) {
     auto variants = nlohmann::ordered_json::object();
-    for (const Variant& variant : result.variants)
+    for (const StereoVariant& variant : result.variants)
         variants[variant.key] = {{"ms", median(variant.ms)}, {"p99_ms", quantile(variant.ms, 0.99)},
                                  {"rays", variant.rays},     {"mrays_per_second", mrays_per_second(variant)},
                                  {"psnr_db", variant.psnr},  {"passes_ms", passes_json(variant.passes)}};
@@ -189,11 +189,11 @@ nlohmann::ordered_json json_of(const Result& result) {
               {"ahead_p99_ms", quantile(result.playing.ahead_ms, 0.99)}}}};
 }
 
-void run(const BenchOptions& options, const tools::CommonOptions& common) {
+void run_stereo(const BenchOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
-    const Result result = measure_all(device, tree, options);
+    const StereoResult result = measure_all(device, tree, options);
     expect_not_stopped();
     report(options, device, json_of(result), [&] { print(result, device, options); });
 }
@@ -209,7 +209,7 @@ void add_stereo(tools::Command app, const tools::CommonOptions& common) {
                   "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far images of "
                   "fewer rays are from those of all.\n",
                   {"build/performer.nvv", "build/performer.nvv --size 1032x1104 --repeats 5"}},
-                 run);
+                 run_stereo);
     options.size = "2064x2208";
     options.repeats = 20;
     add_size_option(verb, options, "WIDTHxHEIGHT of an eye");

@@ -239,7 +239,7 @@ void print(const std::vector<TeamStep>& steps, const gpu::Device& device, const 
                                times_one(step, step.everything, steps[0])));
 }
 
-void run(const TeamOptions& options, const tools::CommonOptions& common) {
+void run_team(const TeamOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_clip(options.scene);
     const training::Dataset dataset =
@@ -271,7 +271,7 @@ void add_team(tools::Command app, const tools::CommonOptions& common) {
                   "Beside it stands\n"
                   "what it would take if each member added up the gradients of all. Weights stay as they are. ",
                   {"build/performer.nvv build/performer --members 2,8,64"}},
-                 run);
+                 run_team);
     verb.add_option("dataset", options.dataset, "The data set's folder").required();
     tools::add_format_option(verb, options.format);
     verb.add_option("--members", options.members, "Processes, several numbers after commas")

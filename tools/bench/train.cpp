@@ -38,7 +38,7 @@ double step_ms(const std::vector<PassSum>& passes, const std::string& name) {
     return steps > 0 ? ms * static_cast<double>(with_pass) / static_cast<double>(steps) : 0;
 }
 
-struct Result {
+struct TrainResult {
     std::vector<PassSum> slice, direct;
     uint32_t busy_planes = 0;
     std::vector<double> slots, touched, rays, step_seconds;
@@ -46,15 +46,15 @@ struct Result {
 };
 
 // Runs the same batches through both kinds of step, with the same weights.
-Result measure(const gpu::Device& device, const voctree::VOctree& tree, const training::Dataset& dataset,
-               const TrainOptions& options) {
+TrainResult measure(const gpu::Device& device, const voctree::VOctree& tree, const training::Dataset& dataset,
+                    const TrainOptions& options) {
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
     training::TrainingStep step(device, tree, cameras, options.tiles);
     std::optional<training::DirectStep> direct;
     if (step.field().weights.bytes <= device.limits().maxStorageBufferRange)
         direct.emplace(device, tree, cameras, options.tiles, training::best_atomic_add(device));
     training::BatchSampler sampler(dataset, options.tiles, 1, training::batches_in_a_row(tree));
-    Result result;
+    TrainResult result;
     result.busy_planes = step.field().busy_planes;
     tools::Progress progress("bench", options.repeats);
     for (uint32_t i = 0; i <= options.repeats && !stop_requested(); i++) {
@@ -106,7 +106,7 @@ void print_passes(const std::vector<PassSum>& passes) {
 }
 
 // Compares slice-space with direct gradients.
-void print_ratio(const Result& result, uint32_t numbers) {
+void print_ratio(const TrainResult& result, uint32_t numbers) {
     if (result.direct.empty()) {
         fmt::print("direct gradients: this device binds no buffer as large as the weights of so many leaves\n");
         return;
@@ -125,13 +125,13 @@ void print_ratio(const Result& result, uint32_t numbers) {
                    sum(result.slice, {"slice", "trace", "trace adjoint", "touched", "slice adjoint"}));
 }
 
-void run(const TrainOptions& options, const tools::CommonOptions& common) {
+void run_train(const TrainOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
     const training::Dataset dataset =
         training::load_dataset(options.dataset, training::Split::kTrain, {.format = options.format});
     const gpu::Device device(common.device);
-    const Result result = measure(device, tree, dataset, options);
+    const TrainResult result = measure(device, tree, dataset, options);
     if (result.slots.empty()) return;
     const double rays = median(result.rays);
     fmt::print("{}: {:.0f} rays a step, {:.0f} live leaves of {}, {:.0f} touched\n", device.summary().name, rays,
@@ -163,7 +163,7 @@ void add_train(tools::Command app, const tools::CommonOptions& common) {
                   "optimiser reaches. Weights stay as they are. ",
                   {"build/performer.nvv build/performer --repeats 50"},
                   "The .nvv"},
-                 run);
+                 run_train);
     verb.add_option("dataset", options.dataset, "The data set's folder").required();
     tools::add_format_option(verb, options.format);
     verb.add_option("--tiles", options.tiles, "Tiles of 8x8 rays a step").in_range(1, 65536);

@@ -136,7 +136,7 @@ nlohmann::ordered_json json_of(const std::vector<Step>& all, uint64_t rays) {
     return {{"rays", rays}, {"trace_ms", walk}};
 }
 
-void run(const BenchOptions& options, const tools::CommonOptions& common) {
+void run_walk(const BenchOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_clip(options.scene, voctree::PlenoctreeColours::kAsStored);
     const gpu::Device device(common.device);
@@ -162,7 +162,7 @@ void add_walk(tools::Command app, const tools::CommonOptions& common) {
          "What each part of the walk through the tree is worth",
          "Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU time.\n",
          {"build/performer.nvv"}},
-        run);
+        run_walk);
     add_size_option(verb, options);
     add_views_option(verb, options);
     add_repeats_option(verb, options, "Traces of each view that the medians are over");

@@ -60,7 +60,7 @@ struct EyeTargets {
     xr::EyeTarget target;
 };
 
-struct Result {
+struct XrResult {
     // Latency is that from the poses to the images. The host's work is that from showing the stage to the submission,
     // without input and poses; the device has nothing to do meanwhile, as each frame is waited for.
     FrameTimes times;
@@ -153,7 +153,7 @@ double back_to_back_ms(XrFrames& frames, uint32_t count, bool waits) {
 }
 
 // In turns, as clocks change.
-void measure_overlap(XrFrames& frames, Result& result) {
+void measure_overlap(XrFrames& frames, XrResult& result) {
     constexpr uint32_t kRounds = 5, kFrames = 24;
     std::vector<double> waiting, overlapping;
     for (uint32_t round = 0; round < kRounds; round++) {
@@ -164,9 +164,9 @@ void measure_overlap(XrFrames& frames, Result& result) {
     result.overlapping_ms = median(overlapping);
 }
 
-Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
+XrResult measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
     XrFrames frames(device, stage, options);
-    Result result;
+    XrResult result;
     tools::Progress progress("frames", options.frames);
     constexpr uint32_t kWarmUp = 8;  // frames until pipelines and slices are built
     for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); i++) {
@@ -196,12 +196,12 @@ Result measure(const gpu::Device& device, const stage::Stage& stage, const XrOpt
 }
 
 // The time of the second eye divided by that of the first; 0 where no frame was measured.
-double second_eye(const Result& result) {
+double second_eye(const XrResult& result) {
     const double first = median(result.left_share);
     return first > 0 ? (1 - first) / first : 0;
 }
 
-void print(const Result& result, const gpu::Device& device, const XrOptions& options) {
+void print(const XrResult& result, const gpu::Device& device, const XrOptions& options) {
     const double budget_ms = 1000 / options.hz;
     fmt::print("{}, {} on {}\n", options.scene, options.size, device.summary().name);
     fmt::print("{}", frame_times_text(result.times));
@@ -218,7 +218,7 @@ void print(const Result& result, const gpu::Device& device, const XrOptions& opt
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const Result& result) {
+nlohmann::ordered_json json_of(const XrResult& result) {
     nlohmann::ordered_json facts{{"ms", median(result.times.gpu)},
                                  {"p99_ms", quantile(result.times.gpu, 0.99)},
                                  {"eye_pass_ms", median(result.eye_pass_ms)},
@@ -230,11 +230,11 @@ nlohmann::ordered_json json_of(const Result& result) {
     return facts;
 }
 
-void run(const XrOptions& options, const tools::CommonOptions& common) {
+void run_xr(const XrOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const stage::Stage stage = stage_of(options);
     const gpu::Device device(common.device);
-    const Result result = measure(device, stage, options);
+    const XrResult result = measure(device, stage, options);
     expect_not_stopped();
     report(options, device, json_of(result), [&] { print(result, device, options); });
 }
@@ -250,7 +250,7 @@ void add_xr(tools::Command app, const tools::CommonOptions& common) {
          "the times of a frame on host and device, and the latency.\nNo headset and no OpenXR runtime are needed.\n",
          {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
          "A stage, or a .nvv that is put on one"},
-        run);
+        run_xr);
     add_size_option(verb, options, "WIDTHxHEIGHT of an eye");
     verb.add_option("--frames", options.frames, "Frames that are drawn").in_range(1, 100000).show_default();
     verb.add_option("--hz", options.hz, "Of the display").number_between(1, 1000).show_default();
