@@ -165,14 +165,15 @@ TEST_F(Editing, APerformerIsAddedAndABrokenClipIsTold) {
     const json& items = arrange_panel();
     const json stage_page = page("stage page");
     XrScript script = with_panel();
-    script.json["time"] = "real";
+    script.json["time"] = "real";  // a thread reads the clips: it has seconds for each
+    script.json["refresh_hz"] = 15;
     press(script, 16, items, "stage page");
     press(script, 24, stage_page, "add");
     const json clips = panel_after(script, 24 + kPress + 2);
     press(script, 32, clips, "clip dora.nvv");
-    press(script, 100, stage_page, "add");
-    press(script, 108, clips, "clip cleo.nvv");
-    save(script, 640, items);
+    press(script, 62, stage_page, "add");
+    press(script, 70, clips, "clip cleo.nvv");
+    save(script, 140, items);
     const XrRun run = this->run(script);
     expect_clean(run);
     EXPECT_NE(run.log.find("dora.nvv"), std::string::npos) << run.log;

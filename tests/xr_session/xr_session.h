@@ -74,7 +74,8 @@ class XrSession : public testing::Test {
     // Runs the program with OpenXR's core validation layer (with_layer) and `--validate`; both report in XrRun::log.
     // Throws where the program hangs.
     XrRun run(const XrScript& script, const std::vector<std::string>& more = {});
-    // The middles of the panel's items (tracking space) after a run of the script, by name.
+    // The middles of the panel's items (tracking space) after a run of the script, by name. The layers, which take half
+    // of the time, look at the run that follows: it begins with the same frames.
     nlohmann::json panel_after(XrScript script, int end_frame);
     // The right hand points at an item of the panel and pulls the trigger. This takes kPress frames.
     static void press(XrScript& script, int frame, const nlohmann::json& items, const std::string& item);
@@ -93,6 +94,8 @@ class XrSession : public testing::Test {
     std::filesystem::path stage = folder.path / "stage.gltf", clip = folder.path / "figure.nvv";
 
   private:
+    XrRun run_program(const XrScript& script, const std::vector<std::string>& more, bool validate);
+
     int runs_ = 0;
 };
 
