@@ -1,8 +1,26 @@
-// What tools/check tidy must complain of, so that a linter that looks at nothing is noticed. Nothing compiles it.
-#include <string>
-#include <utility>
+// What tools/check tidy must complain of, a fault in each function, so that a linter that looks at nothing is noticed.
+// Nothing compiles it.
+#include "faulty.h"
 
-std::string::size_type use_after_move(std::string text) {
-    const std::string taken = std::move(text);
+namespace {
+
+template <typename Text>
+auto use_after_move_in_a_template(Text text) {
+    const Text taken = std::move(text);
     return taken.size() + text.size();
+}
+
+struct Shape {
+    virtual ~Shape() = default;
+    virtual int corners() const { return 0; }
+};
+struct Triangle : Shape {
+    virtual int corners() const { return 3; }  // without override
+};
+
+}  // namespace
+
+std::string::size_type use_all(const std::string& text) {
+    return use_after_move_in_a_header(text) + use_after_move_in_a_template(text) +
+           static_cast<std::string::size_type>(Triangle().corners());
 }
