@@ -173,7 +173,7 @@ TEST_F(Editing, APerformerIsAddedAndABrokenClipIsTold) {
     press(script, 32, clips, "clip dora.nvv");
     press(script, 62, stage_page, "add");
     press(script, 70, clips, "clip cleo.nvv");
-    save(script, 140, items);
+    save(script, 200, items);
     const XrRun run = this->run(script);
     expect_clean(run);
     EXPECT_NE(run.log.find("dora.nvv"), std::string::npos) << run.log;

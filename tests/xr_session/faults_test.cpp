@@ -127,7 +127,7 @@ TEST_F(Faults, AStrokeThatIsCutOffByTheEndIsKept) {
     panel.input(62, "right", "trigger/value", 1);
     panel.end(66);
     const XrRun run = this->run(panel);
-    EXPECT_EQ(run.code, 0) << run.log;
+    expect_clean(run);
     const auto entries = recovery_entries();
     ASSERT_EQ(entries.size(), 2u) << run.log;  // one of them with the first run's edits
     EXPECT_EQ(edit::restore(entries[0]).paint.size() + edit::restore(entries[1]).paint.size(), 1u)
