@@ -21,7 +21,7 @@ void PrintTo(const Liberty& liberty, std::ostream* stream) {
 // --- Frames ---
 
 template <auto kAlter>
-void send(Application& app) {
+void take(Application& app) {
     app.prepare_visible_frame();
     kAlter(app.frame);
     check(app.end_frame(), "xrEndFrame");
@@ -172,15 +172,15 @@ void end_at_once(Application& app) {
 
 std::vector<Liberty> liberties() {
     return {
-        {"Nothing", send<nothing>},
-        {"SixteenLayers", send<sixteen_layers>},
-        {"AllFlags", send<all_flags>},
-        {"TurnedDepth", send<turned_depth>},
-        {"EndlessDepth", send<endless_depth>},
-        {"NoDepth", send<no_depth>},
-        {"PartOfAnImage", send<part_of_an_image>},
-        {"OtherQuaternion", send<other_quaternion>},
-        {"RoundedQuaternion", send<rounded_quaternion>},
+        {"Nothing", take<nothing>},
+        {"SixteenLayers", take<sixteen_layers>},
+        {"AllFlags", take<all_flags>},
+        {"TurnedDepth", take<turned_depth>},
+        {"EndlessDepth", take<endless_depth>},
+        {"NoDepth", take<no_depth>},
+        {"PartOfAnImage", take<part_of_an_image>},
+        {"OtherQuaternion", take<other_quaternion>},
+        {"RoundedQuaternion", take<rounded_quaternion>},
         {"TheSameImageAgain", show_the_same_image_again},
         {"ViewSpace", [](Application& app) { show_in_another_space(app, XR_REFERENCE_SPACE_TYPE_VIEW); }},
         {"StageSpace", [](Application& app) { show_in_another_space(app, XR_REFERENCE_SPACE_TYPE_STAGE); }},

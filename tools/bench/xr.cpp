@@ -60,7 +60,7 @@ struct EyeTargets {
     xr::EyeTarget target;
 };
 
-struct XrResult {
+struct HeadsetResult {
     // Latency is that from the poses to the images. The host's work is that from showing the stage to the submission,
     // without input and poses; the device has nothing to do meanwhile, as each frame is waited for.
     FrameTimes times;
@@ -153,7 +153,7 @@ double back_to_back_ms(XrFrames& frames, uint32_t count, bool waits) {
 }
 
 // In turns, as clocks change.
-void measure_overlap(XrFrames& frames, XrResult& result) {
+void measure_overlap(XrFrames& frames, HeadsetResult& result) {
     constexpr uint32_t kRounds = 5, kFrames = 24;
     std::vector<double> waiting, overlapping;
     for (uint32_t round = 0; round < kRounds; round++) {
@@ -164,9 +164,9 @@ void measure_overlap(XrFrames& frames, XrResult& result) {
     result.overlapping_ms = median(overlapping);
 }
 
-XrResult measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
+HeadsetResult measure(const gpu::Device& device, const stage::Stage& stage, const XrOptions& options) {
     XrFrames frames(device, stage, options);
-    XrResult result;
+    HeadsetResult result;
     tools::Progress progress("frames", options.frames);
     constexpr uint32_t kWarmUp = 8;  // frames until pipelines and slices are built
     for (uint32_t i = 0; i < options.frames + kWarmUp && !stop_requested(); i++) {
@@ -196,12 +196,12 @@ XrResult measure(const gpu::Device& device, const stage::Stage& stage, const XrO
 }
 
 // The time of the second eye divided by that of the first; 0 where no frame was measured.
-double second_eye(const XrResult& result) {
+double second_eye(const HeadsetResult& result) {
     const double first = median(result.left_share);
     return first > 0 ? (1 - first) / first : 0;
 }
 
-void print(const XrResult& result, const gpu::Device& device, const XrOptions& options) {
+void print(const HeadsetResult& result, const gpu::Device& device, const XrOptions& options) {
     const double budget_ms = 1000 / options.hz;
     fmt::print("{}, {} on {}\n", options.scene, options.size, device.summary().name);
     fmt::print("{}", frame_times_text(result.times));
@@ -218,7 +218,7 @@ void print(const XrResult& result, const gpu::Device& device, const XrOptions& o
     fmt::print("passes, ms: {}\n", passes_text(result.passes));
 }
 
-nlohmann::ordered_json json_of(const XrResult& result) {
+nlohmann::ordered_json json_of(const HeadsetResult& result) {
     nlohmann::ordered_json facts{{"ms", median(result.times.gpu)},
                                  {"p99_ms", quantile(result.times.gpu, 0.99)},
                                  {"eye_pass_ms", median(result.eye_pass_ms)},
@@ -234,7 +234,7 @@ void run_xr(const XrOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const stage::Stage stage = stage_of(options);
     const gpu::Device device(common.device);
-    const XrResult result = measure(device, stage, options);
+    const HeadsetResult result = measure(device, stage, options);
     expect_not_stopped();
     report(options, device, json_of(result), [&] { print(result, device, options); });
 }
