@@ -133,11 +133,7 @@ void XrSession::write_settings(const std::string& json) const {
     std::ofstream(folder.path / "config/neuvv/headset.json") << json;
 }
 
-XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& more) {
-    return run_program(script, more, true);
-}
-
-XrRun XrSession::run_program(const XrScript& script, const std::vector<std::string>& more, bool validate) {
+XrRun XrSession::run(const XrScript& script, const std::vector<std::string>& more, bool validate) {
     XrRun run;
     run.out = folder.path / ("run" + std::to_string(++runs_));
     std::filesystem::create_directories(run.out);
@@ -180,7 +176,7 @@ XrRun XrSession::run_program(const XrScript& script, const std::vector<std::stri
 
 json XrSession::panel_after(XrScript script, int end_frame) {
     script.end(end_frame);
-    const XrRun run = run_program(script, {}, false);
+    const XrRun run = this->run(script, {}, false);
     expect_sound(run);
     return run.seen.value("panel", json::object());
 }

@@ -72,8 +72,8 @@ class XrSession : public testing::Test {
     // Writes headset.json, the settings of the program's next runs.
     void write_settings(const std::string& json) const;
     // Runs the program with OpenXR's core validation layer (with_layer) and `--validate`; both report in XrRun::log.
-    // Throws where the program hangs.
-    XrRun run(const XrScript& script, const std::vector<std::string>& more = {});
+    // Without `validate`, neither layer is there. Throws where the program hangs.
+    XrRun run(const XrScript& script, const std::vector<std::string>& more = {}, bool validate = true);
     // The middles of the panel's items (tracking space) after a run of the script, by name. That run has no validation
     // layers, which take half of the time: a run that presses those items draws the same panel, and is to be
     // expect_clean.
@@ -97,8 +97,6 @@ class XrSession : public testing::Test {
     std::filesystem::path stage = folder.path / "stage.gltf", clip = folder.path / "figure.nvv";
 
   private:
-    XrRun run_program(const XrScript& script, const std::vector<std::string>& more, bool validate);
-
     int runs_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// What tools/check tidy must complain of, a fault in each function, so that a linter that looks at nothing is noticed.
-// Nothing compiles it.
+// Three faults, in a header, a template and an unnamed namespace, that tools/check tidy must find before it is believed
+// that other files have none. Nothing compiles this file.
 #include "faulty.h"
 
 namespace {
