@@ -17,8 +17,6 @@ namespace neuvv::training {
 
 namespace {
 
-using json = nlohmann::json;
-
 constexpr double kMinAngle_deg = 0.1, kMaxAngle_deg = 179;
 
 // One frame of a transforms.json as a key, without its time.
@@ -81,8 +79,8 @@ stage::CameraPath transforms_path(const JsonFile& file, double views_per_s) {
     return path;
 }
 
-json frame_json(const stage::CameraPath& path, const stage::CameraPathKey& key) {
-    json frame = {{"seconds", key.time_s}};
+nlohmann::json frame_json(const stage::CameraPath& path, const stage::CameraPathKey& key) {
+    nlohmann::json frame = {{"seconds", key.time_s}};
     const glm::dmat3 axes = glm::mat3_cast(key.world_from_camera);
     for (int row = 0; row < 3; ++row)
         frame["transform_matrix"].push_back({axes[0][row], axes[1][row], axes[2][row], key.position[row]});
@@ -141,9 +139,9 @@ stage::CameraPath read_camera_path(const std::filesystem::path& file, double vie
 }
 
 void write_camera_path(const std::filesystem::path& file, const stage::CameraPath& path) {
-    json document = {{"interpolation", stage::kInterpolationNames[static_cast<size_t>(path.interpolation)]},
-                     {"loop", path.cyclic},
-                     {"duration_seconds", path.duration_s}};
+    nlohmann::json document = {{"interpolation", stage::kInterpolationNames[static_cast<size_t>(path.interpolation)]},
+                               {"loop", path.cyclic},
+                               {"duration_seconds", path.duration_s}};
     if (path.width != 0) {
         document["w"] = path.width;
         document["h"] = path.height;

@@ -12,7 +12,8 @@ namespace {
 constexpr size_t kTimes = 6;  // evenly spread over the clip; a few are enough for a first guess
 
 // What a view shows at a position, weighted by its matte: (α c, α).
-glm::vec4 seen_at(const Dataset& dataset, const View& view, const glm::dmat4& camera_from_world, glm::vec3 position) {
+glm::vec4 colour_seen_at(const Dataset& dataset, const View& view, const glm::dmat4& camera_from_world,
+                         glm::vec3 position) {
     const stage::Camera& camera = dataset.cameras[view.camera];
     const glm::dvec4 p = camera_from_world * glm::dvec4(glm::dvec3(position), 1);
     if (p.z >= 0) return glm::vec4(0);
@@ -36,7 +37,7 @@ std::vector<glm::vec3> first_colours(const Dataset& dataset, const std::vector<g
             parallel_for(positions.size(), 4096, [&](size_t begin, size_t end) {
                 for (size_t k = begin; k < end; k++)
                     if (allowed[k * words + t / 32] >> t % 32 & 1)
-                        sums[k] += seen_at(dataset, view, camera_from_world, positions[k]);
+                        sums[k] += colour_seen_at(dataset, view, camera_from_world, positions[k]);
             });
         }
     }

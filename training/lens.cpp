@@ -7,7 +7,7 @@ namespace neuvv::training {
 
 namespace {
 
-constexpr double kTiny = 1e-9;  // for radii and angles below this, the limit is used in place of 0/0
+constexpr double kSmallest = 1e-9;  // for radii and angles below this, the limit is used in place of 0/0
 
 // The radial factor at the distance from the axis (Brown) or the angle to it (fisheye) whose square is given.
 double radial_factor(const Lens& lens, double squared) {
@@ -27,9 +27,9 @@ glm::dvec2 distort(const Lens& lens, glm::dvec2 p) {
 
 // atan(2 r tan(ω/2)) / (ω r)
 double fov_factor(double omega, double r) {
-    if (std::abs(omega) < kTiny) return 1;
+    if (std::abs(omega) < kSmallest) return 1;
     const double slope = 2 * std::tan(0.5 * omega);
-    return r < kTiny ? slope / omega : std::atan(slope * r) / (omega * r);
+    return r < kSmallest ? slope / omega : std::atan(slope * r) / (omega * r);
 }
 
 // Distances from the axis along a radius of the image, before and after distortion, without tangential terms.
@@ -56,7 +56,7 @@ glm::dvec2 bend(const Lens& lens, glm::dvec2 xy) {
         case LensModel::kBrown:
             return distort(lens, xy);
         case LensModel::kFisheye:
-            return distort(lens, r < kTiny ? xy : xy * (std::atan(r) / r));
+            return distort(lens, r < kSmallest ? xy : xy * (std::atan(r) / r));
         case LensModel::kFov:
             return xy * fov_factor(lens.k[0], r);
     }

@@ -16,8 +16,6 @@ namespace neuvv::stage {
 
 namespace {
 
-using nlohmann::json;
-
 struct Source {
     std::string file;
     std::string folder;
@@ -65,7 +63,7 @@ constexpr MemberRule kRules[] = {
     {"samplers", "wrapT", Member::kIndex},
 };
 
-std::string type_problem(const json& value, Member kind) {
+std::string type_problem(const nlohmann::json& value, Member kind) {
     const bool is_unsigned = value.is_number_unsigned();
     switch (kind) {
         case Member::kIndex:
@@ -80,14 +78,14 @@ std::string type_problem(const json& value, Member kind) {
             break;
         case Member::kNumbers:
             if (!value.is_array()) return "is not a list of numbers";
-            for (const json& item : value)
+            for (const nlohmann::json& item : value)
                 if (!item.is_number()) return "is not a list of numbers";
             break;
     }
     return "";
 }
 
-void check_types(const Source& source, const json& root) {
+void check_types(const Source& source, const nlohmann::json& root) {
     for (const auto& [name, array] : root.items()) {
         if (!array.is_array()) continue;
         const bool names = name == "extensionsUsed" || name == "extensionsRequired";
@@ -104,7 +102,7 @@ void check_types(const Source& source, const json& root) {
         if (array == root.end()) continue;
         if (!array->is_array()) throw InputError(source.file, fmt::format("/{}", rule.array), "is not a list");
         for (size_t i = 0; i < array->size(); ++i) {
-            const json& object = (*array)[i];
+            const nlohmann::json& object = (*array)[i];
             const auto member = object.find(rule.name);
             if (member == object.end()) continue;
             const std::string problem = type_problem(*member, rule.kind);
@@ -115,16 +113,17 @@ void check_types(const Source& source, const json& root) {
 }
 
 // Checks types of materials' textures and factors, which are nested one level deeper.
-void check_materials(const Source& source, const json& root) {
-    const json none = json::array();
-    const json& materials = root.contains("materials") ? root["materials"] : none;
-    const auto expect = [&](const json& object, const std::string& place, const char* name, Member kind) {
+void check_materials(const Source& source, const nlohmann::json& root) {
+    const nlohmann::json none = nlohmann::json::array();
+    const nlohmann::json& materials = root.contains("materials") ? root["materials"] : none;
+    const auto expect = [&](const nlohmann::json& object, const std::string& place, const char* name, Member kind) {
         const auto member = object.find(name);
         if (member == object.end()) return;
         const std::string problem = type_problem(*member, kind);
         if (!problem.empty()) throw InputError(source.file, fmt::format("{}/{}", place, name), problem);
     };
-    const auto textures = [&](const json& object, const std::string& place, std::initializer_list<const char*> names) {
+    const auto textures = [&](const nlohmann::json& object, const std::string& place,
+                              std::initializer_list<const char*> names) {
         for (const char* name : names) {
             if (!object.contains(name)) continue;
             const std::string at = fmt::format("{}/{}", place, name);
@@ -134,13 +133,13 @@ void check_materials(const Source& source, const json& root) {
         }
     };
     for (size_t i = 0; i < materials.size(); ++i) {
-        const json& material = materials[i];
+        const nlohmann::json& material = materials[i];
         const std::string place = fmt::format("/materials/{}", i);
         if (!material.is_object()) throw InputError(source.file, place, "is not an object");
         textures(material, place, {"normalTexture", "occlusionTexture", "emissiveTexture"});
         expect(material, place, "emissiveFactor", Member::kNumbers);
         if (!material.contains("pbrMetallicRoughness")) continue;
-        const json& pbr = material["pbrMetallicRoughness"];
+        const nlohmann::json& pbr = material["pbrMetallicRoughness"];
         const std::string in_pbr = place + "/pbrMetallicRoughness";
         if (!pbr.is_object()) throw InputError(source.file, in_pbr, "is not an object");
         textures(pbr, in_pbr, {"baseColorTexture", "metallicRoughnessTexture"});
@@ -160,7 +159,7 @@ bool leaves_folder(const std::string& relative) {
     return false;
 }
 
-void check_uris(const Source& source, const json& root) {
+void check_uris(const Source& source, const nlohmann::json& root) {
     for (const char* name : {"buffers", "images"}) {
         const auto array = root.find(name);
         if (array == root.end()) continue;
@@ -178,14 +177,14 @@ void check_uris(const Source& source, const json& root) {
     }
 }
 
-void check_views(const Source& source, const json& root) {
-    const json none = json::array();
-    const json& buffers = root.contains("buffers") ? root["buffers"] : none;
-    const json& views = root.contains("bufferViews") ? root["bufferViews"] : none;
-    const json& images = root.contains("images") ? root["images"] : none;
+void check_views(const Source& source, const nlohmann::json& root) {
+    const nlohmann::json none = nlohmann::json::array();
+    const nlohmann::json& buffers = root.contains("buffers") ? root["buffers"] : none;
+    const nlohmann::json& views = root.contains("bufferViews") ? root["bufferViews"] : none;
+    const nlohmann::json& images = root.contains("images") ? root["images"] : none;
     for (size_t i = 0; i < views.size(); ++i) {
         const std::string place = fmt::format("/bufferViews/{}", i);
-        const json& view = views[i];
+        const nlohmann::json& view = views[i];
         if (!view.contains("buffer") || !view.contains("byteLength"))
             throw InputError(source.file, place, "lacks buffer or byteLength");
         const auto buffer = view["buffer"].get<uint64_t>();
@@ -203,9 +202,9 @@ void check_views(const Source& source, const json& root) {
 }
 
 // Checks that the buffers' files exist and are long enough; tinygltf's message about a missing file says less.
-void check_buffers(const Source& source, const json& root) {
-    const json none = json::array();
-    const json& buffers = root.contains("buffers") ? root["buffers"] : none;
+void check_buffers(const Source& source, const nlohmann::json& root) {
+    const nlohmann::json none = nlohmann::json::array();
+    const nlohmann::json& buffers = root.contains("buffers") ? root["buffers"] : none;
     for (size_t i = 0; i < buffers.size(); ++i) {
         const std::string place = fmt::format("/buffers/{}/uri", i), uri = buffers[i].value("uri", "");
         if (uri.empty() || uri.starts_with("data:")) continue;
@@ -222,8 +221,8 @@ void check_buffers(const Source& source, const json& root) {
     }
 }
 
-void check_version(const Source& source, const json& root) {
-    const json asset = root.value("asset", json::object());
+void check_version(const Source& source, const nlohmann::json& root) {
+    const nlohmann::json asset = root.value("asset", nlohmann::json::object());
     for (const char* name : {"version", "minVersion"}) {
         if (!asset.is_object() || !asset.contains(name)) continue;  // tinygltf refuses a file without "version"
         const std::string version = asset[name].is_string() ? asset[name].get<std::string>() : asset[name].dump();
@@ -241,10 +240,10 @@ std::string fix_of_extension(const std::string& name) {
     return "export without it, or take it out of the list where the scene makes sense without";
 }
 
-void check_extensions(const Source& source, const json& root) {
+void check_extensions(const Source& source, const nlohmann::json& root) {
     const auto required = root.find("extensionsRequired");
     if (required == root.end() || !required->is_array()) return;
-    for (const json& extension : *required) {
+    for (const nlohmann::json& extension : *required) {
         const std::string name = extension.is_string() ? extension.get<std::string>() : "?";
         bool known = false;
         for (const char* ours : {"KHR_materials_unlit", "KHR_texture_transform", "KHR_mesh_quantization",
@@ -261,10 +260,10 @@ void check_json(const Source& source) {
     const std::string_view text(reinterpret_cast<const char*>(source.bytes.data()) + source.json_begin,
                                 source.json_size);
     expect_shallow_json(text, source.file);  // tinygltf walks extras and extensions recursively
-    json root;
+    nlohmann::json root;
     try {
-        root = json::parse(text);
-    } catch (const json::exception& error) {
+        root = nlohmann::json::parse(text);
+    } catch (const nlohmann::json::exception& error) {
         throw InputError(source.file, "", fmt::format("JSON: {}", error.what()));
     }
     if (!root.is_object())

@@ -16,7 +16,8 @@ PFN_vkGetPhysicalDeviceProperties next_properties = nullptr;
 PFN_vkGetPhysicalDeviceProperties2 next_properties_2 = nullptr;
 
 void lower(uint32_t& limit, const char* name) {
-    if (const char* most = std::getenv(name)) limit = std::min<uint32_t>(limit, std::strtoul(most, nullptr, 10));
+    if (const char* most = std::getenv(name))
+        limit = std::min(limit, static_cast<uint32_t>(std::strtoul(most, nullptr, 10)));
 }
 
 void lower_all(VkPhysicalDeviceLimits& limits) {

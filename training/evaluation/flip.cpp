@@ -162,7 +162,7 @@ Plane blurred(const Plane& in, const std::vector<SensitivityTerm>& terms, double
 }
 
 // What a viewer sees of an image at this distance, in the colours of hunt_lab.
-LabImage seen(const LabImage& opponent, double pixels_per_degree) {
+LabImage as_seen(const LabImage& opponent, double pixels_per_degree) {
     LabImage out{blurred(opponent[0], kSensitivities[0], pixels_per_degree),
                  blurred(opponent[1], kSensitivities[1], pixels_per_degree),
                  blurred(opponent[2], kSensitivities[2], pixels_per_degree)};
@@ -226,7 +226,7 @@ constexpr uint8_t kMagma[][3] = {{0, 0, 4},      {24, 15, 62},  {69, 16, 119},  
 std::vector<float> flip(const media::Image& a, const media::Image& b, double pixels_per_degree) {
     assert(a.width == b.width && a.height == b.height && "images to compare have one size");
     const LabImage opponent_a = opponent_image(a), opponent_b = opponent_image(b);
-    const LabImage seen_a = seen(opponent_a, pixels_per_degree), seen_b = seen(opponent_b, pixels_per_degree);
+    const LabImage seen_a = as_seen(opponent_a, pixels_per_degree), seen_b = as_seen(opponent_b, pixels_per_degree);
     const Features features_a = features(opponent_a[0], pixels_per_degree);
     const Features features_b = features(opponent_b[0], pixels_per_degree);
     std::vector<float> result(size_t{a.width} * a.height);

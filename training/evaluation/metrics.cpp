@@ -31,23 +31,23 @@ std::vector<double> window_taps(uint32_t size) {
 }
 
 // Weighted means over a window: of a, b, a² + b² and ab. SSIM needs only these, as its variances occur only as a sum.
-using Moments = std::array<double, 4>;
+using WindowMoments = std::array<double, 4>;
 
-double ssim_of(const Moments& m) {
+double ssim_of(const WindowMoments& m) {
     const double mean_product = m[0] * m[1], mean_squares = m[0] * m[0] + m[1] * m[1];
     const double covariance = m[3] - mean_product, variances = m[2] - mean_squares;
     return (2 * mean_product + kC1) * (2 * covariance + kC2) / ((mean_squares + kC1) * (variances + kC2));
 }
 
 // One row's moments, filtered along x.
-void filter_row(const uint8_t* a, const uint8_t* b, const std::vector<double>& taps, std::vector<Moments>& products,
-                std::vector<Moments>& out) {
+void filter_row(const uint8_t* a, const uint8_t* b, const std::vector<double>& taps,
+                std::vector<WindowMoments>& products, std::vector<WindowMoments>& out) {
     for (size_t x = 0; x < products.size(); ++x) {
         const double p = a[4 * x] / 255.0, q = b[4 * x] / 255.0;
         products[x] = {p, q, p * p + q * q, p * q};
     }
     for (size_t x = 0; x < out.size(); ++x) {
-        Moments sum{};
+        WindowMoments sum{};
         for (size_t k = 0; k < taps.size(); ++k)
             for (size_t m = 0; m < 4; ++m) sum[m] += taps[k] * products[x + k][m];
         out[x] = sum;
@@ -59,20 +59,20 @@ void filter_row(const uint8_t* a, const uint8_t* b, const std::vector<double>& t
 double mean_ssim(const media::Image& truth, const media::Image& result, size_t channel) {
     const std::vector<double> taps_x = window_taps(truth.width), taps_y = window_taps(truth.height);
     const size_t columns = truth.width - taps_x.size() + 1, rows = truth.height - taps_y.size() + 1;
-    std::vector<Moments> products(truth.width);
-    std::vector<std::vector<Moments>> ring(taps_y.size(), std::vector<Moments>(columns));
-    std::vector<Moments> sums(columns);
+    std::vector<WindowMoments> products(truth.width);
+    std::vector<std::vector<WindowMoments>> ring(taps_y.size(), std::vector<WindowMoments>(columns));
+    std::vector<WindowMoments> sums(columns);
     double total = 0;
     for (uint32_t y = 0; y < truth.height; ++y) {
         filter_row(truth.at(0, y) + channel, result.at(0, y) + channel, taps_x, products, ring[y % ring.size()]);
         if (y + 1 < taps_y.size()) continue;
-        std::fill(sums.begin(), sums.end(), Moments{});
+        std::fill(sums.begin(), sums.end(), WindowMoments{});
         for (size_t k = 0; k < taps_y.size(); ++k) {
-            const std::vector<Moments>& row = ring[(y + 1 + k) % ring.size()];  // oldest first
+            const std::vector<WindowMoments>& row = ring[(y + 1 + k) % ring.size()];  // oldest first
             for (size_t x = 0; x < columns; ++x)
                 for (size_t m = 0; m < 4; ++m) sums[x][m] += taps_y[k] * row[x][m];
         }
-        for (const Moments& moments : sums) total += ssim_of(moments);
+        for (const WindowMoments& moments : sums) total += ssim_of(moments);
     }
     return total / static_cast<double>(columns * rows);
 }

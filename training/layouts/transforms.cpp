@@ -12,8 +12,6 @@ namespace neuvv::training {
 
 namespace {
 
-using json = nlohmann::json;
-
 constexpr double kMaxFocal_px = 1e7;
 constexpr double kMinAngle = 1e-3;  // radians from 0 and from π, where an angle of view gives no sensible focal length
 
@@ -176,7 +174,7 @@ std::pair<glm::dvec3, glm::dvec3> read_box(const JsonNode& node) {
 
 bool is_z_up(const JsonNode& root) {
     if (root.has("camera_model") || root.has("aabb_scale")) return true;
-    for (const json& frame : root["frames"].value)
+    for (const nlohmann::json& frame : root["frames"].value)
         if (frame.contains("rotation")) return true;
     return false;
 }

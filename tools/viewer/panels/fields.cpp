@@ -18,7 +18,7 @@ constexpr float kLabelShare = 0.36f;
 
 // The text field that is being edited, and its text. ImGui edits one field at a time.
 ImGuiID typing = 0;
-std::string typed;
+std::string typed_text;
 
 }  // namespace
 
@@ -107,17 +107,17 @@ bool FieldGroup::choice(const char* name, size_t& value, std::span<const char* c
     return changed;
 }
 
-// ImGui forgets what was typed when a click elsewhere ends the editing, so the text is kept in `typed`.
+// ImGui forgets what was typed when a click elsewhere ends the editing, so the text is kept in `typed_text`.
 bool FieldGroup::text(const char* name, std::string& value) {
     label(name);
     ImGui::PushID(name);
     const ImGuiID id = ImGui::GetID("##");
-    std::string text = typing == id ? typed : value;
+    std::string text = typing == id ? typed_text : value;
     ImGui::InputText("##", &text);
     const bool changed = ImGui::IsItemDeactivatedAfterEdit() && text != value;
     if (ImGui::IsItemActive()) {
         typing = id;
-        typed = text;
+        typed_text = text;
     } else if (typing == id) {
         typing = 0;
     }
