@@ -56,10 +56,8 @@ std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree,
     return render(tree, paint, views_);
 }
 
-media::Image ComparedViews::render_still(const voctree::VOctree& tree, size_t i) const {
-    ViewStep view = views_[i];
-    view.frame = 0;
-    return render(tree, {}, {view})[0];
+media::Image ComparedViews::render_still(const voctree::VOctree& tree, const stage::Camera& camera) const {
+    return render(tree, {}, {{camera, 0}})[0];
 }
 
 media::LinearImage ComparedViews::light_of_still(const voctree::VOctree& tree, size_t i) const {

@@ -22,7 +22,11 @@ class ComparedViews {
     std::vector<media::Image> render(const voctree::VOctree& tree,
                                      std::span<const voctree::PaintStep> paint = {}) const;
     // One image of a tree of one frame, as view `i` sees it.
-    media::Image render_still(const voctree::VOctree& tree, size_t i) const;
+    media::Image render_still(const voctree::VOctree& tree, size_t i) const {
+        return render_still(tree, views_[i].camera);
+    }
+    // The same for a camera of the caller's, of images of the same size.
+    media::Image render_still(const voctree::VOctree& tree, const stage::Camera& camera) const;
     // The same as light and depth, without a background.
     media::LinearImage light_of_still(const voctree::VOctree& tree, size_t i) const;
     double frame_of(size_t i) const { return views_[i].frame; }

@@ -5,6 +5,20 @@
 
 namespace neuvv::interchange {
 
+constexpr double kPixelsOfLeaf = 4;
+
+stage::Camera close_up(const stage::Camera& camera, const FrameVolume& volume, const VolumeLeaf& leaf) {
+    const glm::dvec3 at(glm::inverse(camera.world_from_camera) * glm::dvec4(volume.centre_m(leaf), 1));
+    stage::Camera close = camera;
+    if (at.z >= 0) return close;
+    const double factor = std::max(1.0, kPixelsOfLeaf * -at.z / (camera.fx * double{volume.edge_m(leaf)}));
+    close.fx *= factor;
+    close.fy *= factor;
+    close.cx = 0.5 * close.width + close.fx * at.x / at.z;
+    close.cy = 0.5 * close.height - close.fy * at.y / at.z;
+    return close;
+}
+
 double psnr_of(const Splats& splats, std::span<const FitView> views) {
     double sum = 0, count = 0;
     for (const FitView& view : views) {

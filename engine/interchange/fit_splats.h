@@ -14,6 +14,10 @@ struct FitView {
     media::Image image;
 };
 
+// The camera's image around a leaf, enlarged until the leaf's edge is four pixels long where it is shorter. There, the
+// 0.3 pixels² by which renderers widen splats close no gaps between them.
+stage::Camera close_up(const stage::Camera& camera, const FrameVolume& volume, const VolumeLeaf& leaf);
+
 // PSNR in dB of the images of splats, all pixels of all views together.
 double psnr_of(const Splats& splats, std::span<const FitView> views);
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "interchange/fit_splats.h"
@@ -165,6 +167,22 @@ TEST(Splats, SayWhichLeavesAreShown) {
     EXPECT_NEAR(outer, 0.0625 * (6 * 1 + 12 * std::sqrt(2.0) + 8 * std::sqrt(3.0)) / 26, 0.02);
 }
 
+TEST(Splats, CloseUpsShowALeafInTheMiddle) {
+    const FrameVolume volume = some_volume(1);
+    const stage::Camera whole = some_camera();
+    for (const size_t i : {size_t{0}, volume.leaves.size() / 2, volume.leaves.size() - 1}) {
+        const interchange::VolumeLeaf& leaf = volume.leaves[i];
+        const stage::Camera close = interchange::close_up(whole, volume, leaf);
+        EXPECT_EQ(close.world_from_camera, whole.world_from_camera);
+        const glm::dvec3 at(glm::inverse(close.world_from_camera) * glm::dvec4(volume.centre_m(leaf), 1));
+        EXPECT_NEAR(close.cx - close.fx * at.x / at.z, 0.5 * close.width, 1e-6);
+        EXPECT_NEAR(close.cy + close.fy * at.y / at.z, 0.5 * close.height, 1e-6);
+        const double whole_pixels = whole.fx * double{volume.edge_m(leaf)} / -at.z;
+        EXPECT_NEAR(close.fx * double{volume.edge_m(leaf)} / -at.z, std::max(4.0, whole_pixels), 1e-5);
+        EXPECT_NEAR(close.fy / close.fx, whole.fy / whole.fx, 1e-12);
+    }
+}
+
 // Images of splats of another shape lead back to that shape.
 TEST(Splats, AreFittedToImages) {
     const FrameVolume volume = some_volume(1);
@@ -183,6 +201,50 @@ TEST(Splats, AreFittedToImages) {
     EXPECT_GT(fit.psnr, 40);
     EXPECT_LT(times, 60u);
     EXPECT_GT(fit.psnr, 3 + interchange::psnr_of(interchange::splats_of(volume, {}), views));
+}
+
+// Two walls of opaque leaves, red before blue. Where a leaf is half a pixel long, splats look right that renderers must
+// widen to close their gaps; those that were fitted to a close-up hide what is behind them from near as well.
+TEST(Splats, FittedToCloseUpsHideWhatIsBehindThem) {
+    constexpr uint32_t kDepth = 7, kBegin = 32, kEnd = 96;
+    FrameVolume volume;
+    volume.depth = kDepth;
+    for (const uint32_t z : {40u, 41u, 64u, 65u})
+        for (uint32_t y = kBegin; y < kEnd; y++)
+            for (uint32_t x = kBegin; x < kEnd; x++) {
+                const float red = z >= 64 ? 20 : -20;  // a logit by the constant harmonic
+                volume.leaves.push_back(
+                    {voctree::first_cell({x, y, z, kDepth}, kDepth), kDepth, 2 << kDepth, {{{red}, {-20}, {-red}}}, 1});
+            }
+    stage::Camera whole;
+    whole.width = whole.height = 48;
+    whole.cx = whole.cy = 24;
+    whole.fx = whole.fy = 192;
+    whole.world_from_camera = glm::translate(glm::dmat4(1), {0.5, 0.5, 3.5});
+    const stage::Camera close = interchange::close_up(whole, volume, volume.leaves[volume.leaves.size() / 2]);
+    // Red where a ray meets the first wall: x and y between a quarter and three quarters, 66/128 before the origin.
+    const auto seen = [](const stage::Camera& camera) {
+        media::Image image(camera.width, camera.height);
+        for (uint32_t y = 0; y < camera.height; y++)
+            for (uint32_t x = 0; x < camera.width; x++) {
+                const double away = 3.5 - 66.0 / 128;
+                const double at_x = 0.5 + away * (x + 0.5 - camera.cx) / camera.fx;
+                const double at_y = 0.5 - away * (y + 0.5 - camera.cy) / camera.fy;
+                const bool hit = std::max(std::abs(at_x - 0.5), std::abs(at_y - 0.5)) < 0.25;
+                const std::array<uint8_t, 4> colour = {255, uint8_t(hit ? 0 : 255), uint8_t(hit ? 0 : 255), 255};
+                std::copy(colour.begin(), colour.end(), image.at(x, y));
+            }
+        return image;
+    };
+    const std::vector<interchange::FitView> far_view = {{whole, seen(whole)}}, near_view = {{close, seen(close)}};
+    const auto psnr = [&](const interchange::SplatShape& shape, const std::vector<interchange::FitView>& views) {
+        return interchange::psnr_of(interchange::splats_of(volume, shape), views);
+    };
+    const interchange::SplatShape by_far = interchange::fit_shape(volume, far_view, [] {}).shape;
+    const interchange::SplatShape by_near = interchange::fit_shape(volume, near_view, [] {}).shape;
+    EXPECT_GT(psnr(by_far, far_view), 20);
+    EXPECT_LT(psnr(by_far, near_view), 10);
+    EXPECT_GT(psnr(by_near, near_view), 20);
 }
 
 }  // namespace
