@@ -1,16 +1,35 @@
 #include "interchange/fit_splats.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace neuvv::interchange {
 
+namespace {
+
 constexpr double kPixelsOfLeaf = 4;
+
+}  // namespace
+
+std::vector<VolumeLeaf> typical_leaves(const FrameVolume& volume, size_t count) {
+    assert(!volume.leaves.empty());
+    double all = 0, before = 0;
+    for (const VolumeLeaf& leaf : volume.leaves) all += double{leaf.shown};
+    std::vector<VolumeLeaf> typical;
+    for (const VolumeLeaf& leaf : volume.leaves) {
+        before += double{leaf.shown};
+        while (typical.size() < count &&
+               before >= all * (static_cast<double>(typical.size()) + 0.5) / static_cast<double>(count))
+            typical.push_back(leaf);
+    }
+    return typical;
+}
 
 stage::Camera close_up(const stage::Camera& camera, const FrameVolume& volume, const VolumeLeaf& leaf) {
     const glm::dvec3 at(glm::inverse(camera.world_from_camera) * glm::dvec4(volume.centre_m(leaf), 1));
+    assert(at.z < 0);
     stage::Camera close = camera;
-    if (at.z >= 0) return close;
     const double factor = std::max(1.0, kPixelsOfLeaf * -at.z / (camera.fx * double{volume.edge_m(leaf)}));
     close.fx *= factor;
     close.fy *= factor;

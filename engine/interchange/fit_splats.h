@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "interchange/splat_image.h"
 
@@ -14,8 +15,11 @@ struct FitView {
     media::Image image;
 };
 
-// The camera's image around a leaf, enlarged until the leaf's edge is four pixels long where it is shorter. There, the
-// 0.3 pixels² by which renderers widen splats close no gaps between them.
+// `count` leaves at equal steps of what images show of all leaves, in their order. There must be a leaf.
+std::vector<VolumeLeaf> typical_leaves(const FrameVolume& volume, size_t count);
+
+// The camera's image around a leaf before it, enlarged until the leaf's edge is four pixels long where it is shorter.
+// There, the 0.3 pixels² by which renderers widen splats close no gaps between splats.
 stage::Camera close_up(const stage::Camera& camera, const FrameVolume& volume, const VolumeLeaf& leaf);
 
 // PSNR in dB of the images of splats, all pixels of all views together.

@@ -32,8 +32,7 @@ struct Splats {
 };
 
 // How a leaf of edges e and mean optical depth τ along them becomes a splat: its deviations are `width` · e, its
-// opacity 1 − exp(−`density` · τ). The defaults suit clips whose leaves are about as large as the pixels of their
-// cameras.
+// opacity 1 − exp(−`density` · τ). The defaults are about what trained clips are fitted to.
 struct SplatShape {
     double width = 0.33, density = 0.6;
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "interchange/fit_splats.h"
 #include "interchange/shown_leaves.h"
@@ -165,6 +166,22 @@ TEST(Splats, SayWhichLeavesAreShown) {
     // What is seen of a cube of a quarter from 26 directions: the mean of its faces' area times the cosine, if not more
     // than the splats' soft edges.
     EXPECT_NEAR(outer, 0.0625 * (6 * 1 + 12 * std::sqrt(2.0) + 8 * std::sqrt(3.0)) / 26, 0.02);
+}
+
+// Leaves that no image shows are not typical, and one that makes up all of an image is typical of it.
+TEST(Splats, TypicalLeavesAreThoseThatImagesShow) {
+    FrameVolume volume = some_volume(1);
+    ASSERT_GT(volume.leaves.size(), 20u);
+    for (interchange::VolumeLeaf& leaf : volume.leaves) leaf.shown = 0;
+    volume.leaves[3].shown = 1;
+    volume.leaves[10].shown = 3;
+    std::vector<uint64_t> cells;
+    for (const interchange::VolumeLeaf& leaf : interchange::typical_leaves(volume, 4)) cells.push_back(leaf.cell);
+    const uint64_t first = volume.leaves[3].cell, second = volume.leaves[10].cell;
+    EXPECT_EQ(cells, (std::vector<uint64_t>{first, second, second, second}));
+    volume.leaves.resize(1);
+    volume.leaves[0].shown = 0.5f;
+    EXPECT_EQ(interchange::typical_leaves(volume, 4).size(), 4u);
 }
 
 TEST(Splats, CloseUpsShowALeafInTheMiddle) {

@@ -57,6 +57,7 @@ TEST_F(CliExport, SplatsShowWhatTheClipDoes) {
     const nlohmann::json all = exported(scene, file("out_%02d.ply"), {});
     EXPECT_EQ(all.at("files"), 4);
     EXPECT_GT(all.at("psnr_db"), 25);
+    EXPECT_GT(all.at("close_psnr_db"), 25);
     const auto shown = [&](uint32_t frame) {
         return psnr_of(file(("out_0" + std::to_string(frame) + ".ply").c_str()), scene, frame);
     };

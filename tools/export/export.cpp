@@ -211,7 +211,8 @@ void add_frame_options(const Command& verb, ExportOptions& options) {
         .in_range(2, 100)
         .show_default();
     verb.add_option("--size", options.size,
-                    "WIDTHxHEIGHT of these images (720x720); of a stage's camera: of its "
+                    "WIDTHxHEIGHT of these images and of the close-ups by which splats get their shape (720x720); of a "
+                    "stage's camera: of its "
                     "images (1280x720)");
     add_up_option(verb, options.up);
     verb.add_flag("--resume", options.resume,
@@ -255,7 +256,7 @@ void add_export(Command app, CommonOptions& common) {
     verb.add_flag(
         "--json", options->json,
         "Print JSON: output, files, bytes, and what the kind says; of splats: splats, psnr_db,\n"
-        "close_psnr_db (of close-ups), width, density;\n"
+        "close_psnr_db (of the four close-ups that width and density were fitted to), width, density;\n"
         "of meshes: triangles, iou, depth_mean_mm, depth_95_mm, psnr_db; of volumes: leaves, voxel_m, psnr_db; of\n"
         "PlenOctrees: leaves, psnr_db");
     verb.footer(

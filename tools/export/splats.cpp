@@ -40,6 +40,17 @@ const std::array<SplatFormat, 3> kFormats = {{
 
 constexpr size_t kCloseViews = 4;
 
+const stage::Camera& nearest_camera(const ComparedViews& views, const glm::dvec3& place) {
+    size_t nearest = 0;
+    for (size_t i = 1; i < views.count(); i++) {
+        const auto away = [&](size_t view) {
+            return glm::distance(glm::dvec3(views.camera_of(view).world_from_camera[3]), place);
+        };
+        if (away(i) < away(nearest)) nearest = i;
+    }
+    return views.camera_of(nearest);
+}
+
 class SplatExport : public FrameExport {
   public:
     SplatExport(const ExportOptions& options, const SplatFormat& format, ExportedClip& clip,
@@ -93,9 +104,9 @@ void SplatExport::measure(uint32_t frame, const Working& working) {
     // Splats are fitted where leaves are larger than pixels: a shape that was fitted to whole images relies on how
     // renderers widen small splats, and lets through what is behind it when a viewer goes nearer.
     std::vector<interchange::FitView> close;
-    for (size_t i = 0; i < kCloseViews; i++) {
-        const interchange::VolumeLeaf& leaf = volume.leaves[(2 * i + 1) * volume.leaves.size() / (2 * kCloseViews)];
-        const stage::Camera camera = interchange::close_up(compared.camera_of(i % compared.count()), volume, leaf);
+    for (const interchange::VolumeLeaf& leaf : interchange::typical_leaves(volume, kCloseViews)) {
+        const stage::Camera camera =
+            interchange::close_up(nearest_camera(compared, volume.centre_m(leaf)), volume, leaf);
         close.push_back({camera, compared.render_still(still, camera)});
     }
     fit_ = interchange::fit_shape(volume, close, [&] { working("comparing splats with images of the middle frame"); });
@@ -124,7 +135,7 @@ void SplatExport::report(nlohmann::ordered_json& json) const {
 
 std::string SplatExport::summary() const {
     if (!fit_) return fmt::format("{} splats", written_);
-    return fmt::format("{} splats; images of the middle frame have {:.1f} dB, close-ups {:.1f}", written_, psnr_,
+    return fmt::format("{} splats; images of the middle frame have {:.1f} dB, close-ups {:.1f} dB", written_, psnr_,
                        fit_->psnr);
 }
 
