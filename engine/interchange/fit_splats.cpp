@@ -70,6 +70,7 @@ SplatFit fit_shape(const FrameVolume& volume, std::span<const FitView> views, co
                 const SplatShape from = best.shape;
                 found |= improves({from.width * change, from.density});
                 found |= improves({best.shape.width, best.shape.density * change});
+                found |= improves({best.shape.width * change, best.shape.density / (change * change)});  // as opaque
             }
         }
     }

@@ -29,8 +29,9 @@ struct SplatFit {
     SplatShape shape;
     double psnr = 0;
 };
-// Changes width and density of all leaves together by ever smaller factors, as long as the PSNR grows. Draws some
-// twenty to thirty times as many images as there are views, and calls `between` before each time, which may throw.
+// Changes width and density of all leaves by ever smaller factors, as long as the PSNR grows: each alone, and both so
+// that splats keep their opacity over their area. Draws up to sixty times as many images as there are views, and calls
+// `between` before each time, which may throw.
 SplatFit fit_shape(const FrameVolume& volume, std::span<const FitView> views, const std::function<void()>& between);
 
 }  // namespace neuvv::interchange

@@ -8,6 +8,7 @@ import fs from "node:fs";
 import http from "node:http";
 import {createRequire} from "node:module";
 import path from "node:path";
+import {fileURLToPath} from "node:url";
 
 const kRuns = [["babylon", "splats.glb"], ["playcanvas", "splats.glb"], ["playcanvas", "splats.ply"], ["spark", "splats.ply"]];
 const kLeast_db = 20;  // upside down or mirrored: 9
@@ -18,7 +19,7 @@ if (!folder) {
     console.error("usage: node compare.mjs NEUVV CLIP FOLDER [option of neuvv export]...");
     process.exit(2);
 }
-const pages = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
+const pages = path.dirname(fileURLToPath(import.meta.url));
 const inFolder = name => path.join(folder, name);
 fs.mkdirSync(folder, {recursive: true});
 fs.copyFileSync(path.join(pages, "package.json"), inFolder("package.json"));
@@ -40,7 +41,7 @@ function lookAtSplats() {
     const y = [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]];
     const eye = at.map((value, i) => value + distance * z[i]);
     const focal_px = kSide_px / 2 / Math.tan(kAngle_deg * Math.PI / 360);
-    fs.writeFileSync(inFolder("view.json"), JSON.stringify({eye, at, angle_deg: kAngle_deg, near: 0.01 * distance, far: 10 * distance}));
+    fs.writeFileSync(inFolder("view.json"), JSON.stringify({eye, at, angle_deg: kAngle_deg, side_px: kSide_px, near: 0.01 * distance, far: 10 * distance}));
     fs.writeFileSync(inFolder("camera.json"), JSON.stringify({
         w: kSide_px, h: kSide_px, fl_x: focal_px, fl_y: focal_px, cx: kSide_px / 2, cy: kSide_px / 2,
         frames: [{transform_matrix: [0, 1, 2].map(i => [x[i], y[i], z[i], eye[i]]).concat([[0, 0, 0, 1]])}]}));
@@ -64,9 +65,17 @@ const browser = spawn("chromium", ["--headless=new", "--no-sandbox", "--use-gl=a
                                    "--enable-unsafe-swiftshader", "--remote-debugging-port=0", `--window-size=${kSide_px},900`,
                                    "--force-device-scale-factor=1", `--user-data-dir=${path.resolve(profile)}`, "about:blank"],
                       {stdio: "ignore"});
+browser.once("error", problem => {
+    console.error(`chromium cannot be started: ${problem.message}`);
+    process.exit(1);
+});
 process.on("exit", () => browser.kill("SIGKILL"));
 const portFile = path.join(profile, "DevToolsActivePort");
 fs.rmSync(portFile, {force: true});
+browser.once("exit", code => {
+    console.error(`chromium ended with ${code}`);
+    process.exit(1);
+});
 while (!fs.existsSync(portFile)) await sleep(200);
 const port = fs.readFileSync(portFile, "utf8").split("\n")[0];
 
