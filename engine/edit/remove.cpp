@@ -17,9 +17,9 @@ namespace {
 using Indices = std::set<uint64_t>;
 
 // Extensions whose indices are handled here, or that contain no indices of nodes, meshes, skins, cameras and lights.
-constexpr const char* kSafeExtensions[] = {"KHR_lights_punctual", "NEUVV_",     "KHR_materials_",
-                                           "KHR_texture_",        "KHR_mesh_",  "EXT_mesh_",
-                                           "EXT_texture_",        "KHR_draco_", stage::kVisibilityExtension};
+constexpr const char* kSafeExtensions[] = {
+    "KHR_lights_punctual", "NEUVV_",       "KHR_materials_", "KHR_texture_",  "KHR_mesh_",
+    "EXT_mesh_",           "EXT_texture_", "KHR_draco_",     "KHR_gaussian_", stage::kVisibilityExtension};
 
 template <typename Json>
 size_t size_of(const Json& json, const char* list) {

@@ -9,7 +9,6 @@
 
 #include "interchange/gltf_frames.h"
 #include "media/image.h"
-#include "stage/glb_writer.h"
 
 namespace neuvv::interchange {
 
@@ -18,7 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr uint32_t kArrayBuffer = 34962, kPoints = 0;
-constexpr const char* kExtension = "KHR_gaussian_splatting";
 
 // Marks the last array as one of vertices.
 void mark_vertices(stage::GlbWriter& glb) {
@@ -62,7 +60,7 @@ Json primitive_of(const Splats& splats, stage::GlbWriter& glb) {
     attributes["COLOR_0"] = glb.add(plain_colours(splats), "VEC4", 4, stage::kGltfUnsignedByte);
     glb.json["accessors"].back()["normalized"] = true;
     mark_vertices(glb);
-    const std::string prefix = std::string(kExtension) + ":";
+    const std::string prefix = std::string(kSplatExtension) + ":";
     attributes[prefix + "ROTATION"] = add_vertices(glb,
                                                    columns(splats, 4,
                                                            [](const Splat& s, int c) {
@@ -81,7 +79,7 @@ Json primitive_of(const Splats& splats, stage::GlbWriter& glb) {
     return {{"attributes", attributes},
             {"mode", kPoints},
             {"extensions",
-             {{kExtension,
+             {{kSplatExtension,
                {{"kernel", "ellipse"},
                 {"colorSpace", "srgb_rec709_display"},
                 {"projection", "perspective"},
@@ -90,17 +88,19 @@ Json primitive_of(const Splats& splats, stage::GlbWriter& glb) {
 
 }  // namespace
 
+Json add_splat_mesh(const Splats& splats, stage::GlbWriter& glb) {
+    return {{"primitives", Json::array({primitive_of(splats, glb)})}};
+}
+
 size_t glb_bytes_of_splat(uint32_t degree) {
     return sizeof(float) * (3 + 1 + 4 + 3 + 1 + size_t{3} * sh_count(degree));
 }
 
 void write_splat_glb(const std::filesystem::path& file, std::span<const Splats> frames, double fps) {
     stage::GlbWriter glb;
-    glb.json["extensionsUsed"] = {kExtension};
+    glb.json["extensionsUsed"] = {kSplatExtension};
     std::vector<Json> meshes;
-    for (const Splats& splats : frames)
-        meshes.push_back(splats.splats.empty() ? Json()
-                                               : Json{{"primitives", Json::array({primitive_of(splats, glb)})}});
+    for (const Splats& splats : frames) meshes.push_back(splats.splats.empty() ? Json() : add_splat_mesh(splats, glb));
     add_gltf_frames(glb, meshes, fps);
     glb.write(file, "export fewer --frames, or a file for each, as in out_%04d.glb");
 }

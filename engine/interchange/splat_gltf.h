@@ -5,8 +5,14 @@
 #include <span>
 
 #include "interchange/splats.h"
+#include "stage/glb_writer.h"
 
 namespace neuvv::interchange {
+
+constexpr const char* kSplatExtension = "KHR_gaussian_splatting";
+
+// Adds the arrays of splats, of which there is at least one, and returns a mesh of them for the document's list.
+nlohmann::ordered_json add_splat_mesh(const Splats& splats, stage::GlbWriter& glb);
 
 // A .glb with a node for each frame. Where there are several, an animation shows one after the other by their scales.
 // Programs that do not know the extension show the splats as coloured points. Written atomically. Throws InputError

@@ -1,6 +1,7 @@
 // Splats in glTF and OpenUSD, read back by small readers of their own.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -11,8 +12,11 @@
 #include "base/platform.h"
 #include "interchange/splat_gltf.h"
 #include "interchange/splat_usd.h"
+#include "interchange/stand_ins.h"
+#include "stage/stage.h"
 #include "support/random_tree.h"
 #include "support/temporary_folder.h"
+#include "tests/stage/stage_files.h"
 
 namespace neuvv::test {
 namespace {
@@ -133,6 +137,46 @@ TEST(SplatFiles, GltfMayHaveEmptyFrames) {
     const GlbReader glb(folder.path / "x.glb");
     EXPECT_EQ(glb.head["meshes"].size(), 2u);
     EXPECT_FALSE(glb.head["nodes"][1].contains("mesh"));
+}
+
+// Splats stand in for a performer twice, turned the second time, in a stage of another program.
+TEST(StandIns, AreBelowTheNodesOfPerformers) {
+    const TemporaryFolder folder;
+    const std::vector<Splats> splats = three_frames();
+    const stage::Stage before = stage::load_stage(put_foreign_stage(folder.path));
+    const uint32_t anna = before.performers[0].node;
+    const std::vector<interchange::StandIn> all = {{anna, 1}, {0, 1, {0, 0, 1, 0}}, {1, 2}};
+    EXPECT_FALSE(interchange::has_stand_ins(before.file));
+    interchange::write_stand_ins(folder.path / "x.glb", before.file, {splats.data(), 3}, all);
+    const GlbReader glb(folder.path / "x.glb");
+    const json &nodes = glb.head["nodes"], &meshes = glb.head["meshes"];
+    ASSERT_EQ(nodes.size(), before.scene.nodes.size() + 3);
+    ASSERT_EQ(meshes.size(), 4u);
+    const json& below_anna = nodes[nodes[anna]["children"].back().get<size_t>()];
+    EXPECT_EQ(below_anna, json({{"name", "Anna stand-in"}, {"mesh", 2}}));
+    EXPECT_EQ(nodes[nodes[0]["children"].back().get<size_t>()]["rotation"], json({0.0, 1.0, 0.0, 0.0}));
+    EXPECT_EQ(nodes[nodes[1]["children"].back().get<size_t>()]["mesh"], 3);
+    const json& attributes = meshes[2]["primitives"][0]["attributes"];
+    const auto positions = glb.floats(attributes["POSITION"], 3);
+    ASSERT_EQ(positions.size(), 3 * splats[1].splats.size());
+    EXPECT_EQ(positions[4], splats[1].splats[1].centre.y);
+    const json& used = glb.head["extensionsUsed"];
+    EXPECT_EQ(std::count(used.begin(), used.end(), "KHR_gaussian_splatting"), 1);
+}
+
+TEST(StandIns, LeaveTheStageAsItIs) {
+    const TemporaryFolder folder;
+    const std::vector<Splats> splats = three_frames();
+    const stage::Stage before = stage::load_stage(put_foreign_stage(folder.path));
+    const interchange::StandIn one{before.performers[0].node, 0, {1, 0, 0, 0}};
+    std::filesystem::create_directories(folder.path / "below");
+    interchange::write_stand_ins(folder.path / "below/x.glb", before.file, {splats.data(), 1}, {&one, 1});
+    const stage::Stage after = stage::load_stage(folder.path / "below/x.glb");
+    EXPECT_TRUE(interchange::has_stand_ins(after.file));
+    EXPECT_EQ(after.clips[0].path, before.clips[0].path);
+    EXPECT_EQ(after.performers[0].node, before.performers[0].node);
+    EXPECT_TRUE(after.scene.meshes[1].primitives.empty()) << "splats are not drawn as a part of the set";
+    EXPECT_EQ(after.scene.meshes[0].primitives[0].positions, before.scene.meshes[0].primitives[0].positions);
 }
 
 // All numbers between the brackets behind `name`, at a time code or, with none, of the attribute itself.
