@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "reference/splats.h"
-#include "stage/gltf_scene.h"
+#include "stage/stage.h"
 #include "stream/nvs_writer.h"
 #include "tests/tools/cli_gpu.h"
 #include "training/evaluation/metrics.h"
@@ -186,6 +186,32 @@ TEST_F(CliStageSpace, NamesAFileForEachPerformer) {
     EXPECT_EQ(both[1].at("splats"), 0) << "ben is hidden";
     expect_refused({"export", show, "-o", file("x.ply"), "--stage-space", "--frames", "0"}, 2, {"--performer", "ben"});
     expect_refused({"export", scene, "-o", file("x.ply"), "--stage-space", "--frames", "0"}, 2, {"--stage-space"});
+}
+
+TEST_F(CliStageSpace, StandInsShowPerformersToOtherPrograms) {
+    ASSERT_EQ(run_neuvv({"stage", "add", show, scene, "--name", "ben", "--visible", "off"}).code, 0);
+    for (const char* name : {"carl", "dora"})
+        ASSERT_EQ(run_neuvv({"stage", "add", show, scene, "--name", name, "--spin", "90"}).code, 0);
+    const nlohmann::json made =
+        exported(show, file("out.glb"), {"--as", "stand-ins", "--time", "1", "--most-splats", "500"});
+    ASSERT_EQ(made.at("performers").size(), 3u) << "ben is hidden";
+    EXPECT_EQ(made["performers"][0].at("frame"), 1) << "anna stands still";
+    EXPECT_EQ(made["performers"][1].at("frame"), 2) << "of two a second";
+    EXPECT_GT(made["performers"][0].at("psnr_db"), 15);
+    EXPECT_LE(made["performers"][0].at("splats"), 500);
+    EXPECT_GT(made["performers"][0].at("splats"), 400);
+    const stage::Stage before = stage::load_stage(show), after = stage::load_stage(file("out.glb"));
+    EXPECT_EQ(after.scene.meshes.size(), before.scene.meshes.size() + 2) << "carl and dora have the same splats";
+    const stage::GltfNode& dora = after.scene.nodes.at(after.scene.nodes.at(after.performers[3].node).children.at(0));
+    EXPECT_EQ(dora.name, "dora stand-in");
+    EXPECT_NEAR(dora.rotation.y, std::sqrt(0.5), 1e-6) << "turned by 90°";
+    for (const std::string& stage : {show, file("out.glb")})
+        ASSERT_EQ(run_neuvv({"render", stage, "-o", stage + ".png", "--time", "1", "--size", "96x64"}).code, 0);
+    EXPECT_EQ(read_text(show + ".png"), read_text(file("out.glb.png"))) << "this program shows the clips";
+    EXPECT_EQ(run_neuvv({"stage", "remove", file("out.glb"), "dora"}).code, 0);
+    expect_refused({"export", file("out.glb"), "--as", "stand-ins", "-o", file("x.glb")}, 2, {"stand-ins already"});
+    expect_refused({"export", scene, "--as", "stand-ins", "-o", file("x.glb")}, 2, {".gltf"});
+    expect_refused({"export", show, "--as", "stand-ins", "-o", file("x.glb"), "--frames", "0"}, 2, {"--frames"});
 }
 
 TEST_F(CliStageSpace, RefusesWhatAKindCannotKeep) {

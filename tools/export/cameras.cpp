@@ -39,7 +39,7 @@ ExportedCamera camera_of(const ExportOptions& options) {
     return camera;
 }
 
-std::string write_camera(const ExportOptions& options) {
+std::string write_camera(const ExportOptions& options, const CommonOptions&, nlohmann::ordered_json&) {
     const ExportedCamera camera = camera_of(options);
     if (std::filesystem::path(options.output).extension() == ".usda") {
         interchange::write_camera_usda(options.output, camera.images);
@@ -60,13 +60,13 @@ std::string write_camera(const ExportOptions& options) {
     return text;
 }
 
-std::string write_nerfstudio(const ExportOptions& options) {
+std::string write_nerfstudio(const ExportOptions& options, const CommonOptions&, nlohmann::ordered_json&) {
     const ExportedCamera camera = camera_of(options);
     training::write_nerfstudio_path(options.output, camera.path, camera.images, options.world);
     return camera.text();
 }
 
-std::string write_ngp(const ExportOptions& options) {
+std::string write_ngp(const ExportOptions& options, const CommonOptions&, nlohmann::ordered_json&) {
     const ExportedCamera camera = camera_of(options);
     training::write_ngp_path(options.output, camera.images, options.world);
     return camera.text();
@@ -80,6 +80,7 @@ const std::vector<StageKind>& stage_kinds() {
         {"layout", {".usda"}, {"--fps", "--splats"}, write_layout},
         {"nerfstudio", {".json"}, {"--camera", "--fps", "--size", "--world"}, write_nerfstudio},
         {"instant-ngp", {".json"}, {"--camera", "--fps", "--size", "--world"}, write_ngp},
+        {"stand-ins", {".glb"}, {"--most-splats", "--time", "--views", "--size"}, write_stage_with_splats},
     };
     return kinds;
 }

@@ -36,7 +36,6 @@ const std::array kKinds = {
     Kind{"plenoctree", {".npz"}, {}, export_plenoctree},
     Kind{"volumes", {".vdb"}, {"--iso"}, export_volumes},
 };
-constexpr const char* kFrameSize = "720x720";
 constexpr const char* kPerformerPlace = "{performer}";
 const std::vector<std::string> kFrameOptions = {"--performer", "--stage-space", "--frames", "--fps",
                                                 "--views",     "--size",        "--up",     "--resume"};
@@ -85,12 +84,15 @@ void expect_options_of(const Command& verb, const std::string& kind, const std::
             throw InputError(option, "", fmt::format("does nothing for --as {}", kind), "leave it out");
 }
 
-void write_stage(const ExportOptions& options, const StageKind& kind) {
+void write_stage(const ExportOptions& options, const StageKind& kind, const CommonOptions& common) {
     expect_stage_name("scene", options.scene);
-    const std::string text = kind.write(options);
+    nlohmann::ordered_json more = nlohmann::ordered_json::object();
+    const std::string text = kind.write(options, common, more);
     const uint64_t bytes = std::filesystem::file_size(options.output);
+    nlohmann::ordered_json json = {{"output", options.output}, {"files", 1}, {"bytes", bytes}};
+    json.update(more);
     if (options.json)
-        fmt::print("{}", json_text({{"output", options.output}, {"files", 1}, {"bytes", bytes}}));
+        fmt::print("{}", json_text(json));
     else
         fmt::print("{}: {}, {}\n", options.output, size_text(bytes), text);
 }
@@ -128,7 +130,7 @@ std::string file_name_of(const stage::StagePerformer& performer, const stage::St
 void run(const Command& verb, ExportOptions& options, const CommonOptions& common) {
     if (const StageKind* stage = stage_kind_of(options)) {
         expect_options_of(verb, stage->name, stage->options);
-        return write_stage(options, *stage);
+        return write_stage(options, *stage, common);
     }
     const Kind& kind = kind_of(options);
     std::vector<std::string> own = kFrameOptions;
@@ -174,7 +176,10 @@ constexpr const char* kKindsHelp =
     "all directions, in\nlinear light.\n\n"
     "A stage's camera becomes what --as says: camera is a .usda or an animated .glb, nerfstudio and instant-ngp "
     "are the camera\npaths of those programs. layout is a .usda of where performers, lights and cameras are, and "
-    "when.\n";
+    "when.\n\n"
+    "--as stand-ins: the stage as one .glb for programs that know no clips. Below each performer's node are splats of "
+    "what it shows\nat --time, so that programs with KHR_gaussian_splatting show the whole stage, and others coloured "
+    "points. In this program, it is\nthe stage with its clips, as before.\n";
 
 void add_frame_options(const Command& verb, ExportOptions& options) {
     verb.add_option("--performer", options.performer,
@@ -191,7 +196,8 @@ void add_frame_options(const Command& verb, ExportOptions& options) {
                     "is mixed, as in slow "
                     "motion; of a .nvs, it is the nearer one")
         .number_between(0.01, 1e4);
-    verb.add_option("--most-splats", options.most_splats, "Of each frame: what agrees best is merged (no limit)");
+    verb.add_option("--most-splats", options.most_splats,
+                    "Of each frame: what agrees best is merged (0: no limit; stand-ins have 50000)");
     verb.add_option("--opacity", options.mesh.opacity, "Of meshes: what a ray gets where the surface is")
         .number_between(0.01, 0.99)
         .show_default();
@@ -229,6 +235,9 @@ void add_stage_options(const Command& verb, ExportOptions& options) {
         "Of those: nerfstudio's dataparser_transforms.json, or the transforms.json of instant-ngp's data set");
     verb.add_option("--splats", options.splats,
                     "Of the kind layout: a folder with the splats of performers, NAME.usda, to which it refers");
+    verb.add_option("--time", options.time_s, "Of stand-ins: what performers show at this time of the stage, seconds")
+        .number_between(0, 1e6)
+        .show_default();
 }
 
 }  // namespace
@@ -269,7 +278,8 @@ void add_export(Command app, CommonOptions& common) {
          "  neuvv export build/performer.nvv -o build/meshes.glb --as mesh --frames 0:1 --most-triangles 20000\n"
          "  neuvv export build/performer.nvv -o build/volume/frame_%04d.vdb --frames 0:2 --iso 0.5\n"
          "  neuvv export build/show.gltf --as nerfstudio -o build/camera_path.json\n"
-         "  neuvv export build/show.gltf --as layout -o build/show.usda"});
+         "  neuvv export build/show.gltf --as layout -o build/show.usda\n"
+         "  neuvv export build/show.gltf --as stand-ins -o build/show_splats.glb"});
     verb.callback([options, verb, &common] { run(verb, *options, common); });
 }
 

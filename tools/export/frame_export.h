@@ -16,13 +16,18 @@
 
 namespace neuvv::tools {
 
+// The images of kinds that do not give them another size.
+constexpr const char* kFrameSize = "720x720";
+
 struct ExportOptions {
     std::string scene, performer, output, kind, frames;
     std::string size;           // of images; empty: as is usual for the kind
     std::string camera, world;  // of kinds that write cameras
     std::string splats;         // of the kind layout
     std::optional<double> fps;
-    uint32_t most_splats = 0, views = 8;
+    std::optional<uint32_t> most_splats;  // of each frame; 0: no limit; none: as is usual for the kind
+    uint32_t views = 8;
+    double time_s = 0;  // of the stage, for the kind stand-ins
     interchange::MeshSettings mesh;
     std::optional<double> iso;  // opacity of a surface, 0 to 1
     std::optional<voctree::UpAxis> up;

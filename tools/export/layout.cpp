@@ -9,7 +9,7 @@
 
 namespace neuvv::tools {
 
-std::string write_layout(const ExportOptions& options) {
+std::string write_layout(const ExportOptions& options, const CommonOptions&, nlohmann::ordered_json&) {
     const stage::Stage stage = stage::load_stage(options.scene);
     if (!options.splats.empty() && !std::filesystem::is_directory(options.splats))
         throw InputError("--splats", options.splats, "is no folder", "give the one that holds NAME.usda of performers");

@@ -1,6 +1,7 @@
 // What `neuvv export` makes of a stage as a whole: a file each, without the frames of clips.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,15 @@ namespace neuvv::tools {
 struct StageKind {
     const char* name;  // for --as, without which none of them is meant
     std::vector<std::string> endings, options;
-    // Writes the output of a stage, and returns what was written, for people. Throws InputError.
-    std::string (*write)(const ExportOptions& options);
+    // Writes the output of a stage, and returns what was written, for people; what is known beside the file's size is
+    // added to `json`. Throws InputError.
+    std::string (*write)(const ExportOptions& options, const CommonOptions& common, nlohmann::ordered_json& json);
 };
 
 const std::vector<StageKind>& stage_kinds();
 
-std::string write_layout(const ExportOptions& options);
+std::string write_layout(const ExportOptions& options, const CommonOptions& common, nlohmann::ordered_json& json);
+std::string write_stage_with_splats(const ExportOptions& options, const CommonOptions& common,
+                                    nlohmann::ordered_json& json);
 
 }  // namespace neuvv::tools
