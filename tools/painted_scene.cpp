@@ -110,8 +110,7 @@ PaintedScene::PaintedScene(const PaintOptions& options, Use what)
     if (is_segmented()) {
         if (use == Use::kRead || std::filesystem::exists(options.layer, error))
             voctree::expect_paint_folder(options.layer);
-        const voctree::ClipHead head = voctree::read_clip_head(clip);
-        box.emplace(head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size));
+        box = voctree::occupied_box(index);
         // Between two segments, the frame that a player shows.
         const voctree::SegmentFrame place = voctree::segment_frame(index, double{at});
         at = static_cast<float>(index.segments[place.segment].first) + place.frame;

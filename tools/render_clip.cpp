@@ -108,7 +108,7 @@ struct RenderPlan {
     ExrLayers layers;
     render::ResolveSettings resolve;
     voctree::ClipIndex clip;
-    std::pair<glm::dvec3, glm::dvec3> box;  // around the leaves; of several segments, around their trees
+    std::pair<glm::dvec3, glm::dvec3> box;  // around the leaves
     PaintStack paint;
     Playback playback;
     std::vector<ViewStep> path;
@@ -140,8 +140,7 @@ void read_scene(const RenderOptions& options, RenderPlan& plan) {
     }
     if (!plan.paint.names.empty()) voctree::expect_no_stream(options.scene);
     for (const render::LayerFolder& one : plan.paint.names) voctree::expect_paint_folder(one.folder);
-    const voctree::ClipHead head = voctree::read_clip_head(options.scene);
-    plan.box = {head.box_min, glm::dvec3(head.box_min) + glm::dvec3(head.box_size)};
+    plan.box = voctree::occupied_box(plan.clip);
 }
 
 RenderPlan plan_render(const RenderOptions& options) {

@@ -1,7 +1,12 @@
 #include "voctree/occupied_box.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "base/error.h"
+#include "voctree/clip.h"
 
 namespace neuvv::voctree {
 
@@ -19,6 +24,60 @@ std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree) {
     }
     const glm::dvec3 origin(tree.box_min), size(tree.box_size);
     return {origin + low * size, origin + high * size};
+}
+
+namespace {
+
+using Box = std::pair<glm::dvec3, glm::dvec3>;
+
+constexpr size_t kMostSegments = 8;
+constexpr double kMoves = 0.1;  // by how much of their box's size leaves of a stream may move between the frames read
+
+// The segments whose leaves are read. Of a stream these are key frames, because others need those before them.
+std::vector<ClipSegment> sample_of(const ClipIndex& clip) {
+    std::vector<ClipSegment> all, some;
+    for (const ClipSegment& segment : clip.segments)
+        if (!segment.stream || segment.stream->index().frames[segment.first].is_key) all.push_back(segment);
+    const size_t count = std::min(all.size(), kMostSegments);
+    for (size_t i = 0; i < count; i++) some.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
+    return some;
+}
+
+// A tree of the segment with leaves where its own are, as little as has to be read.
+VOctree small_tree(const ClipSegment& segment) {
+    if (!segment.stream && !is_plenoctree(segment.file))
+        if (std::optional<VOctree> coarse = read_nvv_coarse(segment.file)) return std::move(*coarse);
+    return read_segment(segment, stream::kShape);
+}
+
+// Around the leaves of one segment, and of a stream's frames around it.
+Box box_of(const ClipSegment& segment, const VOctree& tree) {
+    const Box leaves = occupied_box(tree);
+    if (!segment.stream) return leaves;
+    const glm::dvec3 low(tree.box_min), high = low + glm::dvec3(tree.box_size),
+                                        moved = kMoves * (leaves.second - leaves.first);
+    return {glm::max(low, leaves.first - moved), glm::min(high, leaves.second + moved)};
+}
+
+}  // namespace
+
+Box occupied_box(const ClipIndex& clip) {
+    std::optional<Box> box, empty;  // of segments with leaves, and of one without
+    std::optional<InputError> problem;
+    for (const ClipSegment& segment : sample_of(clip)) {
+        try {
+            const VOctree tree = small_tree(segment);
+            const Box one = box_of(segment, tree);
+            if (tree.leaf_count == 0)
+                empty = one;
+            else
+                box = box ? Box(glm::min(box->first, one.first), glm::max(box->second, one.second)) : one;
+        } catch (const InputError& error) {
+            problem = error;
+        }
+    }
+    if (!box && !empty) throw *problem;
+    return box ? *box : *empty;
 }
 
 }  // namespace neuvv::voctree

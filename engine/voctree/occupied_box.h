@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "voctree/clip_index.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::voctree {
@@ -10,5 +11,10 @@ namespace neuvv::voctree {
 // Minimum and maximum corner of the box around the tree's leaves, in metres; of the tree's own box where it has no
 // leaf.
 std::pair<glm::dvec3, glm::dvec3> occupied_box(const VOctree& tree);
+
+// The same of a whole clip: around the leaves of at most eight of its segments, at equal steps, that can be read. Where
+// a file has a coarse tree, that alone is read, whose leaves are larger. Of a stream, key frames are read, and the box
+// is a tenth larger on each side for what moves between them. Throws InputError where none of them can be read.
+std::pair<glm::dvec3, glm::dvec3> occupied_box(const ClipIndex& clip);
 
 }  // namespace neuvv::voctree

@@ -1,6 +1,7 @@
 // Segmented clips: their index, what is read of it, and which frame lies where.
 #include "voctree/clip_index.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/output_path.h"
@@ -9,6 +10,7 @@
 #include "support/temporary_folder.h"
 #include "voctree/clip.h"
 #include "voctree/nvv.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::test {
 namespace {
@@ -74,6 +76,31 @@ TEST_F(ClipIndexTest, TheHeadHoldsAllSegments) {
     std::filesystem::remove(clip / "a.nvv");
     std::filesystem::remove(clip / "b.nvv");
     expect_input_error([&] { voctree::read_clip_head(clip); }, {"show.nvv", "a.nvv"});
+}
+
+// Each has one leaf of a metre, in a box of sixteen.
+TEST_F(ClipIndexTest, TheBoxOfLeavesHoldsThoseOfSegments) {
+    std::string segments;
+    for (int i = 0; i < 20; i++) {
+        voctree::VOctree tree = random_tree({.node_levels = 2, .frames = 1});
+        tree.box_min = glm::vec3(0);
+        tree.box_size = glm::vec3(16);
+        voctree::build_topology(tree, {{static_cast<uint32_t>(i % 10), 0, 0, 4}});
+        const std::string name = fmt::format("{}.nvv", i);
+        voctree::write_nvv(clip / name, tree);
+        segments += fmt::format(R"({}{{"file": "{}", "frames": 1}})", i > 0 ? ", " : "", name);
+    }
+    write_index(fmt::format(R"({{"neuvv_clip": 1, "fps": 30, "segments": [{}]}})", segments));
+    const voctree::ClipIndex index = voctree::read_clip_index(clip);
+    const auto [low, high] = voctree::occupied_box(index);
+    EXPECT_EQ(low, glm::dvec3(0));
+    EXPECT_GT(high.x, 8) << "of segments in between, too";
+    EXPECT_LE(high.x, 10);
+    EXPECT_EQ(high.y, 1);
+    for (int i = 0; i < 19; i++) std::filesystem::remove(clip / fmt::format("{}.nvv", i));
+    EXPECT_EQ(voctree::occupied_box(index).first.x, 9) << "missing ones are left out";
+    std::filesystem::remove(clip / "19.nvv");
+    expect_input_error([&] { voctree::occupied_box(index); }, {".nvv"});
 }
 
 TEST_F(ClipIndexTest, SegmentsAreFilesOfTheirFrames) {
