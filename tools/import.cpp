@@ -161,7 +161,8 @@ std::unique_ptr<FrameImport> import_of(const FrameImportOptions& options) {
     const std::string ending = std::filesystem::path(options.input).extension().string();
     if (ending == ".vdb") return std::make_unique<VolumeImport>(options);
     if (ending == ".ply") return std::make_unique<SplatImport>(options);
-    throw InputError(options.input, "", "does not end with .vdb or .ply", "name for instance in_%04d.vdb");
+    throw InputError(options.input, "", "does not end with .vdb or .ply",
+                     "name the frames as in in_%04d.vdb or in_%04d.ply");
 }
 
 // The files of a numbered path, by their numbers, of which none may be missing; or the one file.
@@ -270,8 +271,8 @@ void run(const FrameImportOptions& options, const CommonOptions& common) {
         fmt::print("{}", json_text(json));
         return;
     }
-    fmt::print("{}: {} for {} frames, {} leaves", options.output, size_text(imported.bytes), imported.frames,
-               imported.leaves);
+    fmt::print("{}: {} for {} frames at {:.6g} fps, {} leaves", options.output, size_text(imported.bytes),
+               imported.frames, options.fps, imported.leaves);
     if (imported.psnr)
         fmt::print("; images of the middle frame have {:.1f} dB, the worst {:.1f}", *imported.psnr,
                    *imported.worst_psnr);

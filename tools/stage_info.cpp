@@ -349,7 +349,7 @@ void print(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, co
     if (const std::string locked = names_of(stage, edit::is_locked); !locked.empty())
         fmt::print("locked: {}\n", locked);
     if (const std::string empty = names_of_meshes_without_triangles(stage); !empty.empty())
-        fmt::print("points or lines alone, which are not drawn: {}\n", empty);
+        fmt::print("points, lines or splats alone, which are not drawn: {}\n", empty);
     print_performers(stage, evaluated);
     print_clips(stage, memory);
     print_lights(stage, evaluated);

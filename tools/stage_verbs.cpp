@@ -73,9 +73,14 @@ uint32_t find_performer(const stage::Stage& stage, const std::string& option, co
         names += fmt::format("{}{} \"{}\"", names.empty() ? "" : ", ", performer.node, performer.name);
     const std::string fix = all.empty() ? "add one with `neuvv stage add`" : "choose from " + names;
     if (node.empty()) throw InputError(option, "", fmt::format("the stage has {} performers", all.size()), fix);
-    const uint32_t index = edit::find_node(stage.file, node);
-    for (uint32_t i = 0; i < all.size(); i++)
-        if (all[i].node == index) return i;
+    const auto is_meant = [&](const stage::StagePerformer& performer) {
+        return performer.name == node || std::to_string(performer.node) == node;
+    };
+    if (std::any_of(all.begin(), all.end(), is_meant)) {
+        const uint32_t index = edit::find_node(stage.file, node);
+        for (uint32_t i = 0; i < all.size(); i++)
+            if (all[i].node == index) return i;
+    }
     throw InputError(option, node, "is no performer of the stage", fix);
 }
 

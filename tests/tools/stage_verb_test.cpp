@@ -170,7 +170,7 @@ TEST_F(StageVerb, ExportedSplatsMayLieInAStage) {
     interchange::write_splat_glb(file("splats.glb"), std::vector<interchange::Splats>{splats}, 25);
     const ProgramResult info_run = run_neuvv({"stage", "info", file("splats.glb")});
     EXPECT_EQ(info_run.code, 0) << info_run.err;
-    EXPECT_NE(info_run.out.find("points or lines alone, which are not drawn: mesh 0"), std::string::npos)
+    EXPECT_NE(info_run.out.find("points, lines or splats alone, which are not drawn: mesh 0"), std::string::npos)
         << info_run.out;
 }
 
