@@ -139,6 +139,9 @@ TEST_F(CliExport, SaysWhatIsWrong) {
     expect_refused({"export", scene, "-o", file("x.glb"), "--resume"}, 2, {"--resume"});
     expect_refused({"export", scene, "-o", file("x_%d.ply"), "--iso", "0.5"}, 2, {"--iso", "--as splats"});
     expect_refused({"export", file("none.nvv"), "-o", file("x.glb")}, 2, {"none.nvv"});
+    expect_refused({"export", scene, "--as", "layout", "-o", file("x.usda")}, 2, {"is no stage", "neuvv stage new"});
+    std::filesystem::create_hard_link(scene, file("same.ply"));
+    expect_refused({"export", scene, "-o", file("same.ply"), "--frames", "0"}, 2, {"same.ply", "is to be exported"});
 }
 
 struct CliStageSpace : CliExport {
@@ -210,8 +213,10 @@ TEST_F(CliStageSpace, StandInsShowPerformersToOtherPrograms) {
     EXPECT_EQ(read_text(show + ".png"), read_text(file("out.glb.png"))) << "this program shows the clips";
     EXPECT_EQ(run_neuvv({"stage", "remove", file("out.glb"), "dora"}).code, 0);
     expect_refused({"export", file("out.glb"), "--as", "stand-ins", "-o", file("x.glb")}, 2, {"stand-ins already"});
-    expect_refused({"export", scene, "--as", "stand-ins", "-o", file("x.glb")}, 2, {".gltf"});
     expect_refused({"export", show, "--as", "stand-ins", "-o", file("x.glb"), "--frames", "0"}, 2, {"--frames"});
+    for (const char* name : {"anna", "carl", "dora"})
+        ASSERT_EQ(run_neuvv({"stage", "set", show, name, "--visible", "off"}).code, 0);
+    expect_refused({"export", show, "--as", "stand-ins", "-o", file("x.glb")}, 2, {"no performer", "ben is hidden"});
 }
 
 TEST_F(CliStageSpace, RefusesWhatAKindCannotKeep) {

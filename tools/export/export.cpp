@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "editor/open_file.h"
 #include "tools/export/export_run.h"
 #include "tools/export/stage_kinds.h"
 #include "tools/stage_verbs.h"
@@ -85,7 +86,11 @@ void expect_options_of(const Command& verb, const std::string& kind, const std::
 }
 
 void write_stage(const ExportOptions& options, const StageKind& kind, const CommonOptions& common) {
-    expect_stage_name("scene", options.scene);
+    if (!editor::has_stage_ending(options.scene))
+        throw InputError("scene", options.scene, fmt::format("is no stage, of which --as {} is made", kind.name),
+                         "make one of a clip: neuvv stage new SHOW.gltf, neuvv stage add SHOW.gltf CLIP");
+    if (options.output.find('%') != std::string::npos)
+        throw InputError("--output", options.output, "is one file without a frame's number", "leave the % out");
     nlohmann::ordered_json more = nlohmann::ordered_json::object();
     const std::string text = kind.write(options, common, more);
     const uint64_t bytes = std::filesystem::file_size(options.output);
@@ -128,6 +133,9 @@ std::string file_name_of(const stage::StagePerformer& performer, const stage::St
 }
 
 void run(const Command& verb, ExportOptions& options, const CommonOptions& common) {
+    std::error_code error;
+    if (std::filesystem::equivalent(options.scene, options.output, error))
+        throw InputError("--output", options.output, "is what is to be exported", "choose another name");
     if (const StageKind* stage = stage_kind_of(options)) {
         expect_options_of(verb, stage->name, stage->options);
         return write_stage(options, *stage, common);
@@ -235,7 +243,9 @@ void add_stage_options(const Command& verb, ExportOptions& options) {
         "Of those: nerfstudio's dataparser_transforms.json, or the transforms.json of instant-ngp's data set");
     verb.add_option("--splats", options.splats,
                     "Of the kind layout: a folder with the splats of performers, NAME.usda, to which it refers");
-    verb.add_option("--time", options.time_s, "Of stand-ins: what performers show at this time of the stage, seconds")
+    verb.add_option("--time", options.time_s,
+                    "Of stand-ins: the recorded frames nearest to what performers show at this time of the stage, "
+                    "seconds")
         .number_between(0, 1e6)
         .show_default();
 }
@@ -267,7 +277,9 @@ void add_export(Command app, CommonOptions& common) {
         "Print JSON: output, files, bytes, and what the kind says; of splats: splats, psnr_db,\n"
         "close_psnr_db (of the four close-ups that width and density were fitted to), width, density;\n"
         "of meshes: triangles, iou, depth_mean_mm, depth_95_mm, psnr_db; of volumes: leaves, voxel_m, psnr_db; of\n"
-        "PlenOctrees: leaves, psnr_db");
+        "PlenOctrees: leaves, psnr_db; of stand-ins: performers, a list of performer, frame, splats, and the losses of "
+        "those\n"
+        "that gave the splats of this clip their shape");
     verb.footer(
         {kKindsHelp, kDeviceHelp, kExamplesHead,
          "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:4\n"

@@ -9,6 +9,16 @@
 
 namespace neuvv::tools {
 
+void expect_room(const ExportOptions& options, const std::string& what, uint64_t bytes) {
+    fmt::print(stderr, "export: {} take about {}\n", what, size_text(bytes));
+    std::error_code error;
+    const std::filesystem::path folder = std::filesystem::absolute(options.output).parent_path();
+    const std::filesystem::space_info space = std::filesystem::space(folder, error);
+    if (!error && space.available < bytes)
+        throw InputError("--output", folder.string(), fmt::format("has {} left", size_text(space.available)),
+                         "choose fewer --frames, smaller ones, or another folder");
+}
+
 ExportRun::ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExport& kind)
     : options_(options),
       clip_(clip),
@@ -28,17 +38,6 @@ void ExportRun::expect_files_for_frames(const std::string& ending) const {
                          fmt::format("write out_%04d{}, or choose one with --frames", ending));
     if (options_.resume && !numbered_)
         throw InputError("--resume", options_.output, "is one file, which is written at once", "leave it out");
-}
-
-void ExportRun::expect_room(const FrameExport::Estimate& estimate) const {
-    const uint64_t bytes = estimate.bytes * frames_.count();
-    fmt::print(stderr, "export: {} frames of {} take about {}\n", frames_.count(), estimate.what, size_text(bytes));
-    std::error_code error;
-    const std::filesystem::path folder = std::filesystem::absolute(options_.output).parent_path();
-    const std::filesystem::space_info space = std::filesystem::space(folder, error);
-    if (!error && space.available < bytes)
-        throw InputError("--output", folder.string(), fmt::format("has {} left", size_text(space.available)),
-                         "choose fewer --frames, smaller ones, or another folder");
 }
 
 Working ExportRun::working(uint64_t done) {
@@ -69,7 +68,8 @@ void ExportRun::run() {
     catch_stop_signals();
     progress_.set_total(frames_.count());
     const uint32_t middle = measured_frame();
-    expect_room(kind_.estimate(middle));
+    const FrameExport::Estimate each = kind_.estimate(middle);
+    expect_room(options_, fmt::format("{} frames of {}", frames_.count(), each.what), each.bytes * frames_.count());
     kind_.measure(middle, working(0));
     bool waiting = false;  // frames that were added, but not written
     for (uint32_t frame = frames_.first; frame <= frames_.last; frame++) {

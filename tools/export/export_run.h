@@ -10,6 +10,9 @@
 
 namespace neuvv::tools {
 
+// Says how much disk `what` takes: "25 frames of about 20000 splats". Throws InputError where there is less left.
+void expect_room(const ExportOptions& options, const std::string& what, uint64_t bytes);
+
 class ExportRun {
   public:
     // Throws InputError where frames and output do not fit together. All of them must outlive it.
@@ -22,7 +25,6 @@ class ExportRun {
 
   private:
     void expect_files_for_frames(const std::string& ending) const;
-    void expect_room(const FrameExport::Estimate& estimate) const;
     uint32_t measured_frame() const;  // the one nearest to the middle in which the performer is not hidden
     void write(const std::filesystem::path& file);
     Working working(uint64_t done);

@@ -33,10 +33,10 @@ interchange::FrameVolume splat_volume(ExportedClip& clip, uint32_t frame, uint32
     return interchange::with_fewer_leaves(std::move(volume), most);
 }
 
-std::optional<FittedSplats> fit_splats(const gpu::Device& device, const ExportOptions& options, ExportedClip& clip,
-                                       uint32_t frame, interchange::FrameVolume volume, const Working& working) {
+std::optional<FittedSplats> fit_splats(const gpu::Device& device, const ExportOptions& options,
+                                       const voctree::VOctree& still, const interchange::FrameVolume& volume,
+                                       const Working& working) {
     if (volume.leaves.empty()) return std::nullopt;
-    const voctree::VOctree still = clip.still(frame);
     const ComparedViews compared(device, still, parse_size(options.size), options.views);
     std::vector<interchange::FitView> views;
     for (size_t i = 0; i < compared.count(); i++)

@@ -19,9 +19,10 @@ struct FittedSplats {
     double close_psnr = 0;  // dB, of the close-ups that they were fitted to
 };
 
-// The shape of splats whose images are most like those of the frame, `volume` being its leaves; nothing where it has
-// none. `working` is told what is being done, and may throw.
-std::optional<FittedSplats> fit_splats(const gpu::Device& device, const ExportOptions& options, ExportedClip& clip,
-                                       uint32_t frame, interchange::FrameVolume volume, const Working& working);
+// The shape of splats whose images are most like those of a frame, as a tree and as the leaves that become splats;
+// nothing where there are none. `working` is told what is being done, and may throw.
+std::optional<FittedSplats> fit_splats(const gpu::Device& device, const ExportOptions& options,
+                                       const voctree::VOctree& still, const interchange::FrameVolume& volume,
+                                       const Working& working);
 
 }  // namespace neuvv::tools

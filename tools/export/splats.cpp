@@ -65,7 +65,7 @@ FrameExport::Estimate SplatExport::estimate(uint32_t frame) {
 }
 
 void SplatExport::measure(uint32_t frame, const Working& working) {
-    fit_ = fit_splats(device_, options_, clip_, frame, std::move(measured_), working);
+    fit_ = fit_splats(device_, options_, clip_.still(frame), std::exchange(measured_, {}), working);
 }
 
 void SplatExport::add(uint32_t frame, const Working&) {
