@@ -101,7 +101,7 @@ struct PaintedScene {
     std::filesystem::path clip;
     voctree::ClipIndex index;                              // of the clip
     float at = 0;                                          // the frame of the clip that is seen
-    std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // of a clip in segments: around their trees
+    std::optional<std::pair<glm::dvec3, glm::dvec3>> box;  // of a clip in segments: around their leaves
 
     // Then the layer is a folder with a file for each segment.
     bool is_segmented() const { return index.segments.size() > 1; }
@@ -121,7 +121,7 @@ struct PaintedSegment {
     std::shared_ptr<const editor::PaintClip> clip;
     std::shared_ptr<const voctree::EditLayer> layer;  // the one that is painted
     float at = 0;                                     // the frame of the segment that is seen, or is nearest to it
-    std::pair<glm::dvec3, glm::dvec3> clip_box;       // around the whole clip's leaves, or trees
+    std::pair<glm::dvec3, glm::dvec3> clip_box;       // around the whole clip's leaves
 
     // The performer with the visible layers of its list, among them the painted one; without a stage with the painted
     // layer alone.

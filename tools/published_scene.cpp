@@ -31,23 +31,29 @@ bool has_folders(const PublishedScene& scene) {
 
 }  // namespace
 
-PublishedScene read_published_scene(const std::string& path, const std::string& performer,
-                                    std::optional<voctree::UpAxis> up) {
-    PublishedScene scene{voctree::clip_path(path), {}, {}};
-    if (editor::has_stage_ending(path)) {
-        const auto stage = std::make_shared<const stage::Stage>(stage::load_stage(path));
-        scene.performer = find_performer(*stage, "--performer", performer);
-        const stage::StagePerformer& found = stage->performers[scene.performer];
-        scene.clip = stage->clips[found.clip].path;
-        scene.layers = visible_layers(*stage, found);
-        scene.stage = stage;
-    } else if (!performer.empty()) {
-        throw InputError("--performer", performer, "is for stages", "leave it out: a clip is one performer");
-    }
-    scene.index = voctree::read_clip_index(scene.clip, up_of(path, up));
+PublishedScene published_performer(std::shared_ptr<const stage::Stage> stage, uint32_t performer) {
+    const stage::StagePerformer& found = stage->performers[performer];
+    PublishedScene scene{stage->clips[found.clip].path, {}, visible_layers(*stage, found)};
+    scene.stage = std::move(stage);
+    scene.performer = performer;
+    scene.index = voctree::read_clip_index(scene.clip, up_of(scene.clip, std::nullopt));
     if (!scene.layers.empty()) voctree::expect_no_stream(scene.clip);
     if (has_folders(scene))
         for (const render::LayerFolder& layer : scene.layers) voctree::expect_paint_folder(layer.folder);
+    return scene;
+}
+
+PublishedScene read_published_scene(const std::string& path, const std::string& performer,
+                                    std::optional<voctree::UpAxis> up) {
+    if (editor::has_stage_ending(path)) {
+        up_of(path, up);  // throws where it is given: clips of stages say themselves which way is up
+        const auto stage = std::make_shared<const stage::Stage>(stage::load_stage(path));
+        return published_performer(stage, find_performer(*stage, "--performer", performer));
+    }
+    if (!performer.empty())
+        throw InputError("--performer", performer, "is for stages", "leave it out: a clip is one performer");
+    PublishedScene scene{voctree::clip_path(path), {}, {}};
+    scene.index = voctree::read_clip_index(scene.clip, up_of(path, up));
     return scene;
 }
 

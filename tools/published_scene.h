@@ -27,6 +27,9 @@ struct PublishedScene {
 PublishedScene read_published_scene(const std::string& scene, const std::string& performer,
                                     std::optional<voctree::UpAxis> up);
 
+// The same of a performer of a stage that was read, by its index in the stage.
+PublishedScene published_performer(std::shared_ptr<const stage::Stage> stage, uint32_t performer);
+
 // The paint of one segment.
 struct SegmentLayers {
     std::vector<std::unique_ptr<const voctree::EditLayer>> edits;  // `steps` points to them

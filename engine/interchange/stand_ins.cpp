@@ -1,11 +1,13 @@
 #include "interchange/stand_ins.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "interchange/splat_gltf.h"
 #include "stage/embedded.h"
-#include "stage/performer_settings.h"
 
 namespace neuvv::interchange {
 
@@ -13,16 +15,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The members of `extensions` and `children` that a file of another program may have given another type.
-bool has_extension(const Json& owner, const char* name) {
-    const auto extensions = owner.find("extensions");
-    return extensions != owner.end() && extensions->is_object() && extensions->contains(name);
-}
+// In the extras of a mesh of splats that stands in for a performer.
+constexpr const char* kMark = "neuvvStandIn";
 
-bool has_splats(const Json& mesh) {
-    const Json& primitives = mesh.at("primitives");
-    return std::any_of(primitives.begin(), primitives.end(),
-                       [](const Json& primitive) { return has_extension(primitive, kSplatExtension); });
+bool is_marked(const Json& mesh) {
+    const auto extras = mesh.find("extras");
+    return extras != mesh.end() && extras->is_object() && extras->contains(kMark);
 }
 
 std::string name_of(const Json& node) {
@@ -32,29 +30,29 @@ std::string name_of(const Json& node) {
 
 void use_extension(Json& document) {
     Json& used = document["extensionsUsed"];
+    if (!used.is_array()) used = Json::array();
     if (std::find(used.begin(), used.end(), kSplatExtension) == used.end()) used.push_back(kSplatExtension);
 }
 
 }  // namespace
 
-bool has_stand_ins(const stage::StageFile& file) {
-    if (!file.json.contains("nodes") || !file.json.contains("meshes")) return false;
-    const Json &nodes = file.json["nodes"], &meshes = file.json["meshes"];
-    for (const Json& node : nodes) {
-        if (!has_extension(node, stage::kPerformerExtension) || !node.contains("children")) continue;
-        for (const Json& child : node["children"]) {
-            const Json& below = nodes[child.get<size_t>()];
-            if (below.contains("mesh") && has_splats(meshes[below["mesh"].get<size_t>()])) return true;
-        }
-    }
+bool has_stand_ins(const stage::Stage& stage) {
+    for (const stage::StagePerformer& performer : stage.performers)
+        for (const uint32_t child : stage.scene.nodes[performer.node].children)
+            if (const int32_t mesh = stage.scene.nodes[child].mesh; mesh >= 0)
+                if (is_marked(stage.file.json["meshes"][static_cast<size_t>(mesh)])) return true;
     return false;
 }
 
-void write_stand_ins(const std::filesystem::path& output, const stage::StageFile& file, std::span<const Splats> splats,
+void write_stand_ins(const std::filesystem::path& output, const stage::Stage& stage, std::span<const Splats> splats,
                      std::span<const StandIn> stand_ins) {
-    stage::GlbWriter glb = stage::embedded(file, output);
+    stage::GlbWriter glb = stage::embedded(stage.file, output);
     const size_t first_mesh = glb.json.contains("meshes") ? glb.json["meshes"].size() : 0;
-    for (const Splats& shown : splats) glb.json["meshes"].push_back(add_splat_mesh(shown, glb));
+    for (const Splats& shown : splats) {
+        Json mesh = add_splat_mesh(shown, glb);
+        mesh["extras"][kMark] = true;
+        glb.json["meshes"].push_back(std::move(mesh));
+    }
     for (const StandIn& stand_in : stand_ins) {
         Json& nodes = glb.json["nodes"];
         const size_t mesh = first_mesh + stand_in.splats;
@@ -66,7 +64,13 @@ void write_stand_ins(const std::filesystem::path& output, const stage::StageFile
         nodes.push_back(std::move(child));
     }
     if (!splats.empty()) use_extension(glb.json);
-    glb.write(output, "choose a lower --most-splats");
+    const std::string fix = "choose a lower --most-splats";
+    if (glb.bytes.size() > stage::kMaxStageBytes - stage::kMaxStageJsonBytes)
+        throw InputError(output.string(), "",
+                         fmt::format("would have {:.1f} GB, more than stages may have",
+                                     1e-9 * static_cast<double>(glb.bytes.size())),
+                         fix);
+    glb.write(output, fix);
 }
 
 }  // namespace neuvv::interchange

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "interchange/splats.h"
-#include "stage/stage_file.h"
+#include "stage/stage.h"
 
 namespace neuvv::interchange {
 
@@ -17,14 +17,15 @@ struct StandIn {
     glm::dquat turn{1, 0, 0, 0};  // of the splats about the node's origin
 };
 
-// Whether splats are below a performer's node, as write_stand_ins puts them there.
-bool has_stand_ins(const stage::StageFile& file);
+// Whether performers have stand-ins that write_stand_ins put there.
+bool has_stand_ins(const stage::Stage& stage);
 
-// Writes a .glb of the whole stage, with its buffers and images: each of the performers' nodes gets a child whose mesh
-// are splats of KHR_gaussian_splatting. This program leaves those out, and shows the clips, which stay where they are.
+// Writes a .glb of the whole stage, with its buffers and images: the node of each stand-in gets a child whose mesh are
+// splats of KHR_gaussian_splatting. This program leaves those out, and shows the clips, which stay where they are.
 // `splats` are written once, however many nodes have them; none of them may be empty. Written atomically; throws
-// InputError as stage::embedded does, and where the file would have more than 4 GiB, and RuntimeFailure.
-void write_stand_ins(const std::filesystem::path& output, const stage::StageFile& file, std::span<const Splats> splats,
+// InputError as stage::embedded does, and where this program could not read the file again because of its size, and
+// RuntimeFailure.
+void write_stand_ins(const std::filesystem::path& output, const stage::Stage& stage, std::span<const Splats> splats,
                      std::span<const StandIn> stand_ins);
 
 }  // namespace neuvv::interchange

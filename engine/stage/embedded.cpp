@@ -23,6 +23,7 @@ void append_buffers(GlbWriter& glb, const tinygltf::Model& model) {
     for (ordered_json& view : glb.json["bufferViews"]) {
         view["byteOffset"] = begins[view["buffer"].get<size_t>()] + view.value("byteOffset", size_t{0});
         view["buffer"] = 0;
+        view.erase("extensions");  // EXT_meshopt_compression: the same again, elsewhere
     }
 }
 
@@ -41,10 +42,11 @@ void append_images(GlbWriter& glb, const tinygltf::Model& model) {
         const std::vector<uint8_t>& file = model.images[i].image;  // empty where it lies in a buffer
         const char* const mime_type = mime_type_of(file);
         if (!mime_type) continue;
+        const size_t view = glb.add_view(file.data(), file.size());
         ordered_json& image = glb.json["images"][i];
         image.erase("uri");
         image["mimeType"] = mime_type;
-        image["bufferView"] = glb.add_view(file.data(), file.size());
+        image["bufferView"] = view;
     }
 }
 

@@ -13,6 +13,7 @@ namespace neuvv::stage {
 
 constexpr uint32_t kGltfFloat = 5126, kGltfUnsignedByte = 5121, kGltfUnsignedShort = 5123, kGltfUnsignedInt = 5125;
 
+// What adds bytes may add members to `json`, too, so that references into it do not outlast such a call.
 struct GlbWriter {
     nlohmann::ordered_json json;  // begins with `asset`; `accessors`, `bufferViews` and `buffers` are this struct's
     std::vector<uint8_t> bytes;

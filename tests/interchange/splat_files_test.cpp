@@ -1,4 +1,5 @@
 // Splats in glTF and OpenUSD, read back by small readers of their own.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -146,8 +147,8 @@ TEST(StandIns, AreBelowTheNodesOfPerformers) {
     const stage::Stage before = stage::load_stage(put_foreign_stage(folder.path));
     const uint32_t anna = before.performers[0].node;
     const std::vector<interchange::StandIn> all = {{anna, 1}, {0, 1, {0, 0, 1, 0}}, {1, 2}};
-    EXPECT_FALSE(interchange::has_stand_ins(before.file));
-    interchange::write_stand_ins(folder.path / "x.glb", before.file, {splats.data(), 3}, all);
+    EXPECT_FALSE(interchange::has_stand_ins(before));
+    interchange::write_stand_ins(folder.path / "x.glb", before, {splats.data(), 3}, all);
     const GlbReader glb(folder.path / "x.glb");
     const json &nodes = glb.head["nodes"], &meshes = glb.head["meshes"];
     ASSERT_EQ(nodes.size(), before.scene.nodes.size() + 3);
@@ -170,13 +171,35 @@ TEST(StandIns, LeaveTheStageAsItIs) {
     const stage::Stage before = stage::load_stage(put_foreign_stage(folder.path));
     const interchange::StandIn one{before.performers[0].node, 0, {1, 0, 0, 0}};
     std::filesystem::create_directories(folder.path / "below");
-    interchange::write_stand_ins(folder.path / "below/x.glb", before.file, {splats.data(), 1}, {&one, 1});
+    interchange::write_stand_ins(folder.path / "below/x.glb", before, {splats.data(), 1}, {&one, 1});
     const stage::Stage after = stage::load_stage(folder.path / "below/x.glb");
-    EXPECT_TRUE(interchange::has_stand_ins(after.file));
+    EXPECT_TRUE(interchange::has_stand_ins(after));
     EXPECT_EQ(after.clips[0].path, before.clips[0].path);
     EXPECT_EQ(after.performers[0].node, before.performers[0].node);
     EXPECT_TRUE(after.scene.meshes[1].primitives.empty()) << "splats are not drawn as a part of the set";
     EXPECT_EQ(after.scene.meshes[0].primitives[0].positions, before.scene.meshes[0].primitives[0].positions);
+}
+
+// Adding arrays adds members to a document that has none, however many others it has.
+TEST(StandIns, AreAddedToStagesWithoutArrays) {
+    const TemporaryFolder folder;
+    const std::vector<Splats> splats = three_frames();
+    test::put_clip(folder.path / "anna.nvv");
+    std::string more;
+    for (int members = 0; members < 8; members++) {
+        const std::string text = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [
+            {"extensions": {"NEUVV_performer": {"uri": "anna.nvv"}}}])" +
+                                 more + "}";
+        write_text(folder.path / "a.gltf", text);
+        const interchange::StandIn one{0, 0, {1, 0, 0, 0}};
+        interchange::write_stand_ins(folder.path / "x.glb", stage::load_stage(folder.path / "a.gltf"),
+                                     {splats.data(), 1}, {&one, 1});
+        const GlbReader glb(folder.path / "x.glb");
+        ASSERT_EQ(glb.head["meshes"].size(), 1u) << members;
+        EXPECT_EQ(glb.head["extensionsUsed"], json({"KHR_gaussian_splatting"}));
+        EXPECT_TRUE(interchange::has_stand_ins(stage::load_stage(folder.path / "x.glb")));
+        more += fmt::format(R"(, "m{}": 0)", members);
+    }
 }
 
 // All numbers between the brackets behind `name`, at a time code or, with none, of the attribute itself.

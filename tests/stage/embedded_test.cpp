@@ -64,6 +64,24 @@ TEST(Embedded, OfAFileThatHoldsAllIsTheSame) {
     EXPECT_EQ(read_text(second), read_text(first));
 }
 
+TEST(Embedded, TakesImagesOfADocumentWithoutBuffers) {
+    const TemporaryFolder folder;
+    media::Image wood(2, 1);
+    wood.rgba = {255, 0, 0, 255, 0, 255, 0, 255};
+    media::write_png(folder.path / "wood.png", wood);
+    std::string more;
+    for (int members = 0; members < 8; members++) {
+        const std::filesystem::path source = folder.path / "a.gltf", output = folder.path / "a.glb";
+        write_text(source, R"({"asset": {"version": "2.0"}, "images": [{"uri": "wood.png"}, {"uri": "wood.png"}])" +
+                               more + "}");
+        stage::embedded(stage::read_stage_file(source), output).write(output, "");
+        const stage::StageFile file = stage::read_stage_file(output);
+        EXPECT_EQ(file.json["images"][1]["bufferView"], 1) << members;
+        EXPECT_EQ(file.json["bufferViews"].size(), 2u);
+        more += R"(, "m)" + std::to_string(members) + R"(": 0)";
+    }
+}
+
 TEST(Embedded, MayBeWithoutBuffers) {
     const TemporaryFolder folder;
     const std::filesystem::path source = folder.path / "a.gltf", output = folder.path / "a.glb";

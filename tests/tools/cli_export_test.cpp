@@ -212,6 +212,9 @@ TEST_F(CliStageSpace, StandInsShowPerformersToOtherPrograms) {
         ASSERT_EQ(run_neuvv({"render", stage, "-o", stage + ".png", "--time", "1", "--size", "96x64"}).code, 0);
     EXPECT_EQ(read_text(show + ".png"), read_text(file("out.glb.png"))) << "this program shows the clips";
     EXPECT_EQ(run_neuvv({"stage", "remove", file("out.glb"), "dora"}).code, 0);
+    const stage::Stage without = stage::load_stage(file("out.glb"));
+    EXPECT_EQ(without.scene.nodes.size(), after.scene.nodes.size() - 2) << "her stand-in went with her";
+    EXPECT_EQ(without.scene.meshes.size(), after.scene.meshes.size()) << "carl still has the splats";
     expect_refused({"export", file("out.glb"), "--as", "stand-ins", "-o", file("x.glb")}, 2, {"stand-ins already"});
     expect_refused({"export", show, "--as", "stand-ins", "-o", file("x.glb"), "--frames", "0"}, 2, {"--frames"});
     for (const char* name : {"anna", "carl", "dora"})

@@ -103,11 +103,9 @@ void write_stage(const ExportOptions& options, const StageKind& kind, const Comm
 }
 
 // What --json prints of one clip, or of one performer; nothing where it was printed for people.
-std::optional<nlohmann::ordered_json> export_performer(const ExportOptions& options, const Kind& kind,
-                                                       const CommonOptions& common) {
-    if (options.stage_space) expect_stage_name("--stage-space", options.scene);
-    ExportedClip clip(read_published_scene(options.scene, options.performer, options.up), options.fps,
-                      options.stage_space);
+std::optional<nlohmann::ordered_json> export_performer(const ExportOptions& options, PublishedScene scene,
+                                                       const Kind& kind, const CommonOptions& common) {
+    ExportedClip clip(std::move(scene), options.fps, options.stage_space);
     const std::string ending = std::filesystem::path(options.output).extension().string();
     const std::unique_ptr<FrameExport> frames = kind.begin(options, ending, clip, common);
     ExportRun run(options, clip, *frames);
@@ -147,7 +145,9 @@ void run(const Command& verb, ExportOptions& options, const CommonOptions& commo
     if (options.size.empty()) options.size = kFrameSize;
     const size_t place = options.output.find(kPerformerPlace);
     if (place == std::string::npos) {
-        const std::optional<nlohmann::ordered_json> json = export_performer(options, kind, common);
+        if (options.stage_space) expect_stage_name("--stage-space", options.scene);
+        const std::optional<nlohmann::ordered_json> json =
+            export_performer(options, read_published_scene(options.scene, options.performer, options.up), kind, common);
         if (json) fmt::print("{}", json_text(*json));
         return;
     }
@@ -156,12 +156,12 @@ void run(const Command& verb, ExportOptions& options, const CommonOptions& commo
         throw InputError("--performer", options.performer, "is one of those that the output names",
                          fmt::format("leave it out, or {} in --output", kPerformerPlace));
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    const stage::Stage stage = stage::load_stage(options.scene);
-    for (const stage::StagePerformer& performer : stage.performers) {
+    const auto stage = std::make_shared<const stage::Stage>(stage::load_stage(options.scene));
+    for (uint32_t i = 0; i < stage->performers.size(); i++) {
         ExportOptions one = options;
-        one.performer = std::to_string(performer.node);
-        one.output.replace(place, std::string(kPerformerPlace).size(), file_name_of(performer, stage));
-        const std::optional<nlohmann::ordered_json> json = export_performer(one, kind, common);
+        one.output.replace(place, std::string(kPerformerPlace).size(), file_name_of(stage->performers[i], *stage));
+        const std::optional<nlohmann::ordered_json> json =
+            export_performer(one, published_performer(stage, i), kind, common);
         if (json) all.push_back(*json);
     }
     if (options.json) fmt::print("{}", json_text(all));

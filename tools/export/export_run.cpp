@@ -9,14 +9,13 @@
 
 namespace neuvv::tools {
 
-void expect_room(const ExportOptions& options, const std::string& what, uint64_t bytes) {
+void expect_room(const ExportOptions& options, const std::string& what, uint64_t bytes, const std::string& fix) {
     fmt::print(stderr, "export: {} take about {}\n", what, size_text(bytes));
     std::error_code error;
     const std::filesystem::path folder = std::filesystem::absolute(options.output).parent_path();
     const std::filesystem::space_info space = std::filesystem::space(folder, error);
     if (!error && space.available < bytes)
-        throw InputError("--output", folder.string(), fmt::format("has {} left", size_text(space.available)),
-                         "choose fewer --frames, smaller ones, or another folder");
+        throw InputError("--output", folder.string(), fmt::format("has {} left", size_text(space.available)), fix);
 }
 
 ExportRun::ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExport& kind)
@@ -69,7 +68,8 @@ void ExportRun::run() {
     progress_.set_total(frames_.count());
     const uint32_t middle = measured_frame();
     const FrameExport::Estimate each = kind_.estimate(middle);
-    expect_room(options_, fmt::format("{} frames of {}", frames_.count(), each.what), each.bytes * frames_.count());
+    expect_room(options_, fmt::format("{} frames of {}", frames_.count(), each.what), each.bytes * frames_.count(),
+                "choose fewer --frames, smaller ones, or another folder");
     kind_.measure(middle, working(0));
     bool waiting = false;  // frames that were added, but not written
     for (uint32_t frame = frames_.first; frame <= frames_.last; frame++) {

@@ -10,8 +10,9 @@
 
 namespace neuvv::tools {
 
-// Says how much disk `what` takes: "25 frames of about 20000 splats". Throws InputError where there is less left.
-void expect_room(const ExportOptions& options, const std::string& what, uint64_t bytes);
+// Says how much disk `what` takes: "25 frames of about 20000 splats". Throws InputError, which advises `fix`, where
+// there is less left.
+void expect_room(const ExportOptions& options, const std::string& what, uint64_t bytes, const std::string& fix);
 
 class ExportRun {
   public:

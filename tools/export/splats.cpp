@@ -3,6 +3,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
 #include "interchange/splat_gltf.h"
@@ -65,6 +66,7 @@ FrameExport::Estimate SplatExport::estimate(uint32_t frame) {
 }
 
 void SplatExport::measure(uint32_t frame, const Working& working) {
+    if (measured_.leaves.empty()) return;
     fit_ = fit_splats(device_, options_, clip_.still(frame), std::exchange(measured_, {}), working);
 }
 

@@ -1,4 +1,4 @@
-// What `neuvv export` makes of a stage as a whole: a file each, without the frames of clips.
+// What `neuvv export` makes of a stage as a whole: a file each.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -27,13 +27,13 @@ constexpr uint32_t kMostSplats = 50000;  // of a performer, where the user says 
 // clip with the same paint share the shape of splats.
 class StandIns {
   public:
-    StandIns(const ExportOptions& options, const CommonOptions& common, const stage::Stage& stage);
+    StandIns(const ExportOptions& options, const CommonOptions& common, std::shared_ptr<const stage::Stage> stage);
 
     // Reads the frames that the stage shows at its time. Throws InputError where no performer is to be seen.
     void read();
     // Makes splats of them, with progress.
     void shape();
-    void write() const { interchange::write_stand_ins(options_.output, stage_.file, splats_, stand_ins_); }
+    void write() const { interchange::write_stand_ins(options_.output, stage_, splats_, stand_ins_); }
     void report(nlohmann::ordered_json& json) const;
     std::string summary() const;
 
@@ -49,6 +49,7 @@ class StandIns {
 
     ExportOptions options_;
     gpu::Device device_;
+    const std::shared_ptr<const stage::Stage> shared_stage_;
     const stage::Stage& stage_;
     std::vector<Shown> shown_;
     std::vector<std::string> left_out_;               // why performers have no stand-in
@@ -58,8 +59,8 @@ class StandIns {
     std::vector<interchange::StandIn> stand_ins_;
 };
 
-StandIns::StandIns(const ExportOptions& options, const CommonOptions& common, const stage::Stage& stage)
-    : options_(options), device_(common.device), stage_(stage) {
+StandIns::StandIns(const ExportOptions& options, const CommonOptions& common, std::shared_ptr<const stage::Stage> stage)
+    : options_(options), device_(common.device), shared_stage_(std::move(stage)), stage_(*shared_stage_) {
     if (options_.size.empty()) options_.size = kFrameSize;
 }
 
@@ -85,7 +86,7 @@ void StandIns::read() {
         splats += shown.volume.leaves.size();
         bytes += shown.volume.leaves.size() * interchange::glb_bytes_of_splat(shown.volume.degree);
     }
-    expect_room(options_, fmt::format("{} splats", splats), bytes);
+    expect_room(options_, fmt::format("{} splats", splats), bytes, "choose a lower --most-splats, or another folder");
 }
 
 void StandIns::read(const stage::EvaluatedPerformer& evaluated, Progress& progress) {
@@ -107,8 +108,7 @@ void StandIns::read(const stage::EvaluatedPerformer& evaluated, Progress& progre
     if (known == shown_.end()) {
         expect_no_stop();
         progress.update(evaluated.performer, performer.name);
-        ExportedClip clip(read_published_scene(options_.scene, std::to_string(performer.node), options_.up),
-                          std::nullopt, false);
+        ExportedClip clip(published_performer(shared_stage_, evaluated.performer), std::nullopt, false);
         shown.volume = splat_volume(clip, shown.frame, options_.most_splats.value_or(kMostSplats));
         if (shown.volume.leaves.empty()) {
             left_out_.push_back(performer.name + " is empty");
@@ -155,8 +155,8 @@ std::string StandIns::summary() const {
     const auto worst = std::min_element(fits_.begin(), fits_.end(),
                                         [](const auto& a, const auto& b) { return a.second.psnr < b.second.psnr; });
     std::string text =
-        fmt::format("{} splats for {} of {} performers; images have {:.1f} dB, close-ups {:.1f} dB", splats,
-                    stand_ins_.size(), stage_.performers.size(), worst->second.psnr, worst->second.close_psnr);
+        fmt::format("{} splats for {} of {} performers; the worst images have {:.1f} dB, their close-ups {:.1f} dB",
+                    splats, stand_ins_.size(), stage_.performers.size(), worst->second.psnr, worst->second.close_psnr);
     for (const std::string& why : left_out_) text += "; " + why;
     return text;
 }
@@ -165,8 +165,8 @@ std::string StandIns::summary() const {
 
 std::string write_stage_with_splats(const ExportOptions& options, const CommonOptions& common,
                                     nlohmann::ordered_json& json) {
-    const stage::Stage stage = stage::load_stage(options.scene);
-    if (interchange::has_stand_ins(stage.file))
+    const auto stage = std::make_shared<const stage::Stage>(stage::load_stage(options.scene));
+    if (interchange::has_stand_ins(*stage))
         throw InputError("scene", options.scene, "has stand-ins already", "give the stage from which it was made");
     prepare_output_file("--output", options.output);
     catch_stop_signals();
