@@ -33,7 +33,7 @@ class StandIns {
     void read();
     // Makes splats of them, with progress.
     void shape();
-    void write() const { interchange::write_stand_ins(options_.output, stage_, splats_, stand_ins_); }
+    void write() const { interchange::write_stand_ins(options_.output, *stage_, splats_, stand_ins_); }
     void report(nlohmann::ordered_json& json) const;
     std::string summary() const;
 
@@ -49,8 +49,7 @@ class StandIns {
 
     ExportOptions options_;
     gpu::Device device_;
-    const std::shared_ptr<const stage::Stage> shared_stage_;
-    const stage::Stage& stage_;
+    const std::shared_ptr<const stage::Stage> stage_;
     std::vector<Shown> shown_;
     std::vector<std::string> left_out_;               // why performers have no stand-in
     std::map<std::string, voctree::VOctree> stills_;  // by look: the frame by which splats get their shape
@@ -60,7 +59,7 @@ class StandIns {
 };
 
 StandIns::StandIns(const ExportOptions& options, const CommonOptions& common, std::shared_ptr<const stage::Stage> stage)
-    : options_(options), device_(common.device), shared_stage_(std::move(stage)), stage_(*shared_stage_) {
+    : options_(options), device_(common.device), stage_(std::move(stage)) {
     if (options_.size.empty()) options_.size = kFrameSize;
 }
 
@@ -69,8 +68,8 @@ void StandIns::expect_no_stop() const {
 }
 
 void StandIns::read() {
-    Progress progress("read", stage_.performers.size());
-    for (const stage::EvaluatedPerformer& performer : stage::stage_at(stage_, options_.time_s).performers)
+    Progress progress("read", stage_->performers.size());
+    for (const stage::EvaluatedPerformer& performer : stage::stage_at(*stage_, options_.time_s).performers)
         read(performer, progress);
     if (stand_ins_.empty()) {
         const std::string problem = fmt::format("shows no performer at {} s", options_.time_s);
@@ -78,9 +77,9 @@ void StandIns::read() {
         throw InputError("scene", options_.scene, fmt::format("{}: {}", problem, fmt::join(left_out_, ", ")),
                          "show one by neuvv stage set, or choose another --time");
     }
-    progress.update(stage_.performers.size());
+    progress.update(stage_->performers.size());
     progress.finish();
-    uint64_t bytes = stage_.file.saved->bytes.size();
+    uint64_t bytes = stage_->file.saved->bytes.size();
     size_t splats = 0;
     for (const Shown& shown : shown_) {
         splats += shown.volume.leaves.size();
@@ -90,7 +89,7 @@ void StandIns::read() {
 }
 
 void StandIns::read(const stage::EvaluatedPerformer& evaluated, Progress& progress) {
-    const stage::StagePerformer& performer = stage_.performers[evaluated.performer];
+    const stage::StagePerformer& performer = stage_->performers[evaluated.performer];
     if (!evaluated.visible || evaluated.opacity <= 0) {
         left_out_.push_back(performer.name + " is hidden");
         return;
@@ -108,7 +107,7 @@ void StandIns::read(const stage::EvaluatedPerformer& evaluated, Progress& progre
     if (known == shown_.end()) {
         expect_no_stop();
         progress.update(evaluated.performer, performer.name);
-        ExportedClip clip(published_performer(shared_stage_, evaluated.performer), std::nullopt, false);
+        ExportedClip clip(published_performer(stage_, evaluated.performer), std::nullopt, false);
         shown.volume = splat_volume(clip, shown.frame, options_.most_splats.value_or(kMostSplats));
         if (shown.volume.leaves.empty()) {
             left_out_.push_back(performer.name + " is empty");
@@ -141,7 +140,7 @@ void StandIns::report(nlohmann::ordered_json& json) const {
     for (const interchange::StandIn& stand_in : stand_ins_) {
         const Shown& shown = shown_[stand_in.splats];
         const FittedSplats& fit = fits_.at(shown.look);
-        json["performers"].push_back({{"performer", stage::node_title(stage_.scene, stand_in.node)},
+        json["performers"].push_back({{"performer", stage::node_title(stage_->scene, stand_in.node)},
                                       {"frame", shown.frame},
                                       {"splats", splats_[stand_in.splats].splats.size()},
                                       {"psnr_db", fit.psnr},
@@ -156,7 +155,7 @@ std::string StandIns::summary() const {
                                         [](const auto& a, const auto& b) { return a.second.psnr < b.second.psnr; });
     std::string text =
         fmt::format("{} splats for {} of {} performers; the worst images have {:.1f} dB, their close-ups {:.1f} dB",
-                    splats, stand_ins_.size(), stage_.performers.size(), worst->second.psnr, worst->second.close_psnr);
+                    splats, stand_ins_.size(), stage_->performers.size(), worst->second.psnr, worst->second.close_psnr);
     for (const std::string& why : left_out_) text += "; " + why;
     return text;
 }
