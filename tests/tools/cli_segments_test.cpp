@@ -4,7 +4,9 @@
 
 #include <set>
 #include <sstream>
+#include <thread>
 
+#include "base/seconds.h"
 #include "render/stage_renderer.h"
 #include "support/child_process.h"
 #include "support/mpirun.h"
@@ -426,7 +428,18 @@ TEST_F(CliMpiTraining, ARankIsKilled) {
     expect_finished();
 }
 
-// Two ranks that train one tree, killed together in the middle.
+// Whether nobody trains into the file any more, at the latest in a minute: mpirun kills ranks that do not end within a
+// second of its signal, and ends itself before the system has taken down what they had.
+bool ends_soon(const std::filesystem::path& nvv) {
+    const double start = seconds_now();
+    while (training::claim_of(nvv)) {
+        if (seconds_now() > start + 60) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return true;
+}
+
+// Two ranks that train one tree, ended together in the middle.
 TEST_F(CliMpiTraining, RanksShareOneTree) {
     const auto ranks = [&](const char* steps, const std::vector<std::string>& more) {
         std::vector<std::string> words =
@@ -442,6 +455,7 @@ TEST_F(CliMpiTraining, RanksShareOneTree) {
         ASSERT_TRUE(first.until([&] { return first.ended(); }));
         EXPECT_NE(log().find("the first of 2 processes"), std::string::npos) << log();
     }
+    ASSERT_TRUE(ends_soon(file("one.nvv"))) << log();
     const uint64_t reached = training::load_checkpoint(file("one.nvv")).run.step;
     const std::string whole = std::to_string(reached + 20);
     test::ChildProcess second(ranks(whole.c_str(), {"--resume"}), folder.path / "log");
