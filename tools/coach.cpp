@@ -151,7 +151,7 @@ uint32_t render_performance(const CoachScene& scene, const CoachOptions& options
         media::Image image = renderer.frames().render(camera, settings);
         draw_guide(image, camera, performer.world_from_performer, coach);
         draw_remarks(image, coach);
-        sink.add(images, image);
+        sink.add(images, std::move(image));
         progress.update(images + 1);
         stage_s += coach.clip_speed() * step_s;
     }

@@ -199,14 +199,14 @@ class PlayingRenderer {
         settings.resolve = plan_.resolve;
         settings.mode = render::TraceMode::kPlay;
         settings.far_levels = options_.far_levels.value_or(true);
-        const media::Image image = renderer_->render(plan_.path[i].camera, settings);
+        media::Image image = renderer_->render(plan_.path[i].camera, settings);
         const FrameTimes times = times_of(*renderer_);
         if (sink.exr()) {
             const std::string name = std::filesystem::path(options_.scene).stem().string();
             add_layers(sink, i, plan_.layers, linear_image_of(*renderer_, plan_, i), *renderer_, plan_.path[i].camera,
                        settings, {&name, 1});
         } else {
-            sink.add(i, options_.pass.empty() ? image : pass_image(options_, *renderer_, i));
+            sink.add(i, options_.pass.empty() ? std::move(image) : pass_image(options_, *renderer_, i));
         }
         return times;
     }
@@ -272,14 +272,14 @@ class DirectRenderer {
         settings.frame = at.frame;
         settings.samples = plan_.samples;
         settings.resolve = plan_.resolve;
-        const media::Image image = renderer_->render(plan_.path[i].camera, settings);
+        media::Image image = renderer_->render(plan_.path[i].camera, settings);
         if (!sink.exr()) {
-            sink.add(i, image);
+            sink.add(i, std::move(image));
             return times_of(*renderer_);
         }
         media::LinearImage linear = linear_image_of(*renderer_, plan_, i);
         remove_unwanted(linear, plan_.layers);
-        sink.add(i, linear);
+        sink.add(i, std::move(linear));
         return times_of(*renderer_);
     }
 

@@ -37,14 +37,17 @@ void add_layers(media::ImageSink& sink, uint32_t i, const ExrLayers& layers, med
                 std::span<const std::string> names, const render::SetRays& set) {
     remove_unwanted(linear, layers);
     if (!layers.needs_segments()) {
-        sink.add(i, linear);
+        sink.add(i, std::move(linear));
         return;
     }
     render::ImageLayers made(camera, settings.samples, names, set, {layers.ids, layers.deep}, settings.stop);
     renderer.read_segments([&](glm::uvec2 ray, auto segments) { made.add(ray, segments); });
     made.finish();
     if (layers.ids) linear.ids = std::move(made.ids);
-    sink.add(i, linear, layers.deep ? &made.deep : nullptr);
+    if (layers.deep)
+        sink.add(i, std::move(linear), std::move(made.deep));
+    else
+        sink.add(i, std::move(linear));
 }
 
 }  // namespace neuvv::tools

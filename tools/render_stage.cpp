@@ -225,10 +225,10 @@ FrameTimes render_image(render::StageRenderer& renderer, const RenderOptions& op
     settings.scale = options.scale;
     settings.far_levels = options.far_levels.value_or(true);
     settings.resolve = plan.resolve;
-    const media::Image image = renderer.frames().render(camera, settings);
+    media::Image image = renderer.frames().render(camera, settings);
     const FrameTimes times = times_of(renderer.frames());
     if (!sink.exr()) {
-        sink.add(i, options.pass.empty() ? image : pass_image(options, renderer.frames(), i));
+        sink.add(i, options.pass.empty() ? std::move(image) : pass_image(options, renderer.frames(), i));
         return times;
     }
     std::vector<std::string> names;

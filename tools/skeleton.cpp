@@ -162,7 +162,7 @@ void run_show(const ShowOptions& options, const CommonOptions& common) {
         media::Image image = renderer.render(path[i].camera, settings);
         // A skeleton may have another rate than the clip.
         draw_skeleton(image, path[i].camera, motion::pose_at(skeleton, path[i].frame / fps * skeleton.fps));
-        sink.add(i, image);
+        sink.add(i, std::move(image));
         progress.update(i + 1);
     }
     sink.finish(static_cast<uint32_t>(path.size()));

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <memory>
 #include <string_view>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -16,6 +18,7 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "base/text.h"
+#include "base/trace_file.h"
 
 namespace neuvv::media {
 
@@ -27,6 +30,9 @@ bool is_file(const std::filesystem::path& path) {
     std::error_code ignored;
     return std::filesystem::is_regular_file(path, ignored);
 }
+
+constexpr uint64_t kMaxWriting_bytes = uint64_t{1} << 30;  // of images that are written at the same time
+constexpr uint64_t kLinearPixelBytes = 64;                 // a pixel of an .exr, with depth and names, and its file
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
 constexpr double kMaxFinished = 1e9;
@@ -121,6 +127,14 @@ std::vector<std::filesystem::path> records_of(const ImageOutput& output) {
     return found;
 }
 
+// The threads that write a sink's images. A video's images are encoded in their order.
+uint32_t writers_of(const ImageOutput& output, ImageSize size) {
+    if (output.kind != ImageOutput::Kind::kNumberedImages || output.has_deep) return 1;
+    const uint64_t image_bytes = uint64_t{size.width} * size.height * (output.exr ? kLinearPixelBytes : 4);
+    const uint64_t room = kMaxWriting_bytes / std::max<uint64_t>(image_bytes, 1);
+    return static_cast<uint32_t>(std::clamp<uint64_t>(room, 1, std::max(1u, std::thread::hardware_concurrency())));
+}
+
 bool is_record_of(const std::filesystem::path& file, const RenderFacts& facts) {
     try {
         return read_record(file).facts == facts;
@@ -154,6 +168,7 @@ ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts
       fps_(fps),
       facts_(std::move(facts)),
       first_(range ? range->first : 0),
+      had_(first_),
       finished_(first_) {
     using Kind = ImageOutput::Kind;
     if (output_.kind == Kind::kVideo && resume) {
@@ -163,8 +178,16 @@ ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts
         output_ = {Kind::kNumberedImages, folder / "%06d.png"};
     }
     if (output_.kind == Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
-    if (output_.kind != Kind::kNumberedImages) return;
-    open_record(resume, range);
+    if (output_.kind == Kind::kNumberedImages) open_record(resume, range);
+    workers_.emplace(writers_of(output_, size), 1);
+}
+
+ImageSink::~ImageSink() {
+    try {
+        workers_->finish();
+    } catch (const std::exception&) {
+        return;  // whoever adds no more images does not ask what became of the last ones
+    }
 }
 
 // Renders of a part of the images and of all have records of their own, but the same images.
@@ -178,39 +201,53 @@ void ImageSink::open_record(bool resume, const std::optional<ImageRange>& range)
         else if (!is_record_of(other, facts_))
             std::filesystem::remove(other);
     }
-    if (resume) finished_ = std::max(finished_images(record_path_, facts_), first_);
+    if (resume) finished_ = had_ = std::max(finished_images(record_path_, facts_), first_);
     write_record(record_path_, facts_, finished_);
 }
 
 bool ImageSink::has(uint32_t i) const {
-    return i >= first_ && i < finished_ && is_file(output_.file(i)) &&
-           (!output_.has_deep || is_file(output_.deep_file(i)));
+    return i >= first_ && i < had_ && is_file(output_.file(i)) && (!output_.has_deep || is_file(output_.deep_file(i)));
 }
 
+// A run that is interrupted leaves the images before the one that the record names, and perhaps some after it.
 void ImageSink::record_finished(uint32_t i) {
+    const std::lock_guard lock(mutex_);
     if (record_path_.empty() || i < finished_) return;
-    finished_ = i + 1;
+    written_ahead_.insert(i);
+    if (i != finished_) return;
+    while (written_ahead_.erase(finished_) > 0) ++finished_;
     write_record(record_path_, facts_, finished_);
 }
 
-void ImageSink::add(uint32_t i, const Image& image) {
-    assert(!output_.exr && "this output takes linear images");
-    if (video_)
-        video_->add(image);
-    else
-        write_png(output_.file(i), image);
-    record_finished(i);
+void ImageSink::write(uint32_t i, std::function<void()> image) {
+    workers_->add([this, i, image = std::move(image)] {
+        const TraceSpan span("write image", i);
+        image();
+        record_finished(i);
+    });
 }
 
-void ImageSink::add(uint32_t i, const LinearImage& image, const DeepImage* deep) {
+void ImageSink::add(uint32_t i, Image image) {
+    assert(!output_.exr && "this output takes linear images");
+    write(i, [this, i, image = std::move(image)] {
+        if (video_)
+            video_->add(image);
+        else
+            write_png(output_.file(i), image);
+    });
+}
+
+void ImageSink::add(uint32_t i, LinearImage image, std::optional<DeepImage> deep) {
     assert(output_.exr && "this output takes sRGB images");
-    assert((deep != nullptr) == output_.has_deep && "deep images go to deep files");
-    if (deep) write_deep_exr(output_.deep_file(i), *deep);
-    write_exr(output_.file(i), image);
-    record_finished(i);
+    assert(deep.has_value() == output_.has_deep && "deep images go to deep files");
+    write(i, [this, i, image = std::move(image), deep = std::move(deep)] {
+        if (deep) write_deep_exr(output_.deep_file(i), *deep);
+        write_exr(output_.file(i), image);
+    });
 }
 
 void ImageSink::finish(uint32_t end, const std::function<void()>& complete) {
+    workers_->finish();
     if (!video_path_.empty()) {
         video_.emplace(video_path_, size_.width, size_.height, fps_);
         for (uint32_t i = first_; i < end; ++i) video_->add(read_png(output_.file(i)));

@@ -1,15 +1,18 @@
 // Where the images of a render go, one after the other: into a video, or files of their own. A record beside numbered
 // images says all that they depend on, and how many are finished: an interrupted render goes on by it, and two
-// different renders are not mixed.
+// different renders are not mixed. Images are encoded by threads of the sink, while the caller draws the next ones.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 
+#include "base/workers.h"
 #include "media/deep_exr.h"
 #include "media/exr.h"
 #include "media/image.h"
@@ -62,6 +65,7 @@ class ImageSink {
     // where `resume` would mix two renders.
     ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume,
               std::optional<ImageRange> range = std::nullopt);
+    ~ImageSink();  // waits for the images that were added
 
     // Whether an earlier run has finished image i.
     bool has(uint32_t i) const;
@@ -70,16 +74,18 @@ class ImageSink {
     // Whether the images are to be linear.
     bool exr() const { return output_.exr; }
 
-    // Adds an image that the sink does not have yet; call it in order of i.
-    void add(uint32_t i, const Image& image);
-    // `deep` must not be null where the output has deep files (assert).
-    void add(uint32_t i, const LinearImage& image, const DeepImage* deep = nullptr);
-    // After the last image, whose number is end − 1. `complete` is called when the video is there, while an interrupted
-    // run could still make it again.
+    // Adds an image that the sink does not have yet; call it in order of i. It waits only where many images are being
+    // written already, and throws what went wrong with an earlier one: RuntimeFailure.
+    void add(uint32_t i, Image image);
+    // `deep` must be given where the output has deep files (assert).
+    void add(uint32_t i, LinearImage image, std::optional<DeepImage> deep = std::nullopt);
+    // After the last image, whose number is end − 1: waits until all are written. `complete` is called when the video
+    // is there, while an interrupted run could still make it again. Throws as add() does.
     void finish(uint32_t end, const std::function<void()>& complete = {});
 
   private:
     void open_record(bool resume, const std::optional<ImageRange>& range);
+    void write(uint32_t i, std::function<void()> image);
     void record_finished(uint32_t i);
     ImageOutput output_;  // of kept images where the video is made of them at the end
     ImageSize size_;
@@ -88,8 +94,12 @@ class ImageSink {
     std::optional<VideoWriter> video_;
     std::filesystem::path record_path_;  // empty: nothing is recorded
     RenderFacts facts_;
-    uint32_t first_;     // the number of the sink's first image
-    uint32_t finished_;  // the number after that of the last finished image
+    uint32_t first_;                    // the number of the sink's first image
+    uint32_t had_;                      // the number after that of the last image of an earlier run
+    std::mutex mutex_;                  // of what follows, which the workers share
+    uint32_t finished_;                 // all images before this one are written
+    std::set<uint32_t> written_ahead_;  // those of the others that are
+    std::optional<Workers> workers_;    // the last member, as its threads use the others
 };
 
 }  // namespace neuvv::media

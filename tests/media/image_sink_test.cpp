@@ -1,8 +1,12 @@
 // Where the images of a render are written, and how a render is resumed.
 #include "media/image_sink.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 
@@ -118,9 +122,11 @@ TEST_F(Sink, PartsOfNumberedPicturesGoOnByThemselves) {
         return media::ImageSink(media::parse_output((folder.path / "o_%02d.png").string()), {16, 8}, 25, facts, resume,
                                 range);
     };
-    media::ImageSink first = part({0, 3}, false), second = part({3, 6}, false);
-    second.add(3, image_of(3));
-    first.add(0, image_of(0));
+    {
+        media::ImageSink first = part({0, 3}, false), second = part({3, 6}, false);
+        second.add(3, image_of(3));
+        first.add(0, image_of(0));
+    }  // both are interrupted
     EXPECT_TRUE(part({3, 6}, true).has(3));
     EXPECT_FALSE(part({3, 6}, true).has(4));
     EXPECT_FALSE(part({3, 6}, true).has(0)) << "not of this part";
@@ -165,11 +171,38 @@ TEST_F(Sink, FilesOfOthersBesideKeptPicturesStay) {
     EXPECT_FALSE(there("v.mp4.frames/000000.png"));
 }
 
+// Images are encoded by several threads, and may end in any order.
+TEST_F(Sink, TheRecordNamesOnlyWhatIsThere) {
+    constexpr uint32_t kImages = 60;
+    media::ImageSink into = sink("o_%02d.png", false);
+    for (uint32_t i = 0; i < kImages; ++i) {
+        into.add(i, i % 7 == 0 ? media::Image(900, 900) : image_of(static_cast<uint8_t>(i)));
+        const auto finished =
+            nlohmann::json::parse(read_text(folder.path / "o_render.json")).at("finished").get<uint32_t>();
+        EXPECT_LE(finished, i + 1);
+        for (uint32_t there = 0; there < finished; ++there)
+            EXPECT_GT(media::read_png(folder.path / fmt::format("o_{:02}.png", there)).width, 0u);
+    }
+    into.finish(kImages);
+    const media::ImageSink again = sink("o_%02d.png", true);
+    for (uint32_t i = 0; i < kImages; ++i) EXPECT_TRUE(again.has(i)) << i;
+}
+
+TEST_F(Sink, WhatCannotBeWrittenIsToldLater) {
+    std::filesystem::create_directory(folder.path / "gone");
+    media::ImageSink into = sink("gone/o_%02d.png", false);
+    std::filesystem::remove_all(folder.path / "gone");
+    into.add(0, image_of(0));
+    EXPECT_THROW(into.finish(1), RuntimeFailure);
+    EXPECT_THROW(into.add(1, image_of(1)), RuntimeFailure);
+}
+
 TEST_F(Sink, LinearImages) {
     media::ImageSink into = sink("o_%d.exr", false);
     EXPECT_TRUE(into.exr());
     const media::LinearImage image{2, 1, {0.5f, 0.25f, 0, 1, 0, 0, 0, 0}, {1.5f, 2}};
     into.add(0, image);
+    into.finish(1);
     EXPECT_EQ(media::read_exr(folder.path / "o_0.exr").rgba, image.rgba);
     EXPECT_TRUE(sink("o_%d.exr", true).has(0));
 }

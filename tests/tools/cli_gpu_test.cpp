@@ -55,20 +55,49 @@ TEST_F(CliGpu, RenderWritesAVideo) {
     EXPECT_EQ(folder.entries(), 2u) << "no temporary is left";
 }
 
-// Chrome's trace event format: names of lanes, and spans in microseconds.
+// The spans of a trace (Chrome's trace event format, microseconds), by lane and name.
+std::map<std::string, std::vector<nlohmann::json>> spans_of(const nlohmann::json& trace) {
+    std::map<int, std::string> lanes;
+    for (const auto& event : trace.at("traceEvents"))
+        if (event.at("ph") == "M") lanes[event.at("tid")] = event.at("args").at("name");
+    std::map<std::string, std::vector<nlohmann::json>> spans;
+    for (const auto& event : trace.at("traceEvents"))
+        if (event.at("ph") == "X")
+            spans[lanes.at(event.at("tid")) + ": " + event.at("name").get<std::string>()].push_back(event);
+    return spans;
+}
+
+bool overlap(const nlohmann::json& a, const nlohmann::json& b) {
+    const auto begin = [](const auto& span) { return span.at("ts").template get<double>(); };
+    const auto end = [&](const auto& span) { return begin(span) + span.at("dur").template get<double>(); };
+    return begin(a) < end(b) && begin(b) < end(a);
+}
+
+// Images are encoded while the next ones are drawn.
+TEST_F(CliGpu, ATraceShowsWhatHappensAtTheSameTime) {
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("o_%02d.png"), "--size", "320x320", "--trace", file("trace.json")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    auto spans = spans_of(nlohmann::json::parse(std::ifstream(file("trace.json"))));
+    const auto& waits = spans["main thread: wait for the device"];
+    size_t writes = 0, overlapping = 0;
+    for (const auto& [name, events] : spans) {
+        if (name.find("worker: write image") == std::string::npos) continue;
+        for (const auto& write : events) {
+            ++writes;
+            overlapping += std::ranges::any_of(waits, [&](const auto& wait) { return overlap(write, wait); });
+        }
+    }
+    EXPECT_EQ(writes, 8u);
+    EXPECT_GT(overlapping, 0u);
+}
+
 TEST_F(CliGpu, ATraceHasTheSpansOfThreadsAndOfTheDevice) {
     const ProgramResult result = run_neuvv(
         {"render", scene, "-o", file("one_%d.png"), "--frames", "0", "--size", "16x16", "--trace", file("trace.json")});
     ASSERT_EQ(result.code, 0) << result.err;
     const auto trace = nlohmann::json::parse(std::ifstream(file("trace.json")));
-    std::map<int, std::string> lanes;
-    std::map<std::string, std::vector<nlohmann::json>> spans;  // by lane and name
-    for (const auto& event : trace.at("traceEvents")) {
-        if (event.at("ph") == "M") lanes[event.at("tid")] = event.at("args").at("name");
-    }
-    for (const auto& event : trace.at("traceEvents"))
-        if (event.at("ph") == "X")
-            spans[lanes.at(event.at("tid")) + ": " + event.at("name").get<std::string>()].push_back(event);
+    auto spans = spans_of(trace);
     const auto& waits = spans["main thread: wait for the device"];
     ASSERT_FALSE(waits.empty());
     for (const auto& wait : waits) EXPECT_GE(wait.at("dur").get<double>(), 0);

@@ -10,13 +10,13 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "base/workers.h"
 #include "motion/model_motion.h"
 #include "motion/skeleton_file.h"
 #include "render/raster.h"
 #include "stage/pose.h"
 #include "training/capture/backdrop.h"
 #include "training/capture/capture_files.h"
-#include "training/capture/workers.h"
 
 namespace neuvv::training {
 

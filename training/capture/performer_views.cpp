@@ -10,7 +10,6 @@
 #include "render/field.h"
 #include "render/frame.h"
 #include "training/capture/capture_files.h"
-#include "training/capture/workers.h"
 #include "voctree/occupied_box.h"
 
 namespace neuvv::training {

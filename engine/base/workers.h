@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace neuvv::training {
+namespace neuvv {
 
 class Workers {
   public:
@@ -42,4 +42,4 @@ class Workers {
     std::vector<std::jthread> threads_;
 };
 
-}  // namespace neuvv::training
+}  // namespace neuvv

@@ -1,9 +1,11 @@
-#include "training/capture/workers.h"
+#include "base/workers.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace neuvv::training {
+#include "base/trace_file.h"
+
+namespace neuvv {
 
 Workers::Workers(uint32_t threads, size_t pending) : pending_(std::max<size_t>(1, pending)) {
     for (uint32_t i = 0; i < std::max(1u, threads); ++i) threads_.emplace_back([this] { run(); });
@@ -38,6 +40,7 @@ uint64_t Workers::finished() const {
 }
 
 void Workers::run() {
+    name_trace_thread("worker");
     std::unique_lock lock(mutex_);
     while (true) {
         task_added_.wait(lock, [&] { return closing_ || !tasks_.empty(); });
@@ -61,4 +64,4 @@ void Workers::run() {
     }
 }
 
-}  // namespace neuvv::training
+}  // namespace neuvv
