@@ -329,9 +329,9 @@ void upload(const Device& device, const Buffer& to, const void* data, uint64_t b
 void download_pieces(const Device& device, const Buffer& from, uint64_t bytes, const DownloadedPiece& take) {
     if (bytes > from.bytes) throw RuntimeFailure("download: more bytes than buffer \"" + from.name + "\" holds");
     if (bytes == 0) return;
-    const Buffer staging(device, "staging", std::min(bytes, kStagingBytes), MemoryKind::kReadback);
-    for (uint64_t at = 0; at < bytes; at += kStagingBytes) {
-        const uint64_t piece = std::min(kStagingBytes, bytes - at);
+    const Buffer staging(device, "staging", std::min(bytes, kDownloadedPiece), MemoryKind::kReadback);
+    for (uint64_t at = 0; at < bytes; at += kDownloadedPiece) {
+        const uint64_t piece = std::min(kDownloadedPiece, bytes - at);
         run_once(device, "download", [&](Commands& commands) {
             copy(commands, from, staging, piece, at, 0);
             host_barrier(commands);

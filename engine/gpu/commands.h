@@ -173,6 +173,8 @@ class Uploads {
 void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
 void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
 // The same, for what need not be kept as it is: calls `take` with each piece, which begins at byte `at` of the buffer.
+// All but the last have kDownloadedPiece bytes.
+constexpr uint64_t kDownloadedPiece = uint64_t{64} << 20;
 using DownloadedPiece = std::function<void(const void* piece, uint64_t at, uint64_t bytes)>;
 void download_pieces(const Device& device, const Buffer& from, uint64_t bytes, const DownloadedPiece& take);
 

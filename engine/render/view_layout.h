@@ -1,6 +1,7 @@
 // The layout of the rays and images of a frame's views in their buffers.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "gpu/commands.h"
@@ -36,16 +37,24 @@ uint32_t checked_ray_tiles(const gpu::Device& device, const ViewLayout& layout);
 template <typename T>
 std::vector<T> rows_of_view(const gpu::Device& device, const gpu::Buffer& rays, const ViewLayout& layout,
                             uint32_t view) {
-    std::vector<T> tiles(size_t{layout.ray_tiles()} * kTilePixels);
-    gpu::download(device, rays, tiles.data(), tiles.size() * sizeof(T));
-    const uint32_t width = layout.rays_across(), height = layout.rays_down();
-    const size_t first_tile = size_t{view} * layout.tiles_across() * layout.tiles_down();
+    constexpr uint64_t kTileBytes = sizeof(T) * kTilePixels;
+    const uint32_t width = layout.rays_across(), height = layout.rays_down(), across = layout.tiles_across();
+    const uint64_t tiles = uint64_t{across} * layout.tiles_down(), first = view * tiles;
     std::vector<T> rows(size_t{width} * height);
-    for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < width; x++) {
-            const size_t tile = first_tile + size_t{y / kTile} * layout.tiles_across() + x / kTile;
-            rows[size_t{y} * width + x] = tiles[tile * kTilePixels + y % kTile * kTile + x % kTile];
-        }
+    const auto place = [&](const T* values, uint64_t tile) {
+        const auto left = static_cast<uint32_t>(tile % across * kTile),
+                   top = static_cast<uint32_t>(tile / across * kTile);
+        for (uint32_t y = 0; y < kTile && top + y < height; y++)
+            std::copy_n(values + y * kTile, std::min<uint32_t>(kTile, width - left),
+                        &rows[size_t{top + y} * width + left]);
+    };
+    gpu::download_pieces(device, rays, (first + tiles) * kTileBytes,
+                         [&](const void* piece, uint64_t at, uint64_t bytes) {
+                             static_assert(gpu::kDownloadedPiece % kTileBytes == 0);
+                             for (uint64_t i = 0; i < bytes / kTileBytes; i++)
+                                 if (const uint64_t tile = at / kTileBytes + i; tile >= first)
+                                     place(static_cast<const T*>(piece) + i * kTilePixels, tile - first);
+                         });
     return rows;
 }
 
