@@ -10,8 +10,9 @@ DirectAdjoint::DirectAdjoint(const gpu::Device& device, const render::Field& giv
                              const gpu::Buffer& gradients, AtomicAdd atomics)
     : field(given_field),
       pass(device, "direct adjoint",
-           atomics == AtomicAdd::kNative ? std::span<const uint32_t>(direct_adjoint_comp)
-                                         : std::span<const uint32_t>(direct_adjoint_cas_comp),
+           atomics == AtomicAdd::kNative
+               ? device.buffers().fitting(direct_adjoint_comp, direct_adjoint_comp_storage)
+               : device.buffers().fitting(direct_adjoint_cas_comp, direct_adjoint_cas_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes}),
       set(pass, {{kTraceLinks, &field.links},
                  {kTraceNodes, &field.nodes},

@@ -49,7 +49,7 @@ void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBat
 }
 
 Loss::Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBatch& batch)
-    : pass(device, "loss", loss_comp),
+    : pass(device, "loss", device.buffers().fitting(loss_comp, loss_comp_storage)),
       set(pass, {{kLossRadiance, &rays.radiance},
                  {kLossTarget, &batch.target},
                  {kLossBackground, &batch.background},

@@ -8,7 +8,7 @@ TouchedList::TouchedList(const gpu::Device& device, const render::Slice& given_s
                          const SliceGradients& given_gradients)
     : slice(given_slice),
       gradients(given_gradients),
-      pass(device, "touched", touched_comp),
+      pass(device, "touched", device.buffers().fitting(touched_comp, touched_comp_storage)),
       set(pass, {{kTouchedMaxWeight, &gradients.max_weight},
                  {kTouchedLive, &slice.live},
                  {kTouchedSlots, &gradients.touched},

@@ -43,8 +43,9 @@ TraceAdjoint::TraceAdjoint(const gpu::Device& device, const render::Field& given
                            AtomicAdd atomics)
     : field(given_field),
       pass(device, "trace adjoint",
-           atomics == AtomicAdd::kNative ? std::span<const uint32_t>(trace_adjoint_comp)
-                                         : std::span<const uint32_t>(trace_adjoint_cas_comp),
+           atomics == AtomicAdd::kNative
+               ? device.buffers().fitting(trace_adjoint_comp, trace_adjoint_comp_storage)
+               : device.buffers().fitting(trace_adjoint_cas_comp, trace_adjoint_cas_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels}),
       set(pass, {{kTraceLinks, &field.links},
                  {kTraceNodes, &field.nodes},

@@ -48,8 +48,10 @@ void require_bindings(const Device& device, const ShaderInterface& interface, co
         const auto count = std::count_if(interface.bindings.begin(), interface.bindings.end(),
                                          [&](const BindingSlot& slot) { return slot.type == kind.type; });
         if (count > kind.max)
-            throw RuntimeFailure(fmt::format("pass \"{}\" binds {} {}, device \"{}\" takes {}", name, count, kind.what,
-                                             device.summary().name, kind.max));
+            throw RuntimeFailure(
+                fmt::format("pass \"{}\" binds {} {}, device \"{}\" takes {}; NEUVV_BUFFERS says how "
+                            "arrays are bound (texel or storage)",
+                            name, count, kind.what, device.summary().name, kind.max));
     }
 }
 

@@ -11,13 +11,15 @@
 
 #include "gpu/pass_layout.h"
 #include "spirv/neuvv_render_shaders.h"
+#include "spirv/neuvv_training_shaders.h"
 #include "spirv/neuvv_xr_shaders.h"
 #include "support/input_error.h"
 
 namespace neuvv::test {
 namespace {
 
-constexpr uint32_t kPortableStorageBuffers = 8;  // of a shader, as other graphics interfaces guarantee them
+constexpr uint32_t kTrainingStorageBuffers = 14;  // engine/README.md says so
+constexpr uint32_t kPortableStorageBuffers = 8;   // of a shader, as other graphics interfaces guarantee them
 
 // NEUVV_BUFFERS with another value while it exists.
 struct Forced {
@@ -117,6 +119,19 @@ TEST(PlayersShaders, BindFewStorageBuffers) {
         EXPECT_LE(count, kPortableStorageBuffers) << file;
     });
     EXPECT_EQ(most, gpu::kMostStorageBuffers);
+}
+
+// With storage buffers for long arrays. More than players bind, as the optimiser moves weights, moments and slice at
+// once.
+TEST(TrainingShaders, BindFewStorageBuffers) {
+    uint32_t most = 0;
+    size_t of_storage = 0;
+    for (const auto& [file, words, storage] : neuvv_training_shaders) {
+        most = std::max(most, storage_buffers(words, file));
+        of_storage += storage ? 1 : 0;
+    }
+    EXPECT_EQ(most, kTrainingStorageBuffers);
+    EXPECT_GT(of_storage, 10u);
 }
 
 // Texel buffers that the storage profile keeps have few elements, whatever the clip.

@@ -86,6 +86,24 @@ TEST_F(CliDevice, SmallLimitsGiveTheSameImageOrAnErrorThatHelps) {
     EXPECT_NE(leaves.err.find("choose a clip of fewer leaves"), std::string::npos) << leaves.err;
 }
 
+// A tree whose weights do not fit into a texel buffer of the device is trained as it is elsewhere.
+TEST_F(CliDevice, SmallLimitsTrainTheSameTree) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    const auto train = [&](const char* name, const std::string& environment) {
+        const ProgramResult result =
+            run_neuvv({"train", file("data"), "-o", file(name), "--steps", "8", "--resolution", "64"}, environment);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return voctree::read_nvv(file(name));
+    };
+    const voctree::VOctree expected = train("texel.nvv", "NEUVV_BUFFERS=texel");
+    const voctree::VOctree small =
+        train("small.nvv", "VK_INSTANCE_LAYERS=VK_LAYER_NEUVV_lower_limits VK_LAYER_PATH=" NEUVV_LOWER_LIMITS_LAYER
+                           " NEUVV_MOST_TEXELS=4096 NEUVV_MOST_STORAGE_BYTES=134217728");
+    EXPECT_GT(small.weights.size(), 4u * 4096);  // a texel has four at most
+    EXPECT_NEAR(small.leaf_count, expected.leaf_count, 0.01 * expected.leaf_count);
+}
+
 // The first start times both ways to bind arrays, and the next ones go by what it found.
 TEST_F(CliDevice, TheFasterBuffersAreKeptInTheCacheFolder) {
     const std::filesystem::path cache = folder.path / "cache";

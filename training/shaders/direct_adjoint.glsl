@@ -2,6 +2,7 @@
 // reference for the speed and correctness of trace_adjoint.glsl and slice_adjoint.comp together. It reads what
 // direct.comp reads and adds to `gradients`, which is laid out as the weights. One workgroup per tile, one thread per
 // ray. It is bound by its atomic additions: per sample 8 for each busy plane, and 3·N_HH.
+#include "arrays.glsl"
 #include "shared/training.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -11,15 +12,16 @@ layout(constant_id = 2) const uint kTopLevels = 2u;
 layout(constant_id = 3) const uint kBasisPlanes = 8u;
 layout(constant_id = 4) const uint kBusyPlanes = 8u;
 const bool kRestart = false, kFromRoot = false, kCoalesce = true;
-layout(binding = kTraceLinks) uniform utextureBuffer tree_links;
-layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
-layout(binding = kTraceWeights) uniform textureBuffer leaf_weights;
+const bool kHalfWeights = false;
+READ_ARRAY(uint, kTraceLinks, tree_links);
+READ_ARRAY(uvec4, kTraceNodes, tree_nodes);
+READ_ARRAY(any4, kTraceWeights, leaf_weights);
 layout(binding = kTraceRows, std140) uniform Rows { BasisRows rows; };
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
-layout(binding = kTraceRadiance) uniform textureBuffer radiance;
-layout(binding = kTraceAdjoint) uniform textureBuffer adjoint;
-layout(binding = kTraceTarget) uniform textureBuffer target;
+READ_ARRAY(vec4, kTraceRadiance, radiance);
+READ_ARRAY(vec4, kTraceAdjoint, adjoint);
+READ_ARRAY(vec4, kTraceTarget, target);
 layout(push_constant) uniform Push { TraceAdjointPush push; };
 #define NEUVV_GRADIENTS_BINDING kTraceGradients
 #include "gradient_add.glsl"

@@ -8,13 +8,14 @@
 // for display. One workgroup per tile, one thread per ray; reads 48 bytes and writes 16 bytes per ray.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/training.h"
 
 layout(local_size_x = kTilePixels) in;
-layout(binding = kLossRadiance) uniform textureBuffer radiance;
-layout(binding = kLossTarget) uniform textureBuffer target;
-layout(binding = kLossBackground) uniform textureBuffer background;
-layout(binding = kLossAdjoint, rgba32f) writeonly uniform imageBuffer adjoint;
+READ_ARRAY(vec4, kLossRadiance, radiance);
+READ_ARRAY(vec4, kLossTarget, target);
+READ_ARRAY(vec4, kLossBackground, background);
+WRITE_ARRAY(vec4, kLossAdjoint, adjoint);
 layout(binding = kLossSums, std430) writeonly buffer Sums { vec4 sums[]; };
 layout(binding = kLossColours, std430) readonly buffer Colours { CameraColour colours[]; };
 layout(binding = kLossColourGradients, std430) writeonly buffer Gradients { CameraColour colour_gradients[]; };
@@ -64,8 +65,8 @@ void main() {
     const uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     const uint lane = gl_LocalInvocationID.x, x = lane % kTile, y = lane / kTile;
     const int ray = int(group * kTilePixels + lane);
-    const vec4 traced = texelFetch(radiance, ray), truth = texelFetch(target, ray);
-    const vec3 behind = texelFetch(background, ray).rgb;
+    const vec4 traced = FETCH(radiance, ray), truth = FETCH(target, ray);
+    const vec3 behind = FETCH(background, ray).rgb;
     const bool inside = truth.a >= 0.0;
     foreground[lane] = traced;
     composited[lane] = seen(group, traced) + (1.0 - traced.a) * behind;
@@ -85,7 +86,7 @@ void main() {
     const float share = 1.0 / float(push.samples * push.samples);  // of a ray in its pixel
     const vec3 d_colour = share * (2.0 * wrong + sign(wrong) * d_error) * srgb_encode_adjoint(linear);
     const vec4 d_ray = seen_adjoint(group, d_colour) - vec4(vec3(0.0), dot(d_colour, behind));
-    imageStore(adjoint, ray, inside ? d_ray : vec4(0.0));
+    STORE(adjoint, ray, inside ? d_ray : vec4(0.0));
     d_seen[lane] = inside ? d_colour : vec3(0.0);
 
     losses[lane] = share * vec2(dot(wrong, wrong), dot(right, right) + dot(below, below));

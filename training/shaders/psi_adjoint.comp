@@ -4,6 +4,7 @@
 // FLOP per sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/psi.h"
 
 layout(local_size_x = kPsiBlock) in;
@@ -13,12 +14,12 @@ layout(constant_id = 2) const uint kWidth = 64u;
 layout(constant_id = 3) const uint kLayers = 3u;
 layout(constant_id = 4) const uint kHhDegree = 1u;
 layout(constant_id = 5) const uint kHeadColumns = 32u;
-layout(binding = kPsiDirections) uniform textureBuffer directions;
-layout(binding = kPsiParameters) uniform textureBuffer parameters;
-layout(binding = kPsiActivations) uniform textureBuffer activations;
-layout(binding = kPsiAdjoints, rgba32f) writeonly uniform imageBuffer adjoints;
-layout(binding = kPsiValues) uniform textureBuffer values;
-layout(binding = kPsiValueAdjoints) uniform textureBuffer value_adjoints;
+READ_ARRAY(vec4, kPsiDirections, directions);
+READ_ARRAY(vec4, kPsiParameters, parameters);
+READ_ARRAY(vec4, kPsiActivations, activations);
+WRITE_ARRAY(vec4, kPsiAdjoints, adjoints);
+READ_ARRAY(vec4, kPsiValues, values);
+READ_ARRAY(vec4, kPsiValueAdjoints, value_adjoints);
 layout(push_constant) uniform Push { PsiBlockPush push; };
 #include "psi_layer.glsl"
 #include "psi_head.glsl"
@@ -26,13 +27,13 @@ layout(push_constant) uniform Push { PsiBlockPush push; };
 // Writes `rows` rows from shared memory into the adjoints, beginning with row `first_row`.
 void write_rows(uint rows, uint first_row) {
     for (uint i = gl_LocalInvocationID.x; i < rows * kPsiBlockTexels; i += kPsiBlock)
-        imageStore(adjoints, int(first_row * kPsiBlockTexels + i), act[i]);
+        STORE(adjoints, int(first_row * kPsiBlockTexels + i), act[i]);
 }
 
 // The adjoint of relu: ∂z = ∂h where h > 0, else 0. `first_row`: the first row of h among the activations.
 void relu_adjoint(uint first_row) {
     for (uint i = gl_LocalInvocationID.x; i < kWidth * kPsiBlockTexels; i += kPsiBlock) {
-        const vec4 h = texelFetch(activations, int(first_row * kPsiBlockTexels + i));
+        const vec4 h = FETCH(activations, int(first_row * kPsiBlockTexels + i));
         act[i] = mix(vec4(0.0), act[i], greaterThan(h, vec4(0.0)));
     }
     barrier();
@@ -45,12 +46,12 @@ void main() {
     const uint out_base = block * psi_adjoint_rows(kWidth, kLayers, kHeadColumns);
     const uint head_row = base + kInputs + kLayers * kWidth;
     for (uint i = lane; i < kHeadColumns * kPsiBlockTexels; i += kPsiBlock)
-        act[i] = texelFetch(activations, int(head_row * kPsiBlockTexels + i));
+        act[i] = FETCH(activations, int(head_row * kPsiBlockTexels + i));
     barrier();
     const int at = int(block * kPsiBlock + lane);
-    const vec4 d_value = texelFetch(value_adjoints, at);
-    const vec3 direction = texelFetch(directions, int(block / push.samples_per_ray * kPsiBlock + lane)).xyz;
-    head_adjoint(direction, texelFetch(values, at).yzw, d_value.x, d_value.yzw, push.revival);
+    const vec4 d_value = FETCH(value_adjoints, at);
+    const vec3 direction = FETCH(directions, int(block / push.samples_per_ray * kPsiBlock + lane)).xyz;
+    head_adjoint(direction, FETCH(values, at).yzw, d_value.x, d_value.yzw, push.revival);
     barrier();
     write_rows(kHeadColumns, out_base + kLayers * kWidth);
     layer_adjoint(psi_layer_offset(kLayers, kInputs, kWidth) / 4u, kHeadColumns / 4u);

@@ -2,12 +2,13 @@
 // psi_resample.comp. One workgroup per tile, one thread per ray. Reads 32 bytes per sample: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/psi.h"
 
 layout(local_size_x = kTilePixels) in;
-layout(binding = kPsiPoints) uniform textureBuffer points;
-layout(binding = kPsiValues) uniform textureBuffer values;
-layout(binding = kPsiRadiance, rgba32f) writeonly uniform imageBuffer radiance;
+READ_ARRAY(vec4, kPsiPoints, points);
+READ_ARRAY(vec4, kPsiValues, values);
+WRITE_ARRAY(vec4, kPsiRadiance, radiance);
 layout(push_constant) uniform Push { PsiBlockPush push; };
 #include "composite.glsl"
 
@@ -17,8 +18,8 @@ void main() {
     Composite sum = composite_begin();
     for (uint i = 0u; i < push.samples_per_ray; i++) {
         const int at = int((tile * push.samples_per_ray + i) * kPsiBlock + lane);
-        const vec4 value = texelFetch(values, at);
-        composite_add(sum, value.x, texelFetch(points, at).w, value.yzw, 0.0);
+        const vec4 value = FETCH(values, at);
+        composite_add(sum, value.x, FETCH(points, at).w, value.yzw, 0.0);
     }
-    imageStore(radiance, int(tile * kTilePixels + lane), vec4(sum.colour, 1.0 - sum.transmittance));
+    STORE(radiance, int(tile * kTilePixels + lane), vec4(sum.colour, 1.0 - sum.transmittance));
 }

@@ -5,6 +5,7 @@
 // k with 52 inputs, width 64, 3 layers and 32 columns.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/psi.h"
 
 layout(local_size_x = kPsiBlock) in;
@@ -14,11 +15,11 @@ layout(constant_id = 2) const uint kWidth = 64u;
 layout(constant_id = 3) const uint kLayers = 3u;
 layout(constant_id = 4) const uint kHhDegree = 1u;
 layout(constant_id = 5) const uint kHeadColumns = 32u;
-layout(binding = kPsiPoints) uniform textureBuffer points;
-layout(binding = kPsiDirections) uniform textureBuffer directions;
-layout(binding = kPsiParameters) uniform textureBuffer parameters;
-layout(binding = kPsiActivations, rgba32f) writeonly uniform imageBuffer activations;
-layout(binding = kPsiValues, rgba32f) writeonly uniform imageBuffer values;
+READ_ARRAY(vec4, kPsiPoints, points);
+READ_ARRAY(vec4, kPsiDirections, directions);
+READ_ARRAY(vec4, kPsiParameters, parameters);
+WRITE_ARRAY(vec4, kPsiActivations, activations);
+WRITE_ARRAY(vec4, kPsiValues, values);
 layout(push_constant) uniform Push { PsiBlockPush push; };
 #include "psi_layer.glsl"
 #include "psi_head.glsl"
@@ -27,14 +28,14 @@ layout(push_constant) uniform Push { PsiBlockPush push; };
 // Writes `rows` rows from shared memory into the activations, beginning with row `first_row`.
 void keep_rows(uint rows, uint first_row) {
     for (uint i = gl_LocalInvocationID.x; i < rows * kPsiBlockTexels; i += kPsiBlock)
-        imageStore(activations, int(first_row * kPsiBlockTexels + i), act[i]);
+        STORE(activations, int(first_row * kPsiBlockTexels + i), act[i]);
 }
 
 void main() {
     const uint block = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
     if (block >= push.blocks) return;
     const uint base = block * psi_activation_rows(kInputs, kWidth, kLayers, kHeadColumns);
-    encode(texelFetch(points, int(block * kPsiBlock + lane)).xyz);
+    encode(FETCH(points, int(block * kPsiBlock + lane)).xyz);
     barrier();
     if (push.keep == kPsiKeepAll) keep_rows(kInputs, base);
     for (uint layer = 0u; layer < kLayers; layer++) {
@@ -50,6 +51,6 @@ void main() {
     vec3 colour = vec3(0.0);
     if (push.keep == kPsiKeepAll)
         colour = head_colour(head_gamma(),
-                             texelFetch(directions, int(block / push.samples_per_ray * kPsiBlock + lane)).xyz);
-    imageStore(values, int(block * kPsiBlock + lane), vec4(max(act_of_sample(0u), 0.0), colour));
+                             FETCH(directions, int(block / push.samples_per_ray * kPsiBlock + lane)).xyz);
+    STORE(values, int(block * kPsiBlock + lane), vec4(max(act_of_sample(0u), 0.0), colour));
 }

@@ -35,7 +35,7 @@ void layer_forward(uint inputs, uint first, uint columns, bool relu) {
     const uint sample_texel = gl_LocalInvocationID.x / 8u * 2u, column = gl_LocalInvocationID.x % 8u;
     vec4 z[kTileColumns][8];
     for (uint j = 0u; j < kTileColumns; j++) {
-        const vec4 bias = 8u * j < columns ? texelFetch(parameters, int(first + inputs * columns + column + 8u * j))
+        const vec4 bias = 8u * j < columns ? FETCH(parameters, int(first + inputs * columns + column + 8u * j))
                                            : vec4(0.0);
         for (uint i = 0u; i < 8u; i++) z[j][i] = bias;
     }
@@ -43,7 +43,7 @@ void layer_forward(uint inputs, uint first, uint columns, bool relu) {
         const vec4 h0 = act[k * kPsiBlockTexels + sample_texel], h1 = act[k * kPsiBlockTexels + sample_texel + 1u];
         for (uint j = 0u; j < kTileColumns; j++) {
             if (8u * j >= columns) break;
-            const vec4 w = texelFetch(parameters, int(first + k * columns + column + 8u * j));
+            const vec4 w = FETCH(parameters, int(first + k * columns + column + 8u * j));
             for (uint i = 0u; i < 4u; i++) {
                 z[j][i] += h0[i] * w;
                 z[j][i + 4u] += h1[i] * w;
@@ -77,7 +77,7 @@ void layer_adjoint(uint first, uint columns) {
             z[m][1] = act[at + 1u];
         }
         for (uint j = 0u; j < kTileRows; j++) {
-            const vec4 w = texelFetch(parameters, int(first + (column + 8u * j) * columns + o));
+            const vec4 w = FETCH(parameters, int(first + (column + 8u * j) * columns + o));
             for (uint m = 0u; m < 4u; m++) {
                 d[j][0] += w[m] * z[m][0];
                 d[j][1] += w[m] * z[m][1];

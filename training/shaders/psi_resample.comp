@@ -5,14 +5,15 @@
 // 16 per fine sample: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/psi.h"
 
 layout(local_size_x = kTilePixels) in;
 layout(binding = kPsiCameras) uniform textureBuffer cameras;
 layout(binding = kPsiTiles) uniform utextureBuffer tiles;
-layout(binding = kPsiValues) uniform textureBuffer values;
-layout(binding = kPsiRanges) uniform textureBuffer ranges;
-layout(binding = kPsiPoints, rgba32f) writeonly uniform imageBuffer points;
+READ_ARRAY(vec4, kPsiValues, values);
+READ_ARRAY(vec4, kPsiRanges, ranges);
+WRITE_ARRAY(vec4, kPsiPoints, points);
 layout(push_constant) uniform Push { PsiRayPush push; };
 #include "composite.glsl"
 #include "psi_random.glsl"
@@ -22,13 +23,13 @@ layout(push_constant) uniform Push { PsiRayPush push; };
 const float kFloor = 0.2;  // share of the distribution that is spread evenly
 
 float sigma_of(Ray ray, uint i) {
-    return texelFetch(values, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile)).x;
+    return FETCH(values, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile)).x;
 }
 
 void main() {
     if (tile_group() >= push.tiles) return;
     const Ray ray = tile_ray();
-    const vec2 range = texelFetch(ranges, int(ray.index)).xy;
+    const vec2 range = FETCH(ranges, int(ray.index)).xy;
     const float step = (range.y - range.x) / float(push.coarse);
     Composite whole = composite_begin();
     for (uint i = 0u; i < push.coarse; i++) composite_add(whole, sigma_of(ray, i), step, vec3(0.0), 0.0);
@@ -52,7 +53,7 @@ void main() {
         const float next = i + 1u == push.fine ? range.y : max(range.x + (float(bin) + inside) * step, edge);
         const float t = mix(edge, next, random_at(push.seed, ray.index, push.coarse + i));
         const vec3 at = (ray.origin + t * ray.direction - push.centre.xyz) * push.centre.w;
-        imageStore(points, int((tile_group() * push.fine + i) * kPsiBlock + ray.in_tile),
+        STORE(points, int((tile_group() * push.fine + i) * kPsiBlock + ray.in_tile),
                    vec4(at, next - edge));
         edge = next;
     }

@@ -3,14 +3,15 @@
 // tile, one thread per ray. Writes 16 bytes per sample: bound by memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/psi.h"
 
 layout(local_size_x = kTilePixels) in;
 layout(binding = kPsiCameras) uniform textureBuffer cameras;
 layout(binding = kPsiTiles) uniform utextureBuffer tiles;
-layout(binding = kPsiPoints, rgba32f) writeonly uniform imageBuffer points;
-layout(binding = kPsiDirections, rgba32f) writeonly uniform imageBuffer directions;
-layout(binding = kPsiRanges, rgba32f) writeonly uniform imageBuffer ranges;
+WRITE_ARRAY(vec4, kPsiPoints, points);
+WRITE_ARRAY(vec4, kPsiDirections, directions);
+WRITE_ARRAY(vec4, kPsiRanges, ranges);
 layout(push_constant) uniform Push { PsiRayPush push; };
 #include "psi_random.glsl"
 #include "every_tile.glsl"
@@ -30,12 +31,12 @@ void main() {
     if (tile_group() >= push.tiles) return;
     const Ray ray = tile_ray();
     const vec2 range = box_range(ray);
-    imageStore(directions, int(ray.index), vec4(ray.direction, 0.0));
-    imageStore(ranges, int(ray.index), vec4(range, 0.0, 0.0));
+    STORE(directions, int(ray.index), vec4(ray.direction, 0.0));
+    STORE(ranges, int(ray.index), vec4(range, 0.0, 0.0));
     const float step = (range.y - range.x) / float(push.coarse);
     for (uint i = 0u; i < push.coarse; i++) {
         const float t = range.x + (float(i) + random_at(push.seed, ray.index, i)) * step;
         const vec3 at = (ray.origin + t * ray.direction - push.centre.xyz) * push.centre.w;
-        imageStore(points, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile), vec4(at, step));
+        STORE(points, int((tile_group() * push.coarse + i) * kPsiBlock + ray.in_tile), vec4(at, step));
     }
 }

@@ -4,13 +4,14 @@
 // per sample through the texture cache for 2·rows·columns FLOP: bound by memory on a GPU.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/psi.h"
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kRows = 276u;          // of a block's activations
 layout(constant_id = 1) const uint kAdjointRows = 224u;
-layout(binding = kPsiActivations) uniform textureBuffer activations;
-layout(binding = kPsiAdjoints) uniform textureBuffer adjoints;
+READ_ARRAY(vec4, kPsiActivations, activations);
+READ_ARRAY(vec4, kPsiAdjoints, adjoints);
 layout(binding = kPsiPartials, std430) writeonly buffer Partials { float partials[]; };
 layout(push_constant) uniform Push { PsiWeightsPush push; };
 
@@ -25,10 +26,10 @@ void main() {
         const uint h_row = block * kRows + push.input_row, z_row = block * kAdjointRows + push.output_row + o0;
         for (uint q = 0u; q < kPsiBlockTexels; q++) {
             mat4 z;  // ∂z of four columns of the layer × four samples
-            for (uint m = 0u; m < 4u; m++) z[m] = texelFetch(adjoints, int((z_row + m) * kPsiBlockTexels + q));
+            for (uint m = 0u; m < 4u; m++) z[m] = FETCH(adjoints, int((z_row + m) * kPsiBlockTexels + q));
             for (uint i = 0u; i < 8u; i++) {
                 const uint k = min(k0 + i, push.inputs - 1u);
-                sum[i] += texelFetch(activations, int((h_row + k) * kPsiBlockTexels + q)) * z;
+                sum[i] += FETCH(activations, int((h_row + k) * kPsiBlockTexels + q)) * z;
             }
             bias += vec4(1.0) * z;
         }

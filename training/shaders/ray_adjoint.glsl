@@ -20,9 +20,9 @@ void scatter(float weight, float d_sigma, float opacity_sensitivity, vec3 d_raw)
 
 void main() {
     const Ray ray = tile_ray();
-    const vec4 d_ray = texelFetch(adjoint, int(ray.index)), traced = texelFetch(radiance, int(ray.index));
+    const vec4 d_ray = FETCH(adjoint, int(ray.index)), traced = FETCH(radiance, int(ray.index));
     const Composite whole = Composite(traced.rgb, 1.0 - traced.a, 0.0);
-    const vec4 truth = texelFetch(target, int(ray.index));
+    const vec4 truth = FETCH(target, int(ray.index));
     const vec3 root = truth.a > 0.0 ? sqrt(max(truth.rgb, vec3(0.0)) / truth.a) : vec3(0.0);
     const float point_strength = push.weights.point * push.pixel_share * max(truth.a, 0.0);
     sample_begin(ray.direction, ray.view);

@@ -3,15 +3,16 @@
 // per column of both bases; little work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/training.h"
 
 layout(local_size_x = 2 * kMaxBases) in;
 layout(binding = kRowsAdjointPartials, std430) readonly buffer Partials { float partials[]; };
 layout(binding = kRowsAdjointCount, std430) readonly buffer Count { LiveCount count; };
-layout(binding = kRowsAdjointSigma, r32f) uniform imageBuffer sigma_basis;
-layout(binding = kRowsAdjointGamma, r32f) uniform imageBuffer gamma_basis;
-layout(binding = kRowsAdjointFirstMoments, r32f) uniform imageBuffer first;
-layout(binding = kRowsAdjointSecondMoments, r32f) uniform imageBuffer second;
+UPDATE_ARRAY(float, kRowsAdjointSigma, sigma_basis);
+UPDATE_ARRAY(float, kRowsAdjointGamma, gamma_basis);
+UPDATE_ARRAY(float, kRowsAdjointFirstMoments, first);
+UPDATE_ARRAY(float, kRowsAdjointSecondMoments, second);
 layout(push_constant) uniform Push { RowsAdjointPush push; };
 #include "adam.glsl"
 
@@ -19,17 +20,17 @@ layout(push_constant) uniform Push { RowsAdjointPush push; };
 void move_element(bool is_gamma, uint row, uint column, float gradient) {
     const int at = int(row * push.bases + column);
     const int moment = at + (is_gamma ? int(push.frames * push.bases) : 0);
-    const float weight = is_gamma ? imageLoad(gamma_basis, at).x : imageLoad(sigma_basis, at).x;
+    const float weight = is_gamma ? LOAD(gamma_basis, at).x : LOAD(sigma_basis, at).x;
     const AdamElement old =
-        AdamElement(vec4(weight), vec4(imageLoad(first, moment).x), vec4(imageLoad(second, moment).x));
+        AdamElement(vec4(weight), vec4(LOAD(first, moment).x), vec4(LOAD(second, moment).x));
     const AdamElement new =
         adam_update(old, vec4(gradient), is_gamma ? push.gamma_rate : push.sigma_rate, push.adam);
     if (is_gamma)
-        imageStore(gamma_basis, at, new.weight);
+        STORE(gamma_basis, at, new.weight);
     else
-        imageStore(sigma_basis, at, new.weight);
-    imageStore(first, moment, new.first);
-    imageStore(second, moment, new.second);
+        STORE(sigma_basis, at, new.weight);
+    STORE(first, moment, new.first);
+    STORE(second, moment, new.second);
 }
 
 void main() {

@@ -4,12 +4,13 @@
 // record. Bound by reading the records, which lie in the host's memory.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/training.h"
 
 layout(local_size_x = kSliceGroup) in;
 layout(constant_id = 0) const uint kHhDegree = 2u;
-layout(binding = kRecordsTouched, r32ui) writeonly uniform uimageBuffer touched_slots;
-layout(binding = kRecordsHead) uniform utextureBuffer head;
+WRITE_ARRAY(uint, kRecordsTouched, touched_slots);
+READ_ARRAY(uvec2, kRecordsHead, head);
 layout(binding = kRecordsGradients, std430) writeonly buffer Gradients { float gradients[]; };
 layout(binding = kRecordsMaxWeight, std430) writeonly buffer MaxWeight { uint max_weight[]; };
 layout(binding = kRecords, std430) readonly buffer Records { uint records[]; };
@@ -20,9 +21,9 @@ void main() {
     const uint record = group * kSliceGroup + gl_LocalInvocationID.x;
     if (record >= push.records) return;
     const uint from = record * record_words(kHhDegree);
-    const uvec2 sigma_and_slot = texelFetch(head, int(records[from])).xy;
+    const uvec2 sigma_and_slot = FETCH(head, int(records[from])).xy;
     const bool lives = sigma_and_slot.x != 0u;
-    imageStore(touched_slots, int(record), uvec4(lives ? sigma_and_slot.y : kNoSlot));
+    STORE(touched_slots, int(record), uvec4(lives ? sigma_and_slot.y : kNoSlot));
     if (!lives) return;
     const uint slot = sigma_and_slot.y, to = slot * gradient_stride(kHhDegree);
     max_weight[slot] = records[from + 1u];

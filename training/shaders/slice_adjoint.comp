@@ -6,6 +6,7 @@
 // read and written, 96 bytes for each plane with a gradient.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/training.h"
 
 layout(local_size_x = kSliceGroup) in;
@@ -13,30 +14,30 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kBasisPlanes = 8u;
 layout(constant_id = 2) const uint kLearnRows = 0u;
 layout(constant_id = 3) const uint kBusyPlanes = 8u;
-layout(binding = kAdjointWeights, rgba32f) uniform imageBuffer weights;
-layout(binding = kAdjointFirstMoments, rgba32f) uniform imageBuffer first;
-layout(binding = kAdjointSecondMoments, rgba32f) uniform imageBuffer second;
+UPDATE_ARRAY(vec4, kAdjointWeights, weights);
+UPDATE_ARRAY(vec4, kAdjointFirstMoments, first);
+UPDATE_ARRAY(vec4, kAdjointSecondMoments, second);
 layout(binding = kAdjointRows, std140) uniform Rows { BasisRows rows; };
-layout(binding = kAdjointLeaves) uniform utextureBuffer slot_leaf;
-layout(binding = kAdjointTouched) uniform utextureBuffer touched_slots;
+READ_ARRAY(uint, kAdjointLeaves, slot_leaf);
+READ_ARRAY(uint, kAdjointTouched, touched_slots);
 layout(binding = kAdjointCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kAdjointGradients, std430) buffer Gradients { float gradients[]; };
 layout(binding = kAdjointMaxWeight, std430) buffer MaxWeight { uint max_weight[]; };
-layout(binding = kAdjointLeafUse, rg32f) uniform imageBuffer leaf_use;
-layout(binding = kAdjointLeafFrames, r32ui) uniform uimageBuffer leaf_frames;
-layout(binding = kAdjointPositions) uniform utextureBuffer leaf_positions;
+UPDATE_ARRAY(vec2, kAdjointLeafUse, leaf_use);
+UPDATE_ARRAY(uint, kAdjointLeafFrames, leaf_frames);
+READ_ARRAY(uvec2, kAdjointPositions, leaf_positions);
 layout(binding = kAdjointPartials, std430) writeonly buffer Partials { vec4 partials[]; };
-layout(binding = kAdjointHead, rg32ui) writeonly uniform uimageBuffer head;
-layout(binding = kAdjointSh, rgba32f) writeonly uniform imageBuffer slice_sh;
+WRITE_ARRAY(uvec2, kAdjointHead, head);
+WRITE_ARRAY(vec4, kAdjointSh, slice_sh);
 layout(push_constant) uniform Push { SliceAdjointPush push; };
 
-vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) { return imageLoad(weights, int(plane * leaf_count + leaf)); }
+vec4 fetch_weights(uint leaf, uint plane, uint leaf_count) { return LOAD(weights, int(plane * leaf_count + leaf)); }
 #define NEUVV_FETCH_WEIGHTS
 #include "adam.glsl"
 #include "slice_leaf.glsl"
 
 void store_coefficient(uint slot, uint j, vec3 k) {
-    imageStore(slice_sh, int(slot * sh_count(kHhDegree) + j), vec4(k, 0.0));
+    STORE(slice_sh, int(slot * sh_count(kHhDegree) + j), vec4(k, 0.0));
 }
 
 shared vec4 share[kSliceGroup];
@@ -44,20 +45,20 @@ shared vec4 share[kSliceGroup];
 void move_plane(uint leaf, uint plane, vec4 gradient, float rate) {
     if (gradient == vec4(0.0) && push.adam.emit == 0u) return;
     const int texel = int(plane * push.leaf_count + leaf);
-    const AdamElement old = AdamElement(imageLoad(weights, texel), imageLoad(first, texel), imageLoad(second, texel));
+    const AdamElement old = AdamElement(LOAD(weights, texel), LOAD(first, texel), LOAD(second, texel));
     const AdamElement new = adam_update(old, gradient, rate, push.adam);
-    imageStore(weights, texel, new.weight);
-    imageStore(first, texel, new.first);
-    imageStore(second, texel, new.second);
+    STORE(weights, texel, new.weight);
+    STORE(first, texel, new.first);
+    STORE(second, texel, new.second);
 }
 
 // Where each frame has its own basis: keeps w^σ of the slice's frame from falling to where no gradient reaches it.
 void keep_dense(uint leaf, float least_sigma) {
     for (uint i = 0u; i < kBusyPlanes; i++) {
         const int texel = int(rows.planes[i].x * push.leaf_count + leaf);
-        const vec4 weight = imageLoad(weights, texel);
+        const vec4 weight = LOAD(weights, texel);
         const bvec4 of_frame = greaterThan(rows.sigma[i], vec4(0.0));
-        imageStore(weights, texel, mix(weight, max(weight, vec4(least_sigma)), of_frame));
+        STORE(weights, texel, mix(weight, max(weight, vec4(least_sigma)), of_frame));
     }
 }
 
@@ -114,25 +115,25 @@ float colour_adjoint(uint leaf, uint base) {
 void note_frame(uint leaf, uint frame, bool used) {
     const int word = int((frame / 32u) * push.leaf_count + leaf);
     const uint bit = used ? 1u << (frame % 32u) : 0u;
-    imageStore(leaf_frames, word, uvec4(imageLoad(leaf_frames, word).x | bit));
+    STORE(leaf_frames, word, uvec4(LOAD(leaf_frames, word).x | bit));
 }
 
 // Records how rays used a leaf (LeafUse), for growth.
 void note_use(uint leaf, float weight, float opacity_sensitivity) {
-    const vec2 before = imageLoad(leaf_use, int(leaf)).xy;
-    imageStore(leaf_use, int(leaf), vec4(max(before.x, weight), before.y + opacity_sensitivity, 0.0, 0.0));
+    const vec2 before = LOAD(leaf_use, int(leaf)).xy;
+    STORE(leaf_use, int(leaf), vec4(max(before.x, weight), before.y + opacity_sensitivity, 0.0, 0.0));
     note_frame(leaf, push.frame, weight >= push.min_used_weight);
     note_frame(leaf, push.frame_after, weight >= push.min_used_weight);
 }
 
 void main() {
     uint leaf = 0u, slot = kNoSlot;
-    if (gl_GlobalInvocationID.x < count.slots) slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+    if (gl_GlobalInvocationID.x < count.slots) slot = FETCH(touched_slots, int(gl_GlobalInvocationID.x)).x;
     const bool inside = slot != kNoSlot;
     float d_sigma = 0.0, d_raw_gamma = 0.0;
     if (inside) {
         const uint base = slot * gradient_stride(kHhDegree);
-        leaf = texelFetch(slot_leaf, int(slot)).x;
+        leaf = FETCH(slot_leaf, int(slot)).x;
         note_use(leaf, uintBitsToFloat(max_weight[slot]), gradients[base + 1u]);
         max_weight[slot] = 0u;
         d_sigma = gradients[base];
@@ -141,13 +142,13 @@ void main() {
     }
     if (kLearnRows != 0u) sum_rows(inside, leaf, d_sigma, d_raw_gamma);
     if (!inside) return;
-    const uint depth = texelFetch(leaf_positions, int(leaf)).y >> 16u;
+    const uint depth = FETCH(leaf_positions, int(leaf)).y >> 16u;
     const float sigma_rate = push.sigma_rate * float(1u << depth) / push.box_size;
     for (uint i = 0u; i < kBusyPlanes; i++) {
         move_plane(leaf, rows.planes[i].x, d_sigma * rows.sigma[i], sigma_rate);
         move_plane(leaf, kBasisPlanes + rows.planes[i].y, d_raw_gamma * rows.gamma[i], push.gamma_rate);
     }
     if (push.least_depth > 0.0) keep_dense(leaf, push.least_depth * float(1u << depth) / push.box_size);
-    imageStore(head, int(leaf), uvec4(floatBitsToUint(leaf_sigma(leaf, push.leaf_count)), slot, 0u, 0u));
+    STORE(head, int(leaf), uvec4(floatBitsToUint(leaf_sigma(leaf, push.leaf_count)), slot, 0u, 0u));
     store_leaf_colour(slot, leaf, push.leaf_count);
 }

@@ -6,6 +6,7 @@
 // slot, dispatched indirectly. Bound by the dependent fetches of six descents into the tree.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/training.h"
 
 layout(local_size_x = kSliceGroup) in;
@@ -13,14 +14,14 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 const bool kRestart = false, kFromRoot = false, kCoalesce = true;
-layout(binding = kTraceLinks) uniform utextureBuffer tree_links;
-layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
-layout(binding = kTraceNodeLive) uniform utextureBuffer node_live;
-layout(binding = kTraceHead) uniform utextureBuffer head;
-layout(binding = kTraceSh) uniform textureBuffer slice_sh;
-layout(binding = kSmoothLeaves) uniform utextureBuffer slot_leaf;
-layout(binding = kSmoothPositions) uniform utextureBuffer leaf_positions;
-layout(binding = kSmoothTouched) uniform utextureBuffer touched_slots;
+READ_ARRAY(uint, kTraceLinks, tree_links);
+READ_ARRAY(uvec4, kTraceNodes, tree_nodes);
+READ_ARRAY(uvec2, kTraceNodeLive, node_live);
+READ_ARRAY(uvec2, kTraceHead, head);
+READ_ARRAY(vec4, kTraceSh, slice_sh);
+READ_ARRAY(uint, kSmoothLeaves, slot_leaf);
+READ_ARRAY(uvec2, kSmoothPositions, leaf_positions);
+READ_ARRAY(uint, kSmoothTouched, touched_slots);
 layout(binding = kSmoothCount, std430) readonly buffer Count { LiveCount count; };
 layout(binding = kSmoothGradients, std430) buffer Gradients { float gradients[]; };
 layout(push_constant) uniform Push { SmoothPush push; };
@@ -57,13 +58,13 @@ float sum_of_faces(float alpha, float edge, ivec3 low, int size) {
 
 void main() {
     if (gl_GlobalInvocationID.x >= count.slots) return;
-    const uint own_slot = texelFetch(touched_slots, int(gl_GlobalInvocationID.x)).x;
+    const uint own_slot = FETCH(touched_slots, int(gl_GlobalInvocationID.x)).x;
     if (own_slot == kNoSlot) return;
-    const uint leaf = texelFetch(slot_leaf, int(own_slot)).x;
-    const uvec2 position = texelFetch(leaf_positions, int(leaf)).xy;
+    const uint leaf = FETCH(slot_leaf, int(own_slot)).x;
+    const uvec2 position = FETCH(leaf_positions, int(leaf)).xy;
     const uint depth = position.y >> 16u, shift = 2u * kNodeLevels - depth;
     const float edge = push.box_size / float(1u << depth);
-    const float clear = exp(-uintBitsToFloat(texelFetch(head, int(leaf)).x) * edge);
+    const float clear = exp(-uintBitsToFloat(FETCH(head, int(leaf)).x) * edge);
     const ivec3 low = ivec3(position.x & 0xffffu, position.x >> 16u, position.y & 0xffffu) << int(shift);
     gradients[own_slot * gradient_stride(kHhDegree)] +=
         push.weights.smoothness * push.pixel_share * sum_of_faces(1.0 - clear, edge, low, 1 << int(shift)) * edge * clear;

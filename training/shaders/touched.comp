@@ -2,12 +2,13 @@
 // list, lanes of the expensive passes after it would idle at slots that no ray touched.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "arrays.glsl"
 #include "shared/training.h"
 
 layout(local_size_x = kSliceGroup) in;
 layout(binding = kTouchedMaxWeight, std430) readonly buffer MaxWeight { uint max_weight[]; };
 layout(binding = kTouchedLive, std430) readonly buffer Live { LiveCount live; };
-layout(binding = kTouchedSlots, r32ui) writeonly uniform uimageBuffer touched_slots;
+WRITE_ARRAY(uint, kTouchedSlots, touched_slots);
 layout(binding = kTouchedCount, std430) buffer Count { LiveCount count; };
 
 shared uint group_count;
@@ -25,5 +26,5 @@ void main() {
         atomicMax(count.groups_x, (group_first + group_count + kSliceGroup - 1u) / kSliceGroup);
     }
     barrier();
-    if (touched) imageStore(touched_slots, int(group_first + index_in_group), uvec4(slot));
+    if (touched) STORE(touched_slots, int(group_first + index_in_group), uvec4(slot));
 }

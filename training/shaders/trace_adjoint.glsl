@@ -1,6 +1,7 @@
 // The adjoint of trace (ray_adjoint.glsl): adds gradients to the σ and SH of every leaf that a ray crosses. It reads
 // the slice as trace.comp does and adds gradient_stride floats per sample to the sample's slot. One workgroup per tile,
 // one thread per ray. Bound by these atomic additions.
+#include "arrays.glsl"
 #include "shared/training.h"
 
 layout(local_size_x = kTilePixels) in;
@@ -8,16 +9,16 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kNodeLevels = 4u;
 layout(constant_id = 2) const uint kTopLevels = 2u;
 const bool kRestart = false, kFromRoot = false, kCoalesce = true;
-layout(binding = kTraceLinks) uniform utextureBuffer tree_links;
-layout(binding = kTraceNodes) uniform utextureBuffer tree_nodes;
-layout(binding = kTraceNodeLive) uniform utextureBuffer node_live;
-layout(binding = kTraceHead) uniform utextureBuffer head;
-layout(binding = kTraceSh) uniform textureBuffer slice_sh;
+READ_ARRAY(uint, kTraceLinks, tree_links);
+READ_ARRAY(uvec4, kTraceNodes, tree_nodes);
+READ_ARRAY(uvec2, kTraceNodeLive, node_live);
+READ_ARRAY(uvec2, kTraceHead, head);
+READ_ARRAY(vec4, kTraceSh, slice_sh);
 layout(binding = kTraceCameras) uniform textureBuffer cameras;
 layout(binding = kTraceTiles) uniform utextureBuffer tiles;
-layout(binding = kTraceRadiance) uniform textureBuffer radiance;
-layout(binding = kTraceAdjoint) uniform textureBuffer adjoint;
-layout(binding = kTraceTarget) uniform textureBuffer target;
+READ_ARRAY(vec4, kTraceRadiance, radiance);
+READ_ARRAY(vec4, kTraceAdjoint, adjoint);
+READ_ARRAY(vec4, kTraceTarget, target);
 layout(binding = kTraceMaxWeight, std430) buffer MaxWeight { uint max_weight[]; };
 layout(push_constant) uniform Push { TraceAdjointPush push; };
 #define NEUVV_GRADIENTS_BINDING kTraceGradients
