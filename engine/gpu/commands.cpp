@@ -284,10 +284,6 @@ void run_once(const Device& device, const std::string& name, const std::function
     commands.wait();
 }
 
-namespace {
-constexpr uint64_t kStagingBytes = uint64_t{64} << 20;
-}
-
 void Uploads::add(const Buffer& to, const void* data, uint64_t bytes) {
     if (bytes > to.bytes) throw RuntimeFailure("upload: more bytes than buffer \"" + to.name + "\" holds");
     if (bytes == 0) return;
@@ -297,7 +293,7 @@ void Uploads::add(const Buffer& to, const void* data, uint64_t bytes) {
 
 void Uploads::finish() {
     if (bytes_ == 0) return;
-    const Buffer staging(device_, "staging", std::min(bytes_, kStagingBytes), MemoryKind::kUpload);
+    const Buffer staging(device_, "staging", std::min(bytes_, kStagedPiece), MemoryKind::kUpload);
     size_t next = 0;  // the copy that is not finished yet, and how many of its bytes are copied
     uint64_t done = 0;
     while (next < copies_.size())
@@ -329,9 +325,9 @@ void upload(const Device& device, const Buffer& to, const void* data, uint64_t b
 void download_pieces(const Device& device, const Buffer& from, uint64_t bytes, const DownloadedPiece& take) {
     if (bytes > from.bytes) throw RuntimeFailure("download: more bytes than buffer \"" + from.name + "\" holds");
     if (bytes == 0) return;
-    const Buffer staging(device, "staging", std::min(bytes, kDownloadedPiece), MemoryKind::kReadback);
-    for (uint64_t at = 0; at < bytes; at += kDownloadedPiece) {
-        const uint64_t piece = std::min(kDownloadedPiece, bytes - at);
+    const Buffer staging(device, "staging", std::min(bytes, kStagedPiece), MemoryKind::kReadback);
+    for (uint64_t at = 0; at < bytes; at += kStagedPiece) {
+        const uint64_t piece = std::min(kStagedPiece, bytes - at);
         run_once(device, "download", [&](Commands& commands) {
             copy(commands, from, staging, piece, at, 0);
             host_barrier(commands);

@@ -168,13 +168,13 @@ class Uploads {
     uint64_t bytes_ = 0;
 };
 
+constexpr uint64_t kStagedPiece = uint64_t{64} << 20;  // bytes of a staging buffer at most
 // Copy between host and device, through a staging buffer, piece by piece, and wait: for set-up and tests. They throw
 // RuntimeFailure where the buffer has fewer than `bytes` bytes.
 void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
 void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
 // The same, for what need not be kept as it is: calls `take` with each piece, which begins at byte `at` of the buffer.
-// All but the last have kDownloadedPiece bytes.
-constexpr uint64_t kDownloadedPiece = uint64_t{64} << 20;
+// All but the last have kStagedPiece bytes.
 using DownloadedPiece = std::function<void(const void* piece, uint64_t at, uint64_t bytes)>;
 void download_pieces(const Device& device, const Buffer& from, uint64_t bytes, const DownloadedPiece& take);
 

@@ -50,7 +50,7 @@ std::vector<T> rows_of_view(const gpu::Device& device, const gpu::Buffer& rays, 
     };
     gpu::download_pieces(device, rays, (first + tiles) * kTileBytes,
                          [&](const void* piece, uint64_t at, uint64_t bytes) {
-                             static_assert(gpu::kDownloadedPiece % kTileBytes == 0);
+                             static_assert(gpu::kStagedPiece % kTileBytes == 0);
                              for (uint64_t i = 0; i < bytes / kTileBytes; i++)
                                  if (const uint64_t tile = at / kTileBytes + i; tile >= first)
                                      place(static_cast<const T*>(piece) + i * kTilePixels, tile - first);

@@ -1,10 +1,13 @@
-// linear_image against sums that are written out.
+// linear_image against sums that are written out, and the rows that it gets.
 #include "render/linear_image.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+
+#include "render/view_layout.h"
+#include "support/gpu_test.h"
 
 namespace neuvv {
 namespace {
@@ -50,6 +53,34 @@ TEST(LinearImage, DepthIsAlongTheCamerasAxis) {
     EXPECT_NEAR(image.depth_m[0], 5, 1e-5);
     EXPECT_NEAR(image.depth_m[1], 5 / std::sqrt(2), 1e-5);
     EXPECT_NEAR(image.depth_m[2], 5 / std::sqrt(5), 1e-5);
+}
+
+struct RowsOfView : test::GpuTest {};
+
+// Of two views of more bytes than one piece, whose edges cut tiles.
+TEST_F(RowsOfView, AreThoseOfTheirView) {
+    constexpr uint32_t kWidth = 2053, kHeight = 2051;
+    const render::ViewLayout layout{kWidth, kHeight, 1, 2};
+    const auto value = [](uint32_t view, uint32_t x, uint32_t y) { return glm::vec4(x, y, view, 1); };
+    std::vector<glm::vec4> tiles(size_t{layout.ray_tiles()} * kTilePixels, glm::vec4(-1));
+    ASSERT_GT(tiles.size() / 2 * sizeof(glm::vec4), gpu::kStagedPiece);
+    for (uint32_t view = 0; view < 2; ++view)
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) {
+                const size_t tile =
+                    (size_t{view} * layout.tiles_down() + y / kTile) * layout.tiles_across() + x / kTile;
+                tiles[tile * kTilePixels + y % kTile * kTile + x % kTile] = value(view, x, y);
+            }
+    const gpu::Buffer buffer(device(), "rays", tiles.size() * sizeof(glm::vec4), gpu::MemoryKind::kDevice);
+    gpu::upload(device(), buffer, tiles.data(), buffer.bytes);
+    for (uint32_t view = 0; view < 2; ++view) {
+        const std::vector<glm::vec4> rows = render::rows_of_view<glm::vec4>(device(), buffer, layout, view);
+        ASSERT_EQ(rows.size(), size_t{kWidth} * kHeight);
+        size_t wrong = 0;
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) wrong += rows[size_t{y} * kWidth + x] != value(view, x, y);
+        EXPECT_EQ(wrong, 0u);
+    }
 }
 
 }  // namespace
