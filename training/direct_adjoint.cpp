@@ -2,6 +2,7 @@
 
 #include "spirv/direct_adjoint.comp.h"
 #include "spirv/direct_adjoint_cas.comp.h"
+#include "training/array_buffers.h"
 
 namespace neuvv::training {
 
@@ -11,8 +12,8 @@ DirectAdjoint::DirectAdjoint(const gpu::Device& device, const render::Field& giv
     : field(given_field),
       pass(device, "direct adjoint",
            atomics == AtomicAdd::kNative
-               ? device.buffers().fitting(direct_adjoint_comp, direct_adjoint_comp_storage)
-               : device.buffers().fitting(direct_adjoint_cas_comp, direct_adjoint_cas_comp_storage),
+               ? array_buffers(device).fitting(direct_adjoint_comp, direct_adjoint_comp_storage)
+               : array_buffers(device).fitting(direct_adjoint_cas_comp, direct_adjoint_cas_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes}),
       set(pass, {{kTraceLinks, &field.links},
                  {kTraceNodes, &field.nodes},

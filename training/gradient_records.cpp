@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "spirv/gather_gradients.comp.h"
 #include "spirv/scatter_gradients.comp.h"
+#include "training/array_buffers.h"
 
 namespace neuvv::training {
 
@@ -39,10 +40,10 @@ GradientRecords::GradientRecords(const gpu::Device& device, const render::Field&
       own(device, "own gradient records", uint64_t{4} * words * capacity, gpu::MemoryKind::kReadback),
       summed(device, "summed gradient records", uint64_t{4} * words * capacity, gpu::MemoryKind::kUpload),
       gradients(given_gradients),
-      gather(device, "gather gradients", device.buffers().fitting(gather_gradients_comp, gather_gradients_comp_storage),
-             {field.hh_degree}),
+      gather(device, "gather gradients",
+             array_buffers(device).fitting(gather_gradients_comp, gather_gradients_comp_storage), {field.hh_degree}),
       scatter(device, "scatter gradients",
-              device.buffers().fitting(scatter_gradients_comp, scatter_gradients_comp_storage), {field.hh_degree}),
+              array_buffers(device).fitting(scatter_gradients_comp, scatter_gradients_comp_storage), {field.hh_degree}),
       gather_set(gather, {{kRecordsTouched, &gradients.touched},
                           {kRecordsCount, &gradients.touched_count},
                           {kRecordsLeaves, &slice.slot_leaf},

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "spirv/loss.comp.h"
+#include "training/array_buffers.h"
 #include "training/camera_colour.h"
 
 namespace neuvv::training {
@@ -49,7 +50,7 @@ void load_batch(const Dataset& dataset, const Batch& batch, const render::RayBat
 }
 
 Loss::Loss(const gpu::Device& device, const render::RayBatch& rays, const LossBatch& batch)
-    : pass(device, "loss", device.buffers().fitting(loss_comp, loss_comp_storage)),
+    : pass(device, "loss", array_buffers(device).fitting(loss_comp, loss_comp_storage)),
       set(pass, {{kLossRadiance, &rays.radiance},
                  {kLossTarget, &batch.target},
                  {kLossBackground, &batch.background},

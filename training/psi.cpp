@@ -16,6 +16,7 @@
 #include "spirv/psi_resample.comp.h"
 #include "spirv/psi_sample.comp.h"
 #include "spirv/psi_weights_adjoint.comp.h"
+#include "training/array_buffers.h"
 #include "training/bases.h"
 
 namespace neuvv::training {
@@ -96,17 +97,18 @@ PsiStep::PsiStep(const gpu::Device& device, const PsiNetwork& network, const Psi
                 gpu::MemoryKind::kDevice),
       sums_(device, "psi loss sums", uint64_t{16} * tiles, gpu::MemoryKind::kReadback),
       fold_(device, "psi fold", psi_fold_comp, {network.shape.width, network.shape.head_columns()}),
-      sample_(device, "psi sample", device.buffers().fitting(psi_sample_comp, psi_sample_comp_storage)),
-      forward_(device, "psi forward", device.buffers().fitting(psi_forward_comp, psi_forward_comp_storage),
+      sample_(device, "psi sample", array_buffers(device).fitting(psi_sample_comp, psi_sample_comp_storage)),
+      forward_(device, "psi forward", array_buffers(device).fitting(psi_forward_comp, psi_forward_comp_storage),
                network_constants(network.shape)),
-      resample_(device, "psi resample", device.buffers().fitting(psi_resample_comp, psi_resample_comp_storage)),
-      composite_(device, "psi composite", device.buffers().fitting(psi_composite_comp, psi_composite_comp_storage)),
+      resample_(device, "psi resample", array_buffers(device).fitting(psi_resample_comp, psi_resample_comp_storage)),
+      composite_(device, "psi composite",
+                 array_buffers(device).fitting(psi_composite_comp, psi_composite_comp_storage)),
       composite_adjoint_(device, "psi composite adjoint",
-                         device.buffers().fitting(psi_composite_adjoint_comp, psi_composite_adjoint_comp_storage)),
-      adjoint_(device, "psi adjoint", device.buffers().fitting(psi_adjoint_comp, psi_adjoint_comp_storage),
+                         array_buffers(device).fitting(psi_composite_adjoint_comp, psi_composite_adjoint_comp_storage)),
+      adjoint_(device, "psi adjoint", array_buffers(device).fitting(psi_adjoint_comp, psi_adjoint_comp_storage),
                network_constants(network.shape)),
       weights_(device, "psi weights adjoint",
-               device.buffers().fitting(psi_weights_adjoint_comp, psi_weights_adjoint_comp_storage),
+               array_buffers(device).fitting(psi_weights_adjoint_comp, psi_weights_adjoint_comp_storage),
                {network.shape.activation_rows(), network.shape.adjoint_rows()}),
       reduce_(device, "psi reduce", psi_reduce_comp),
       fold_adjoint_(device, "psi fold adjoint", psi_fold_adjoint_comp,

@@ -6,6 +6,7 @@
 
 #include "spirv/rows_adjoint.comp.h"
 #include "spirv/slice_adjoint.comp.h"
+#include "training/array_buffers.h"
 
 namespace neuvv::training {
 
@@ -92,12 +93,12 @@ SliceAdjoint::SliceAdjoint(const gpu::Device& device, const render::Field& given
                            const SliceGradients& given_gradients, const Moments& moments, const LeafTally& tally)
     : field(given_field),
       gradients(given_gradients),
-      leaves(device, "slice adjoint", device.buffers().fitting(slice_adjoint_comp, slice_adjoint_comp_storage),
+      leaves(device, "slice adjoint", array_buffers(device).fitting(slice_adjoint_comp, slice_adjoint_comp_storage),
              {field.hh_degree, field.basis_planes(), 0, field.busy_planes}),
       leaves_and_rows(device, "slice adjoint with rows",
-                      device.buffers().fitting(slice_adjoint_comp, slice_adjoint_comp_storage),
+                      array_buffers(device).fitting(slice_adjoint_comp, slice_adjoint_comp_storage),
                       {field.hh_degree, field.basis_planes(), 1, field.busy_planes}),
-      rows(device, "rows adjoint", device.buffers().fitting(rows_adjoint_comp, rows_adjoint_comp_storage)),
+      rows(device, "rows adjoint", array_buffers(device).fitting(rows_adjoint_comp, rows_adjoint_comp_storage)),
       leaves_set(leaf_bindings(leaves, field, slice, gradients, moments, tally)),
       leaves_and_rows_set(leaf_bindings(leaves_and_rows, field, slice, gradients, moments, tally)),
       rows_set(rows, {{kRowsAdjointPartials, &gradients.partials},

@@ -1,6 +1,7 @@
 #include "training/smooth.h"
 
 #include "spirv/smooth.comp.h"
+#include "training/array_buffers.h"
 
 namespace neuvv::training {
 
@@ -8,7 +9,7 @@ Smoother::Smoother(const gpu::Device& device, const render::Field& given_field, 
                    const SliceGradients& given_gradients)
     : field(given_field),
       gradients(given_gradients),
-      pass(device, "smooth", device.buffers().fitting(smooth_comp, smooth_comp_storage),
+      pass(device, "smooth", array_buffers(device).fitting(smooth_comp, smooth_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels}),
       set(pass, {{kTraceLinks, &field.links},
                  {kTraceNodes, &field.nodes},

@@ -1,6 +1,7 @@
 #include "training/touched.h"
 
 #include "spirv/touched.comp.h"
+#include "training/array_buffers.h"
 
 namespace neuvv::training {
 
@@ -8,7 +9,7 @@ TouchedList::TouchedList(const gpu::Device& device, const render::Slice& given_s
                          const SliceGradients& given_gradients)
     : slice(given_slice),
       gradients(given_gradients),
-      pass(device, "touched", device.buffers().fitting(touched_comp, touched_comp_storage)),
+      pass(device, "touched", array_buffers(device).fitting(touched_comp, touched_comp_storage)),
       set(pass, {{kTouchedMaxWeight, &gradients.max_weight},
                  {kTouchedLive, &slice.live},
                  {kTouchedSlots, &gradients.touched},

@@ -4,6 +4,7 @@
 
 #include "spirv/trace_adjoint.comp.h"
 #include "spirv/trace_adjoint_cas.comp.h"
+#include "training/array_buffers.h"
 
 namespace neuvv::training {
 
@@ -44,8 +45,8 @@ TraceAdjoint::TraceAdjoint(const gpu::Device& device, const render::Field& given
     : field(given_field),
       pass(device, "trace adjoint",
            atomics == AtomicAdd::kNative
-               ? device.buffers().fitting(trace_adjoint_comp, trace_adjoint_comp_storage)
-               : device.buffers().fitting(trace_adjoint_cas_comp, trace_adjoint_cas_comp_storage),
+               ? array_buffers(device).fitting(trace_adjoint_comp, trace_adjoint_comp_storage)
+               : array_buffers(device).fitting(trace_adjoint_cas_comp, trace_adjoint_cas_comp_storage),
            {field.hh_degree, field.node_levels, field.top_levels}),
       set(pass, {{kTraceLinks, &field.links},
                  {kTraceNodes, &field.nodes},

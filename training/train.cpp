@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/seconds.h"
 #include "base/trace_file.h"
+#include "training/array_buffers.h"
 #include "training/bases.h"
 #include "training/batch.h"
 #include "training/change_tree.h"
@@ -190,7 +191,7 @@ const Dataset& Run::begin() {
 uint32_t Run::max_leaves() const {
     uint64_t limit = std::min(kMaxTrainingLeaves, max_training_slots(device_, tree_.hh_degree));
     const uint64_t planes = 2 * ((tree_.bases + 3) / 4) + hh_count(tree_.hh_degree);
-    limit = std::min<uint64_t>(limit, device_.buffers().max_elements(16) / planes);
+    limit = std::min<uint64_t>(limit, array_buffers(device_).max_elements(16) / planes);
     limit = std::min(limit, device_.max_allocation_bytes() / (16 * planes));
     if (run_.max_leaves > 0) limit = std::min<uint64_t>(limit, run_.max_leaves);
     if (const uint64_t file_bytes = checkpoints_.last().bytes; run_.max_bytes > 0 && file_bytes > 0) {

@@ -1,6 +1,6 @@
 // How passes bind arrays that may have more than 65,536 elements: as texel buffers or as storage buffers. Vulkan
 // guarantees no more elements of a texel buffer than that, and no more than 128 MiB of a storage buffer.
-// shaders/arrays.glsl has both forms, and the build compiles the renderer's shaders for each.
+// shaders/arrays.glsl has both forms, and the build compiles the shaders of players and of training for each.
 #pragma once
 
 #include <volk.h>
@@ -23,7 +23,8 @@ struct ProfileTimes {
     double texel_ms = 0, storage_ms = 0;
 };
 
-// The storage buffers that a shader of the storage profile binds at most; a test counts them.
+// The storage buffers that a shader of a player binds at most in the storage profile; a test counts them. Training
+// needs more (training/array_buffers.h).
 constexpr uint32_t kMostStorageBuffers = 8;
 
 // The limits of a device that decide, and the profile that its passes use.
@@ -48,7 +49,7 @@ struct BufferLimits {
 // Takes the profile whose arrays may be longer. Where both hold 2 GiB or equally much, the reason is kSpeed and the
 // profile texel buffers, until the two are timed. NEUVV_BUFFERS of the environment, "texel" or "storage", forces a
 // profile. With "fastest" the two are timed, too, where one's arrays may be longer. They are timed only where the
-// device can bind what is timed (2^20 texels) and as many storage buffers as shaders have (kMostStorageBuffers). Throws
+// device can bind what is timed (2^20 texels) and kMostStorageBuffers storage buffers. Throws
 // InputError for another value of NEUVV_BUFFERS.
 BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits);
 

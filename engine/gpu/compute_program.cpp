@@ -39,19 +39,19 @@ void require_bindings(const Device& device, const ShaderInterface& interface, co
     const struct {
         VkDescriptorType type;
         uint32_t max;
-        const char* what;
+        const char *what, *other;  // of NEUVV_BUFFERS, which may bind fewer of them
     } kinds[] = {
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, limits.maxPerStageDescriptorStorageBuffers, "storage buffers"},
-        {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, limits.maxPerStageDescriptorStorageImages, "storage texel buffers"},
-        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, limits.maxPerStageDescriptorSampledImages, "texel buffers"}};
+        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, limits.maxPerStageDescriptorStorageBuffers, "storage buffers", "texel"},
+        {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, limits.maxPerStageDescriptorStorageImages, "storage texel buffers",
+         "storage"},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, limits.maxPerStageDescriptorSampledImages, "texel buffers",
+         "storage"}};
     for (const auto& kind : kinds) {
         const auto count = std::count_if(interface.bindings.begin(), interface.bindings.end(),
                                          [&](const BindingSlot& slot) { return slot.type == kind.type; });
         if (count > kind.max)
-            throw RuntimeFailure(
-                fmt::format("pass \"{}\" binds {} {}, device \"{}\" takes {}; NEUVV_BUFFERS says how "
-                            "arrays are bound (texel or storage)",
-                            name, count, kind.what, device.summary().name, kind.max));
+            throw RuntimeFailure(fmt::format("pass \"{}\" binds {} {}, device \"{}\" takes {}; try NEUVV_BUFFERS={}",
+                                             name, count, kind.what, device.summary().name, kind.max, kind.other));
     }
 }
 

@@ -27,6 +27,6 @@ void main() {
         const float delta = FETCH(points, at).w;
         const float weight = composite_add(sum, value.x, delta, value.yzw, 0.0);
         STORE(value_adjoints, at,
-                   vec4(composite_adjoint(sum, whole, delta, value.yzw, d_ray.rgb, d_ray.a), weight * d_ray.rgb));
+              vec4(composite_adjoint(sum, whole, delta, value.yzw, d_ray.rgb, d_ray.a), weight * d_ray.rgb));
     }
 }

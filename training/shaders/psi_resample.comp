@@ -54,7 +54,7 @@ void main() {
         const float t = mix(edge, next, random_at(push.seed, ray.index, push.coarse + i));
         const vec3 at = (ray.origin + t * ray.direction - push.centre.xyz) * push.centre.w;
         STORE(points, int((tile_group() * push.fine + i) * kPsiBlock + ray.in_tile),
-                   vec4(at, next - edge));
+              vec4(at, next - edge));
         edge = next;
     }
 }

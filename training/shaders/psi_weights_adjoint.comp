@@ -1,7 +1,7 @@
 // Gradients of one layer's matrix, summed over a share of the samples: ∂W_ko = Σ h_k ∂z_o, ∂b_o = Σ ∂z_o. A workgroup
 // sums 64 rows × 32 columns over the blocks of its split in a fixed order; each thread has 8 × 4 of them in registers.
 // psi_reduce.comp adds the splits, so that the same batch always gives the same bits. Reads 4·(rows + columns) bytes
-// per sample through the texture cache for 2·rows·columns FLOP: bound by memory on a GPU.
+// per sample through caches for 2·rows·columns FLOP: bound by memory on a GPU.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "arrays.glsl"
