@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
+#include <utility>
 
 #include "base/error.h"
 #include "base/json.h"

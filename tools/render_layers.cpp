@@ -1,6 +1,7 @@
 #include "tools/render_layers.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 #include "base/text.h"

@@ -31,8 +31,9 @@ bool is_file(const std::filesystem::path& path) {
     return std::filesystem::is_regular_file(path, ignored);
 }
 
-constexpr uint64_t kMaxWriting_bytes = uint64_t{1} << 30;  // of images that are written at the same time
-constexpr uint64_t kLinearPixelBytes = 64;                 // a pixel of an .exr, with depth and names, and its file
+constexpr uint64_t kMaxImages_bytes = uint64_t{1} << 30;      // of images that are not written yet
+constexpr uint64_t kPixelBytes = 8, kLinearPixelBytes = 128;  // with its file, and of an .exr with depth and names
+constexpr size_t kWaitingImages = 1;                          // while all threads write
 
 constexpr size_t kBlockBytes = size_t{1} << 20;
 constexpr double kMaxFinished = 1e9;
@@ -127,12 +128,15 @@ std::vector<std::filesystem::path> records_of(const ImageOutput& output) {
     return found;
 }
 
-// The threads that write a sink's images. A video's images are encoded in their order.
+// The threads that write a sink's images. One writes a video, whose images are encoded in their order, and deep images,
+// which may be of any size. Beside those that are written, one image waits and one is being drawn.
 uint32_t writers_of(const ImageOutput& output, ImageSize size) {
     if (output.kind != ImageOutput::Kind::kNumberedImages || output.has_deep) return 1;
-    const uint64_t image_bytes = uint64_t{size.width} * size.height * (output.exr ? kLinearPixelBytes : 4);
-    const uint64_t room = kMaxWriting_bytes / std::max<uint64_t>(image_bytes, 1);
-    return static_cast<uint32_t>(std::clamp<uint64_t>(room, 1, std::max(1u, std::thread::hardware_concurrency())));
+    const uint64_t pixels = std::max<uint64_t>(uint64_t{size.width} * size.height, 1);
+    const uint64_t room = kMaxImages_bytes / (pixels * (output.exr ? kLinearPixelBytes : kPixelBytes));
+    const uint64_t cores = std::max(1u, std::thread::hardware_concurrency());
+    return static_cast<uint32_t>(std::clamp<uint64_t>(room, kWaitingImages + 2, kWaitingImages + 1 + cores) -
+                                 kWaitingImages - 1);
 }
 
 bool is_record_of(const std::filesystem::path& file, const RenderFacts& facts) {
@@ -179,14 +183,15 @@ ImageSink::ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts
     }
     if (output_.kind == Kind::kVideo) video_.emplace(output_.path, size.width, size.height, fps);
     if (output_.kind == Kind::kNumberedImages) open_record(resume, range);
-    workers_.emplace(writers_of(output_, size), 1);
+    workers_.emplace(writers_of(output_, size), kWaitingImages);
 }
 
 ImageSink::~ImageSink() {
+    if (video_) return;  // it is whole, or removed
     try {
-        workers_->finish();
+        wait();
     } catch (const std::exception&) {
-        return;  // whoever adds no more images does not ask what became of the last ones
+        return;  // whoever wants to know calls wait()
     }
 }
 
@@ -209,7 +214,8 @@ bool ImageSink::has(uint32_t i) const {
     return i >= first_ && i < had_ && is_file(output_.file(i)) && (!output_.has_deep || is_file(output_.deep_file(i)));
 }
 
-// A run that is interrupted leaves the images before the one that the record names, and perhaps some after it.
+// The record tells a number before which all images are there. Images after it may be there, too, where several were
+// written when the run was interrupted: they are drawn again.
 void ImageSink::record_finished(uint32_t i) {
     const std::lock_guard lock(mutex_);
     if (record_path_.empty() || i < finished_) return;
@@ -246,8 +252,12 @@ void ImageSink::add(uint32_t i, LinearImage image, std::optional<DeepImage> deep
     });
 }
 
-void ImageSink::finish(uint32_t end, const std::function<void()>& complete) {
+void ImageSink::wait() {
     workers_->finish();
+}
+
+void ImageSink::finish(uint32_t end, const std::function<void()>& complete) {
+    wait();
     if (!video_path_.empty()) {
         video_.emplace(video_path_, size_.width, size_.height, fps_);
         for (uint32_t i = first_; i < end; ++i) video_->add(read_png(output_.file(i)));

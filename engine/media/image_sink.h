@@ -65,7 +65,8 @@ class ImageSink {
     // where `resume` would mix two renders.
     ImageSink(ImageOutput output, ImageSize size, double fps, RenderFacts facts, bool resume,
               std::optional<ImageRange> range = std::nullopt);
-    ~ImageSink();  // waits for the images that were added
+    // Without finish(), waits for the images that were added; a video is removed without that.
+    ~ImageSink();
 
     // Whether an earlier run has finished image i.
     bool has(uint32_t i) const;
@@ -74,11 +75,13 @@ class ImageSink {
     // Whether the images are to be linear.
     bool exr() const { return output_.exr; }
 
-    // Adds an image that the sink does not have yet; call it in order of i. It waits only where many images are being
-    // written already, and throws what went wrong with an earlier one: RuntimeFailure.
+    // Adds an image that the sink does not have yet; call it in order of i. It waits only where another image waits
+    // until a thread can write it. Throws what went wrong with an earlier image: RuntimeFailure.
     void add(uint32_t i, Image image);
     // `deep` must be given where the output has deep files (assert).
     void add(uint32_t i, LinearImage image, std::optional<DeepImage> deep = std::nullopt);
+    // Waits until the images that were added are written. Throws as add() does.
+    void wait();
     // After the last image, whose number is end − 1: waits until all are written. `complete` is called when the video
     // is there, while an interrupted run could still make it again. Throws as add() does.
     void finish(uint32_t end, const std::function<void()>& complete = {});
@@ -96,9 +99,9 @@ class ImageSink {
     RenderFacts facts_;
     uint32_t first_;                    // the number of the sink's first image
     uint32_t had_;                      // the number after that of the last image of an earlier run
-    std::mutex mutex_;                  // of what follows, which the workers share
-    uint32_t finished_;                 // all images before this one are written
-    std::set<uint32_t> written_ahead_;  // those of the others that are
+    std::mutex mutex_;                  // guards the next two, which the workers write
+    uint32_t finished_;                 // all images with lower numbers are written
+    std::set<uint32_t> written_ahead_;  // the numbers of images from finished_ on that are written
     std::optional<Workers> workers_;    // the last member, as its threads use the others
 };
 

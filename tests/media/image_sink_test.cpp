@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -180,7 +181,7 @@ TEST_F(Sink, TheRecordNamesOnlyWhatIsThere) {
         const auto finished =
             nlohmann::json::parse(read_text(folder.path / "o_render.json")).at("finished").get<uint32_t>();
         EXPECT_LE(finished, i + 1);
-        for (uint32_t there = 0; there < finished; ++there)
+        for (uint32_t there = finished - std::min(finished, 8u); there < finished; ++there)
             EXPECT_GT(media::read_png(folder.path / fmt::format("o_{:02}.png", there)).width, 0u);
     }
     into.finish(kImages);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -445,7 +446,7 @@ TEST_F(CliMpiTraining, RanksShareOneTree) {
         std::vector<std::string> words =
             with_program({"train", file("data"), "-o", file("one.nvv"), "--steps", steps, "--resolution", "32"});
         words.insert(words.end(), more.begin(), more.end());
-        return test::under_mpirun("2", words);
+        return test::under_mpirun("2", words, {"--mca", "odls_base_sigkill_timeout", "3"});
     };
     const auto log = [&] { return read_text(folder.path / "log"); };
     {

@@ -54,6 +54,11 @@ bool Export::stop_cancelled() {
     sound_.reset();  // before the video that it writes to is removed
     std::error_code ignored;
     if (is_drawn()) std::filesystem::remove(settings_.output.path, ignored);
+    try {
+        if (sink_) sink_->wait();
+    } catch (const RuntimeFailure& problem) {
+        return stop(problem.what(), true);
+    }
     return stop(fmt::format("export cancelled after {} images", finished_images()), false);
 }
 

@@ -1,5 +1,5 @@
-// Exports images and videos of the stage: the render thread draws them between the images of the window, and writes
-// each one as soon as it is complete. A video gets the sound of the stage when all of its images are written.
+// Exports images and videos of the stage: the render thread draws them between the images of the window; other threads
+// write each one while the next is drawn. A video gets the sound of the stage when all of its images are written.
 #pragma once
 
 #include <atomic>

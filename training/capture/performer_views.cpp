@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include "base/error.h"
 #include "base/output_path.h"
+#include "base/workers.h"
+#include "media/image.h"
 #include "render/field.h"
 #include "render/frame.h"
 #include "training/capture/capture_files.h"
