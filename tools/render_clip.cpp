@@ -175,6 +175,15 @@ media::LinearImage linear_image_of(const Renderer& renderer, const RenderPlan& p
                                 plan.resolve.background);
 }
 
+// What segments may take that are not shown, as an orbit shows them again where it is longer than the clip: at most a
+// quarter of the memory that this process may still take.
+uint64_t kept_bytes(const gpu::Device& device) {
+    constexpr uint64_t kMostKept_bytes = uint64_t{1} << 30;
+    const gpu::HeapMemory memory = device.memory();
+    const uint64_t budget = memory.budget.value_or(memory.size / 4);
+    return std::min(kMostKept_bytes, (budget - std::min(budget, memory.used)) / 4);
+}
+
 // Draws the images of a plan with the passes that play clips.
 class PlayingRenderer {
   public:
@@ -182,10 +191,13 @@ class PlayingRenderer {
         : device_(device),
           options_(options),
           plan_(plan),
-          segments_(plan.clip, [&](const voctree::VOctree& tree, uint32_t segment) {
-              paints_[segment] = {load_paint(segment, voctree::painted_field(tree)), 0};
-              return render::upload_far_levels(device, tree);
-          }) {}
+          segments_(
+              plan.clip,
+              [&](const voctree::VOctree& tree, uint32_t segment) {
+                  paints_[segment] = {load_paint(segment, voctree::painted_field(tree)), 0};
+                  return render::upload_far_levels(device, tree);
+              },
+              kept_bytes(device)) {}
 
     FrameTimes render(uint32_t i, media::ImageSink& sink) {
         render::FrameSettings settings;
@@ -233,11 +245,12 @@ class PlayingRenderer {
         // Two segments are shown while one fades into the next: slices stay where their share of the budget does.
         const bool fades = std::ranges::any_of(plan_.clip.segments, &voctree::ClipSegment::overlap);
         if (fades || !is_first) renderer_->change_fields(fields, fades ? 2 : 1);
-        std::erase_if(paints_, [&](const auto& one) {
-            for (uint32_t i = 0; i < fields.size(); i++)
-                if (segments_.segment_of(i) == one.first) return false;
-            return true;
-        });
+        std::erase_if(paints_, [&](const auto& one) { return !segments_.holds(one.first); });
+        for (auto& [segment, paint] : paints_) {
+            bool is_shown = false;
+            for (uint32_t i = 0; i < fields.size(); i++) is_shown |= segments_.segment_of(i) == segment;
+            if (!is_shown) paint.number = 0;  // the renderer has dropped it with the field
+        }
         for (uint32_t i = 0; i < fields.size(); i++) {
             NumberedPaint& of_field = paints_[segments_.segment_of(i)];
             if (of_field.paint && of_field.number == 0) of_field.number = renderer_->paints(i).add(of_field.paint);
@@ -250,7 +263,7 @@ class PlayingRenderer {
         std::shared_ptr<const render::Paint> paint;
         uint32_t number = 0;  // in the renderer; 0: it has none, or not yet
     };
-    std::map<uint32_t, NumberedPaint> paints_;  // by segment, of those that were shown
+    std::map<uint32_t, NumberedPaint> paints_;  // by segment, of those that are on the device
     render::ShownSegments segments_;
     std::optional<render::FrameRenderer> renderer_;
 };

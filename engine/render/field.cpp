@@ -81,6 +81,16 @@ void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_positions
 
 }  // namespace
 
+uint64_t device_bytes(const Field& field) {
+    uint64_t bytes = 0;
+    for (const gpu::Buffer* buffer :
+         {&field.nodes, &field.weights, &field.sigma_basis, &field.gamma_basis, &field.links, &field.leaf_cells,
+          &field.node_cells, &field.leaf_positions, &field.node_positions})
+        bytes += buffer->bytes;
+    for (const Field& coarser : field.coarser) bytes += device_bytes(coarser);
+    return bytes;
+}
+
 std::vector<float> weights_to_planes(const voctree::VOctree& tree) {
     return planes_of<float>(tree, [](float weight) { return weight; });
 }

@@ -47,6 +47,9 @@ struct Field {
 // exceeded.
 Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, WeightPrecision precision);
 
+// The bytes of its buffers and of those of coarser levels.
+uint64_t device_bytes(const Field& field);
+
 // Converts the weights of all leaves to planes (texel plane · leaf_count + leaf, four floats a texel), and back.
 std::vector<float> weights_to_planes(const voctree::VOctree& tree);
 void weights_from_planes(const std::vector<float>& planes, voctree::VOctree& tree);
