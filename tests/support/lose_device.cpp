@@ -1,14 +1,12 @@
 // A Vulkan layer that loses the device of a program: once the file exists that NEUVV_LOSE_DEVICE names, a submission
 // fails with VK_ERROR_DEVICE_LOST, and so does all that waits, as on a real device, until the program destroys it. The
 // file holds the number of losses that are still to come. NEUVV_LOSE_DEVICE_AFTER: so many submissions succeed first.
-#include <vulkan/vk_layer.h>
-#include <vulkan/vulkan.h>
-
 #include <atomic>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
+
+#include "support/vulkan_layer.h"
 
 namespace {
 
@@ -85,33 +83,17 @@ VkResult VKAPI_CALL queue_wait_idle(VkQueue queue) {
     return next<PFN_vkQueueWaitIdle>("vkQueueWaitIdle")(queue);
 }
 
-// The loader's link to the next layer, which the layer has to hand on.
-template <typename Info, VkStructureType kType>
-auto*& link_of(const void* chain) {
-    auto* info = static_cast<const Info*>(chain);
-    while (info->sType != kType || info->function != VK_LAYER_LINK_INFO) info = static_cast<const Info*>(info->pNext);
-    return const_cast<Info*>(info)->u.pLayerInfo;
-}
-
 VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator,
                                     VkInstance* created) {
-    auto*& link = link_of<VkLayerInstanceCreateInfo, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO>(info->pNext);
-    next_instance_function = link->pfnNextGetInstanceProcAddr;
-    link = link->pNext;
-    const auto create = reinterpret_cast<PFN_vkCreateInstance>(next_instance_function(nullptr, "vkCreateInstance"));
-    const VkResult result = create(info, allocator, created);
+    const VkResult result = neuvv::test::create_instance_by_next(info, allocator, created, next_instance_function);
     instance = *created;
     return result;
 }
 
 VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
                                   const VkAllocationCallbacks* allocator, VkDevice* created) {
-    auto*& link = link_of<VkLayerDeviceCreateInfo, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO>(info->pNext);
-    const auto create =
-        reinterpret_cast<PFN_vkCreateDevice>(link->pfnNextGetInstanceProcAddr(instance, "vkCreateDevice"));
-    next_device_function = link->pfnNextGetDeviceProcAddr;
-    link = link->pNext;
-    const VkResult result = create(physical, info, allocator, created);
+    const VkResult result =
+        neuvv::test::create_device_by_next(instance, physical, info, allocator, created, next_device_function);
     device = *created;
     is_lost = false;
     return result;
@@ -120,44 +102,26 @@ VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreat
 PFN_vkVoidFunction VKAPI_CALL instance_function(VkInstance of, const char* name);
 PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice of, const char* name);
 
-PFN_vkVoidFunction own_function(const char* name) {
-    const struct {
-        const char* name;
-        PFN_vkVoidFunction function;
-    } own[] = {{"vkGetInstanceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(&instance_function)},
-               {"vkGetDeviceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(&device_function)},
-               {"vkCreateInstance", reinterpret_cast<PFN_vkVoidFunction>(&create_instance)},
-               {"vkCreateDevice", reinterpret_cast<PFN_vkVoidFunction>(&create_device)},
-               {"vkQueueSubmit2", reinterpret_cast<PFN_vkVoidFunction>(&queue_submit_2)},
-               {"vkQueueSubmit", reinterpret_cast<PFN_vkVoidFunction>(&queue_submit)},
-               {"vkQueuePresentKHR", reinterpret_cast<PFN_vkVoidFunction>(&queue_present)},
-               {"vkAcquireNextImageKHR", reinterpret_cast<PFN_vkVoidFunction>(&acquire)},
-               {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(&wait_for_fences)},
-               {"vkGetFenceStatus", reinterpret_cast<PFN_vkVoidFunction>(&fence_status)},
-               {"vkDeviceWaitIdle", reinterpret_cast<PFN_vkVoidFunction>(&device_wait_idle)},
-               {"vkQueueWaitIdle", reinterpret_cast<PFN_vkVoidFunction>(&queue_wait_idle)}};
-    for (const auto& one : own)
-        if (std::strcmp(one.name, name) == 0) return one.function;
-    return nullptr;
-}
+const neuvv::test::LayerFunction kFunctions[] = {
+    {"vkGetInstanceProcAddr", &instance_function}, {"vkGetDeviceProcAddr", &device_function},
+    {"vkCreateInstance", &create_instance},        {"vkCreateDevice", &create_device},
+    {"vkQueueSubmit2", &queue_submit_2},           {"vkQueueSubmit", &queue_submit},
+    {"vkQueuePresentKHR", &queue_present},         {"vkAcquireNextImageKHR", &acquire},
+    {"vkWaitForFences", &wait_for_fences},         {"vkGetFenceStatus", &fence_status},
+    {"vkDeviceWaitIdle", &device_wait_idle},       {"vkQueueWaitIdle", &queue_wait_idle}};
 
 PFN_vkVoidFunction VKAPI_CALL instance_function(VkInstance of, const char* name) {
-    if (const auto own = own_function(name)) return own;
+    if (const auto own = neuvv::test::own_function(kFunctions, name)) return own;
     return next_instance_function ? next_instance_function(of, name) : nullptr;
 }
 
 PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice of, const char* name) {
-    if (const auto own = own_function(name)) return own;
+    if (const auto own = neuvv::test::own_function(kFunctions, name)) return own;
     return next_device_function ? next_device_function(of, name) : nullptr;
 }
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) VkResult VKAPI_CALL
-vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* interface) {
-    interface->loaderLayerInterfaceVersion = 2;
-    interface->pfnGetInstanceProcAddr = &instance_function;
-    interface->pfnGetDeviceProcAddr = &device_function;
-    interface->pfnGetPhysicalDeviceProcAddr = nullptr;
-    return VK_SUCCESS;
+NEUVV_LAYER_EXPORT VkResult VKAPI_CALL vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* interface) {
+    return neuvv::test::negotiated(interface, &instance_function, &device_function);
 }

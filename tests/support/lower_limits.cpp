@@ -1,11 +1,9 @@
 // A Vulkan layer that lowers the limits of all devices, so that a large device stands in for a small one:
 // NEUVV_MOST_TEXELS is maxTexelBufferElements, NEUVV_MOST_STORAGE_BYTES is maxStorageBufferRange.
-#include <vulkan/vk_layer.h>
-#include <vulkan/vulkan.h>
-
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
+
+#include "support/vulkan_layer.h"
 
 namespace {
 
@@ -37,14 +35,7 @@ void VKAPI_CALL properties_2(VkPhysicalDevice physical, VkPhysicalDeviceProperti
 
 VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator,
                                     VkInstance* created) {
-    const auto* link = static_cast<const VkLayerInstanceCreateInfo*>(info->pNext);
-    while (link->sType != VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO || link->function != VK_LAYER_LINK_INFO)
-        link = static_cast<const VkLayerInstanceCreateInfo*>(link->pNext);
-    auto*& next = const_cast<VkLayerInstanceCreateInfo*>(link)->u.pLayerInfo;
-    next_function = next->pfnNextGetInstanceProcAddr;
-    next = next->pNext;
-    const auto create = reinterpret_cast<PFN_vkCreateInstance>(next_function(nullptr, "vkCreateInstance"));
-    const VkResult result = create(info, allocator, created);
+    const VkResult result = neuvv::test::create_instance_by_next(info, allocator, created, next_function);
     if (result != VK_SUCCESS) return result;
     next_properties =
         reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(next_function(*created, "vkGetPhysicalDeviceProperties"));
@@ -53,26 +44,20 @@ VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAl
     return result;
 }
 
+PFN_vkVoidFunction VKAPI_CALL function(VkInstance of, const char* name);
+
+const neuvv::test::LayerFunction kFunctions[] = {{"vkGetInstanceProcAddr", &function},
+                                                 {"vkCreateInstance", &create_instance},
+                                                 {"vkGetPhysicalDeviceProperties", &properties},
+                                                 {"vkGetPhysicalDeviceProperties2", &properties_2}};
+
 PFN_vkVoidFunction VKAPI_CALL function(VkInstance of, const char* name) {
-    const struct {
-        const char* name;
-        PFN_vkVoidFunction function;
-    } own[] = {{"vkGetInstanceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(&function)},
-               {"vkCreateInstance", reinterpret_cast<PFN_vkVoidFunction>(&create_instance)},
-               {"vkGetPhysicalDeviceProperties", reinterpret_cast<PFN_vkVoidFunction>(&properties)},
-               {"vkGetPhysicalDeviceProperties2", reinterpret_cast<PFN_vkVoidFunction>(&properties_2)}};
-    for (const auto& one : own)
-        if (std::strcmp(one.name, name) == 0) return one.function;
+    if (const auto own = neuvv::test::own_function(kFunctions, name)) return own;
     return next_function ? next_function(of, name) : nullptr;
 }
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) VkResult VKAPI_CALL
-vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* interface) {
-    interface->loaderLayerInterfaceVersion = 2;
-    interface->pfnGetInstanceProcAddr = &function;
-    interface->pfnGetDeviceProcAddr = nullptr;
-    interface->pfnGetPhysicalDeviceProcAddr = nullptr;
-    return VK_SUCCESS;
+NEUVV_LAYER_EXPORT VkResult VKAPI_CALL vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* interface) {
+    return neuvv::test::negotiated(interface, &function, nullptr);
 }
