@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/trace_file.h"
+#include "gpu/host_copies.h"
 #include "training/compact.h"
 #include "training/schedule.h"
 #include "voctree/coarse.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "gpu/host_copies.h"
 #include "spirv/psi_adam.comp.h"
 #include "spirv/psi_adjoint.comp.h"
 #include "spirv/psi_composite.comp.h"

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "gpu/host_copies.h"
 #include "spirv/rows_adjoint.comp.h"
 #include "spirv/slice_adjoint.comp.h"
 #include "training/array_buffers.h"

@@ -12,6 +12,7 @@
 #include "base/json.h"
 #include "base/platform.h"
 #include "gpu/commands.h"
+#include "gpu/host_copies.h"
 #include "shared/buffer_speed.h"
 #include "spirv/buffer_speed.comp.h"
 

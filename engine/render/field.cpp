@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/trace_file.h"
-#include "gpu/commands.h"
+#include "gpu/host_copies.h"
 #include "render/walk_tree.h"
 #include "voctree/half.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "gpu/host_copies.h"
 #include "shared/colour_map.h"
 #include "shared/lights.h"
 #include "voctree/half.h"

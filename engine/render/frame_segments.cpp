@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "base/error.h"
+#include "gpu/host_copies.h"
 #include "render/frame.h"
 
 namespace neuvv::render {

@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "base/error.h"
+#include "gpu/host_copies.h"
 #include "render/slice_tree.h"
 #include "voctree/half.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "gpu/commands.h"
+#include "gpu/host_copies.h"
 #include "shared/trace.h"
 
 namespace neuvv::render {

@@ -1,5 +1,6 @@
 // The rasteriser of leaves against the reference, and the order of the leaves in each tile.
 #include "tools/bench/leaf_raster.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

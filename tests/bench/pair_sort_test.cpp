@@ -1,5 +1,6 @@
 // The pair sort against std::stable_sort.
 #include "tools/bench/pair_sort.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "gpu/commands.h"
+#include "gpu/host_copies.h"
 #include "shared/inspect.h"
 #include "shared/resolve.h"
 #include "shared/set.h"

@@ -2,6 +2,7 @@
 // learns.
 #include <gtest/gtest.h>
 
+#include "gpu/host_copies.h"
 #include "gradient/scene.h"
 #include "reference/adam.h"
 #include "support/gpu_test.h"

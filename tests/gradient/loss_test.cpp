@@ -1,5 +1,6 @@
 // loss.comp against the reference: the sums, and ∂L/∂(C, α) by central differences.
 #include "training/loss.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

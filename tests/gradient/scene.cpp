@@ -2,6 +2,7 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "gpu/host_copies.h"
 #include "support/look_at.h"
 
 #include "reference/camera.h"

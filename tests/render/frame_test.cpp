@@ -1,5 +1,6 @@
 // Whole frames, by slice and by the direct path, against the reference: every pixel's light, alpha and depth.
 #include "render/frame.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "gpu/commands.h"
+#include "gpu/host_copies.h"
 #include "reference_test/numeric.h"
 #include "render/hh_probe.h"
 #include "spirv/hh_probe.comp.h"

@@ -1,5 +1,6 @@
 // Highlights: leaves bound to bones and tinted, against the reference; and only on the instance that has one.
 #include "render/highlight.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

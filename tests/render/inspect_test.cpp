@@ -1,5 +1,6 @@
 // Inspection against the reference: the level at which rays meet a surface, and the steps of their walks.
 #include "render/inspect.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // linear_image against sums that are written out, and the rows that it gets.
 #include "render/linear_image.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

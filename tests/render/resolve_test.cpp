@@ -1,5 +1,6 @@
 // Resolve: rays to an 8-bit sRGB image.
 #include "render/resolve.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

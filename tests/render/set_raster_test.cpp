@@ -1,5 +1,6 @@
 // The raster of the set against double precision: lights, depth, alpha, poses.
 #include "render/set_raster.h"
+#include "gpu/host_copies.h"
 
 #include "render/set_truth.h"
 #include "support/gpu_test.h"

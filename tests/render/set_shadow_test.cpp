@@ -2,6 +2,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "gpu/commands.h"
+#include "gpu/host_copies.h"
 #include "render/light_probe.h"
 #include "render/set_raster.h"
 #include "render/set_truth.h"

@@ -1,5 +1,6 @@
 // The low-pass of performers' shadow maps against double precision.
 #include "render/shadow_blur.h"
+#include "gpu/host_copies.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 // The slice passes against the reference: σ, SH coefficients, slots.
 #include "render/slice.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

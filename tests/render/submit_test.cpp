@@ -1,6 +1,7 @@
 // Images that are submitted without waiting for them.
 #include <gtest/gtest.h>
 
+#include "gpu/host_copies.h"
 #include "render/frame.h"
 #include "support/gpu_test.h"
 #include "support/look_at.h"

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "gpu/host_copies.h"
 #include "reference/slice.h"
 #include "render/slice_tree.h"
 #include "voctree/half.h"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/platform.h"
+#include "gpu/host_copies.h"
 #include "media/image.h"
 #include "render/set_raster.h"
 #include "tests/stage/glb_builder.h"

@@ -1,5 +1,6 @@
 // The state of a run is written and read back; damaged states are refused.
 #include "training/checkpoint.h"
+#include "gpu/host_copies.h"
 #include "training/checkpoint_writer.h"
 #include "training/schedule.h"
 

@@ -1,5 +1,6 @@
 // Several members that train one tree together, against one that has all of their tiles.
 #include "training/team.h"
+#include "gpu/host_copies.h"
 
 #include <gtest/gtest.h>
 

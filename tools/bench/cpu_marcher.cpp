@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "base/parallel.h"
+#include "gpu/host_copies.h"
 #include "shared/trace.h"
 #include "voctree/half.h"
 

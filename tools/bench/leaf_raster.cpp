@@ -1,5 +1,6 @@
 #include "tools/bench/leaf_raster.h"
 
+#include "gpu/host_copies.h"
 #include "render/tile_range.h"
 
 #include <bit>

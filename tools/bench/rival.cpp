@@ -5,6 +5,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "gpu/host_copies.h"
 #include "tools/bench/leaf_raster.h"
 
 namespace neuvv::bench {

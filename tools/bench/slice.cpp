@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
+#include "gpu/host_copies.h"
 #include "render/slice_tree.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"

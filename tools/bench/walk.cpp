@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/platform.h"
+#include "gpu/host_copies.h"
 #include "render/performer.h"
 #include "tools/bench/measure.h"
 #include "tools/report.h"

@@ -1,0 +1,57 @@
+// Copies between host and device through staging buffers, which wait: for set-up, for threads beside the one that
+// draws, and for tests.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "gpu/buffer.h"
+
+namespace neuvv::gpu {
+
+// Uploads of several buffers, submitted together: each submission waits until the device is done with what it draws.
+class Uploads {
+  public:
+    explicit Uploads(const Device& device) : device_(device) {}
+    // The data must exist until finish(). Throws RuntimeFailure where the buffer has fewer bytes.
+    void add(const Buffer& to, const void* data, uint64_t bytes);
+    // Creates a buffer on the device that will hold the values, read through texels of the format.
+    template <typename T>
+    Buffer add(const char* name, const std::vector<T>& values, VkFormat format) {
+        Buffer buffer(device_, name, values.size() * sizeof(T), MemoryKind::kDevice, format);
+        add(buffer, values.data(), values.size() * sizeof(T));
+        return buffer;
+    }
+    // Copies through a staging buffer, which is filled again where it is too small for all, and waits.
+    void finish();
+
+  private:
+    struct Copy {
+        VkBuffer to;
+        const char* data;
+        uint64_t bytes;
+    };
+    const Device& device_;
+    std::vector<Copy> copies_;
+    uint64_t bytes_ = 0;
+};
+
+constexpr uint64_t kStagedPiece = uint64_t{64} << 20;  // bytes of a staging buffer at most
+// Copy between host and device, through a staging buffer, piece by piece, and wait: for set-up and tests. They throw
+// RuntimeFailure where the buffer has fewer than `bytes` bytes.
+void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
+void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
+// The same, for what need not be kept as it is: calls `take` with each piece, which begins at byte `at` of the buffer.
+// All but the last have kStagedPiece bytes.
+using DownloadedPiece = std::function<void(const void* piece, uint64_t at, uint64_t bytes)>;
+void download_pieces(const Device& device, const Buffer& from, uint64_t bytes, const DownloadedPiece& take);
+
+// A new buffer on the device that holds the values, read through texels of the format.
+template <typename T>
+Buffer uploaded(const Device& device, const char* name, const std::vector<T>& values, VkFormat format) {
+    Buffer buffer(device, name, values.size() * sizeof(T), MemoryKind::kDevice, format);
+    if (!values.empty()) upload(device, buffer, values.data(), values.size() * sizeof(T));
+    return buffer;
+}
+
+}  // namespace neuvv::gpu
