@@ -73,6 +73,7 @@ nlohmann::ordered_json json_of(const std::vector<gpu::DeviceSummary>& devices) {
                         {"memory_budget_bytes", budget_of(device)},
                         {"memory_used_bytes", device.memory.used},
                         {"buffers", json_of(device.buffers)},
+                        {"transfer_queue", device.transfer_queue},
                         {"usable", device.missing.empty()},
                         {"missing", device.missing},
                         {"lacks", device.missing_optional}});
@@ -104,6 +105,8 @@ void print(const std::vector<gpu::DeviceSummary>& devices) {
         fmt::print("   memory: {}\n", memory_text(device.memory));
         fmt::print("   {}\n", device.missing.empty() ? "usable" : "not usable");
         print(device);
+        fmt::print("   uploads run {}\n", device.transfer_queue ? "on a queue of their own, while images are drawn"
+                                                                : "on the queue that draws");
         for (const std::string& feature : device.missing) fmt::print("   missing: {}\n", feature);
         for (const std::string& feature : device.missing_optional) fmt::print("   does without: {}\n", feature);
     }
@@ -126,15 +129,14 @@ void add_devices(Command app, CommonOptions&) {
     const auto json = std::make_shared<bool>(false);
     verb.add_flag("--json", *json,
                   "Print JSON: index, name, kind, driver, vulkan, memory_bytes, memory_budget_bytes (null: the device "
-                  "does not tell), memory_used_bytes, buffers, usable, missing, lacks");
+                  "does not tell), memory_used_bytes, buffers, transfer_queue, usable, missing, lacks");
     verb.footer(
         {"Other verbs take the best usable device: discrete, integrated, virtual, then CPU. --device or NEUVV_DEVICE\n"
          "chooses another by its index or a part of its name. Passes bind long arrays as texel buffers or as storage\n"
          "buffers, whichever may be longer there; where both hold 2 GiB or equally much, the first start times them,\n"
          "and keeps the times in the cache folder. NEUVV_BUFFERS=texel or storage decides, NEUVV_BUFFERS=fastest\n"
-         "times them wherever the device allows both. Training needs texel buffers.\nNEUVV_DEVICE_MEMORY sets how many "
-         "MiB of its memory a program "
-         "takes at most.\n\n"
+         "times them wherever the device allows both. Training takes storage buffers only where a shader can bind 14.\n"
+         "NEUVV_DEVICE_MEMORY sets how many MiB of its memory a program takes at most.\n\n"
          "Examples:\n"
          "  neuvv devices\n"
          "  neuvv devices --json\n"

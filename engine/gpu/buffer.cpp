@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/error.h"
@@ -76,6 +77,7 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
         throw RuntimeFailure(fmt::format("buffer \"{}\" needs {} MiB, device \"{}\" allocates at most {} MiB at once",
                                          name, bytes >> 20, owner.summary().name, owner.max_allocation_bytes() >> 20));
 
+    std::array<uint32_t, 2> families{};
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     info.size = bytes;
     info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
@@ -83,6 +85,12 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                  VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
                  VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    if (const TransferQueue* transfers = owner.transfer_queue()) {
+        families = {owner.queue_family(), transfers->family()};
+        info.sharingMode = VK_SHARING_MODE_CONCURRENT;
+        info.queueFamilyIndexCount = static_cast<uint32_t>(families.size());
+        info.pQueueFamilyIndices = families.data();
+    }
     check(vkCreateBuffer(owner.handle(), &info, nullptr, &buffer), "vkCreateBuffer", name);
     VkMemoryRequirements requirements{};
     vkGetBufferMemoryRequirements(owner.handle(), buffer, &requirements);

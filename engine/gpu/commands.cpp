@@ -1,6 +1,7 @@
 #include "gpu/commands.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 #include "base/error.h"
@@ -9,14 +10,17 @@
 
 namespace neuvv::gpu {
 
-Commands::Commands(const Device& device, uint32_t max_scopes, std::string name)
-    : device_(device), name_(std::move(name)), max_scopes_(max_scopes) {}
+Commands::Commands(const Device& device, uint32_t max_scopes, QueueKind queue, std::string name)
+    : device_(device),
+      name_(std::move(name)),
+      max_scopes_(max_scopes),
+      transfers_(queue == QueueKind::kTransfer ? device.transfer_queue() : nullptr) {}
 
 // Delegates, so that the destructor frees what was created when a later step throws.
-Commands::Commands(const Device& device, std::string name, uint32_t max_scopes)
-    : Commands(device, max_scopes, std::move(name)) {
+Commands::Commands(const Device& device, std::string name, uint32_t max_scopes, QueueKind queue)
+    : Commands(device, max_scopes, queue, std::move(name)) {
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    pool.queueFamilyIndex = device.queue_family();
+    pool.queueFamilyIndex = transfers_ ? transfers_->family() : device.queue_family();
     check(vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), "vkCreateCommandPool", name_);
     VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, pool_,
                                      VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
@@ -54,28 +58,40 @@ void Commands::begin() {
 }
 
 void Commands::submit(const CommandSemaphores& semaphores) {
-    if (device_.used_debug_buffer()) host_barrier(*this);
+    if (device_.used_debug_buffer() && !transfers_) host_barrier(*this);
     check(vkEndCommandBuffer(buffer_), "vkEndCommandBuffer", name_);
     VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
     buffer.commandBuffer = buffer_;
+    submitted_ = std::chrono::steady_clock::now();
+    if (transfers_) {
+        assert(!semaphores.wait && !semaphores.signal && "semaphores are for the main queue");
+        number_ = transfers_->submit(buffer, fence_, name_);
+    } else {
+        submit_to_main_queue(buffer, semaphores);
+    }
+    in_flight_ = true;
+}
+
+void Commands::submit_to_main_queue(const VkCommandBufferSubmitInfo& buffer, const CommandSemaphores& semaphores) {
+    constexpr VkPipelineStageFlags2 kStages =
+        VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+    std::array<VkSemaphoreSubmitInfo, 2> waits{};
+    uint32_t wait_count = 0;
+    if (semaphores.wait)
+        waits[wait_count++] = {VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, semaphores.wait, 0, kStages, 0};
+    const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, semaphores.signal, 0,
+                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,    0};
+    const std::lock_guard lock(device_.queue_mutex());
+    if (TransferQueue* transfers = device_.transfer_queue())
+        if (const auto wait = transfers->wait_for_finished()) waits[wait_count++] = *wait;
     VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
     info.commandBufferInfoCount = 1;
     info.pCommandBufferInfos = &buffer;
-    constexpr VkPipelineStageFlags2 kStages =
-        VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-    const VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, semaphores.wait, 0, kStages, 0};
-    const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, semaphores.signal, 0,
-                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,    0};
-    info.waitSemaphoreInfoCount = semaphores.wait ? 1 : 0;
-    info.pWaitSemaphoreInfos = &wait;
+    info.waitSemaphoreInfoCount = wait_count;
+    info.pWaitSemaphoreInfos = waits.data();
     info.signalSemaphoreInfoCount = semaphores.signal ? 1 : 0;
     info.pSignalSemaphoreInfos = &signal;
-    submitted_ = std::chrono::steady_clock::now();
-    {
-        const std::lock_guard lock(device_.queue_mutex());
-        check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "vkQueueSubmit2", name_);
-    }
-    in_flight_ = true;
+    check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "vkQueueSubmit2", name_);
 }
 
 bool Commands::is_done() const {
@@ -93,6 +109,7 @@ void Commands::wait() {
     milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - submitted_).count();
     check(vkResetFences(device_.handle(), 1, &fence_), "vkResetFences", name_);
     in_flight_ = false;
+    if (transfers_) return transfers_->set_finished(number_);
     if (is_tracing()) trace_passes();
     if (DebugBuffer* debug = device_.used_debug_buffer()) debug->report();
 }

@@ -1,4 +1,4 @@
-// Recording and submitting work on the one queue: dispatches, barriers, copies, and how long each pass took.
+// Recording and submitting work on the device's queues: dispatches, barriers, copies, and how long each pass took.
 #pragma once
 
 #include <chrono>
@@ -22,12 +22,16 @@ struct CommandSemaphores {
     VkSemaphore wait = VK_NULL_HANDLE, signal = VK_NULL_HANDLE;
 };
 
+// kTransfer: only copies between buffers, on the transfer queue where the device has one, else on the main queue.
+enum class QueueKind { kMain, kTransfer };
+
 // One command buffer with its fence and timestamps. The order is begin(), recording, submit(), wait(); then begin() may
 // follow again. Only one thread at a time may use it; different threads may use different objects.
 class Commands {
   public:
     // The first `max_scopes` pass scopes of a submission are timed, further ones are not.
-    explicit Commands(const Device& device, std::string name = "commands", uint32_t max_scopes = 128);
+    explicit Commands(const Device& device, std::string name = "commands", uint32_t max_scopes = 128,
+                      QueueKind queue = QueueKind::kMain);
     ~Commands();
     Commands(const Commands&) = delete;
     Commands& operator=(const Commands&) = delete;
@@ -56,13 +60,16 @@ class Commands {
     double device_milliseconds() const;
 
   private:
-    Commands(const Device& device, uint32_t max_scopes, std::string name);  // without Vulkan objects
+    Commands(const Device& device, uint32_t max_scopes, QueueKind queue, std::string name);  // without Vulkan objects
+    void submit_to_main_queue(const VkCommandBufferSubmitInfo& buffer, const CommandSemaphores& semaphores);
     std::vector<uint64_t> timestamps() const;
     void trace_passes() const;
     std::string unfinished_pass() const;
     const Device& device_;
     std::string name_;
     uint32_t max_scopes_;
+    TransferQueue* transfers_;  // null: the main queue
+    uint64_t number_ = 0;       // of the last submission to the transfer queue
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer buffer_ = VK_NULL_HANDLE;
     VkFence fence_ = VK_NULL_HANDLE;

@@ -123,6 +123,7 @@ DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
     summary.api_version = properties.properties.apiVersion;
     summary.memory = heap_memory(physical);
     summary.buffers = buffer_limits(properties.properties.limits);
+    summary.transfer_queue = TransferQueue::family_of(physical).has_value();
     find_lacking_features(physical, summary.missing, summary.missing_optional);
     return summary;
 }
@@ -210,6 +211,7 @@ Device::~Device() {
         vkDeviceWaitIdle(device_);
         debug_buffer_.reset();
         programs_.reset();
+        transfer_queue_.reset();
         if (pipeline_cache_) save_pipeline_cache();
         vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
         memory_pool_.clear(device_);
@@ -279,10 +281,12 @@ void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker
         throw RuntimeFailure(fmt::format("device \"{}\" has no queue for graphics and compute", summary_.name));
 
     const float priority = 1.0f;
-    VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-    queue.queueFamilyIndex = queue_family_;
-    queue.queueCount = 1;
-    queue.pQueuePriorities = &priority;
+    const auto queue_of = [&](uint32_t family) {
+        return VkDeviceQueueCreateInfo{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, family, 1, &priority};
+    };
+    const std::optional<uint32_t> transfers = TransferQueue::family_of(physical_);
+    std::vector<VkDeviceQueueCreateInfo> queues = {queue_of(queue_family_)};
+    if (transfers) queues.push_back(queue_of(*transfers));
 
     FeatureChain features = features_to_enable(physical_);
     float_atomics_ = features.float_atomics;
@@ -296,8 +300,8 @@ void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker
     }
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &features.core;
-    info.queueCreateInfoCount = 1;
-    info.pQueueCreateInfos = &queue;
+    info.queueCreateInfoCount = static_cast<uint32_t>(queues.size());
+    info.pQueueCreateInfos = queues.data();
     info.enabledExtensionCount = static_cast<uint32_t>(features.extensions.size());
     info.ppEnabledExtensionNames = features.extensions.data();
     features.link();
@@ -307,6 +311,7 @@ void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker
     volkLoadDevice(device_);
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     name_object(VK_OBJECT_TYPE_QUEUE, reinterpret_cast<uint64_t>(queue_), "queue");
+    if (transfers) transfer_queue_ = std::make_unique<TransferQueue>(device_, *transfers);
 }
 
 namespace {
@@ -399,14 +404,19 @@ DebugBuffer& Device::debug_buffer() const {
     return *debug_buffer_;
 }
 
-void Device::wait_idle_or_lost() const {
+VkResult Device::wait_for_all_queues() const {
     const std::lock_guard lock(queue_mutex_);
-    vkDeviceWaitIdle(device_);
+    std::unique_lock<std::mutex> lock_of_transfers;
+    if (transfer_queue_) lock_of_transfers = std::unique_lock(transfer_queue_->mutex());
+    return vkDeviceWaitIdle(device_);
+}
+
+void Device::wait_idle_or_lost() const {
+    wait_for_all_queues();
 }
 
 void Device::wait_idle() const {
-    const std::lock_guard lock(queue_mutex_);
-    check(vkDeviceWaitIdle(device_), "vkDeviceWaitIdle", summary_.name);
+    check(wait_for_all_queues(), "vkDeviceWaitIdle", summary_.name);
 }
 
 }  // namespace neuvv::gpu

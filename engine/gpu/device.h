@@ -18,6 +18,7 @@
 #include "gpu/heap_memory.h"
 #include "gpu/memory_pool.h"
 #include "gpu/shader_table.h"
+#include "gpu/transfer_queue.h"
 
 namespace neuvv::gpu {
 
@@ -47,6 +48,7 @@ struct DeviceSummary {
     uint32_t api_version = 0;
     HeapMemory memory;
     BufferLimits buffers;
+    bool transfer_queue = false;       // whether uploads run beside drawing (TransferQueue)
     std::vector<std::string> missing;  // required features that it lacks, as the table names them; empty: usable
     std::vector<std::string> missing_optional;  // optional features that it lacks, each with its substitute
 };
@@ -89,10 +91,12 @@ class Device {
     VkInstance instance() const { return instance_; }
     VkDevice handle() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }
-    // The one queue of all threads. A thread must lock the mutex while it submits to the queue, presents or waits.
+    // The main queue, of all threads. A thread must lock the mutex while it submits to the queue, presents or waits.
     VkQueue queue() const { return queue_; }
     std::mutex& queue_mutex() const { return queue_mutex_; }
     uint32_t queue_family() const { return queue_family_; }
+    // Null: uploads run on the main queue.
+    TransferQueue* transfer_queue() const { return transfer_queue_.get(); }
     VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
     ShaderTable& shaders() const { return shaders_; }
     ComputePrograms& programs() const { return *programs_; }
@@ -147,6 +151,7 @@ class Device {
     void create_device(const DeviceExtensions& extensions, const DeviceMaker& maker);
     void open_pipeline_cache();
     void save_pipeline_cache() const;
+    VkResult wait_for_all_queues() const;
 
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
@@ -155,6 +160,7 @@ class Device {
     VkQueue queue_ = VK_NULL_HANDLE;
     mutable std::mutex queue_mutex_;
     uint32_t queue_family_ = 0;
+    std::unique_ptr<TransferQueue> transfer_queue_;
     VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
     mutable ShaderTable shaders_;
     mutable MemoryPool memory_pool_;

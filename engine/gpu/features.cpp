@@ -24,6 +24,7 @@ struct Feature {
 // Required of every device. Messages about missing features take the names from here.
 const Feature kRequired[] = {
     {"scalarBlockLayout", [](FeatureChain& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"timelineSemaphore", [](FeatureChain& f) -> VkBool32& { return f.v12.timelineSemaphore; }},
     {"hostQueryReset", [](FeatureChain& f) -> VkBool32& { return f.v12.hostQueryReset; }},
     {"maintenance4", [](FeatureChain& f) -> VkBool32& { return f.v13.maintenance4; }},  // LocalSizeId in our SPIR-V
     {"synchronization2", [](FeatureChain& f) -> VkBool32& { return f.v13.synchronization2; }},

@@ -18,26 +18,32 @@ void Uploads::add(const Buffer& to, const void* data, uint64_t bytes) {
 void Uploads::finish() {
     if (bytes_ == 0) return;
     const Buffer staging(device_, "staging", std::min(bytes_, kStagedPiece), MemoryKind::kUpload);
-    size_t next = 0;  // the copy that is not finished yet, and how many of its bytes are copied
-    uint64_t done = 0;
-    while (next < copies_.size())
-        run_once(device_, "upload", [&](Commands& commands) {
-            for (uint64_t used = 0; next < copies_.size() && used < staging.bytes;) {
-                const Copy& one = copies_[next];
-                const uint64_t piece = std::min(one.bytes - done, staging.bytes - used);
-                std::memcpy(staging.as<char>() + used, one.data + done, piece);
-                const VkBufferCopy region{used, done, piece};
-                vkCmdCopyBuffer(commands.handle(), staging.buffer, one.to, 1, &region);
-                used += piece;
-                done += piece;
-                if (done < one.bytes) continue;
-                done = 0;
-                next++;
-            }
-            compute_barrier(commands);
-        });
+    Commands commands(device_, "upload", 1, QueueKind::kTransfer);
+    Progress progress;
+    while (progress.copy < copies_.size()) {
+        commands.begin();
+        record_staged(commands, staging, progress);
+        commands.submit();
+        commands.wait();
+    }
     copies_.clear();
     bytes_ = 0;
+}
+
+// Fills the staging buffer from where the last submission ended, and records the copies out of it.
+void Uploads::record_staged(Commands& commands, const Buffer& staging, Progress& progress) const {
+    for (uint64_t used = 0; progress.copy < copies_.size() && used < staging.bytes;) {
+        const Copy& one = copies_[progress.copy];
+        const uint64_t piece = std::min(one.bytes - progress.bytes, staging.bytes - used);
+        std::memcpy(staging.as<char>() + used, one.data + progress.bytes, piece);
+        const VkBufferCopy region{used, progress.bytes, piece};
+        vkCmdCopyBuffer(commands.handle(), staging.buffer, one.to, 1, &region);
+        used += piece;
+        progress.bytes += piece;
+        if (progress.bytes == one.bytes) progress = {progress.copy + 1, 0};
+    }
+    // With a transfer queue, the main queue waits for its semaphore.
+    if (!device_.transfer_queue()) compute_barrier(commands);
 }
 
 void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes) {

@@ -1,5 +1,5 @@
 // Copies between host and device through staging buffers, which wait: for set-up, for threads beside the one that
-// draws, and for tests.
+// draws, and for tests. Uploads run on the transfer queue where the device has one.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,10 @@
 
 namespace neuvv::gpu {
 
-// Uploads of several buffers, submitted together: each submission waits until the device is done with what it draws.
+class Commands;
+
+// Uploads of several buffers, submitted together: without a transfer queue, each submission waits until the device is
+// done with what it draws. No submission that uses the buffers may be under way.
 class Uploads {
   public:
     explicit Uploads(const Device& device) : device_(device) {}
@@ -31,14 +34,20 @@ class Uploads {
         const char* data;
         uint64_t bytes;
     };
+    // The copy that is not finished yet, and how many of its bytes are copied.
+    struct Progress {
+        size_t copy = 0;
+        uint64_t bytes = 0;
+    };
+    void record_staged(Commands& commands, const Buffer& staging, Progress& progress) const;
     const Device& device_;
     std::vector<Copy> copies_;
     uint64_t bytes_ = 0;
 };
 
 constexpr uint64_t kStagedPiece = uint64_t{64} << 20;  // bytes of a staging buffer at most
-// Copy between host and device, through a staging buffer, piece by piece, and wait: for set-up and tests. They throw
-// RuntimeFailure where the buffer has fewer than `bytes` bytes.
+// Copy between host and device, through a staging buffer, piece by piece, and wait. They throw RuntimeFailure where the
+// buffer has fewer than `bytes` bytes. No submission that uses the buffer may be under way.
 void upload(const Device& device, const Buffer& to, const void* data, uint64_t bytes);
 void download(const Device& device, const Buffer& from, void* data, uint64_t bytes);
 // The same, for what need not be kept as it is: calls `take` with each piece, which begins at byte `at` of the buffer.

@@ -58,6 +58,24 @@ TEST_F(CliDevice, ArraysInStorageBuffersGiveTheSameImages) {
     EXPECT_NE(refused.err.find("give texel, storage or fastest"), std::string::npos) << refused.err;
 }
 
+TEST_F(CliDevice, UploadsByAQueueOfTheirOwnGiveTheSameImage) {
+    const std::string layer =
+        "VK_INSTANCE_LAYERS=VK_LAYER_NEUVV_transfer_queue VK_LAYER_PATH=" NEUVV_TRANSFER_QUEUE_LAYER;
+    const auto uploads_aside = [](const std::string& environment) {
+        const ProgramResult listed = run_neuvv({"devices", "--json"}, environment);
+        EXPECT_EQ(listed.code, 0) << listed.err;
+        return nlohmann::json::parse(listed.out).at(0).at("transfer_queue").get<bool>();
+    };
+    EXPECT_TRUE(uploads_aside(layer));
+    const auto image = [&](const std::string& environment) {
+        const ProgramResult result =
+            run_neuvv({"render", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"}, environment);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return read_text(file("out.exr"));
+    };
+    EXPECT_TRUE(image(layer) == image(""));
+}
+
 // As Vulkan guarantees texel buffers, arrays go to storage buffers; where these are too small, too, an error says what
 // to do.
 TEST_F(CliDevice, SmallLimitsGiveTheSameImageOrAnErrorThatHelps) {
