@@ -85,6 +85,7 @@ Buffer::Buffer(const Device& owner, std::string label, uint64_t size, MemoryKind
                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                  VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
                  VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    if (owner.buffer_addresses()) info.usage |= VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
     if (const TransferQueue* transfers = owner.transfer_queue()) {
         families = {owner.queue_family(), transfers->family()};
         info.sharingMode = VK_SHARING_MODE_CONCURRENT;
@@ -122,6 +123,12 @@ Buffer::~Buffer() {
     vkDestroyBuffer(device->handle(), buffer, nullptr);
     device->memory_pool().give(device->handle(), memory);
     if (memory.memory) device->count_buffer_bytes(0, bytes);
+}
+
+glm::uvec2 Buffer::address() const {
+    const VkBufferDeviceAddressInfo info{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, buffer};
+    const uint64_t address = vkGetBufferDeviceAddress(device->handle(), &info);
+    return {static_cast<uint32_t>(address), static_cast<uint32_t>(address >> 32)};
 }
 
 Buffer::Buffer(Buffer&& other) noexcept {

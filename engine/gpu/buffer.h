@@ -2,6 +2,7 @@
 // engine/README.md says why.
 #pragma once
 
+#include <glm/glm.hpp>
 #include <string>
 
 #include "gpu/device.h"
@@ -33,6 +34,10 @@ struct Buffer {
     T* as() const {
         return static_cast<T*>(mapped);
     }
+
+    // By which shaders can read it without a binding: the low and the high word. The device must have
+    // buffer_addresses().
+    glm::uvec2 address() const;
 
     const Device* device = nullptr;
     std::string name;

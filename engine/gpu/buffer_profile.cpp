@@ -19,6 +19,7 @@ void choose_profile(BufferLimits& limits, const std::string& forced) {
     const uint64_t as_storage = std::min(limits.storage_bytes, kEnoughBytes);
     const bool can_choose = limits.storage_buffers >= kMostStorageBuffers;
     const bool can_time = can_choose && limits.texels >= kTimedTexels;
+    if (limits.storage_buffers == 0) return;  // texel buffers
     if (forced == "texel" || forced == "storage") {
         limits.profile = forced == "texel" ? BufferProfile::kTexel : BufferProfile::kStorage;
         limits.reason = ProfileReason::kForced;
@@ -31,9 +32,9 @@ void choose_profile(BufferLimits& limits, const std::string& forced) {
 
 }  // namespace
 
-BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits) {
+BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits, bool buffer_addresses) {
     BufferLimits result{limits.maxTexelBufferElements, limits.maxStorageBufferRange,
-                        limits.maxPerStageDescriptorStorageBuffers};
+                        buffer_addresses ? limits.maxPerStageDescriptorStorageBuffers : 0};
     const char* environment = std::getenv("NEUVV_BUFFERS");
     const std::string forced = environment ? environment : "";
     if (!forced.empty() && forced != "texel" && forced != "storage" && forced != "fastest")

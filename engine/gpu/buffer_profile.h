@@ -31,7 +31,7 @@ constexpr uint32_t kMostStorageBuffers = 8;
 struct BufferLimits {
     uint64_t texels = 0;           // of a texel buffer
     uint64_t storage_bytes = 0;    // of a storage buffer
-    uint32_t storage_buffers = 0;  // of a shader stage
+    uint32_t storage_buffers = 0;  // of a shader stage; 0: the device has no addresses of buffers
     BufferProfile profile = BufferProfile::kTexel;
     ProfileReason reason = ProfileReason::kLimits;
     std::optional<ProfileTimes> times;  // with kSpeed, once they are measured
@@ -50,7 +50,8 @@ struct BufferLimits {
 // profile texel buffers, until the two are timed. NEUVV_BUFFERS of the environment, "texel" or "storage", forces a
 // profile. With "fastest" the two are timed, too, where one's arrays may be longer. They are timed only where the
 // device can bind what is timed (2^20 texels) and kMostStorageBuffers storage buffers. Throws
-// InputError for another value of NEUVV_BUFFERS.
-BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits);
+// InputError for another value of NEUVV_BUFFERS. Devices without
+// `buffer_addresses` (features.h) have only texel buffers.
+BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits, bool buffer_addresses);
 
 }  // namespace neuvv::gpu

@@ -122,7 +122,7 @@ DeviceSummary summarise(VkPhysicalDevice physical, uint32_t index) {
     summary.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
     summary.api_version = properties.properties.apiVersion;
     summary.memory = heap_memory(physical);
-    summary.buffers = buffer_limits(properties.properties.limits);
+    summary.buffers = buffer_limits(properties.properties.limits, has_buffer_addresses(physical));
     summary.transfer_queue = TransferQueue::family_of(physical).has_value();
     find_lacking_features(physical, summary.missing, summary.missing_optional);
     return summary;
@@ -291,6 +291,8 @@ void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker
     FeatureChain features = features_to_enable(physical_);
     float_atomics_ = features.float_atomics;
     output_layer_ = features.v12.shaderOutputLayer;
+    buffer_addresses_ = features.v12.bufferDeviceAddress;
+    memory_pool_.set_addresses(buffer_addresses_);
     for (const char* name : extensions.device) {
         if (!has_extension(physical_, name))
             throw RuntimeFailure(fmt::format("device \"{}\" lacks {}", summary_.name, name));

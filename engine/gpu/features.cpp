@@ -35,6 +35,10 @@ VkBool32& float_atomic_add(FeatureChain& f) {
     return f.atomic_float.shaderBufferFloat32AtomicAdd;
 }
 
+VkBool32& buffer_addresses(FeatureChain& f) {
+    return f.v12.bufferDeviceAddress;
+}
+
 VkBool32& output_layer(FeatureChain& f) {
     return f.v12.shaderOutputLayer;
 }
@@ -67,6 +71,7 @@ FeatureChain features_to_enable(VkPhysicalDevice physical) {
     FeatureChain enable;
     for (const Feature& feature : kRequired) feature.field(enable) = feature.field(available);
     output_layer(enable) = output_layer(available);
+    buffer_addresses(enable) = buffer_addresses(available);
     enable.float_atomics = available.float_atomics && float_atomic_add(available);
     if (enable.float_atomics) {
         float_atomic_add(enable) = VK_TRUE;
@@ -76,6 +81,12 @@ FeatureChain features_to_enable(VkPhysicalDevice physical) {
         enable.extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
     if (has_extension(physical, "VK_KHR_portability_subset")) enable.extensions.push_back("VK_KHR_portability_subset");
     return enable;
+}
+
+bool has_buffer_addresses(VkPhysicalDevice physical) {
+    if (!at_least_vulkan_1_3(physical)) return false;
+    FeatureChain available = query(physical);
+    return buffer_addresses(available);
 }
 
 void find_lacking_features(VkPhysicalDevice physical, std::vector<std::string>& missing,
@@ -89,6 +100,7 @@ void find_lacking_features(VkPhysicalDevice physical, std::vector<std::string>& 
         if (!feature.field(available)) missing.emplace_back(feature.name);
     if (!available.float_atomics || !float_atomic_add(available))
         optional.emplace_back("shaderBufferFloat32AtomicAdd (compare-and-swap stands in)");
+    if (!buffer_addresses(available)) optional.emplace_back("bufferDeviceAddress (long arrays are texel buffers)");
     if (!output_layer(available)) optional.emplace_back("shaderOutputLayer (headsets are not drawn for)");
 }
 

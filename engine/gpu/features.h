@@ -28,6 +28,9 @@ bool has_extension(VkPhysicalDevice physical, const char* name);
 // The features of the table that this device has, and no others.
 FeatureChain features_to_enable(VkPhysicalDevice physical);
 
+// Whether shaders may read buffers by their addresses there, which is optional.
+bool has_buffer_addresses(VkPhysicalDevice physical);
+
 // Appends to `missing` the required features that the device lacks, and to `optional` the optional ones, each with its
 // substitute.
 void find_lacking_features(VkPhysicalDevice physical, std::vector<std::string>& missing,

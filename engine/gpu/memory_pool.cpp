@@ -43,7 +43,10 @@ VkResult MemoryPool::allocate(VkDevice device, DeviceMemory& memory) {
         if (counted > 0 && limit_ && allocated_ + counted > *limit_) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
         allocated_ += counted;
     }
+    VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+    flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.pNext = addresses_ ? &flags : nullptr;
     info.allocationSize = memory.bytes;
     info.memoryTypeIndex = memory.type;
     const VkResult result = vkAllocateMemory(device, &info, nullptr, &memory.memory);

@@ -28,6 +28,9 @@ class MemoryPool {
     // Frees all that is kept.
     void clear(VkDevice device);
 
+    // Whether shaders may read buffers in the memory by their addresses; to be called before the first take().
+    void set_addresses(bool addresses) { addresses_ = addresses; }
+
     // Memory of these types (a bit mask) counts as allocated(). Beyond the limit, take() returns
     // VK_ERROR_OUT_OF_DEVICE_MEMORY.
     void set_limit(uint32_t types, std::optional<VkDeviceSize> limit);
@@ -40,6 +43,7 @@ class MemoryPool {
     VkResult allocate(VkDevice device, DeviceMemory& memory);
     void free(VkDevice device, const std::deque<DeviceMemory>& memory);
     bool counts(uint32_t type) const { return counted_types_ >> type & 1; }
+    bool addresses_ = false;
     mutable std::mutex mutex_;
     std::deque<DeviceMemory> kept_;  // the oldest first
     VkDeviceSize kept_bytes_ = 0;

@@ -33,13 +33,14 @@ struct Forced {
     std::optional<std::string> before;
 };
 
-gpu::BufferLimits chosen(uint32_t texels, uint32_t storage_bytes, uint32_t storage_buffers, const char* forced = "") {
+gpu::BufferLimits chosen(uint32_t texels, uint32_t storage_bytes, uint32_t storage_buffers, const char* forced = "",
+                         bool addresses = true) {
     const Forced environment(forced);
     VkPhysicalDeviceLimits limits{};
     limits.maxTexelBufferElements = texels;
     limits.maxStorageBufferRange = storage_bytes;
     limits.maxPerStageDescriptorStorageBuffers = storage_buffers;
-    return gpu::buffer_limits(limits);
+    return gpu::buffer_limits(limits, addresses);
 }
 
 TEST(BufferProfile, IsThatOfTheLongerArrays) {
@@ -70,6 +71,12 @@ TEST(BufferProfile, CanBeForced) {
     EXPECT_EQ(chosen(1 << 27, 0xffffffffu, 32, "storage").reason, gpu::ProfileReason::kForced) << "nothing is timed";
     expect_input_error([] { chosen(1 << 27, 1 << 27, 32, "texels"); },
                        {"NEUVV_BUFFERS", "texels", "texel, storage or fastest"});
+}
+
+TEST(BufferProfile, IsTexelWithoutAddressesOfBuffers) {
+    EXPECT_EQ(chosen(65536, 1 << 27, 32, "", false).profile, gpu::BufferProfile::kTexel);
+    EXPECT_EQ(chosen(65536, 1 << 27, 32, "storage", false).profile, gpu::BufferProfile::kTexel);
+    EXPECT_EQ(chosen(1 << 27, 0xffffffffu, 32, "fastest", false).reason, gpu::ProfileReason::kLimits);
 }
 
 TEST(BufferProfile, BoundsTheElementsOfArrays) {
