@@ -14,6 +14,8 @@
 #define NEUVV_ARRAYS_GLSL
 
 #ifdef NEUVV_STORAGE_BUFFERS
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 
 struct half4 {
     uvec2 words;

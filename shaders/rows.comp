@@ -1,5 +1,5 @@
-// Rows: interpolates the rows A_t and B_t of a fractional frame (errata 9), and clears the live count for the slice
-// that follows.
+// Rows: interpolates the rows A_t and B_t of a fractional frame (errata 9), adds the addresses of the weights, and clears
+// the live count for the slice that follows.
 // Reads the bases (frames × bases); writes BasisRows. One thread per column; trivial work.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -59,5 +59,7 @@ void main() {
     barrier();
     if (column != 0u) return;
     write_rows();
+    rows.weights = push.weights;
+    rows.part_planes_log2 = push.part_planes_log2;
     live = LiveCount(0u, 1u, 1u, 0u, 0u);
 }

@@ -11,6 +11,7 @@ layout(constant_id = 0) const uint kHhDegree = 2u;
 layout(constant_id = 1) const uint kBasisPlanes = 8u;
 layout(constant_id = 2) const uint kBusyPlanes = 8u;
 layout(constant_id = 3) const bool kHalfWeights = false;
+layout(constant_id = 4) const bool kWeightsByAddress = false;
 READ_ARRAY(any4, kSliceWeights, leaf_weights);
 layout(binding = kSliceRows, std140) uniform Rows { BasisRows rows; };
 READ_ARRAY(uint, kSliceLeaves, slot_leaf);

@@ -17,7 +17,8 @@ void Uploads::add(const Buffer& to, const void* data, uint64_t bytes) {
 
 void Uploads::finish() {
     if (bytes_ == 0) return;
-    const Buffer staging(device_, "staging", std::min(bytes_, kStagedPiece), MemoryKind::kUpload);
+    const uint64_t most = std::min(kStagedPiece, device_.max_allocation_bytes());
+    const Buffer staging(device_, "staging", std::min(bytes_, most), MemoryKind::kUpload);
     Commands commands(device_, "upload", 1, QueueKind::kTransfer);
     Progress progress;
     while (progress.copy < copies_.size()) {

@@ -1,6 +1,7 @@
 #include "render/field.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 
@@ -79,13 +80,39 @@ void set_leaf_levels(Field& field, const std::vector<glm::uvec2>& leaf_positions
     field.finest_level = level(finest) - field.levels_above;
 }
 
+// Creates the buffers of the weights, and adds their uploads.
+void add_weights(Field& field, const std::vector<uint16_t>& halves, gpu::Uploads& uploads, const gpu::Device& device) {
+    const gpu::BufferLimits& limits = device.buffers();
+    const uint32_t planes = field.planes();
+    const uint64_t plane_bytes = uint64_t{8} * field.leaf_count;
+    field.weights_by_address = limits.profile == gpu::BufferProfile::kStorage &&
+                               planes * plane_bytes > std::min(limits.storage_bytes, device.max_allocation_bytes());
+    if (!field.weights_by_address) {
+        field.weights.push_back(uploads.add("leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT));
+        return;
+    }
+    uint32_t& log2 = field.part_planes_log2;
+    log2 = static_cast<uint32_t>(std::bit_width(planes - 1));
+    const auto parts = [&] { return ((planes - 1) >> log2) + 1; };
+    while (log2 > 0 && std::min(planes, 1u << log2) * plane_bytes > device.max_allocation_bytes() &&
+           2 * parts() <= kMostWeightParts)
+        log2--;
+    for (uint32_t i = 0; i < parts(); i++) {
+        const uint32_t first = i << log2;
+        const uint64_t bytes = std::min(planes - first, 1u << log2) * plane_bytes;
+        field.weights.emplace_back(device, "leaf weights (fp16)", bytes, gpu::MemoryKind::kDevice);
+        uploads.add(field.weights.back(), halves.data() + first * plane_bytes / sizeof(uint16_t), bytes);
+    }
+}
+
 }  // namespace
 
 uint64_t device_bytes(const Field& field) {
     uint64_t bytes = 0;
+    for (const gpu::Buffer& part : field.weights) bytes += part.bytes;
     for (const gpu::Buffer* buffer :
-         {&field.nodes, &field.weights, &field.sigma_basis, &field.gamma_basis, &field.links, &field.leaf_cells,
-          &field.node_cells, &field.leaf_positions, &field.node_positions})
+         {&field.nodes, &field.sigma_basis, &field.gamma_basis, &field.links, &field.leaf_cells, &field.node_cells,
+          &field.leaf_positions, &field.node_positions})
         bytes += buffer->bytes;
     for (const Field& coarser : field.coarser) bytes += device_bytes(coarser);
     return bytes;
@@ -151,10 +178,10 @@ Field upload_field(const gpu::Device& device, const voctree::VOctree& tree, Weig
     std::vector<uint16_t> halves;
     if (precision == WeightPrecision::kFloat) {
         floats = weights_to_planes(tree);
-        field.weights = uploads.add("leaf weights", floats, VK_FORMAT_R32G32B32A32_SFLOAT);
+        field.weights.push_back(uploads.add("leaf weights", floats, VK_FORMAT_R32G32B32A32_SFLOAT));
     } else {
         halves = planes_of<uint16_t>(tree, voctree::half_from_float);
-        field.weights = uploads.add("leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT);
+        add_weights(field, halves, uploads, device);
     }
     uploads.finish();
     return field;

@@ -7,10 +7,18 @@
 
 namespace neuvv::render {
 
-enum class WeightPrecision { kHalf, kFloat };  // shaders read both; training writes weights, so it needs kFloat
+enum class WeightPrecision {
+    kHalf,
+    kFloat
+};  // shaders read both; training writes weights, so it needs kFloat, in one part
 
 struct Field {
-    gpu::Buffer nodes, weights, sigma_basis, gamma_basis;
+    gpu::Buffer nodes, sigma_basis, gamma_basis;
+    // One buffer, unless they are longer than what the device binds or allocates at once. Then, in the storage profile,
+    // shaders read them by addresses, and they are parts of 2^part_planes_log2 planes, the last of fewer.
+    std::vector<gpu::Buffer> weights;
+    bool weights_by_address = false;
+    uint32_t part_planes_log2 = 0;  // of weights_by_address
     // The walk tree's top grid, and after it the children of all nodes. A node's first_child is an index into both.
     gpu::Buffer links;
     // Per leaf: the index of a 32-bit word of LiveLeaves::node_live, and the bits of the leaf in it.
@@ -40,6 +48,8 @@ struct Field {
     uint32_t node_count() const { return level_begin.back(); }
     uint64_t live_bytes() const { return uint64_t{8} * node_count(); }  // of LiveLeaves::node_live
     uint32_t basis_planes() const { return (bases + 3) / 4; }
+    // What passes bind as the weights, which is not read with weights_by_address.
+    const gpu::Buffer& bound_weights() const { return weights_by_address ? links : weights[0]; }
     uint32_t planes() const { return 2 * basis_planes() + hh_count(hh_degree); }
 };
 

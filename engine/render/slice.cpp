@@ -37,12 +37,13 @@ LiveFinder::LiveFinder(const gpu::Device& device, const Field& given_field, cons
       live(given_live),
       rows(device, "rows", device.buffers().fitting(rows_comp, rows_comp_storage)),
       density(device, "slice density", device.buffers().fitting(slice_density_comp, slice_density_comp_storage),
-              {field.hh_degree, field.basis_planes(), field.busy_planes, field.half_weights ? 1u : 0u}),
+              {field.hh_degree, field.basis_planes(), field.busy_planes, field.half_weights ? 1u : 0u,
+               field.weights_by_address ? 1u : 0u}),
       rows_set(rows, {{kRowsSigmaBasis, &field.sigma_basis},
                       {kRowsGammaBasis, &field.gamma_basis},
                       {kRowsOut, &live.rows},
                       {kRowsLive, &live.live}}),
-      density_set(density, {{kSliceWeights, &field.weights},
+      density_set(density, {{kSliceWeights, &field.bound_weights()},
                             {kSliceRows, &live.rows},
                             {kSliceHead, &live.head},
                             {kSliceLeaves, &live.slot_leaf},
@@ -52,7 +53,14 @@ LiveFinder::LiveFinder(const gpu::Device& device, const Field& given_field, cons
 
 void record_rows(gpu::Commands& commands, const LiveFinder& finder, float frame) {
     const Field& field = finder.field;
-    gpu::dispatch_groups(commands, finder.rows, finder.rows_set, 1, RowsPush{frame, field.frames, field.bases});
+    RowsPush push{frame, field.frames, field.bases, field.part_planes_log2};
+    if (field.weights_by_address)
+        for (size_t i = 0; i < field.weights.size(); i++) {
+            const glm::uvec2 address = field.weights[i].address();
+            glm::uvec4& pair = push.weights[i / 2];
+            pair = i % 2 == 0 ? glm::uvec4(address, 0, 0) : glm::uvec4(pair.x, pair.y, address);
+        }
+    gpu::dispatch_groups(commands, finder.rows, finder.rows_set, 1, push);
     gpu::compute_barrier(commands);
 }
 
@@ -67,8 +75,9 @@ Slicer::Slicer(const gpu::Device& device, const Field& given_field, const Slice&
       slice(given_slice),
       finder(device, field, slice),
       colour(device, "slice colour", device.buffers().fitting(slice_colour_comp, slice_colour_comp_storage),
-             {field.hh_degree, field.basis_planes(), field.busy_planes, field.half_weights ? 1u : 0u}),
-      colour_set(colour, {{kSliceWeights, &field.weights},
+             {field.hh_degree, field.basis_planes(), field.busy_planes, field.half_weights ? 1u : 0u,
+              field.weights_by_address ? 1u : 0u}),
+      colour_set(colour, {{kSliceWeights, &field.bound_weights()},
                           {kSliceRows, &slice.rows},
                           {kSliceLeaves, &slice.slot_leaf},
                           {kSliceLive, &slice.live},

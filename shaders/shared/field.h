@@ -2,7 +2,8 @@
 //
 // Weights are stored in planes of four weights per leaf: texel(leaf, plane) = plane * leaf_count + leaf, so that
 // neighbouring threads read neighbouring texels. The planes are ⌈C/4⌉ of w^σ, ⌈C/4⌉ of w^γ, then one plane (R, G, B,
-// unused) per HH function.
+// unused) per HH function. Where a device does not bind or allocate as much at once, they are several parts of whole
+// planes.
 #ifndef NEUVV_SHARED_FIELD_H
 #define NEUVV_SHARED_FIELD_H
 #include "shared/hh_counts.h"
@@ -11,6 +12,7 @@
 NEUVV_SHARED
 
 CONSTEXPR uint kMaxBasisPlanes = kMaxBases / 4u;
+CONSTEXPR uint kMostWeightParts = 8u;
 
 // Rows A_t and B_t at one (fractional) frame, a uniform buffer. The planes of a row that are not all 0 come first, so
 // that loops need only run over the first Field::busy_planes elements; the other elements are 0, and their `planes` are
@@ -19,6 +21,11 @@ struct BasisRows {
     vec4 sigma[kMaxBasisPlanes];
     vec4 gamma[kMaxBasisPlanes];
     uvec4 planes[kMaxBasisPlanes];  // x: the plane of w^σ that sigma[i] belongs to, y: that of w^γ for gamma[i]
+    // Where weights are read by address: the addresses of their parts, two in each element, the low and the high word
+    // of the one, then of the other. Part i has the planes from i << part_planes_log2 on.
+    uvec4 weights[kMostWeightParts / 2u];
+    uint part_planes_log2;
+    uint unused_0, unused_1, unused_2;
 };
 
 // A counter of list elements, for instance of live leaves. The first three members are arguments of dispatch_indirect.
@@ -33,7 +40,7 @@ struct LiveCount {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::BasisRows) == 768);
+static_assert(sizeof(neuvv::BasisRows) == 848);
 static_assert(sizeof(neuvv::LiveCount) == 20);
 #endif
 #endif

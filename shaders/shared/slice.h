@@ -28,6 +28,8 @@ struct RowsPush {
     float frame;  // 0..frames−1, clamped
     uint frames;
     uint bases;
+    uint part_planes_log2;
+    uvec4 weights[kMostWeightParts / 2u];  // BasisRows takes over both
 };
 
 struct SlicePush {
@@ -40,6 +42,6 @@ struct SlicePush {
 NEUVV_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(neuvv::SlicePush) == 16);
+static_assert(sizeof(neuvv::SlicePush) == 16 && sizeof(neuvv::RowsPush) == 80);
 #endif
 #endif

@@ -16,8 +16,9 @@ struct State {
 };
 
 State weights_now(const gpu::Device& device, const training::TrainingStep& step) {
-    const size_t count = step.field().weights.bytes / sizeof(float);
-    return {download_floats(device, step.field().weights, count), download_floats(device, step.moments().first, count),
+    const size_t count = step.field().weights[0].bytes / sizeof(float);
+    return {download_floats(device, step.field().weights[0], count),
+            download_floats(device, step.moments().first, count),
             download_floats(device, step.moments().second, count)};
 }
 

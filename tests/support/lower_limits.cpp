@@ -1,5 +1,6 @@
 // A Vulkan layer that lowers the limits of all devices, so that a large device stands in for a small one:
-// NEUVV_MOST_TEXELS is maxTexelBufferElements, NEUVV_MOST_STORAGE_BYTES is maxStorageBufferRange.
+// NEUVV_MOST_TEXELS is maxTexelBufferElements, NEUVV_MOST_STORAGE_BYTES is maxStorageBufferRange, and
+// NEUVV_MOST_ALLOCATION is maxMemoryAllocationSize.
 #include <algorithm>
 #include <cstdlib>
 
@@ -13,9 +14,10 @@ PFN_vkGetInstanceProcAddr next_function = nullptr;
 PFN_vkGetPhysicalDeviceProperties next_properties = nullptr;
 PFN_vkGetPhysicalDeviceProperties2 next_properties_2 = nullptr;
 
-void lower(uint32_t& limit, const char* name) {
+template <typename Number>
+void lower(Number& limit, const char* name) {
     if (const char* most = std::getenv(name))
-        limit = std::min(limit, static_cast<uint32_t>(std::strtoul(most, nullptr, 10)));
+        limit = std::min(limit, static_cast<Number>(std::strtoul(most, nullptr, 10)));
 }
 
 void lower_all(VkPhysicalDeviceLimits& limits) {
@@ -31,6 +33,10 @@ void VKAPI_CALL properties(VkPhysicalDevice physical, VkPhysicalDeviceProperties
 void VKAPI_CALL properties_2(VkPhysicalDevice physical, VkPhysicalDeviceProperties2* all) {
     next_properties_2(physical, all);
     lower_all(all->properties.limits);
+    for (auto* more = static_cast<VkBaseOutStructure*>(all->pNext); more; more = more->pNext)
+        if (more->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES)
+            lower(reinterpret_cast<VkPhysicalDeviceVulkan11Properties*>(more)->maxMemoryAllocationSize,
+                  "NEUVV_MOST_ALLOCATION");
 }
 
 VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator,

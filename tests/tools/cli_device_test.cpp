@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "support/losable_device.h"
+#include "support/random_tree.h"
 #include "tests/tools/cli_gpu.h"
 #include "voctree/nvv.h"
 
@@ -102,6 +103,32 @@ TEST_F(CliDevice, SmallLimitsGiveTheSameImageOrAnErrorThatHelps) {
     const ProgramResult leaves = render(layer + "NEUVV_MOST_TEXELS=512 NEUVV_MOST_STORAGE_BYTES=8192");
     EXPECT_EQ(leaves.code, 1);
     EXPECT_NE(leaves.err.find("choose a clip of fewer leaves"), std::string::npos) << leaves.err;
+}
+
+// Where a device neither binds nor allocates as much at once as the weights of a field take, these are several buffers
+// that shaders read by their addresses.
+TEST_F(CliDevice, WeightsMayBeLongerThanWhatADeviceBindsOrAllocates) {
+    constexpr uint64_t kMost = 256 << 10;
+    const voctree::VOctree large =
+        test::random_tree({.seed = 3, .node_levels = 3, .leaves = 6000, .bases = 24, .hh_degree = 1, .frames = 3});
+    ASSERT_GT(2 * large.weights.size(), 2 * kMost) << "bytes in fp16: three parts or more";
+    voctree::write_nvv(scene, large);
+    const std::string small = "XDG_CACHE_HOME=" + shell_quoted((folder.path / "cache").string()) +
+                              " VK_INSTANCE_LAYERS=VK_LAYER_NEUVV_lower_limits VK_LAYER_PATH=" NEUVV_LOWER_LIMITS_LAYER
+                              " NEUVV_BUFFERS=storage NEUVV_MOST_STORAGE_BYTES=" +
+                              std::to_string(kMost) + " NEUVV_MOST_ALLOCATION=" + std::to_string(kMost);
+    const auto image = [&](const std::string& environment, const std::vector<std::string>& options) {
+        std::vector<std::string> arguments = {"render", scene,   "-o",       file("out.exr"),
+                                              "--size", "64x48", "--frames", "1.5"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        const ProgramResult result = run_neuvv(arguments, environment);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return read_text(file("out.exr"));
+    };
+    for (const std::vector<std::string>& options :
+         std::vector<std::vector<std::string>>{{}, {"--direct"}, {"--slice-budget", "0"}})
+        EXPECT_TRUE(image("NEUVV_BUFFERS=texel", options) == image(small, options))
+            << (options.empty() ? "" : options[0]);
 }
 
 // A tree whose weights do not fit into a texel buffer of the device is trained as it is elsewhere.

@@ -51,7 +51,7 @@ TrainResult measure(const gpu::Device& device, const voctree::VOctree& tree, con
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
     training::TrainingStep step(device, tree, cameras, options.tiles);
     std::optional<training::DirectStep> direct;
-    if (step.field().weights.bytes <= device.limits().maxStorageBufferRange)
+    if (step.field().weights[0].bytes <= device.limits().maxStorageBufferRange)
         direct.emplace(device, tree, cameras, options.tiles, training::best_atomic_add(device));
     training::BatchSampler sampler(dataset, options.tiles, 1, training::batches_in_a_row(tree));
     TrainResult result;
