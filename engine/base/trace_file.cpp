@@ -89,13 +89,19 @@ TraceSpan::TraceSpan(const char* name, int64_t number) : name_(is_tracing() ? na
     if (name_) begin_ = TraceClock::now();
 }
 
+TraceSpan::TraceSpan(const char* name, const std::string& word) : TraceSpan(name) {
+    if (name_) word_ = word;
+}
+
 TraceSpan::~TraceSpan() {
     if (!name_) return;
     const TraceClock::time_point end = TraceClock::now();
     Trace& all = trace();
+    const std::string shown = number_ != kNoNumber ? fmt::format("{} {}", name_, number_)
+                              : word_.empty()      ? std::string(name_)
+                                                   : fmt::format("{}: {}", name_, word_);
     const std::lock_guard lock(all.mutex);
-    keep_locked(all, {lane_of_this_thread_locked(all),
-                      number_ == kNoNumber ? std::string(name_) : fmt::format("{} {}", name_, number_), begin_, end});
+    keep_locked(all, {lane_of_this_thread_locked(all), shown, begin_, end});
 }
 
 // The format: https://docs.google.com/document/d/1CvAClvFfyA5R-PhYUmn5OOQtYMH4h6I0nSsKchNAySU, "complete" events.

@@ -33,13 +33,16 @@ class TraceSpan {
     static constexpr int64_t kNoNumber = -1;
     // `name` must outlive the span. The number, of a frame for instance, is shown behind it.
     explicit TraceSpan(const char* name, int64_t number = kNoNumber);
+    // The same with a word in place of the number.
+    TraceSpan(const char* name, const std::string& word);
     ~TraceSpan();
     TraceSpan(const TraceSpan&) = delete;
     TraceSpan& operator=(const TraceSpan&) = delete;
 
   private:
     const char* name_;  // null: nobody traces
-    int64_t number_;
+    int64_t number_ = kNoNumber;
+    std::string word_;
     TraceClock::time_point begin_;
 };
 

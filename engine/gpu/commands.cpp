@@ -82,8 +82,9 @@ void Commands::submit_to_main_queue(const VkCommandBufferSubmitInfo& buffer, con
     const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, semaphores.signal, 0,
                                        VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,    0};
     const std::lock_guard lock(device_.queue_mutex());
-    if (TransferQueue* transfers = device_.transfer_queue())
-        if (const auto wait = transfers->wait_for_finished()) waits[wait_count++] = *wait;
+    TransferQueue* transfers = device_.transfer_queue();
+    const std::optional<VkSemaphoreSubmitInfo> unseen = transfers ? transfers->unseen() : std::nullopt;
+    if (unseen) waits[wait_count++] = *unseen;
     VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
     info.commandBufferInfoCount = 1;
     info.pCommandBufferInfos = &buffer;
@@ -92,6 +93,7 @@ void Commands::submit_to_main_queue(const VkCommandBufferSubmitInfo& buffer, con
     info.signalSemaphoreInfoCount = semaphores.signal ? 1 : 0;
     info.pSignalSemaphoreInfos = &signal;
     check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "vkQueueSubmit2", name_);
+    if (unseen) transfers->set_seen(unseen->value);
 }
 
 bool Commands::is_done() const {
@@ -101,7 +103,7 @@ bool Commands::is_done() const {
 void Commands::wait() {
     if (!in_flight_) return;
     {
-        const TraceSpan span("wait for the device");
+        const TraceSpan span("wait for the device", name_);
         const VkResult result = vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX);
         const std::string pass = result == VK_ERROR_DEVICE_LOST ? unfinished_pass() : "";
         check(result, "vkWaitForFences", pass.empty() ? name_ : name_ + ", pass " + pass);
@@ -175,6 +177,7 @@ std::vector<PassTime> Commands::pass_times() const {
 }
 
 uint32_t Commands::begin_pass(const std::string& pass) {
+    assert(!transfers_ && "passes are for the main queue");
     const auto number = static_cast<uint32_t>(scopes_.size());
     if (vkCmdBeginDebugUtilsLabelEXT) {
         const VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, nullptr, pass.c_str(), {}};

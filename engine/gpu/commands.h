@@ -17,12 +17,13 @@ struct PassTime {
 };
 
 // The semaphore that a submission waits for before it draws or copies to an image, and the semaphore that it signals
-// when it is done. Null: none.
+// when it is done, for the main queue alone. Null: none.
 struct CommandSemaphores {
     VkSemaphore wait = VK_NULL_HANDLE, signal = VK_NULL_HANDLE;
 };
 
-// kTransfer: only copies between buffers, on the transfer queue where the device has one, else on the main queue.
+// kTransfer: only copies between buffers, without passes and barriers, on the transfer queue where the device has one,
+// else on the main queue.
 enum class QueueKind { kMain, kTransfer };
 
 // One command buffer with its fence and timestamps. The order is begin(), recording, submit(), wait(); then begin() may

@@ -262,11 +262,13 @@ void Device::choose_physical(const std::string& choice, const DeviceMaker& maker
     physical_ = all[index];
     summary_ = summaries[index];
 
-    VkPhysicalDeviceVulkan11Properties properties11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+    VkPhysicalDeviceVulkan13Properties properties13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+    VkPhysicalDeviceVulkan11Properties properties11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES,
+                                                    &properties13};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &properties11, {}};
     vkGetPhysicalDeviceProperties2(physical_, &properties);
     limits_ = properties.properties.limits;
-    max_allocation_bytes_ = properties11.maxMemoryAllocationSize;
+    max_allocation_bytes_ = std::min(properties11.maxMemoryAllocationSize, properties13.maxBufferSize);
 }
 
 void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker& maker) {
@@ -313,7 +315,10 @@ void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker
     volkLoadDevice(device_);
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     name_object(VK_OBJECT_TYPE_QUEUE, reinterpret_cast<uint64_t>(queue_), "queue");
-    if (transfers) transfer_queue_ = std::make_unique<TransferQueue>(device_, *transfers);
+    if (!transfers) return;
+    transfer_queue_ = std::make_unique<TransferQueue>(device_, *transfers);
+    name_object(VK_OBJECT_TYPE_QUEUE, reinterpret_cast<uint64_t>(transfer_queue_->handle()), "transfer queue");
+    name_object(VK_OBJECT_TYPE_SEMAPHORE, reinterpret_cast<uint64_t>(transfer_queue_->semaphore()), "finished uploads");
 }
 
 namespace {

@@ -51,10 +51,9 @@ void TransferQueue::set_finished(uint64_t number) {
     }
 }
 
-std::optional<VkSemaphoreSubmitInfo> TransferQueue::wait_for_finished() {
+std::optional<VkSemaphoreSubmitInfo> TransferQueue::unseen() const {
     const uint64_t finished = finished_;
     if (finished == seen_by_main_) return std::nullopt;
-    seen_by_main_ = finished;
     return VkSemaphoreSubmitInfo{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, semaphore_, finished,
                                  VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,    0};
 }

@@ -25,7 +25,9 @@ class TransferQueue {
     TransferQueue& operator=(const TransferQueue&) = delete;
 
     uint32_t family() const { return family_; }
-    // To be locked while something waits for the whole device.
+    VkQueue handle() const { return queue_; }
+    VkSemaphore semaphore() const { return semaphore_; }
+    // submit() locks it. Whoever waits for all queues of the device must lock it, too.
     std::mutex& mutex() { return mutex_; }
 
     // Submits commands that only copy between buffers, and returns the number of the submission; `name` is what errors
@@ -33,10 +35,12 @@ class TransferQueue {
     uint64_t submit(const VkCommandBufferSubmitInfo& commands, VkFence fence, const std::string& name);
     // To be called when the fence of the submission is signalled.
     void set_finished(uint64_t number);
-    // What a submission to the main queue waits for, so that it and all later ones see what finished submissions wrote;
-    // nothing where an earlier one waited for the same. It is signalled already, so the queue does not stand still. The
-    // main queue's mutex must be locked.
-    std::optional<VkSemaphoreSubmitInfo> wait_for_finished();
+    // What the next submission to the main queue has to wait for, so that it and all later ones see what finished
+    // submissions wrote; nothing where an earlier one waited for the same. It is signalled already, so the queue does
+    // not stand still. set_seen() is to be called with the value once that submission has succeeded. The main queue's
+    // mutex must be locked for both.
+    std::optional<VkSemaphoreSubmitInfo> unseen() const;
+    void set_seen(uint64_t value) { seen_by_main_ = value; }
 
   private:
     VkDevice device_;

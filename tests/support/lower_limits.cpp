@@ -1,6 +1,6 @@
 // A Vulkan layer that lowers the limits of all devices, so that a large device stands in for a small one:
 // NEUVV_MOST_TEXELS is maxTexelBufferElements, NEUVV_MOST_STORAGE_BYTES is maxStorageBufferRange, and
-// NEUVV_MOST_ALLOCATION is maxMemoryAllocationSize.
+// NEUVV_MOST_ALLOCATION is maxMemoryAllocationSize and maxBufferSize.
 #include <algorithm>
 #include <cstdlib>
 
@@ -33,10 +33,13 @@ void VKAPI_CALL properties(VkPhysicalDevice physical, VkPhysicalDeviceProperties
 void VKAPI_CALL properties_2(VkPhysicalDevice physical, VkPhysicalDeviceProperties2* all) {
     next_properties_2(physical, all);
     lower_all(all->properties.limits);
-    for (auto* more = static_cast<VkBaseOutStructure*>(all->pNext); more; more = more->pNext)
+    for (auto* more = static_cast<VkBaseOutStructure*>(all->pNext); more; more = more->pNext) {
         if (more->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES)
             lower(reinterpret_cast<VkPhysicalDeviceVulkan11Properties*>(more)->maxMemoryAllocationSize,
                   "NEUVV_MOST_ALLOCATION");
+        if (more->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES)
+            lower(reinterpret_cast<VkPhysicalDeviceVulkan13Properties*>(more)->maxBufferSize, "NEUVV_MOST_ALLOCATION");
+    }
 }
 
 VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator,

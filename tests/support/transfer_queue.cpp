@@ -1,5 +1,6 @@
 // A Vulkan layer that gives every device one more family with one queue, which only copies. What is submitted there
 // runs on the driver's first queue, so that devices with a single queue stand in for those with an engine for copies.
+#include <algorithm>
 #include <mutex>
 #include <vector>
 
@@ -84,8 +85,15 @@ VkResult VKAPI_CALL create_pool(VkDevice of, const VkCommandPoolCreateInfo* info
 
 VkResult VKAPI_CALL create_buffer(VkDevice of, const VkBufferCreateInfo* info, const VkAllocationCallbacks* allocator,
                                   VkBuffer* buffer) {
+    std::vector<uint32_t> shared;  // without the layer's family
+    for (uint32_t i = 0; i < info->queueFamilyIndexCount && info->sharingMode == VK_SHARING_MODE_CONCURRENT; i++)
+        if (const uint32_t family = drivers_family(info->pQueueFamilyIndices[i]);
+            std::find(shared.begin(), shared.end(), family) == shared.end())
+            shared.push_back(family);
     VkBufferCreateInfo changed = *info;
-    changed.sharingMode = VK_SHARING_MODE_EXCLUSIVE;  // for the driver, it is one family
+    changed.sharingMode = shared.size() > 1 ? VK_SHARING_MODE_CONCURRENT : VK_SHARING_MODE_EXCLUSIVE;
+    changed.queueFamilyIndexCount = static_cast<uint32_t>(shared.size());
+    changed.pQueueFamilyIndices = shared.data();
     return next<PFN_vkCreateBuffer>("vkCreateBuffer")(of, &changed, allocator, buffer);
 }
 
@@ -97,6 +105,14 @@ VkResult VKAPI_CALL queue_submit(VkQueue queue, uint32_t count, const VkSubmitIn
 VkResult VKAPI_CALL queue_submit_2(VkQueue queue, uint32_t count, const VkSubmitInfo2* submits, VkFence fence) {
     const std::lock_guard lock(queue_mutex);
     return next<PFN_vkQueueSubmit2>("vkQueueSubmit2")(drivers(queue), count, submits, fence);
+}
+
+VkResult VKAPI_CALL name_object(VkDevice of, const VkDebugUtilsObjectNameInfoEXT* info) {
+    VkDebugUtilsObjectNameInfoEXT changed = *info;
+    if (info->objectHandle == reinterpret_cast<uint64_t>(&layers_queue))
+        changed.objectHandle = reinterpret_cast<uint64_t>(layers_queue.drivers);
+    const auto name = next<PFN_vkSetDebugUtilsObjectNameEXT>("vkSetDebugUtilsObjectNameEXT");
+    return name ? name(of, &changed) : VK_SUCCESS;
 }
 
 VkResult VKAPI_CALL queue_wait_idle(VkQueue queue) {
@@ -147,7 +163,8 @@ const neuvv::test::LayerFunction kFunctions[] = {{"vkGetInstanceProcAddr", &inst
                                                  {"vkQueueSubmit", &queue_submit},
                                                  {"vkQueueSubmit2", &queue_submit_2},
                                                  {"vkQueueSubmit2KHR", &queue_submit_2},
-                                                 {"vkQueueWaitIdle", &queue_wait_idle}};
+                                                 {"vkQueueWaitIdle", &queue_wait_idle},
+                                                 {"vkSetDebugUtilsObjectNameEXT", &name_object}};
 
 PFN_vkVoidFunction VKAPI_CALL instance_function(VkInstance of, const char* name) {
     const PFN_vkVoidFunction own = neuvv::test::own_function(kFunctions, name);

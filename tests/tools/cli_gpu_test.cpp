@@ -10,6 +10,7 @@
 #include "support/edit_image.h"
 #include "support/stage_on_disk.h"
 #include "tests/tools/cli_gpu.h"
+#include "tests/tools/trace_spans.h"
 #include "training/evaluation/metrics.h"
 #include "voctree/clip.h"
 #include "voctree/nvv.h"
@@ -55,31 +56,13 @@ TEST_F(CliGpu, RenderWritesAVideo) {
     EXPECT_EQ(folder.entries(), 2u) << "no temporary is left";
 }
 
-// The spans of a trace (Chrome's trace event format, microseconds), by lane and name.
-std::map<std::string, std::vector<nlohmann::json>> spans_of(const nlohmann::json& trace) {
-    std::map<int, std::string> lanes;
-    for (const auto& event : trace.at("traceEvents"))
-        if (event.at("ph") == "M") lanes[event.at("tid")] = event.at("args").at("name");
-    std::map<std::string, std::vector<nlohmann::json>> spans;
-    for (const auto& event : trace.at("traceEvents"))
-        if (event.at("ph") == "X")
-            spans[lanes.at(event.at("tid")) + ": " + event.at("name").get<std::string>()].push_back(event);
-    return spans;
-}
-
-bool overlap(const nlohmann::json& a, const nlohmann::json& b) {
-    const auto begin = [](const auto& span) { return span.at("ts").template get<double>(); };
-    const auto end = [&](const auto& span) { return begin(span) + span.at("dur").template get<double>(); };
-    return begin(a) < end(b) && begin(b) < end(a);
-}
-
 // Images are encoded while the next ones are drawn.
 TEST_F(CliGpu, ATraceShowsWhatHappensAtTheSameTime) {
     const ProgramResult result =
         run_neuvv({"render", scene, "-o", file("o_%02d.png"), "--size", "320x320", "--trace", file("trace.json")});
     ASSERT_EQ(result.code, 0) << result.err;
     auto spans = spans_of(nlohmann::json::parse(std::ifstream(file("trace.json"))));
-    const auto& waits = spans["main thread: wait for the device"];
+    const auto& waits = spans["main thread: wait for the device: frame"];
     size_t writes = 0, overlapping = 0;
     for (const auto& [name, events] : spans) {
         if (name.find("worker: write image") == std::string::npos) continue;
@@ -98,7 +81,7 @@ TEST_F(CliGpu, ATraceHasTheSpansOfThreadsAndOfTheDevice) {
     ASSERT_EQ(result.code, 0) << result.err;
     const auto trace = nlohmann::json::parse(std::ifstream(file("trace.json")));
     auto spans = spans_of(trace);
-    const auto& waits = spans["main thread: wait for the device"];
+    const auto& waits = spans["main thread: wait for the device: frame"];
     ASSERT_FALSE(waits.empty());
     for (const auto& wait : waits) EXPECT_GE(wait.at("dur").get<double>(), 0);
     size_t on_device = 0;
