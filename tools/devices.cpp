@@ -32,13 +32,9 @@ const char* name_of(gpu::ProfileReason reason) {
     return "";
 }
 
-bool has_room_for_storage(const gpu::BufferLimits& limits) {
-    return limits.storage_buffers >= gpu::kMostStorageBuffers;
-}
-
 nlohmann::ordered_json json_of(const gpu::BufferLimits& limits) {
     auto profiles = nlohmann::ordered_json::array({"texel"});
-    if (has_room_for_storage(limits)) profiles.push_back("storage");
+    if (limits.allow_storage()) profiles.push_back("storage");
     using Json = nlohmann::ordered_json;
     return {{"profile", profile_name(limits.profile)},
             {"reason", name_of(limits.reason)},
@@ -88,8 +84,10 @@ void print(const gpu::DeviceSummary& device) {
         fmt::print("   arrays in {}, or in {} if the next start finds those faster\n", texel, storage);
     else if (limits.profile == gpu::BufferProfile::kStorage)
         fmt::print("   arrays in {} (NEUVV_BUFFERS=texel: in {})\n", storage, texel);
-    else if (has_room_for_storage(limits))
+    else if (limits.allow_storage())
         fmt::print("   arrays in {} (NEUVV_BUFFERS=storage: in {})\n", texel, storage);
+    else if (!limits.addresses)
+        fmt::print("   arrays in {} (it has no addresses of buffers)\n", texel);
     else
         fmt::print("   arrays in {} (shaders bind at most {} storage buffers, {} would be needed)\n", texel,
                    limits.storage_buffers, gpu::kMostStorageBuffers);

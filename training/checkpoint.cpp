@@ -287,7 +287,7 @@ Checkpoint take_checkpoint(const TrainingStep& step, const voctree::VOctree& tre
     const TraceSpan span("read the device's state");
     Checkpoint checkpoint{run, tree, {}, {}, {}, {}, {}, colours, rig};
     step.download(checkpoint.tree);
-    const gpu::Device& device = *step.field().weights[0].device;
+    const gpu::Device& device = *step.field().whole_weights().device;
     checkpoint.use = read_use(device, step.tally(), tree);
     const Moments& moments = step.moments();
     const size_t rows = size_t{2} * tree.frames * tree.bases;

@@ -17,7 +17,7 @@ DirectAdjoint::DirectAdjoint(const gpu::Device& device, const render::Field& giv
            {field.hh_degree, field.node_levels, field.top_levels, field.basis_planes(), field.busy_planes}),
       set(pass, {{kTraceLinks, &field.links},
                  {kTraceNodes, &field.nodes},
-                 {kTraceWeights, &field.weights[0]},
+                 {kTraceWeights, &field.whole_weights()},
                  {kTraceRows, &live.rows},
                  {kTraceCameras, &rays.cameras},
                  {kTraceTiles, &rays.tiles},

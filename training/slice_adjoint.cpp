@@ -26,7 +26,7 @@ size_t frame_words(const voctree::VOctree& tree) {
 
 gpu::BindingSet leaf_bindings(const gpu::ComputePass& pass, const render::Field& field, const render::Slice& slice,
                               const SliceGradients& gradients, const Moments& moments, const LeafTally& tally) {
-    return gpu::BindingSet(pass, {{kAdjointWeights, &field.weights[0]},
+    return gpu::BindingSet(pass, {{kAdjointWeights, &field.whole_weights()},
                                   {kAdjointFirstMoments, &moments.first},
                                   {kAdjointSecondMoments, &moments.second},
                                   {kAdjointRows, &slice.rows},
@@ -46,8 +46,10 @@ gpu::BindingSet leaf_bindings(const gpu::ComputePass& pass, const render::Field&
 }  // namespace
 
 Moments::Moments(const gpu::Device& device, const render::Field& field)
-    : first(device, "first moments", field.weights[0].bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT),
-      second(device, "second moments", field.weights[0].bytes, gpu::MemoryKind::kDevice, VK_FORMAT_R32G32B32A32_SFLOAT),
+    : first(device, "first moments", field.whole_weights().bytes, gpu::MemoryKind::kDevice,
+            VK_FORMAT_R32G32B32A32_SFLOAT),
+      second(device, "second moments", field.whole_weights().bytes, gpu::MemoryKind::kDevice,
+             VK_FORMAT_R32G32B32A32_SFLOAT),
       rows_first(device, "row first moments", uint64_t{8} * field.frames * field.bases, gpu::MemoryKind::kDevice,
                  VK_FORMAT_R32_SFLOAT),
       rows_second(device, "row second moments", uint64_t{8} * field.frames * field.bases, gpu::MemoryKind::kDevice,

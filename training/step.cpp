@@ -175,7 +175,7 @@ const glm::vec4* TrainingStep::trace(float frame, uint32_t tiles, float stop) {
 void TrainingStep::download(voctree::VOctree& tree) const {
     assert(tree.leaf_count == field_.leaf_count && "the tree's topology changed");
     std::vector<float> planes(size_t{4} * field_.planes() * field_.leaf_count);
-    neuvv::gpu::download(device_, field_.weights[0], planes.data(), planes.size() * sizeof(float));
+    neuvv::gpu::download(device_, field_.whole_weights(), planes.data(), planes.size() * sizeof(float));
     render::weights_from_planes(planes, tree);
     neuvv::gpu::download(device_, field_.sigma_basis, tree.sigma_basis.data(), tree.sigma_basis.size() * sizeof(float));
     neuvv::gpu::download(device_, field_.gamma_basis, tree.gamma_basis.data(), tree.gamma_basis.size() * sizeof(float));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <utility>
 
 #include "base/error.h"
@@ -126,6 +127,7 @@ Buffer::~Buffer() {
 }
 
 glm::uvec2 Buffer::address() const {
+    assert(device->buffer_addresses());
     const VkBufferDeviceAddressInfo info{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, buffer};
     const uint64_t address = vkGetBufferDeviceAddress(device->handle(), &info);
     return {static_cast<uint32_t>(address), static_cast<uint32_t>(address >> 32)};

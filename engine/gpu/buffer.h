@@ -35,8 +35,8 @@ struct Buffer {
         return static_cast<T*>(mapped);
     }
 
-    // By which shaders can read it without a binding: the low and the high word. The device must have
-    // buffer_addresses().
+    // The address by which shaders can read the buffer without a binding: its low and its high word. The device must
+    // have buffer_addresses() (assert).
     glm::uvec2 address() const;
 
     const Device* device = nullptr;

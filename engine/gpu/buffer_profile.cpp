@@ -17,9 +17,9 @@ constexpr uint64_t kTimedTexels = uint64_t{1} << 20;  // of the arrays by which 
 void choose_profile(BufferLimits& limits, const std::string& forced) {
     const uint64_t as_texels = std::min(kWidestElement * limits.texels, kEnoughBytes);
     const uint64_t as_storage = std::min(limits.storage_bytes, kEnoughBytes);
-    const bool can_choose = limits.storage_buffers >= kMostStorageBuffers;
+    const bool can_choose = limits.allow_storage();
     const bool can_time = can_choose && limits.texels >= kTimedTexels;
-    if (limits.storage_buffers == 0) return;  // texel buffers
+    if (!limits.addresses) return;  // texel buffers
     if (forced == "texel" || forced == "storage") {
         limits.profile = forced == "texel" ? BufferProfile::kTexel : BufferProfile::kStorage;
         limits.reason = ProfileReason::kForced;
@@ -34,7 +34,7 @@ void choose_profile(BufferLimits& limits, const std::string& forced) {
 
 BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits, bool buffer_addresses) {
     BufferLimits result{limits.maxTexelBufferElements, limits.maxStorageBufferRange,
-                        buffer_addresses ? limits.maxPerStageDescriptorStorageBuffers : 0};
+                        limits.maxPerStageDescriptorStorageBuffers, buffer_addresses};
     const char* environment = std::getenv("NEUVV_BUFFERS");
     const std::string forced = environment ? environment : "";
     if (!forced.empty() && forced != "texel" && forced != "storage" && forced != "fastest")

@@ -31,11 +31,14 @@ constexpr uint32_t kMostStorageBuffers = 8;
 struct BufferLimits {
     uint64_t texels = 0;           // of a texel buffer
     uint64_t storage_bytes = 0;    // of a storage buffer
-    uint32_t storage_buffers = 0;  // of a shader stage; 0: the device has no addresses of buffers
+    uint32_t storage_buffers = 0;  // of a shader stage
+    bool addresses = true;         // whether shaders may read buffers by their addresses (features.h)
     BufferProfile profile = BufferProfile::kTexel;
     ProfileReason reason = ProfileReason::kLimits;
     std::optional<ProfileTimes> times;  // with kSpeed, once they are measured
 
+    // Whether the shaders of a player can run in the storage profile.
+    bool allow_storage() const { return addresses && storage_buffers >= kMostStorageBuffers; }
     // The elements that an array may have, each of `element_bytes`.
     uint64_t max_elements(uint32_t element_bytes) const {
         return profile == BufferProfile::kTexel ? texels : storage_bytes / element_bytes;
@@ -48,10 +51,9 @@ struct BufferLimits {
 
 // Takes the profile whose arrays may be longer. Where both hold 2 GiB or equally much, the reason is kSpeed and the
 // profile texel buffers, until the two are timed. NEUVV_BUFFERS of the environment, "texel" or "storage", forces a
-// profile. With "fastest" the two are timed, too, where one's arrays may be longer. They are timed only where the
-// device can bind what is timed (2^20 texels) and kMostStorageBuffers storage buffers. Throws
-// InputError for another value of NEUVV_BUFFERS. Devices without
-// `buffer_addresses` (features.h) have only texel buffers.
+// profile; without `buffer_addresses`, it is texel buffers in any case. With "fastest" the two are timed, too, where
+// one's arrays may be longer. They are timed only where the device can bind what is timed (2^20 texels) and allows
+// storage buffers. Throws InputError for another value of NEUVV_BUFFERS.
 BufferLimits buffer_limits(const VkPhysicalDeviceLimits& limits, bool buffer_addresses);
 
 }  // namespace neuvv::gpu

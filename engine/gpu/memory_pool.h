@@ -28,7 +28,7 @@ class MemoryPool {
     // Frees all that is kept.
     void clear(VkDevice device);
 
-    // Whether shaders may read buffers in the memory by their addresses; to be called before the first take().
+    // Says whether shaders may read buffers in the memory by their addresses. To be called before the first take().
     void set_addresses(bool addresses) { addresses_ = addresses; }
 
     // Memory of these types (a bit mask) counts as allocated(). Beyond the limit, take() returns

@@ -1,10 +1,13 @@
 #include "render/field.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "base/trace_file.h"
 #include "gpu/host_copies.h"
@@ -87,6 +90,13 @@ void add_weights(Field& field, const std::vector<uint16_t>& halves, gpu::Uploads
     const uint64_t plane_bytes = uint64_t{8} * field.leaf_count;
     field.weights_by_address = limits.profile == gpu::BufferProfile::kStorage &&
                                planes * plane_bytes > std::min(limits.storage_bytes, device.max_allocation_bytes());
+    if (limits.profile == gpu::BufferProfile::kTexel && planes * uint64_t{field.leaf_count} > limits.texels &&
+        limits.allow_storage())
+        throw RuntimeFailure(
+            fmt::format("the weights of {} leaves are more than device \"{}\" binds as a texel buffer; "
+                        "NEUVV_BUFFERS=storage reads them otherwise, or choose a clip of fewer leaves "
+                        "(--max-leaves of `neuvv train`)",
+                        field.leaf_count, device.summary().name));
     if (!field.weights_by_address) {
         field.weights.push_back(uploads.add("leaf weights (fp16)", halves, VK_FORMAT_R16G16B16A16_SFLOAT));
         return;

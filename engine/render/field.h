@@ -1,6 +1,8 @@
 // A VOctree in device memory: what the slice, trace and direct passes read (layout: shared/field.h).
 #pragma once
 
+#include <cassert>
+
 #include "gpu/buffer.h"
 #include "shared/field.h"
 #include "voctree/voctree.h"
@@ -48,7 +50,13 @@ struct Field {
     uint32_t node_count() const { return level_begin.back(); }
     uint64_t live_bytes() const { return uint64_t{8} * node_count(); }  // of LiveLeaves::node_live
     uint32_t basis_planes() const { return (bases + 3) / 4; }
-    // What passes bind as the weights, which is not read with weights_by_address.
+    // All of them, where they are one buffer, as those of WeightPrecision::kFloat are.
+    const gpu::Buffer& whole_weights() const {
+        assert(weights.size() == 1);
+        return weights[0];
+    }
+    // What passes bind as the weights. With weights_by_address they do not read it, and another buffer fills the
+    // binding.
     const gpu::Buffer& bound_weights() const { return weights_by_address ? links : weights[0]; }
     uint32_t planes() const { return 2 * basis_planes() + hh_count(hh_degree); }
 };

@@ -4,15 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
-#include <optional>
 #include <string>
 
 #include "gpu/pass_layout.h"
 #include "spirv/neuvv_render_shaders.h"
 #include "spirv/neuvv_training_shaders.h"
 #include "spirv/neuvv_xr_shaders.h"
+#include "support/environment_value.h"
 #include "support/input_error.h"
 #include "training/array_buffers.h"
 
@@ -21,21 +20,9 @@ namespace {
 
 constexpr uint32_t kPortableStorageBuffers = 8;  // of a shader, as other graphics interfaces guarantee them
 
-// NEUVV_BUFFERS with another value while it exists.
-struct Forced {
-    explicit Forced(const char* value) {
-        if (const char* environment = std::getenv("NEUVV_BUFFERS")) before = environment;
-        setenv("NEUVV_BUFFERS", value, 1);
-    }
-    ~Forced() { before ? setenv("NEUVV_BUFFERS", before->c_str(), 1) : unsetenv("NEUVV_BUFFERS"); }
-    Forced(const Forced&) = delete;
-    Forced& operator=(const Forced&) = delete;
-    std::optional<std::string> before;
-};
-
 gpu::BufferLimits chosen(uint32_t texels, uint32_t storage_bytes, uint32_t storage_buffers, const char* forced = "",
                          bool addresses = true) {
-    const Forced environment(forced);
+    const EnvironmentValue environment("NEUVV_BUFFERS", forced);
     VkPhysicalDeviceLimits limits{};
     limits.maxTexelBufferElements = texels;
     limits.maxStorageBufferRange = storage_bytes;

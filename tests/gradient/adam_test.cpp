@@ -16,8 +16,8 @@ struct State {
 };
 
 State weights_now(const gpu::Device& device, const training::TrainingStep& step) {
-    const size_t count = step.field().weights[0].bytes / sizeof(float);
-    return {download_floats(device, step.field().weights[0], count),
+    const size_t count = step.field().whole_weights().bytes / sizeof(float);
+    return {download_floats(device, step.field().whole_weights(), count),
             download_floats(device, step.moments().first, count),
             download_floats(device, step.moments().second, count)};
 }

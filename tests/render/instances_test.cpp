@@ -186,10 +186,10 @@ TEST_F(InstancesTest, CopiesCostNoMemoryBeyondTheBudget) {
             const uint64_t before = device().buffer_bytes();
             render::FrameRenderer renderer(device(), field, {kWidth, kHeight, 1, 1, budget});
             renderer.render(stage_camera(), settings_of(instances, render::TraceMode::kPlay));
-            return device().buffer_bytes() - before + field.weights[0].bytes;
+            return device().buffer_bytes() - before + field.whole_weights().bytes;
         };
         const uint64_t alone = bytes_with({copies[0]}), all = bytes_with(copies);
-        EXPECT_GT(alone, field.weights[0].bytes + budget);
+        EXPECT_GT(alone, field.whole_weights().bytes + budget);
         EXPECT_LE(all, alone + budget + 16 * 1024) << "budget " << budget;
         if (budget > 0) continue;
         EXPECT_LE(static_cast<double>(all), 1.01 * static_cast<double>(alone));

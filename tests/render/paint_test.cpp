@@ -307,7 +307,7 @@ TEST_F(PaintTest, OfACopyTakesNoFieldAgain) {
     const uint64_t more = device().buffer_bytes() - before;
     EXPECT_LE(more, 28 * layer.edits.size() + 64);
     EXPECT_GE(more, 20 * layer.edits.size());
-    EXPECT_LT(20 * more, field.weights[0].bytes);
+    EXPECT_LT(20 * more, field.whole_weights().bytes);
     renderer.paints().remove(paint);
     EXPECT_EQ(device().buffer_bytes(), before);
 }

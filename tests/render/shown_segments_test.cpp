@@ -27,7 +27,7 @@ struct ShownSegmentsTest : GpuTest {
         const render::Field field =
             render::upload_field(device(), voctree::read_nvv(clip.segments[0].file), render::WeightPrecision::kHalf);
         field_bytes = render::device_bytes(field);
-        EXPECT_GT(field_bytes, field.weights[0].bytes);
+        EXPECT_GT(field_bytes, field.whole_weights().bytes);
     }
     render::ShownSegments keeping(uint64_t bytes) {
         return render::ShownSegments(

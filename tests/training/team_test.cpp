@@ -195,7 +195,7 @@ Member train_member(const training::TrainSettings& settings, const std::filesyst
     training::Dataset own = trained_sphere();
     Member member;
     const auto look = [&](const training::TrainProgress& now) {
-        const gpu::Buffer &weights = now.field->weights[0], &basis = now.field->sigma_basis;
+        const gpu::Buffer &weights = now.field->whole_weights(), &basis = now.field->sigma_basis;
         member.weights.resize(weights.bytes / sizeof(float));
         member.sigma_basis.resize(basis.bytes / sizeof(float));
         gpu::download(*weights.device, weights, member.weights.data(), weights.bytes);
