@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/error.h"
@@ -51,7 +52,7 @@ TrainResult measure(const gpu::Device& device, const voctree::VOctree& tree, con
     const auto cameras = static_cast<uint32_t>(dataset.cameras.size());
     training::TrainingStep step(device, tree, cameras, options.tiles);
     std::optional<training::DirectStep> direct;
-    if (step.field().weights[0].bytes <= device.limits().maxStorageBufferRange)
+    if (step.field().whole_weights().bytes <= device.limits().maxStorageBufferRange)
         direct.emplace(device, tree, cameras, options.tiles, training::best_atomic_add(device));
     training::BatchSampler sampler(dataset, options.tiles, 1, training::batches_in_a_row(tree));
     TrainResult result;
@@ -125,6 +126,40 @@ void print_ratio(const TrainResult& result, uint32_t numbers) {
                    sum(result.slice, {"slice", "trace", "trace adjoint", "touched", "slice adjoint"}));
 }
 
+double rays_per_s(const TrainResult& result) {
+    return median(result.rays) / median(result.step_seconds);
+}
+
+// What the slice's adjoint and the optimiser in it move a second.
+double optimiser_gb_s(const TrainResult& result, uint32_t hh_degree) {
+    return optimiser_bytes(result.busy_planes, hh_degree, median(result.touched)) /
+           step_ms(result.slice, "slice adjoint") / 1e6;
+}
+
+void print(const TrainResult& result, const gpu::Device& device, const voctree::VOctree& tree) {
+    fmt::print("{}: {:.0f} rays a step, {:.0f} live leaves of {}, {:.0f} touched\n", device.summary().name,
+               median(result.rays), median(result.slots), tree.leaf_count, median(result.touched));
+    fmt::print("slice-space gradients, {} numbers a sample\n", gradient_stride(tree.hh_degree));
+    print_passes(result.slice);
+    print_ratio(result, 8 * result.busy_planes + 3 * hh_count(tree.hh_degree));
+    fmt::print("training: {:.0f}k rays/s, {:.2f} Mrays/s for each TB/s of a copy\n", rays_per_s(result) / 1000,
+               rays_per_s(result) / 1e6 / (result.copy_bytes_per_s / 1e12));
+    const double copied = result.copy_bytes_per_s / 1e9, optimised = optimiser_gb_s(result, tree.hh_degree);
+    fmt::print("slice adjoint and optimiser: {:.1f} GB/s, {:.0f} % of a copy's {:.1f} GB/s\n", optimised,
+               100 * optimised / copied, copied);
+}
+
+nlohmann::ordered_json json_of(const TrainResult& result, const voctree::VOctree& tree) {
+    return {{"rays", median(result.rays)},
+            {"live_leaves", median(result.slots)},
+            {"touched", median(result.touched)},
+            {"mrays_per_second", rays_per_s(result) / 1e6},
+            {"optimiser_gb_s", optimiser_gb_s(result, tree.hh_degree)},
+            {"copy_gb_s", result.copy_bytes_per_s / 1e9},
+            {"passes_ms", passes_json(result.slice)},
+            {"direct_passes_ms", passes_json(result.direct)}};
+}
+
 void run_train(const TrainOptions& options, const tools::CommonOptions& common) {
     catch_stop_signals();
     const voctree::VOctree tree = voctree::read_nvv(options.scene);
@@ -133,20 +168,7 @@ void run_train(const TrainOptions& options, const tools::CommonOptions& common) 
     const gpu::Device device(common.device);
     const TrainResult result = measure(device, tree, dataset, options);
     if (result.slots.empty()) return;
-    const double rays = median(result.rays);
-    fmt::print("{}: {:.0f} rays a step, {:.0f} live leaves of {}, {:.0f} touched\n", device.summary().name, rays,
-               median(result.slots), tree.leaf_count, median(result.touched));
-    fmt::print("slice-space gradients, {} numbers a sample\n", gradient_stride(tree.hh_degree));
-    print_passes(result.slice);
-    print_ratio(result, 8 * result.busy_planes + 3 * hh_count(tree.hh_degree));
-    const double rays_per_s = rays / median(result.step_seconds);
-    fmt::print("training: {:.0f}k rays/s, {:.2f} Mrays/s for each TB/s of a copy\n", rays_per_s / 1000,
-               rays_per_s / 1e6 / (result.copy_bytes_per_s / 1e12));
-    const double copied = result.copy_bytes_per_s / 1e9;
-    const double optimised = optimiser_bytes(result.busy_planes, tree.hh_degree, median(result.touched)) /
-                             step_ms(result.slice, "slice adjoint") / 1e6;
-    fmt::print("slice adjoint and optimiser: {:.1f} GB/s, {:.0f} % of a copy's {:.1f} GB/s\n", optimised,
-               100 * optimised / copied, copied);
+    report(options, device, json_of(result, tree), [&] { print(result, device, tree); });
 }
 
 }  // namespace
@@ -168,6 +190,7 @@ void add_train(tools::Command app, const tools::CommonOptions& common) {
     tools::add_format_option(verb, options.format);
     verb.add_option("--tiles", options.tiles, "Tiles of 8x8 rays a step").in_range(1, 65536);
     add_repeats_option(verb, options, "Steps that the medians are over");
+    add_json_flag(verb, options);
 }
 
 }  // namespace neuvv::bench
