@@ -57,7 +57,7 @@ TEST(BindingsTest, EachControllerCanDoWhatAUserNeeds) {
 TEST(BindingsTest, EachActionHasAButtonOnAControllerWithAllButtons) {
     for (const char* path : {"oculus/touch_controller", "facebook/touch_controller_pro", "meta/touch_controller_plus",
                              "bytedance/pico4_controller", "htc/vive_focus3_controller", "hp/mixed_reality_controller",
-                             "valve/index_controller", "microsoft/motion_controller"}) {
+                             "valve/index_controller", "microsoft/motion_controller", "khr/generic_controller"}) {
         const xr::ControllerProfile* profile = xr::find_profile(std::string("/interaction_profiles/") + path);
         ASSERT_TRUE(profile) << path;
         for (const HandAction action : xr::kHandActions)

@@ -1,4 +1,6 @@
 // Instances, their extensions, paths and events.
+#include <unistd.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -14,6 +16,14 @@ namespace {
 std::string environment(const char* name) {
     const char* value = std::getenv(name);
     return value ? value : "";
+}
+
+// Of this process; 0 where the system does not tell.
+int64_t resident_bytes() {
+    std::ifstream stream("/proc/self/statm");
+    int64_t pages = 0, resident = 0;
+    stream >> pages >> resident;
+    return resident * sysconf(_SC_PAGESIZE);
 }
 
 std::string script_text() {
@@ -101,6 +111,7 @@ XrResult create_instance(const XrInstanceCreateInfo* create_info, XrInstance* ha
                 "extension", name + " is enabled without having been enumerated");
         extensions.insert(name);
     }
+    state.report.resident_bytes.push_back(resident_bytes());
     state.instance = make_object<Instance>();
     state.instance->extensions = extensions;
     state.report.is_destroyed_cleanly = false;

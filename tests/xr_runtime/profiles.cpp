@@ -78,6 +78,9 @@ const std::vector<Profile>& known_profiles() {
     static const std::vector<Profile> profiles = {
         {"/interaction_profiles/khr/simple_controller", "Simple Controller", nullptr,
          booleans({"/input/select/click", "/input/menu/click"}) | kPoses | kBuzz},
+        {"/interaction_profiles/khr/generic_controller", "Generic Controller", "XR_KHR_generic_controller",
+         booleans({"/input/primary/click", "/input/secondary/click"}) |
+             floats({"/input/squeeze/value", "/input/trigger/value"}) | kThumbstick | kPoses | kBuzz},
         {"/interaction_profiles/oculus/touch_controller", "Touch Controller", nullptr, kTouchButtons | kTouchInputs},
         {"/interaction_profiles/valve/index_controller", "Index Controller", nullptr,
          booleans({"/input/system/click", "/input/system/touch", "/input/a/click", "/input/a/touch", "/input/b/click",

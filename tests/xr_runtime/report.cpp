@@ -71,6 +71,7 @@ OrderedJson json_of(const Report& report) {
         for (const Report::Binding& binding : bindings)
             list.push_back({{"action", binding.action}, {"path", binding.path}});
     }
+    json["resident_bytes"] = report.resident_bytes;
     json["destroyed_cleanly"] = report.is_destroyed_cleanly;
     return json;
 }

@@ -47,6 +47,7 @@ struct Report {
         std::string action, path;
     };
     std::map<std::string, std::vector<Binding>> bindings;  // by interaction profile
+    std::vector<int64_t> resident_bytes;                   // of the process, each time that it created an instance
     bool is_destroyed_cleanly = false;
 
     // Both return whether the finding is new.

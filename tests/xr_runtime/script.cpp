@@ -368,9 +368,10 @@ const std::vector<XrExtensionProperties>& implemented_extensions() {
         add(XR_VARJO_QUAD_VIEWS_EXTENSION_NAME, XR_VARJO_quad_views_SPEC_VERSION);
         add(XR_VARJO_FOVEATED_RENDERING_EXTENSION_NAME, XR_VARJO_foveated_rendering_SPEC_VERSION);
         add(XR_FB_PASSTHROUGH_EXTENSION_NAME, XR_FB_passthrough_SPEC_VERSION);
-        for (const char* controllers : {"XR_FB_touch_controller_pro", "XR_META_touch_controller_plus",
-                                        "XR_BD_controller_interaction", "XR_HTC_vive_focus3_controller_interaction",
-                                        "XR_EXT_hp_mixed_reality_controller", "XR_ML_ml2_controller_interaction"})
+        for (const char* controllers :
+             {"XR_FB_touch_controller_pro", "XR_META_touch_controller_plus", "XR_BD_controller_interaction",
+              "XR_HTC_vive_focus3_controller_interaction", "XR_EXT_hp_mixed_reality_controller",
+              "XR_ML_ml2_controller_interaction", "XR_KHR_generic_controller"})
             add(controllers, 1);
         add(XR_MSFT_HAND_INTERACTION_EXTENSION_NAME, XR_MSFT_hand_interaction_SPEC_VERSION);
         add(XR_FB_BODY_TRACKING_EXTENSION_NAME, XR_FB_body_tracking_SPEC_VERSION);

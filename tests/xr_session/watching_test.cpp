@@ -269,7 +269,8 @@ TEST_F(Watching, ControllersOfExtensionsAreTakenWhereTheseAreOffered) {
         {"/interaction_profiles/bytedance/pico4_controller", "PICO 4"},
         {"/interaction_profiles/htc/vive_focus3_controller", "HTC Vive Focus 3"},
         {"/interaction_profiles/hp/mixed_reality_controller", "HP Reverb G2"},
-        {"/interaction_profiles/ml/ml2_controller", "Magic Leap 2"}};
+        {"/interaction_profiles/ml/ml2_controller", "Magic Leap 2"},
+        {"/interaction_profiles/khr/generic_controller", "Generic controller"}};
     XrScript script;
     int frame = kReady;
     for (const auto& [profile, title] : controllers) script.event(frame += 2, "profile", {{"profile", profile}});
