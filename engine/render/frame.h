@@ -113,12 +113,15 @@ class FrameRenderer {
     // The paints for the instances of a field.
     Paints& paints(uint32_t field = 0) { return *paints_[field]; }
 
-    // Where rays meet the surface of an instance (`alpha` as for SlicePicker::pick), in the slice that images have left
-    // of it whose time is nearest to the instance's. The rays are in the performer's space. Nothing where there is no
-    // slice within kPickedNear frames of its clip. It builds no slice, so that it may be called between two images of a
-    // stage that plays; it waits for the device.
-    std::optional<std::vector<Picked>> pick(const Instance& instance, std::span<const PickRay> rays, float alpha);
+    // Has the device find, after the images that are under way, where rays meet the surface of an instance (`alpha` as
+    // for SlicePicker::pick), in the slice that images have left of it whose time is nearest to the instance's. The
+    // rays are in the performer's space, at most 64 (assert). Returns false where there is no slice within kPickedNear
+    // frames of its clip. It builds no slice, so that it may be called between two images of a stage that plays.
+    bool begin_pick(const Instance& instance, std::span<const PickRay> rays, float alpha);
     static constexpr float kPickedNear = 3;
+    // The results of the calls that returned true since the last take_picks(), in their order. It waits for them, but
+    // for no image that was submitted after them.
+    std::vector<std::vector<Picked>> take_picks();
 
     // Drops all slices, so that the next image builds them again (for measuring).
     void forget_slices();
@@ -203,6 +206,8 @@ class FrameRenderer {
     void note_times(uint32_t slot);
     bool finish(uint32_t slot);
     void wait_for_device();
+    std::pair<Performer*, uint32_t> built_slice(const Instance& instance) const;
+    void finish_picks();
     bool any_under_way() const { return std::ranges::find(under_way_, true) != under_way_.end(); }
     const gpu::Device& device_;
     FieldLevels levels_;
@@ -233,6 +238,8 @@ class FrameRenderer {
     uint32_t slot_ = 0;                                    // of the last image
     std::array<bool, kImagesUnderWay> under_way_{};        // by slot: whether nobody has waited for the image
     double milliseconds_ = 0, device_milliseconds_ = 0;
+    std::vector<SlicePicker*> picking_;        // of begin_pick(), until finish_picks()
+    std::vector<std::vector<Picked>> picked_;  // until take_picks()
 };
 
 // Does something beside a renderer that needs memory on its device. Where there is none left, it is done again without

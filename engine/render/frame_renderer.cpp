@@ -70,6 +70,7 @@ FrameRenderer::FrameRenderer(FrameRenderer&& other, const FrameCapacity& capacit
     : FrameRenderer(other.device_, {other.levels_.all.begin(), other.levels_.all.begin() + other.levels_.given()},
                     capacity, other.set_) {
     other.finish();
+    picked_ = std::move(other.picked_);
     slice_shares_ = other.slice_shares_;
     capacity_.slice_budget = other.capacity_.slice_budget;  // its slices are taken over
     paints_ = std::move(other.paints_);
@@ -313,28 +314,6 @@ void FrameRenderer::drop_slices_or_rethrow(const gpu::VulkanError& error) {
     drop_slices();
     if (!error.out_of_memory() || before <= 1) throw;
     if (capacity_.slice_budget == before) capacity_.slice_budget = before / 2;
-}
-
-std::optional<std::vector<Picked>> FrameRenderer::pick(const Instance& instance, std::span<const PickRay> rays,
-                                                       float alpha) {
-    if (instance.field >= levels_.given()) return std::nullopt;
-    finish();
-    Performer* nearest = nullptr;
-    uint32_t slice = 0;
-    float away = kPickedNear;
-    const auto levels = 1 + static_cast<uint32_t>(levels_.all[instance.field]->coarser.size());
-    for (uint32_t level = 0; level < levels; level++) {
-        const uint32_t index = levels_.index(instance.field, level);
-        if (index >= performers_.size() || !performers_[index] || !performers_[index]->slices()) continue;
-        const auto built = performers_[index]->slices()->nearest_built({instance.frame, instance.paint});
-        if (!built || std::abs(built->first.frame - instance.frame) > away) continue;
-        if (nearest && std::abs(built->first.frame - instance.frame) == away) continue;  // a finer level has it, too
-        nearest = performers_[index].get();
-        slice = built->second;
-        away = std::abs(built->first.frame - instance.frame);
-    }
-    if (!nearest) return std::nullopt;
-    return nearest->pick(slice, rays, alpha);
 }
 
 void FrameRenderer::forget_slices() {

@@ -56,6 +56,7 @@ void FrameRenderer::submit_to(Destination to, std::span<const stage::Camera> cam
 }
 
 void FrameRenderer::wait_for_device() {
+    finish_picks();
     for (gpu::Commands& commands : commands_) commands.wait();
 }
 
@@ -79,6 +80,7 @@ bool FrameRenderer::finish() {
     bool whole = true;
     for (uint32_t i = 1; i <= kImagesUnderWay; i++)  // the oldest first
         whole &= finish((slot_ + i) % kImagesUnderWay);
+    finish_picks();
     if (!whole) enlarge();
     return whole;
 }

@@ -90,7 +90,7 @@ Performer::Performer(const gpu::Device& device, const Field& field, const Paints
 void Performer::make_slices(uint32_t entries) {
     passes_.clear();  // they are bound to the slices
     bone_binder_.reset();
-    picker_.reset();
+    pickers_.clear();
     slices_.reset();  // frees their memory before the new ones are created
     slices_ = std::make_unique<SliceCache>(device_, field_, live_, paints_, entries, slice_budget_);
     for (gpu::Buffer& counts : counts_readback_) {
@@ -184,11 +184,12 @@ void Performer::enlarge_slices() {
     make_slices(std::min(max_entries(field_), 2 * slices_->trees().capacity));
 }
 
-std::vector<Picked> Performer::pick(uint32_t slice, std::span<const PickRay> rays, float alpha) {
+SlicePicker& Performer::idle_picker() {
     constexpr uint32_t kRaysAtOnce = 64;
-    if (!picker_)
-        picker_ = std::make_unique<SlicePicker>(device_, field_, slices_->trees(), kRaysAtOnce, PickColours::kYes);
-    return picker_->pick(slice, rays, alpha);
+    for (const auto& picker : pickers_)
+        if (!picker->is_picking()) return *picker;
+    return *pickers_.emplace_back(
+        std::make_unique<SlicePicker>(device_, field_, slices_->trees(), kRaysAtOnce, PickColours::kYes));
 }
 
 void record_slices(gpu::Commands& commands, Performer& performer) {

@@ -123,9 +123,8 @@ class Performer {
     // an image that is finished.
     uint64_t used_entries(uint32_t slot) const;
 
-    // Picks with rays in the performer's space in a slice of slices(), which must have been built. Waits for the
-    // device. To be called between images.
-    std::vector<Picked> pick(uint32_t slice, std::span<const PickRay> rays, float alpha);
+    // Something that picks in slices() and does not do so yet. It exists until the slices are made anew.
+    SlicePicker& idle_picker();
 
     const Field& field() const { return field_; }
     SliceCache* slices() { return slices_.get(); }  // null without slices
@@ -146,7 +145,7 @@ class Performer {
     std::unique_ptr<LiveFinder> finder_;
     std::unique_ptr<SliceCache> slices_;
     std::unique_ptr<BoneBinder> bone_binder_;
-    std::unique_ptr<SlicePicker> picker_;                       // created when first needed
+    std::vector<std::unique_ptr<SlicePicker>> pickers_;         // created when first needed
     std::array<gpu::Buffer, kImagesUnderWay> counts_readback_;  // by slot: LiveCount of each slice
     std::vector<std::pair<const RayTarget*, uint32_t>> targets_;
     std::vector<std::unique_ptr<TargetPasses>> passes_;  // by target

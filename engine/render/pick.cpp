@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
+#include <utility>
 
 #include "spirv/pick.comp.h"
 
@@ -41,36 +42,46 @@ SlicePicker::SlicePicker(const gpu::Device& device, const Field& field, const Sl
                    {kPickOut, &picks_}}),
       commands_(device, "pick", 1) {}
 
-void SlicePicker::pick_batch(uint32_t slice, std::span<const PickRay> rays, float alpha, std::vector<Picked>& picked) {
+void SlicePicker::begin(uint32_t slice, std::span<const PickRay> rays, float alpha) {
+    assert(slice < trees_.slices && alpha > 0 && alpha < 1);
+    assert(!is_picking() && !rays.empty() && rays.size() <= rays_at_once_);
     std::copy(rays.begin(), rays.end(), rays_.as<PickRay>());
-    const auto count = static_cast<uint32_t>(rays.size());
+    picking_ = static_cast<uint32_t>(rays.size());
     const PickPush push{glm::vec4(field_.box_min, 1 - alpha),
                         glm::vec4(field_.box_size, 0),
                         field_.top_box,
                         trees_.node_base(slice),
                         trees_.entry_base(slice),
                         0,
-                        count};
+                        picking_};
     commands_.begin();
     {
         const gpu::PassScope scope(commands_, "pick");
-        gpu::dispatch(commands_, pass_, set_, count, push);
+        gpu::compute_barrier(commands_);  // images that are under way may build the slice
+        gpu::dispatch(commands_, pass_, set_, picking_, push);
+        gpu::compute_barrier(commands_);  // and later ones replace it
         gpu::host_barrier(commands_);
     }
     commands_.submit();
+}
+
+std::vector<Picked> SlicePicker::take() {
     commands_.wait();
-    const Pick* from = picks_.as<Pick>();
-    for (size_t i = 0; i < rays.size(); i++)
-        picked.push_back({from[i].leaf, std::bit_cast<float>(from[i].metres),
-                          glm::vec3(glm::unpackHalf2x16(from[i].red_green), glm::unpackHalf2x16(from[i].blue).x)});
+    const std::span from(picks_.as<Pick>(), std::exchange(picking_, 0));
+    std::vector<Picked> picked;
+    for (const Pick& one : from)
+        picked.push_back({one.leaf, std::bit_cast<float>(one.metres),
+                          glm::vec3(glm::unpackHalf2x16(one.red_green), glm::unpackHalf2x16(one.blue).x)});
+    return picked;
 }
 
 std::vector<Picked> SlicePicker::pick(uint32_t slice, std::span<const PickRay> rays, float alpha) {
-    assert(slice < trees_.slices && alpha > 0 && alpha < 1);
     std::vector<Picked> picked;
-    picked.reserve(rays.size());
-    for (size_t first = 0; first < rays.size(); first += rays_at_once_)
-        pick_batch(slice, rays.subspan(first, std::min<size_t>(rays_at_once_, rays.size() - first)), alpha, picked);
+    for (size_t first = 0; first < rays.size(); first += rays_at_once_) {
+        begin(slice, rays.subspan(first, std::min<size_t>(rays_at_once_, rays.size() - first)), alpha);
+        const std::vector<Picked> batch = take();
+        picked.insert(picked.end(), batch.begin(), batch.end());
+    }
     return picked;
 }
 

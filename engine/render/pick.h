@@ -24,23 +24,28 @@ PickRay pick_ray(const stage::Camera& camera, glm::dvec2 pixel);
 // Whether the colours of surfaces are computed, too, which costs more.
 enum class PickColours { kNo, kYes };
 
-// Picks in slices that were built before. It waits for the device, but builds nothing.
+// Picks in slices that were built before, and builds nothing.
 class SlicePicker {
   public:
     // Takes at most `rays_at_once` rays in one submission. Field and trees must outlive it.
     SlicePicker(const gpu::Device& device, const Field& field, const SliceTrees& trees, uint32_t rays_at_once,
                 PickColours colours);
 
-    // Returns a result for each ray, in order. Rays that follow each other should be close in space, for speed. `slice`
-    // is the number of a tree that has been built; `alpha` is above 0 and below 1 (assert).
+    // Returns a result for each ray, in order, and waits for the device. Rays that follow each other should be close in
+    // space, for speed. `slice` is the number of a tree that has been built; `alpha` is above 0 and below 1 (assert).
     std::vector<Picked> pick(uint32_t slice, std::span<const PickRay> rays, float alpha);
+    // The same in two calls, for at most rays_at_once() rays (assert): the device picks after what was submitted
+    // before. take() waits for that alone. What the picks read must stay until then.
+    void begin(uint32_t slice, std::span<const PickRay> rays, float alpha);
+    std::vector<Picked> take();
+    bool is_picking() const { return picking_ > 0; }  // between begin() and take()
+    uint32_t rays_at_once() const { return rays_at_once_; }
 
   private:
-    void pick_batch(uint32_t slice, std::span<const PickRay> rays, float alpha, std::vector<Picked>& picked);
     const Field& field_;
     const SliceTrees& trees_;
-    uint32_t rays_at_once_;
-    gpu::Buffer rays_, picks_;  // host-mapped
+    uint32_t rays_at_once_, picking_ = 0;  // rays
+    gpu::Buffer rays_, picks_;             // host-mapped
     gpu::ComputePass pass_;
     gpu::BindingSet set_;
     gpu::Commands commands_;

@@ -20,8 +20,28 @@ struct PickedPerformer {
 };
 
 // For each ray (world), the visible performer whose surface it meets first; nothing where it meets none. Surfaces are
-// those that the last images have left on the device (FrameRenderer::pick), where the performers are now. It waits for
-// the device once for each performer whose leaves' box a ray meets, and builds nothing.
+// those that the last images have left on the device (FrameRenderer::begin_pick), where the performers are now. It
+// builds nothing. `rays` are at most 64 (assert).
+class PerformerPicks {
+  public:
+    // Has the device pick after the images that are under way. The stage that the renderer shows must not become
+    // another one before take().
+    void begin(StageRenderer& renderer, const stage::EvaluatedStage& evaluated, std::span<const Ray> rays);
+    // The results for the rays of the last begin(), or none where they were taken already. It waits for them, but for
+    // no image that was submitted since then.
+    std::vector<std::optional<PickedPerformer>> take(StageRenderer& renderer);
+
+  private:
+    struct Begun {
+        uint32_t performer = 0;
+        std::vector<size_t> rays;             // those that meet its box
+        std::vector<double> world_per_local;  // by such a ray: metres of the world a metre along it
+    };
+    std::vector<Begun> begun_;
+    size_t rays_ = 0;
+};
+
+// Both in one call, which waits for the device.
 std::vector<std::optional<PickedPerformer>> pick_performers(StageRenderer& renderer,
                                                             const stage::EvaluatedStage& evaluated,
                                                             std::span<const Ray> rays);

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
+
+#include "base/error.h"
 
 namespace neuvv::headset {
 
@@ -48,6 +51,15 @@ render::Fovea even_rays(double share) {
 
 }  // namespace
 
+bool images_overlap(const gpu::Device& device) {
+    const char* environment = std::getenv("NEUVV_OVERLAP");
+    const std::string forced = environment ? environment : "";
+    if (forced.empty()) return device.summary().kind != "cpu";
+    if (forced != "0" && forced != "1")
+        throw InputError("NEUVV_OVERLAP", forced, "is neither 0 nor 1", "leave it out: the device decides");
+    return forced == "1";
+}
+
 EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, const EyeQuality& quality)
     : device_(device),
       session_(session),
@@ -61,6 +73,7 @@ EyeImages::EyeImages(const gpu::Device& device, const xr::Session& session, cons
       mask_fov_(cameras_.size()),
       hidden_(cameras_.size()),
       dynamic_scale_(8),
+      overlaps_(images_overlap(device)),
       views_(cameras_.size()),
       depths_(cameras_.size()) {
     if (session.runtime().has_narrow_views()) quality_.inset.reset();
@@ -176,11 +189,10 @@ void EyeImages::draw(render::StageRenderer& renderer, const stage::EvaluatedStag
         pass_.record(commands, renderer, images, cameras_, shapes, vignette, target);
         if (left_) record_left(commands, target.colour);
     };
-    // A software device draws on the processor that would do other work meanwhile, and its times are the host's.
-    if (device_.summary().kind == "cpu")
-        renderer.frames().draw(cameras_, settings, record);
-    else
+    if (overlaps_)
         renderer.frames().submit(cameras_, settings, record);
+    else
+        renderer.frames().draw(cameras_, settings, record);
     colour_->release();
     if (depth_) depth_->release();
     drawn_eyes_ = eyes;

@@ -25,6 +25,11 @@ struct EyeQuality {
     bool keep_images = false;  // for left()
 };
 
+// Whether an image is recorded while the device draws the one before: not on software devices, which draw on the
+// processor that would do other work meanwhile, and whose times are the host's. NEUVV_OVERLAP of the environment, 0 or
+// 1, decides before; for another value this throws InputError.
+bool images_overlap(const gpu::Device& device);
+
 class EyeImages {
   public:
     // The images have the size that the runtime recommends, the largest one of all views. Device and session must
@@ -50,9 +55,9 @@ class EyeImages {
     // Where the inset is from the next image on: around a point (world), or in the middle where none is known.
     void look_at(const std::optional<glm::dvec3>& point_world) { looks_at_ = point_world; }
     // Draws what the renderer shows (StageRenderer::show) for all views, and prefetches the slices in `next`, all in
-    // one submission, for which nobody waits but on software devices. `highlight` says which parts of a performer are
-    // red. `eyes` are in the tracking space. `vignette` says how dark the edges are, 0..1. `budget_ms` is the time that
-    // an image may take, for EyeQuality::scale 0.
+    // one submission, for which nobody waits where images_overlap(). `highlight` says which
+    // parts of a performer are red. `eyes` are in the tracking space. `vignette` says how dark the edges are, 0..1.
+    // `budget_ms` is the time that an image may take, for EyeQuality::scale 0.
     void draw(render::StageRenderer& renderer, const stage::EvaluatedStage& evaluated,
               const render::PerformerHighlight& highlight, const xr::EyeViews& eyes,
               const xr::Pose& world_from_tracking, std::span<const render::Instance> next, const xr::EyeShapes& shapes,
@@ -101,6 +106,7 @@ class EyeImages {
     std::optional<gpu::DeviceImage> left_;
     bool has_left_ = false;  // left_ has been drawn to
     bool has_drawn_ = false;
+    bool overlaps_;  // whether the next image is recorded while the device draws this one
     bool shows_room_ = false;
     std::optional<glm::dvec3> looks_at_;
     XrCompositionLayerProjection projection_{XR_TYPE_COMPOSITION_LAYER_PROJECTION};

@@ -111,9 +111,13 @@ void RuntimeContext::update_solid(HeadsetState& state) const {
 }
 
 std::vector<std::optional<SurfaceHit>> RuntimeContext::find_surfaces(const stage::EvaluatedStage& evaluated,
-                                                                     std::span<const Ray> rays) const {
+                                                                     std::span<const Ray> rays) {
+    std::vector<std::optional<render::PickedPerformer>> picked;
+    const bool same_stage = std::exchange(picked_stage, drawn_stage) == drawn_stage;
+    if (images_overlap(device) && same_stage) picked = picks.take(*renderer);
+    picks.begin(*renderer, evaluated, rays);
+    if (picked.size() != rays.size()) picked = picks.take(*renderer);
     std::vector<std::optional<SurfaceHit>> hits(rays.size());
-    const auto picked = render::pick_performers(*renderer, evaluated, rays);
     for (size_t i = 0; i < picked.size(); i++)
         if (picked[i]) hits[i] = SurfaceHit{picked[i]->performer, picked[i]->distance_m, picked[i]->colour};
     return hits;

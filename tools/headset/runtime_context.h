@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "render/clip_preload.h"
+#include "render/stage_pick.h"
 #include "render/stage_renderer.h"
 #include "tools/headset/program.h"
 #include "xr/runtime.h"
@@ -25,9 +26,11 @@ struct RuntimeContext {
     void read_new_clip(HeadsetState& state);
     // Sets state.solid for the time of state.evaluated.
     void update_solid(HeadsetState& state) const;
-    // As FindSurfaces (pointing.h), on the stage as it was drawn last.
+    // As FindSurfaces (pointing.h), on the stage as it was drawn last. Where images overlap, the results are those of
+    // the rays of the call before, so that nobody waits for the image that is under way; not where these were on
+    // another stage, or another number.
     std::vector<std::optional<SurfaceHit>> find_surfaces(const stage::EvaluatedStage& evaluated,
-                                                         std::span<const Ray> rays) const;
+                                                         std::span<const Ray> rays);
     // Prints what the validation layers reported since the last call.
     void print_validation_messages() const;
 
@@ -40,7 +43,9 @@ struct RuntimeContext {
     std::unique_ptr<render::ClipPreload> preload;     // of the clip of a new performer
     std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
     std::shared_ptr<const stage::Stage> drawn_stage;
-    HandPainter& painter;  // projects pictures on this device
+    render::PerformerPicks picks;
+    std::shared_ptr<const stage::Stage> picked_stage;  // on which `picks` were begun
+    HandPainter& painter;                              // projects pictures on this device
 };
 
 }  // namespace neuvv::headset
