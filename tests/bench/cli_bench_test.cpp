@@ -4,6 +4,7 @@
 #include "support/body_tree.h"
 #include "support/segmented_copy.h"
 #include "tests/tools/cli_gpu.h"
+#include "tests/tools/trace_spans.h"
 
 namespace neuvv {
 namespace {
@@ -59,6 +60,11 @@ TEST_F(CliGpu, BenchTrainComparesWithDirectGradients) {
         for (const char* word : {"trace adjoint", "direct adjoint", "times as fast as direct", "rays/s", "GB/s"})
             EXPECT_NE(result.out.find(word), std::string::npos) << word << " in\n" << result.out;
     }
+    const nlohmann::json json = json_of({"train", scene, file("data"), "--repeats", "2", "--tiles", "2"});
+    EXPECT_GT(json["mrays_per_second"], 0.0);
+    EXPECT_GT(json["copy_gb_s"], 0.0);
+    EXPECT_GT(json["optimiser_gb_s"], 0.0);
+    EXPECT_TRUE(json["passes_ms"].contains("trace adjoint")) << json;
     expect_refused({"train", scene, file("data"), "--repeats", "0"}, 2, {"--repeats"});
 }
 
@@ -114,6 +120,14 @@ TEST_F(CliGpu, BenchXrMeasuresLatency) {
     expect_words(command, {"CPU ms a frame", "GPU ms a frame", "latency", "p99"});
     expect_frame_times(json_of(command));
     expect_refused({"xr", scene, "--frames", "0"}, 2, {"--frames"});
+}
+
+// In turns: each frame is waited for, or the next is recorded before.
+TEST_F(CliGpu, BenchXrRecordsFramesAhead) {
+    const ProgramResult result =
+        run_neuvv({"xr", scene, "--size", "64x64", "--frames", "1", "--trace", file("trace.json")});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(frames_recorded_ahead(file("trace.json")), 5u) << "one in each round";
 }
 
 TEST_F(CliGpu, BenchPlayCountsFramesAndSeeks) {

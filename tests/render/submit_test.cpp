@@ -54,5 +54,32 @@ TEST_F(SubmitTest, SubmittedImagesAreThoseThatOneWaitsFor) {
     }
 }
 
+// About half of the leaves live, which are more entries than a slice has room for at first.
+TEST_F(SubmitTest, WhatLacksPartsIsFoundAndNextTimeThereIsRoom) {
+    const voctree::VOctree tree = random_tree({.seed = 4, .node_levels = 3, .leaves = 30000});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    const render::FrameCapacity capacity{.width = kWidth, .height = kHeight};
+    render::FrameRenderer submitted(device(), {&field}, capacity), drawn(device(), {&field}, capacity);
+    const stage::Camera camera = look_at({2.0, 1.0, 2.0}, {0, 0, 0}, kWidth, kHeight);
+    const render::FrameSettings settings{.width = kWidth, .height = kHeight};
+    std::vector<uint32_t> expected(kWidth * kHeight), pixels(expected.size());
+    const uint64_t bytes = expected.size() * sizeof(uint32_t);
+    gpu::download(device(), drawn.draw({&camera, 1}, settings), expected.data(), bytes);
+    const gpu::Buffer kept(device(), "kept", bytes, gpu::MemoryKind::kDevice);
+    const auto submit = [&] {
+        submitted.submit({&camera, 1}, settings, [&](gpu::Commands& commands, const gpu::Buffer& images) {
+            gpu::compute_barrier(commands);
+            gpu::copy(commands, images, kept, bytes);
+        });
+    };
+    submit();
+    EXPECT_FALSE(submitted.finish()) << "there was room at once";
+    submitted.forget_slices();
+    for (int i = 0; i < 6; i++) submit();
+    EXPECT_TRUE(submitted.finish());
+    gpu::download(device(), kept, pixels.data(), bytes);
+    EXPECT_EQ(pixels, expected);
+}
+
 }  // namespace
 }  // namespace neuvv::test::submit_test

@@ -1,6 +1,8 @@
 // Faults: each ends in recovery or in a message of one line, and no edit is lost.
 #include "edit/recovery.h"
+#include "support/environment_value.h"
 #include "support/losable_device.h"
+#include "tests/tools/trace_spans.h"
 #include "xr_session/xr_session.h"
 
 namespace neuvv::test {
@@ -63,6 +65,53 @@ TEST_F(Faults, ALostRuntimeIsWaitedFor) {
     EXPECT_EQ(count(run.log, "waiting for it"), 1u) << run.log;
     EXPECT_TRUE(same_pixels(run.image(24, "left"), calm.image(24, "left"))) << "it is shown again";
     expect_copy_is_kept(2);
+}
+
+// As on a GPU, where the next image is recorded while the device draws this one.
+TEST_F(Faults, ImagesThatOverlapAreTheSameAndOutliveLosses) {
+    XrScript script = editing();
+    script.save(24);
+    script.end(28);
+    const std::string trace = folder.path / "trace.json";
+    const auto run_with = [&](const char* overlap, const XrScript& with) {
+        const EnvironmentValue environment("NEUVV_OVERLAP", overlap);
+        return run(with, {"--trace", trace});
+    };
+    const XrRun waiting = run_with("0", script);
+    expect_clean(waiting);
+    EXPECT_EQ(frames_recorded_ahead(trace), 0u);
+    for (const char* loss : {"", "lose_session", "lose_instance"}) {
+        XrScript losing = script;
+        if (*loss) losing.event(14, loss);
+        const XrRun run = run_with("1", losing);
+        EXPECT_EQ(run.code, 0) << run.log;
+        expect_no_violations(run);
+        if (!*loss) expect_clean(run);
+        EXPECT_GE(frames_recorded_ahead(trace), *loss ? 2u : 1u) << loss;
+        for (const char* eye : {"left", "right"})
+            EXPECT_TRUE(same_pixels(run.image(24, eye), waiting.image(24, eye))) << loss << " " << eye;
+    }
+    const EnvironmentValue wrong("NEUVV_OVERLAP", "2");
+    const XrRun refused = run(script);
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.log.find("NEUVV_OVERLAP"), std::string::npos) << refused.log;
+}
+
+// What was taken for a runtime is given back when it is lost. The first two losses are not counted: libraries keep
+// something for the next time.
+TEST_F(Faults, MemoryDoesNotGrowWithLostRuntimes) {
+    constexpr int kLosses = 7, kApart = 10;
+    constexpr double kMostBytesALoss = 1 << 20;
+    XrScript script;
+    for (int i = 0; i < kLosses; i++) script.event(kReady + i * kApart, "lose_instance");
+    script.end(kReady + kLosses * kApart);
+    const XrRun run = this->run(script, {}, false);
+    EXPECT_EQ(run.code, 0) << run.log;
+    expect_no_violations(run);
+    const auto bytes = run.report.at("resident_bytes").get<std::vector<double>>();
+    ASSERT_EQ(bytes.size(), size_t{kLosses} + 1);
+    ASSERT_GT(bytes[0], 0) << "the system does not tell";
+    EXPECT_LT(bytes[kLosses] - bytes[2], (kLosses - 2) * kMostBytesALoss) << run.report["resident_bytes"];
 }
 
 TEST_F(Faults, ALostDeviceIsMadeAnew) {
@@ -250,6 +299,15 @@ TEST_F(Faults, ASessionThatCannotBeMadeIsOneLine) {
     const XrRun run = this->run(script);
     EXPECT_EQ(run.code, 1);
     EXPECT_NE(run.log.find("xrCreateSession failed"), std::string::npos) << run.log;
+}
+
+TEST_F(Faults, TooLittleMemoryIsOneLine) {
+    const EnvironmentValue memory("NEUVV_DEVICE_MEMORY", "4");
+    XrScript script;
+    script.end(10);
+    const XrRun run = this->run(script, {}, false);
+    EXPECT_EQ(run.code, 1) << run.log;
+    EXPECT_EQ(count(run.log, "has no memory left for"), 1u) << run.log;
 }
 
 TEST_F(Faults, NoHeadsetIsOneLine) {
