@@ -254,6 +254,7 @@ void FrameRenderer::make_performers(bool far_levels) {
         const auto* vulkan = dynamic_cast<const gpu::VulkanError*>(&error);
         if (vulkan && (vulkan->device_lost() || capacity_.slice_budget > 1)) throw;
         far_levels_fit_ = false;
+        wait_for_device();  // picks may read their slices
         for (uint32_t i = levels_.given(); i < levels_.all.size(); i++) performers_[i].reset();
     }
 }

@@ -46,23 +46,24 @@ void SlicePicker::begin(uint32_t slice, std::span<const PickRay> rays, float alp
     assert(slice < trees_.slices && alpha > 0 && alpha < 1);
     assert(!is_picking() && !rays.empty() && rays.size() <= rays_at_once_);
     std::copy(rays.begin(), rays.end(), rays_.as<PickRay>());
-    picking_ = static_cast<uint32_t>(rays.size());
+    const auto count = static_cast<uint32_t>(rays.size());
     const PickPush push{glm::vec4(field_.box_min, 1 - alpha),
                         glm::vec4(field_.box_size, 0),
                         field_.top_box,
                         trees_.node_base(slice),
                         trees_.entry_base(slice),
                         0,
-                        picking_};
+                        count};
     commands_.begin();
     {
         const gpu::PassScope scope(commands_, "pick");
         gpu::compute_barrier(commands_);  // images that are under way may build the slice
-        gpu::dispatch(commands_, pass_, set_, picking_, push);
+        gpu::dispatch(commands_, pass_, set_, count, push);
         gpu::compute_barrier(commands_);  // and later ones replace it
         gpu::host_barrier(commands_);
     }
     commands_.submit();
+    picking_ = count;
 }
 
 std::vector<Picked> SlicePicker::take() {

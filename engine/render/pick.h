@@ -35,7 +35,7 @@ class SlicePicker {
     // space, for speed. `slice` is the number of a tree that has been built; `alpha` is above 0 and below 1 (assert).
     std::vector<Picked> pick(uint32_t slice, std::span<const PickRay> rays, float alpha);
     // The same in two calls, for at most rays_at_once() rays (assert): the device picks after what was submitted
-    // before. take() waits for that alone. What the picks read must stay until then.
+    // before, and take() waits for that, but not for what is submitted later. What the picks read must stay until then.
     void begin(uint32_t slice, std::span<const PickRay> rays, float alpha);
     std::vector<Picked> take();
     bool is_picking() const { return picking_ > 0; }  // between begin() and take()

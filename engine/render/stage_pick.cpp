@@ -1,6 +1,6 @@
 #include "render/stage_pick.h"
 
-#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -55,7 +55,8 @@ std::vector<std::optional<PickedPerformer>> PerformerPicks::take(StageRenderer& 
     std::vector<std::optional<PickedPerformer>> picked(std::exchange(rays_, 0));
     const std::vector<Begun> begun = std::exchange(begun_, {});
     const std::vector<std::vector<Picked>> found = renderer.frames().take_picks();
-    for (size_t k = 0; k < std::min(begun.size(), found.size()); k++)
+    assert(found.size() == begun.size() && "one PerformerPicks at a time for a renderer");
+    for (size_t k = 0; k < begun.size(); k++)
         for (size_t i = 0; i < begun[k].rays.size(); i++)
             keep_nearer(picked[begun[k].rays[i]], begun[k].performer, found[k][i], begun[k].world_per_local[i]);
     return picked;

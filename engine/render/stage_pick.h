@@ -21,11 +21,11 @@ struct PickedPerformer {
 
 // For each ray (world), the visible performer whose surface it meets first; nothing where it meets none. Surfaces are
 // those that the last images have left on the device (FrameRenderer::begin_pick), where the performers are now. It
-// builds nothing. `rays` are at most 64 (assert).
+// builds nothing. A renderer can have one at a time between begin() and take() (assert).
 class PerformerPicks {
   public:
-    // Has the device pick after the images that are under way. The stage that the renderer shows must not become
-    // another one before take().
+    // Has the device pick after the images that are under way, with at most 64 rays (assert). The stage that the
+    // renderer shows must not become another one before take().
     void begin(StageRenderer& renderer, const stage::EvaluatedStage& evaluated, std::span<const Ray> rays);
     // The results for the rays of the last begin(), or none where they were taken already. It waits for them, but for
     // no image that was submitted since then.

@@ -64,6 +64,31 @@ struct StagePickTest : GpuTest {
     stage::EvaluatedStage evaluated;
 };
 
+// What is picked is not changed by images that are submitted before it is taken.
+TEST_F(StagePickTest, PicksAreTakenAfterLaterImages) {
+    draw();
+    const std::vector<Ray> rays = {ray_to(head_of(kAnnaAt)), ray_to(head_of(kBenAt)), ray_to({1.5, 1, -2})};
+    const auto expected = render::pick_performers(*renderer, evaluated, rays);
+    ASSERT_TRUE(expected[0] && expected[1] && !expected[2]);
+    render::PerformerPicks picks;
+    EXPECT_TRUE(picks.take(*renderer).empty()) << "none was begun";
+    picks.begin(*renderer, evaluated, rays);
+    evaluated = stage::stage_at(*stage, 0.5);
+    draw();
+    draw();
+    renderer->frames().drop_slices();
+    renderer->resize(96, 96);
+    const auto taken = picks.take(*renderer);
+    ASSERT_EQ(taken.size(), rays.size());
+    for (size_t i = 0; i < rays.size(); i++) {
+        ASSERT_EQ(taken[i].has_value(), expected[i].has_value()) << i;
+        if (!taken[i]) continue;
+        EXPECT_EQ(taken[i]->performer, expected[i]->performer);
+        EXPECT_EQ(taken[i]->distance_m, expected[i]->distance_m);
+    }
+    EXPECT_TRUE(picks.take(*renderer).empty()) << "they were taken";
+}
+
 TEST_F(StagePickTest, ARayTakesTheSurfaceBehindAnEmptyPartOfANearerBox) {
     const Ray to_anna = ray_to(head_of(kAnnaAt)), to_ben = ray_to(head_of(kBenAt)), beside = ray_to({1.5, 1, -2});
     const auto [low, high] = renderer->leaf_box(0);

@@ -78,7 +78,7 @@ void point(Hands& hands, const HeadsetState& state, const std::optional<PanelPla
         pointing.push_back(&hand);
     }
     std::vector<std::optional<SurfaceHit>> surfaces(rays.size());
-    if (find_surfaces) surfaces = find_surfaces(rays);
+    if (find_surfaces && !rays.empty()) surfaces = find_surfaces(rays);
     for (size_t i = 0; i < rays.size(); i++) pointing[i]->hit = hit_on_stage(rays[i], state, surfaces[i], set);
     for (Hand& hand : hands) feel_change(hand, state);
 }

@@ -19,8 +19,8 @@ struct SurfaceHit {
     double distance_m = 0;
     std::optional<glm::vec3> colour;  // as PointerHit::colour
 };
-// Returns a result for each ray (world); nothing where a ray meets no surface. Only a device can know, so it is given
-// from outside.
+// Returns a result for each ray (world), or that of the same hand's ray of the frame before; nothing where a ray meets
+// no surface. Only a device can know, so it is given from outside.
 using FindSurfaces = std::function<std::vector<std::optional<SurfaceHit>>(std::span<const Ray>)>;
 
 // Sets Hand::hit and Hand::pointed_node of both hands. A ray takes the performer whose surface it meets; where it meets

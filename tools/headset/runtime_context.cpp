@@ -1,6 +1,9 @@
 #include "tools/headset/runtime_context.h"
 
-#include "render/stage_pick.h"
+#include <algorithm>
+#include <utility>
+
+#include "tools/headset/eye_images.h"
 
 namespace neuvv::headset {
 
@@ -17,6 +20,7 @@ RuntimeContext::RuntimeContext(Program& program)
               return extensions;
           }(),
           runtime.device_maker()),
+      overlaps(images_overlap(device)),
       painter(program.interaction.painter) {
     painter.project_picture = [this](const std::filesystem::path& file, editor::PaintSubject subject,
                                      editor::Layer before, const editor::PaintOperation& operation,
@@ -110,16 +114,40 @@ void RuntimeContext::update_solid(HeadsetState& state) const {
     }
 }
 
+namespace {
+
+// Whether each ray may be of the same hand as before, which has moved for one frame.
+bool are_near(std::span<const Ray> before, std::span<const Ray> now) {
+    constexpr double kNear_m = 0.1;
+    return std::ranges::equal(before, now,
+                              [](const Ray& a, const Ray& b) { return glm::distance(a.origin, b.origin) < kNear_m; });
+}
+
+bool is_shown(const stage::EvaluatedStage& evaluated, uint32_t performer) {
+    return std::ranges::any_of(evaluated.performers, [&](const stage::EvaluatedPerformer& one) {
+        return one.performer == performer && one.visible && one.opacity > 0;
+    });
+}
+
+}  // namespace
+
 std::vector<std::optional<SurfaceHit>> RuntimeContext::find_surfaces(const stage::EvaluatedStage& evaluated,
                                                                      std::span<const Ray> rays) {
-    std::vector<std::optional<render::PickedPerformer>> picked;
+    const auto begin = [&] {
+        render::with_memory_of_slices(renderer->frames(), [&] {
+            picks.begin(*renderer, evaluated, rays);
+            return true;
+        });
+    };
     const bool same_stage = std::exchange(picked_stage, drawn_stage) == drawn_stage;
-    if (images_overlap(device) && same_stage) picked = picks.take(*renderer);
-    picks.begin(*renderer, evaluated, rays);
-    if (picked.size() != rays.size()) picked = picks.take(*renderer);
+    if (!overlaps || !same_stage || !are_near(picked_rays, rays)) begin();
+    const auto picked = picks.take(*renderer);
+    if (overlaps) begin();  // for the next call
+    picked_rays.assign(rays.begin(), rays.end());
     std::vector<std::optional<SurfaceHit>> hits(rays.size());
     for (size_t i = 0; i < picked.size(); i++)
-        if (picked[i]) hits[i] = SurfaceHit{picked[i]->performer, picked[i]->distance_m, picked[i]->colour};
+        if (picked[i] && is_shown(evaluated, picked[i]->performer))
+            hits[i] = SurfaceHit{picked[i]->performer, picked[i]->distance_m, picked[i]->colour};
     return hits;
 }
 

@@ -27,8 +27,8 @@ struct RuntimeContext {
     // Sets state.solid for the time of state.evaluated.
     void update_solid(HeadsetState& state) const;
     // As FindSurfaces (pointing.h), on the stage as it was drawn last. Where images overlap, the results are those of
-    // the rays of the call before, so that nobody waits for the image that is under way; not where these were on
-    // another stage, or another number.
+    // the rays of the call before, so that nobody waits for the image that is under way. Where the stage has changed
+    // since, or rays are not near those, it waits for the results of the new rays.
     std::vector<std::optional<SurfaceHit>> find_surfaces(const stage::EvaluatedStage& evaluated,
                                                          std::span<const Ray> rays);
     // Prints what the validation layers reported since the last call.
@@ -43,9 +43,11 @@ struct RuntimeContext {
     std::unique_ptr<render::ClipPreload> preload;     // of the clip of a new performer
     std::unique_ptr<render::StageRenderer> renderer;  // created with the first session, for the size of its images
     std::shared_ptr<const stage::Stage> drawn_stage;
+    bool overlaps;  // images_overlap()
     render::PerformerPicks picks;
-    std::shared_ptr<const stage::Stage> picked_stage;  // on which `picks` were begun
-    HandPainter& painter;                              // projects pictures on this device
+    std::shared_ptr<const stage::Stage> picked_stage;  // on which `picks` were begun, and with which rays
+    std::vector<Ray> picked_rays;
+    HandPainter& painter;  // projects pictures on this device
 };
 
 }  // namespace neuvv::headset
