@@ -59,7 +59,7 @@ bool fits_texels(const Buffer& buffer, VkFormat format) {
                     "buffers of {} MiB; {}",
                     buffer.name, texels, static_cast<double>(buffer.bytes) / 1048576, buffer.device->summary().name,
                     limits.texels, limits.storage_bytes >> 20,
-                    fits_storage && limits.storage_buffers >= kMostStorageBuffers
+                    fits_storage && limits.allow_storage()
                         ? "NEUVV_BUFFERS=storage takes the latter"
                         : "choose a clip of fewer leaves (--max-leaves of `neuvv train`), a smaller --size, or "
                           "another device (`neuvv devices` lists them)"));

@@ -127,7 +127,9 @@ TEST_F(CliGpu, BenchXrRecordsFramesAhead) {
     const ProgramResult result =
         run_neuvv({"xr", scene, "--size", "64x64", "--frames", "1", "--trace", file("trace.json")});
     ASSERT_EQ(result.code, 0) << result.err;
-    EXPECT_EQ(frames_recorded_ahead(file("trace.json")), 5u) << "one in each round";
+    const size_t ahead = frames_recorded_ahead(file("trace.json"));
+    EXPECT_GE(ahead, 5u * 23) << "all but the first of five rounds of 24";
+    EXPECT_LE(ahead, 5u * 24) << "where each is waited for";
 }
 
 TEST_F(CliGpu, BenchPlayCountsFramesAndSeeks) {

@@ -108,5 +108,18 @@ TEST_F(TransferQueueTest, ThreadsUploadWhileTheMainQueueWorks) {
     for (auto& thread : threads) EXPECT_EQ(thread.get(), 0u);
 }
 
+TEST_F(TransferQueueTest, WaitingForTheDeviceWaitsForBothQueues) {
+    const gpu::Buffer from = gpu::uploaded(device(), "from", numbers(1 << 20, 3), VK_FORMAT_R32_UINT);
+    const gpu::Buffer to(device(), "to", from.bytes, gpu::MemoryKind::kDevice);
+    gpu::Commands commands(device(), "copy", 1, gpu::QueueKind::kTransfer);
+    commands.begin();
+    gpu::copy(commands, from, to, from.bytes);
+    commands.submit();
+    device().wait_idle();
+    EXPECT_TRUE(commands.is_done());
+    commands.wait();
+    EXPECT_EQ(downloaded(to, 1 << 20), numbers(1 << 20, 3));
+}
+
 }  // namespace
 }  // namespace neuvv::test

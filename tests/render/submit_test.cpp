@@ -81,5 +81,15 @@ TEST_F(SubmitTest, WhatLacksPartsIsFoundAndNextTimeThereIsRoom) {
     EXPECT_EQ(pixels, expected);
 }
 
+// The image after the next has the room, without finish().
+TEST_F(SubmitTest, ImagesThatLackPartsMakeRoomForLaterOnes) {
+    const voctree::VOctree tree = random_tree({.seed = 4, .node_levels = 3, .leaves = 30000});
+    const render::Field field = render::upload_field(device(), tree, render::WeightPrecision::kHalf);
+    render::FrameRenderer frames(device(), {&field}, {.width = kWidth, .height = kHeight});
+    const stage::Camera camera = look_at({2.0, 1.0, 2.0}, {0, 0, 0}, kWidth, kHeight);
+    for (int i = 0; i < 4; i++) frames.submit({&camera, 1}, {.width = kWidth, .height = kHeight});
+    EXPECT_TRUE(frames.finish());
+}
+
 }  // namespace
 }  // namespace neuvv::test::submit_test

@@ -131,6 +131,17 @@ TEST_F(CliDevice, WeightsMayBeLongerThanWhatADeviceBindsOrAllocates) {
             << (options.empty() ? "" : options[0]);
 }
 
+// A texel buffer of the device holds other arrays of the tree, but not its weights.
+TEST_F(CliDevice, WeightsBeyondATexelBufferAreRefusedWithWhatHelps) {
+    voctree::write_nvv(scene, test::random_tree({.seed = 3, .node_levels = 3, .leaves = 6000, .bases = 24}));
+    const ProgramResult result =
+        run_neuvv({"render", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"},
+                  "VK_INSTANCE_LAYERS=VK_LAYER_NEUVV_lower_limits VK_LAYER_PATH=" NEUVV_LOWER_LIMITS_LAYER
+                  " NEUVV_BUFFERS=texel NEUVV_MOST_TEXELS=65536");
+    EXPECT_EQ(result.code, 1);
+    EXPECT_NE(result.err.find("NEUVV_BUFFERS=storage reads them otherwise"), std::string::npos) << result.err;
+}
+
 // A tree whose weights do not fit into a texel buffer of the device is trained as it is elsewhere.
 TEST_F(CliDevice, SmallLimitsTrainTheSameTree) {
     write_own_data();

@@ -66,11 +66,10 @@ def check_validation_messages(tool, folder):
     loader.exec_module(module)
     folder.mkdir(parents=True, exist_ok=True)
     report = module.Report(folder, '', {'device': 'a device', 'date': '', 'version': ''})
-    report.add({'name': 'gpu_test', 'command': '', 'code': 0, 'output': 'ok'})
+    report.run('gpu_test', ['/bin/echo', 'ok'], 60)
     expect(report.validation_messages() == [], 'a quiet test has messages')
-    report.add({'name': 'render_test.1', 'command': '', 'code': 1,
-                'output': 'Validation Error: [ VUID-vkCmdDraw-None-02859 ] ... #VUID-vkCmdDraw-None-02859)\n'
-                          'Validation Error: [ SYNC-HAZARD-WRITE-AFTER-READ ]'})
+    report.run('render_test.1', ['/bin/echo', 'Validation Error: [ VUID-vkCmdDraw-None-02859 ] ... '
+                                 '#VUID-vkCmdDraw-None-02859)\nValidation Error: [ SYNC-HAZARD-WRITE-AFTER-READ ]'], 60)
     expect(report.validation_messages() == ['SYNC-HAZARD-WRITE-AFTER-READ', 'VUID-vkCmdDraw-None-02859'],
            f'{report.validation_messages()}')
     expect('VUID-vkCmdDraw-None-02859.' in (folder / 'report.html').read_text(encoding='utf-8'), 'the page does not tell')

@@ -5,7 +5,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace neuvv {
@@ -29,16 +28,19 @@ inline bool overlap(const nlohmann::json& a, const nlohmann::json& b) {
     return begin(a) < end(b) && begin(b) < end(a);
 }
 
-// How often the main thread recorded a frame without having waited for one since it recorded the one before: then two
-// are under way. (lavapipe draws within the submission, so that nothing overlaps there that could be measured.)
+// How often the main thread recorded a frame while it had not waited for the one before yet. (lavapipe draws within the
+// submission, so that nothing overlaps there that could be measured.) No device may be lost in the trace.
 inline size_t frames_recorded_ahead(const std::string& trace_file) {
     auto spans = spans_of(nlohmann::json::parse(std::ifstream(trace_file)));
-    std::map<double, bool> records;  // by the time when they began: whether it is a record, and no wait
-    for (const auto& span : spans["main thread: record a frame"]) records[span.at("ts")] = true;
-    for (const auto& span : spans["main thread: wait for the device: frame"]) records[span.at("ts")] = false;
+    std::map<double, int> changes;  // of the number of frames under way, by time
+    for (const auto& span : spans["main thread: record a frame"]) changes[span.at("ts")] = 1;
+    for (const auto& span : spans["main thread: wait for the device: frame"]) changes[span.at("ts")] = -1;
     size_t ahead = 0;
-    bool before = false;
-    for (const auto& [time, is_record] : records) ahead += std::exchange(before, is_record) && is_record;
+    int under_way = 0;
+    for (const auto& [time, change] : changes) {
+        ahead += change > 0 && under_way > 0;
+        under_way += change;
+    }
     return ahead;
 }
 

@@ -87,7 +87,9 @@ TEST_F(Faults, ImagesThatOverlapAreTheSameAndOutliveLosses) {
         EXPECT_EQ(run.code, 0) << run.log;
         expect_no_violations(run);
         if (!*loss) expect_clean(run);
-        EXPECT_GE(frames_recorded_ahead(trace), *loss ? 2u : 1u) << loss;
+        if (!*loss) {
+            EXPECT_GE(frames_recorded_ahead(trace), 20u) << "of 28, while a hand points at anna";
+        }
         for (const char* eye : {"left", "right"})
             EXPECT_TRUE(same_pixels(run.image(24, eye), waiting.image(24, eye))) << loss << " " << eye;
     }
