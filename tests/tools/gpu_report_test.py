@@ -39,7 +39,7 @@ def check_quick_report(tool, folder):
     for bench in BENCHES:
         expect(part_of(report, f'bench {bench}').get('figures'), f'bench {bench} has no figures')
     ratios = report['for_each_tb_s']
-    for name in ('bench render shaded', 'bench stereo full', 'bench train 512'):
+    for name in ('bench render shaded', 'bench stereo stereo', 'bench train 512'):
         expect(ratios.get(name, 0) > 0, f'{name} is not compared with a copy: {ratios}')
     expect(report['shares_of_a_copy'].get('bench render trace', 0) > 0, 'the trace is not compared with a copy')
     expect(report['validation_messages'] is None, 'no test has run')
