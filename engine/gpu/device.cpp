@@ -293,8 +293,7 @@ void Device::create_device(const DeviceExtensions& extensions, const DeviceMaker
     FeatureChain features = features_to_enable(physical_);
     float_atomics_ = features.float_atomics;
     output_layer_ = features.v12.shaderOutputLayer;
-    buffer_addresses_ = features.v12.bufferDeviceAddress;
-    memory_pool_.set_addresses(buffer_addresses_);
+    memory_pool_.set_addresses(buffer_addresses());
     for (const char* name : extensions.device) {
         if (!has_extension(physical_, name))
             throw RuntimeFailure(fmt::format("device \"{}\" lacks {}", summary_.name, name));

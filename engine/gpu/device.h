@@ -106,7 +106,7 @@ class Device {
     const BufferLimits& buffers() const { return summary_.buffers; }
     bool float_atomics() const { return float_atomics_; }
     // Whether shaders may read buffers by their addresses, which the storage profile does (buffer_profile.h).
-    bool buffer_addresses() const { return buffer_addresses_; }
+    bool buffer_addresses() const { return buffers().addresses; }
     // Whether a vertex shader may select the layer that it draws to.
     bool output_layer() const { return output_layer_; }
     bool validating() const { return messenger_ != VK_NULL_HANDLE; }
@@ -171,7 +171,7 @@ class Device {
     VkPhysicalDeviceLimits limits_{};
     uint64_t max_allocation_bytes_ = 0;
     DeviceSummary summary_;
-    bool float_atomics_ = false, output_layer_ = false, buffer_addresses_ = false;
+    bool float_atomics_ = false, output_layer_ = false;
     bool debug_utils_ = false;
     mutable std::atomic<uint64_t> buffer_bytes_ = 0;
     std::unique_ptr<Messages> messages_;

@@ -9,10 +9,8 @@
 
 namespace neuvv::render {
 
-enum class WeightPrecision {
-    kHalf,
-    kFloat
-};  // shaders read both; training writes weights, so it needs kFloat, in one part
+// Shaders read both; training writes weights, so it needs kFloat, which is one buffer.
+enum class WeightPrecision { kHalf, kFloat };
 
 struct Field {
     gpu::Buffer nodes, sigma_basis, gamma_basis;
