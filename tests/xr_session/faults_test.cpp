@@ -86,8 +86,8 @@ TEST_F(Faults, ImagesThatOverlapAreTheSameAndOutliveLosses) {
         const XrRun run = run_with("1", losing);
         EXPECT_EQ(run.code, 0) << run.log;
         expect_no_violations(run);
-        if (!*loss) expect_clean(run);
         if (!*loss) {
+            expect_clean(run);
             EXPECT_GE(frames_recorded_ahead(trace), 20u) << "of 28, while a hand points at anna";
         }
         for (const char* eye : {"left", "right"})
@@ -100,10 +100,11 @@ TEST_F(Faults, ImagesThatOverlapAreTheSameAndOutliveLosses) {
 }
 
 // What was taken for a runtime is given back when it is lost. The first two losses are not counted: libraries keep
-// something for the next time. On lavapipe a loss still costs 0.7 to 1.2 MB, and 5 to 7 where freed memory is kept.
+// something for the next time. Single losses vary, so that the mean of ten counts: on lavapipe about half a megabyte,
+// and 5 to 7 where freed memory is kept.
 TEST_F(Faults, MemoryDoesNotGrowWithLostRuntimes) {
-    constexpr int kLosses = 7, kApart = 10;
-    constexpr double kMostBytesALoss = 3 << 20;
+    constexpr int kLosses = 12, kApart = 10;
+    constexpr double kMostBytesALoss = 1 << 20;
     XrScript script;
     for (int i = 0; i < kLosses; i++) script.event(kReady + i * kApart, "lose_instance");
     script.end(kReady + kLosses * kApart);
