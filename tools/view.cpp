@@ -37,7 +37,7 @@ void add_view(Command app, CommonOptions& common) {
     verb.add_option(
         "--trainee", options->trainee,
         "Compare somebody's motion with a performer's at once: vmc[:[HOST:]PORT], udp:[HOST:]PORT, - (lines "
-        "of JSON), or a recorded file; the tab Train says what is off");
+        "of JSON), or a recorded file; the tab Coach says what is off");
     verb.add_flag("--validate", options->validate, "With Vulkan's validation layers, whose messages are in the report");
     verb.footer(
         {"Keys: ? in the window lists them.\n\n"

@@ -1,4 +1,4 @@
-// Training with a performer in the window, by clicks: begin, what turns red, again, show me, the report, end.
+// Coaching in the window, by clicks: begin, what turns red, again, show me, the report, end.
 #include "motion/detector.h"
 #include "motion/skeleton_file.h"
 #include "motion/trainee.h"
@@ -24,37 +24,37 @@ struct Coaching : ViewerWindow {
         motion::write_skeleton(trainee, learner);
     }
     static double red(const json& now, const char* limb) {
-        return now["train"].is_null() ? 0 : now["train"]["red"][limb].get<double>();
+        return now["coach"].is_null() ? 0 : now["coach"]["red"][limb].get<double>();
     }
 };
 
 TEST_F(Coaching, ClicksBeginItAndEveryControlDoesWhatItSays) {
     const auto hands = open(stage, "900x900");
     hands->until_rest();
-    hands->click("tab/train");
-    hands->double_click(hands->middle_of("train/motion from"));
+    hands->click("tab/coach");
+    hands->double_click(hands->middle_of("coach/motion from"));
     hands->key("ctrl+a");
     hands->type(trainee);
     hands->key("Return");
-    hands->click("train/begin");
+    hands->click("coach/begin");
     json now = hands->until("a red arm", [](const json& seen) { return red(seen, "left arm") > 0.5; });
-    EXPECT_EQ(now["train"]["trainer"], "anna");
+    EXPECT_EQ(now["coach"]["trainer"], "anna");
     EXPECT_EQ(red(now, "right arm"), 0);
     EXPECT_EQ(red(now, "left leg"), 0);
-    EXPECT_GT(now["train"]["poses"], 0);
-    hands->click("train/report");
+    EXPECT_GT(now["coach"]["poses"], 0);
+    hands->click("coach/report");
     hands->until_notice("show-report.html");
     EXPECT_NE(read_text(file("show-report.html")).find("left arm"), std::string::npos);
-    const std::string remark = now["train"]["remarks"][0];
+    const std::string remark = now["coach"]["remarks"][0];
     EXPECT_TRUE(remark.starts_with("left arm")) << remark;
 
     const uint64_t view = now["view"];
-    hands->click("train/show");
+    hands->click("coach/show");
     hands->until("another view", [&](const json& seen) { return seen["view"] > view; });
-    hands->click("train/left arm");  // does not count any more
+    hands->click("coach/left arm");  // does not count any more
     hands->until("nothing to be red", [](const json& seen) { return red(seen, "left arm") == 0; });
-    hands->click("train/end");
-    now = hands->until("the end", [](const json& seen) { return seen["train"].is_null(); });
+    hands->click("coach/end");
+    now = hands->until("the end", [](const json& seen) { return seen["coach"].is_null(); });
     EXPECT_EQ(now["modified"], false) << "nothing of it is an edit";
 }
 
@@ -62,11 +62,11 @@ TEST_F(Coaching, WhatIsRedIsRedOnTheScreenAndGoneAfterwards) {
     const auto hands = std::make_unique<Hands>(
         *screen, folder.path, std::vector<std::string>{stage, "--size", "900x700", "--trainee", trainee});
     hands->until("a red arm", [](const json& seen) { return red(seen, "left arm") > 0.95; });
-    hands->click("tab/train");
+    hands->click("tab/coach");
     hands->key("space");
     hands->until("a pause", [](const json& seen) { return seen["playing"] == false; });
     const media::Image during = hands->image();
-    hands->click("train/end");
+    hands->click("coach/end");
     hands->until_rest();
     const media::Image after = hands->image();
     ASSERT_EQ(during.rgba.size(), after.rgba.size());
@@ -84,7 +84,7 @@ TEST_F(Coaching, AFileThatIsNoMotionIsSaidInANotice) {
     const auto hands = std::make_unique<Hands>(
         *screen, folder.path, std::vector<std::string>{stage, "--size", "900x700", "--trainee", file("none.bvh")});
     const json now = hands->until_notice("none.bvh");
-    EXPECT_TRUE(now["train"].is_null());
+    EXPECT_TRUE(now["coach"].is_null());
 }
 
 }  // namespace

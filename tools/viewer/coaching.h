@@ -1,4 +1,4 @@
-// Somebody performs along with a performer of the stage: the session, and what the tab "Train" sets.
+// Somebody performs along with a performer of the stage: the session, and what the tab "Coach" sets.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

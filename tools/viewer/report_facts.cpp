@@ -34,7 +34,7 @@ void report_facts(const Context& context, const ReportedState& state) {
                           {"busy", state.paint.busy()},
                           {"radius_m", state.paint.settings.radius_m},
                           {"depth_m", json_of(state.paint.hover_depth_m())}});
-    report.fact("train", state.coaching.facts());
+    report.fact("coach", state.coaching.facts());
     report.fact("latency_ms", state.meter.latency_ms());
     report.fact("worst_latency_ms", state.meter.max_latency_ms());
     report.fact("frame_ms", state.meter.frame_ms());

@@ -47,7 +47,7 @@ void properties_panel(Context& context, const Area& area, PropertiesPanel& state
         tab(context, "Light", "tab/light", false, [&] { light_tab(context, uses.tree); });
         tab(context, "Render", "tab/render", false,
             [&] { render_tab(context, state.export_choice, uses.files, uses.exporter); });
-        tab(context, "Train", "tab/train", false, [&] { train_tab(context, uses.coaching); });
+        tab(context, "Coach", "tab/coach", false, [&] { coach_tab(context, uses.coaching); });
         ImGui::EndTabBar();
     }
     ImGui::End();

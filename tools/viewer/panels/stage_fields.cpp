@@ -21,7 +21,7 @@ void time_fields(Context& context, FieldGroup& group, const stage::StageSettings
         drag(context, {.duration_s = duration_s});
     if (!settings.duration_s) explain("Until all performers are at their end, as long as you give no other");
     double fps = settings.fps.value_or(context.view.clock.fps());
-    if (group.number("images", fps, {1, 240, 0.1, "%.3g a second"})) drag(context, {.fps = fps});
+    if (group.number("frame rate", fps, {1, 240, 0.1, "%.3g fps"})) drag(context, {.fps = fps});
 }
 
 void environment_fields(Context& context, FieldGroup& group, const stage::StageEnvironment& environment) {
@@ -29,7 +29,7 @@ void environment_fields(Context& context, FieldGroup& group, const stage::StageE
     ImGui::TextDisabled("%s", std::filesystem::path(stage::decoded_uri(environment.uri)).filename().string().c_str());
     group.report_last("environment");
     double intensity = environment.intensity;
-    if (group.number("its light", intensity, {0, 1000, 0.01, "%.2f"}))
+    if (group.number("intensity", intensity, {0, 1000, 0.01, "%.2f"}))
         drag(context, {.environment_intensity = intensity});
     double rotation_deg = environment.rotation_deg;
     if (group.number("turned by", rotation_deg, {-360, 360, 0.5, "%.1f°"}))
@@ -64,7 +64,7 @@ void stage_fields(Context& context, FieldGroup& group) {
     constexpr const char* kBlends[] = {"exact", "layer over layer"};  // by StageBlend
     if (group.choice("blend", blend, kBlends)) set(context, {.blend = static_cast<stage::StageBlend>(blend)});
     explain("How performers who are in each other's way mix");
-    headline("Its light");
+    headline("Light");
     stage_light_fields(context, group);
 }
 

@@ -1,4 +1,4 @@
-// The tab of training with a performer: where the trainee's motion comes from, how the clip plays, what is shown, and
+// The tab of coaching: where the trainee's motion comes from, how the clip plays, what is shown, and
 // what is off.
 #include <imgui.h>
 
@@ -15,7 +15,7 @@ namespace neuvv::viewer {
 namespace {
 
 constexpr double kSpeeds[] = {1, 0.75, 0.5, 0.25};
-constexpr const char* kSpeedNames[] = {"whole", "three quarters", "half", "a quarter"};
+constexpr const char* kSpeedNames[] = {"full", "three quarters", "half", "a quarter"};
 
 bool text_button(Context& context, const char* name, const char* text, bool enabled = true) {
     ImGui::BeginDisabled(!enabled);
@@ -32,9 +32,9 @@ void source_fields(Context& context, FieldGroup& fields, Coaching& coaching) {
         "stdin\nor a recorded file");
     fields.label("");
     if (!coaching.is_running()) {
-        if (text_button(context, "train/begin", ICON_PLAY " Begin")) coaching.begin(context);
+        if (text_button(context, "coach/begin", ICON_PLAY " Begin")) coaching.begin(context);
         explain("With the selected performer, or the first that has a skeleton");
-    } else if (text_button(context, "train/end", ICON_STOP " End")) {
+    } else if (text_button(context, "coach/end", ICON_STOP " End")) {
         coaching.end(context);
     }
 }
@@ -57,14 +57,14 @@ void play_fields(Context& context, FieldGroup& fields, Coaching& coaching) {
     fields.label("");
     const bool runs = coaching.is_running();
     const bool mistaken = runs && coaching.session().coach().last_mistake_s();
-    if (text_button(context, "train/again", ICON_LOOP " Again", mistaken)) coaching.repeat_mistake(context);
+    if (text_button(context, "coach/again", ICON_LOOP " Again", mistaken)) coaching.repeat_mistake(context);
     explain("Back to a second before the last mistake");
     ImGui::SameLine();
-    if (text_button(context, "train/show", ICON_EYE " Show me", runs && coaching.session().best_view().has_value()))
+    if (text_button(context, "coach/show", ICON_EYE " Show me", runs && coaching.session().best_view().has_value()))
         coaching.show_best_view(context);
     explain("Look from where the mistake is seen best");
     fields.label("");
-    if (text_button(context, "train/report", ICON_FILE " Report",
+    if (text_button(context, "coach/report", ICON_FILE " Report",
                     runs && !coaching.session().coach().recorded().frames.empty()))
         coaching.write_report(context);
     explain("A page about the recorded performance, beside the stage");
@@ -89,9 +89,9 @@ void limb_rows(Context& context, FieldGroup& fields, Coaching& coaching) {
 
 }  // namespace
 
-void train_tab(Context& context, Coaching& coaching) {
-    headline("Train with a performer");
-    FieldGroup fields(context, "train");
+void coach_tab(Context& context, Coaching& coaching) {
+    headline("Coach");
+    FieldGroup fields(context, "coach");
     source_fields(context, fields, coaching);
     play_fields(context, fields, coaching);
     headline("What counts");
