@@ -42,6 +42,20 @@ struct Editing : ViewerWindow {
     }
 };
 
+// A click that comes before the render thread has the stage of the edit before it selects all the same.
+TEST_F(Editing, AClickRightAfterAMoveSelects) {
+    const auto hands = open(stage);
+    hands->until_rest();
+    for (int i = 0; i < 3; i++) {
+        hands->click("stage/key");
+        hands->key("ctrl+d");
+        hands->click(hands->in_image(0.5, 0.5));
+        hands->until("the performer to be selected", [&](const json& now) {
+            return now["selected"].is_number() && now["selected"] == node(saved(), "anna");
+        });
+    }
+}
+
 TEST_F(Editing, BackwardsIsSeenSavedAndUndone) {
     const auto hands = open(stage, "960x540");
     hands->until_rest();

@@ -19,22 +19,36 @@ Motion motion_of(int button, const ImGuiIO& io) {
     return button == ImGuiMouseButton_Right ? Motion::kTurn : Motion::kOrbit;
 }
 
-// Lights and cameras are selected by their icons at once, other nodes when the render thread has traced the pixel.
+struct Click {
+    glm::dvec2 pixel;
+    stage::Camera camera;
+    double time_s;
+};
+
+// Selects the node that the render thread traces at a click. Where the stage that it has is still another one than the
+// document, as just after an edit, its nodes may have other numbers: then it traces the click again.
+void select_clicked(Context& context, const Click& click) {
+    context.render_thread.post([&context, click](editor::OnDevice& on_device) {
+        const editor::PickedPoint picked =
+            editor::pick_at(on_device, stage::stage_at(on_device.stage, click.time_s), click.camera, click.pixel);
+        context.jobs.post([&context, click, picked, nodes = on_device.stage.scene.nodes.size()] {
+            context.redraw();
+            const bool is_behind = context.frame.rendered.stage_id != context.editor.id();
+            if (context.editor.is_open() && nodes == context.editor.node_count())
+                context.editor.select(picked.node);
+            else if (is_behind && context.frame.rendered.problem.empty())
+                select_clicked(context, click);
+        });
+    });
+}
+
+// Lights and cameras are selected by their icons at once.
 void select_at(Context& context, glm::vec2 at) {
     if (const auto node = icon_at(context, at.x, at.y)) return context.editor.select(node);
     const FrameInput& frame = context.frame;
     if (!frame.stage) return;
     const glm::dvec2 pixel(at.x - frame.image_area.left, at.y - frame.image_area.top);
-    context.render_thread.post([&context, pixel, camera = frame.camera, time_s = context.view.clock.displayed_s(),
-                                id = context.editor.id(), stage = frame.stage](editor::OnDevice& on_device) {
-        if (&on_device.stage != stage.get()) return;  // its nodes may have other numbers
-        const editor::PickedPoint picked =
-            editor::pick_at(on_device, stage::stage_at(on_device.stage, time_s), camera, pixel);
-        context.jobs.post([&context, picked, id] {
-            if (context.editor.id() == id) context.editor.select(picked.node);
-            context.redraw();
-        });
-    });
+    select_clicked(context, {pixel, frame.camera, context.view.clock.displayed_s()});
 }
 
 void scroll(Context& context) {
