@@ -20,6 +20,9 @@ constexpr uint32_t kMaxCopies = 511;
 
 // A new stage that is not on the disk yet: a floor, a camera "camera", a spotlight "key" and a little ambient light.
 stage::StageFile new_stage(const std::filesystem::path& path);
+// A new stage that is not on the disk yet, to look at a clip whose leaves lie in this box (metres, +Y up): a floor
+// with lines under it and a spotlight that casts its shadow. The performer itself is not added.
+stage::StageFile stage_for_clip(const std::filesystem::path& path, glm::dvec3 low, glm::dvec3 high);
 
 // How place_node changes the transform of a node: in the space of the node's parent, metres and degrees. The members
 // apply in this order.

@@ -8,6 +8,7 @@
 #include "stream/byte_source.h"
 #include "voctree/clip.h"
 #include "voctree/clip_index.h"
+#include "voctree/occupied_box.h"
 
 namespace neuvv::editor {
 
@@ -45,6 +46,19 @@ std::filesystem::path name_of_address(const std::filesystem::path& address) {
     return name.empty() ? "stream" : name;
 }
 
+// A stage for a clip, without the clip. Where the clip has no box that can be read, whoever draws it says why.
+stage::StageFile new_stage_of_clip(const std::filesystem::path& clip, AroundClip around) {
+    const std::filesystem::path stage = stage_of_file(clip);
+    if (around == AroundClip::kLitFloor) {
+        try {
+            const auto [low, high] = voctree::occupied_box(voctree::read_clip_index(clip));
+            return edit::stage_for_clip(stage, low, high);
+        } catch (const InputError&) {
+        }
+    }
+    return stage::make_stage_file(stage, R"({"asset":{"version":"2.0","generator":"NeuVV"},"scene":0,"scenes":[{}]})");
+}
+
 }  // namespace
 
 bool has_stage_ending(const std::filesystem::path& path) {
@@ -60,7 +74,7 @@ std::filesystem::path stage_of_file(const std::filesystem::path& path) {
     return stage;
 }
 
-edit::Document open_document(const std::filesystem::path& path) {
+edit::Document open_document(const std::filesystem::path& path, AroundClip around) {
     const std::filesystem::path file = opened_file(path);
     edit::Document document;
     if (has_stage_ending(file)) {
@@ -70,8 +84,7 @@ edit::Document open_document(const std::filesystem::path& path) {
     }
     if (!stream::is_address(file) && !voctree::has_clip_ending(file))
         throw InputError(file.string(), "", "is neither a stage nor a clip", "open a .gltf, .glb, .nvv, .nvs or .npz");
-    document.file = stage::make_stage_file(
-        stage_of_file(file), R"({"asset":{"version":"2.0","generator":"NeuVV"},"scene":0,"scenes":[{}]})");
+    document.file = new_stage_of_clip(file, around);
     edit::PerformerEdit performer;
     performer.clip = file;
     edit::add_performer(document.file, document.file.path.stem().string(), performer, {});

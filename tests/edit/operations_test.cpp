@@ -65,6 +65,37 @@ TEST_F(Edits, ANewStageIsLitAndSeen) {
     }
 }
 
+// The floor of a stage that is made for a clip lies under the clip's leaves, is as large as they need, and the light
+// shines on them from above.
+TEST_F(Edits, AStageForAClipHasALitFloorUnderIt) {
+    for (const double size_m : {0.02, 1.8, 300.0}) {
+        const glm::dvec3 low(3, -0.5 * size_m, -1), high = low + size_m * glm::dvec3(0.4, 1, 0.3);
+        stage::StageFile made = edit::stage_for_clip(at("clip.gltf"), low, high);
+        stage::save_stage_file(made, at("clip.gltf"));
+        const stage::Stage stage = stage::load_stage(at("clip.gltf"));
+        const stage::EvaluatedStage evaluated = stage::stage_at(stage, 0);
+        EXPECT_TRUE(evaluated.cameras.empty()) << "the eye is where all of it is seen";
+        ASSERT_EQ(stage.scene.meshes.size(), 1u);
+        glm::dvec3 floor_low(INFINITY), floor_high(-INFINITY);
+        for (const glm::vec3& at : stage.scene.meshes[0].primitives[0].positions) {
+            const glm::dvec3 world = evaluated.pose.world_from_node[0] * glm::dvec4(at, 1);
+            floor_low = glm::min(floor_low, world);
+            floor_high = glm::max(floor_high, world);
+        }
+        EXPECT_NEAR(floor_low.y, low.y, 1e-5 * size_m);
+        EXPECT_NEAR(floor_high.y, low.y, 1e-5 * size_m);
+        for (const int axis : {0, 2}) {
+            EXPECT_LT(floor_low[axis], low[axis] - size_m);
+            EXPECT_GT(floor_high[axis], high[axis] + size_m);
+            EXPECT_LT(floor_high[axis] - floor_low[axis], 60 * size_m);
+        }
+        ASSERT_EQ(evaluated.lights.size(), 1u);
+        EXPECT_GT(evaluated.lights[0].position.y, high.y);
+        expect_near(evaluated.lights[0].direction, glm::normalize(0.5 * (low + high) - evaluated.lights[0].position),
+                    1e-5);
+    }
+}
+
 TEST_F(Edits, PerformersAreAddedPlacedAndSet) {
     test::put_clip(at("clips/berta k.nvv"));
     edit::PerformerEdit edit;
