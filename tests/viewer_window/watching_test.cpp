@@ -32,6 +32,12 @@ TEST_F(Watching, TheWindowShowsWhatRenderDraws) {
     EXPECT_TRUE(same(shown, rendered(shown)));
     EXPECT_TRUE(other(shown, rendered(shown, {"--time", "1.5"}))) << "another instant would be seen";
 
+    for (const char* shown_over_it : {"menu/Axes", "menu/Statistics"}) {
+        hands->click("menu/View");
+        hands->click(shown_over_it);
+    }
+    hands->key("Escape");
+    hands->point(hands->in_image(0.5, 0.9));
     const media::Image window = hands->window();
     EXPECT_EQ(window.width, 640u);
     EXPECT_EQ(window.height, 400u);
@@ -58,6 +64,8 @@ TEST_F(Watching, AClipOpensAsAStageOfItsOwn) {
     size_t seen = 0;
     for (size_t i = 0; i < person.rgba.size(); i += 4) seen += std::abs(person.rgba[i] - corner[0]) > kSteps;
     EXPECT_GT(seen, person.rgba.size() / 4 / 50) << "somebody stands there";
+    const uint8_t* floor = person.at(2, person.height - 3);
+    EXPECT_GT(floor[0], corner[0] + 20) << "on a lit floor";
 }
 
 TEST_F(Watching, PlaysAndPauses) {

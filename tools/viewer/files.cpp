@@ -81,11 +81,12 @@ void Files::ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::
 
 void Files::read(const std::filesystem::path& path) {
     context_.jobs.start(fmt::format("Opening {}", path.filename().string()), [this, path, id = context_.editor.id()] {
-        auto document = std::make_shared<edit::Document>(editor::open_document(path));
+        auto document = std::make_shared<edit::Document>(editor::open_document(path, editor::AroundClip::kLitFloor));
         return [this, document, path, id] {
             // Edits that were made while the file was read are asked about again.
             if (context_.editor.modified() && context_.editor.id() != id) return open(path);
-            opened(std::move(*document), false);
+            const bool is_clip = !editor::has_stage_ending(path);
+            opened(std::move(*document), {.clip = is_clip ? path.filename().string() : ""});
             remember_file(preferences_, path);
         };
     });
@@ -95,18 +96,24 @@ void Files::recover(const edit::RecoveryEntry& entry) {
     context_.jobs.start(fmt::format("Recovering {}", entry.stage.filename().string()), [this, entry] {
         auto document = std::make_shared<edit::Document>(edit::restore(entry));
         return [this, document, entry] {
-            opened(std::move(*document), true, entry);
+            opened(std::move(*document), {.modified = true, .from = entry});
             context_.editor.notify("recovered unsaved edits; save to keep them");
         };
     });
 }
 
-void Files::opened(edit::Document document, bool modified, std::optional<edit::RecoveryEntry> from) {
-    saver_.autosave.opened(std::move(from));
+void Files::opened(edit::Document document, Opened what) {
+    saver_.autosave.opened(std::move(what.from));
     events_.opened();
     clips_.clear();
-    context_.editor.open(std::move(document), modified);
+    clip_ = std::move(what.clip);
+    context_.editor.open(std::move(document), what.modified);
     context_.redraw();
+}
+
+std::string Files::name() const {
+    const stage::StageFile& file = context_.editor.file();
+    return clip_.empty() || file.saved->on_disk ? file.path.filename().string() : clip_;
 }
 
 void Files::ask_to_open() {
@@ -117,7 +124,7 @@ void Files::ask_to_open() {
 void Files::new_stage() {
     when_saved_or_discarded([this] {
         const std::filesystem::path path = stage::absolute_path("stage.gltf");
-        opened({neuvv::edit::new_stage(path), {}, {}}, true);
+        opened({neuvv::edit::new_stage(path), {}, {}}, {.modified = true});
     });
 }
 

@@ -59,6 +59,8 @@ class Files {
     // Asks for a path, then opens it.
     void ask_to_open();
     void new_stage();
+    // What the open document is called: its file's name, or that of the clip that was opened, where there is no file.
+    std::string name() const;
     // For a start without a file: offers to recover the edits that a crash left behind, those of the stage that was
     // edited last.
     void offer_recovery();
@@ -87,7 +89,12 @@ class Files {
   private:
     void open_now(const std::filesystem::path& path);
     void read(const std::filesystem::path& path);
-    void opened(edit::Document document, bool modified, std::optional<edit::RecoveryEntry> from = {});
+    struct Opened {
+        bool modified = false;
+        std::optional<edit::RecoveryEntry> from = {};
+        std::string clip = {};  // the name of the clip that the document was made for
+    };
+    void opened(edit::Document document, Opened what);
     void recover(const edit::RecoveryEntry& entry);
     // Calls `then` with `path` once the user has declined.
     void ask_to_recover(std::vector<edit::RecoveryEntry> entries, const std::filesystem::path& path,
@@ -114,6 +121,7 @@ class Files {
     std::vector<ListedFile> listed_;   // the contents of the question's folder
     std::filesystem::path confirmed_;  // the user has been told that saving again replaces this file
     std::optional<FileQuestion> question_;
+    std::string clip_;  // as Opened::clip, of the open document
     editor::DocumentSaver saver_;
     double watched_s_ = 0;  // when the clips' files were looked at last
     std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>> clips_;

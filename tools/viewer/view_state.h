@@ -29,7 +29,8 @@ struct ImageSettings {
 // Which panels are open, and how large they are at scale 1.
 struct PanelLayout {
     bool all = true;  // the side panels and the timeline are displayed (Tab)
-    bool speed = false, help = false;
+    bool statistics = true, pass_times = false;
+    bool help = false, about = false, guide = false, licence = false;
     float side_width = 320, timeline_height = 170;
     float tree_share = 0.33f;  // the stage panel's share of the height of the side panels
 };
@@ -43,6 +44,7 @@ struct ViewState {
     bool snap = false;               // drags of handles move in steps
     bool local_axes = false;         // handles lie along the axes of the node, not of the world
     bool grid = false;               // a grid of lines is drawn on the floor
+    bool axes = true;                // the directions of the axes are drawn in a corner of the image
     bool along_path = false;         // the eye follows the camera path of the stage
     bool show_path = true;           // the camera path is drawn over the image
     // Performers are heard while the clock runs, but for those of `muted`; or this one alone, unless `solo` is empty.

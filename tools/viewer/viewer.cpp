@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <thread>
 
@@ -24,18 +25,31 @@ namespace {
 constexpr double kIdleWait_s = 0.5, kPlayingWait_s = 1.0 / 30, kMovingWait_s = 1.0 / 60, kFrame_s = 1.0 / 60;
 constexpr double kStillAfter_s = 0.12, kNotice_s = 6;
 constexpr size_t kMaxMessages = 20, kMaxNotices = 4;
+constexpr double kFirstPitch = -0.12;
 
 double aspect_of(const Area& area) {
     return area.height > 0 ? area.width / area.height : 1;
 }
 
-// The eye with which a stage is first displayed: that of its first perspective camera, else from the front with all
-// performers in view.
-Eye initial_eye(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, double aspect) {
+// The eye with which a stage is first displayed: that of its first perspective camera, else from the front, a little
+// above, with the leaves of all performers in view.
+Eye initial_eye(const Context& context, const stage::EvaluatedStage& evaluated) {
+    const stage::Stage& stage = *context.frame.stage;
     for (const stage::EvaluatedCamera& camera : evaluated.cameras)
         if (!camera.orthographic) return eye_of(camera, stage, evaluated);
-    const auto [low, high] = stage::performers_box(stage, evaluated);
-    return framed(seen_from(Eye{}, EyeSide::kFront), low, high, aspect);
+    auto [low, high] = stage::performers_box(stage, evaluated);
+    if (const auto leaves = box_of_performers(context, evaluated)) std::tie(low, high) = *leaves;
+    Eye eye = seen_from(Eye{}, EyeSide::kFront);
+    eye.pitch = kFirstPitch;
+    return framed(eye, low, high, aspect_of(context.frame.image_area));
+}
+
+// What the view menu shows and hides, by the names under which preferences keep it.
+std::array<std::pair<const char*, bool*>, 4> switches(ViewState& view) {
+    return {{{"grid", &view.grid},
+             {"axes", &view.axes},
+             {"statistics", &view.panels.statistics},
+             {"pass times", &view.panels.pass_times}}};
 }
 
 std::filesystem::path preferences_file() {
@@ -93,6 +107,9 @@ Viewer::Viewer(const Options& options, const std::string& device)
         view_.panels.all = side->second.open;
         view_.panels.side_width = static_cast<float>(side->second.width);
     }
+    for (const auto& [name, on] : switches(view_))
+        if (const auto kept = preferences_.panels.find(name); kept != preferences_.panels.end())
+            *on = kept->second.open;
     for (size_t i = 0; i < std::size(kLayerNames); i++)
         if (preferences_.layer == kLayerNames[i]) view_.image.show = static_cast<render::Show>(i);
     if (!preferences_message_.empty()) editor_.notify(preferences_message_, true);
@@ -122,6 +139,7 @@ void Viewer::store_preferences() {
     preferences_.preview = {image.max_scale, static_cast<uint32_t>(image.samples * image.samples), image.far_levels};
     preferences_.layer = kLayerNames[static_cast<size_t>(image.show)];
     preferences_.panels["side"] = {view_.panels.all, view_.panels.side_width};
+    for (const auto& [name, on] : switches(view_)) preferences_.panels[name].open = *on;
     save_preferences(file, preferences_);
 }
 
@@ -301,13 +319,12 @@ void Viewer::receive_stage() {
     input_.stage = read;
     view_.clock.set_stage(read->duration_s, read->fps);
     input_.evaluated = stage::stage_at(*read, view_.clock.displayed_s());
-    if (first) view_.eye = initial_eye(*read, stage::stage_at(*read, 0), aspect_of(input_.image_area));
+    if (first) view_.eye = initial_eye(context_, stage::stage_at(*read, 0));
 }
 
 void Viewer::set_title() {
     std::string title = "NeuVV";
-    if (editor_.is_open())
-        title = fmt::format("{}{} – NeuVV", editor_.modified() ? "• " : "", editor_.file().path.filename().string());
+    if (editor_.is_open()) title = fmt::format("{}{} – NeuVV", editor_.modified() ? "• " : "", files_.name());
     if (title == title_) return;
     title_ = title;
     window_.set_title(title);
@@ -436,8 +453,9 @@ void Viewer::draw_panels() {
                          {tree_, paint_, files_, exporter_, coaching_});
         timeline_panel(context_, below, timeline_, waveforms_);
     }
-    if (panels.speed) speed_panel(context_, *device_, meter_);
+    statistics_panel(context_, *device_, meter_);
     if (panels.help) help_panel(context_);
+    about_panels(context_, *device_);
     notices_panel(context_, notices_);
     files_.panel();
 }

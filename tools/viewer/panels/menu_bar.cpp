@@ -100,20 +100,30 @@ void view_menu(Context& context, ui::Window& window) {
     sides(context);
     if (item(context, "Focus", "F")) focus(context);
     ImGui::Separator();
+    const auto toggle = [&](const char* name, const char* keys, bool& on) {
+        if (item(context, name, keys, true, on)) on = !on;
+    };
     sizes(context);
     if (item(context, "Sound", "M", true, context.view.sound)) context.view.sound = !context.view.sound;
     if (item(context, "Full screen", "F11")) window.toggle_full_screen();
     if (item(context, "Panels", "Tab", true, context.view.panels.all))
         context.view.panels.all = !context.view.panels.all;
-    if (item(context, "Speed", "", true, context.view.panels.speed))
-        context.view.panels.speed = !context.view.panels.speed;
+    ImGui::Separator();
+    toggle("Grid", "G", context.view.grid);
+    toggle("Axes", "", context.view.axes);
+    toggle("Statistics", "", context.view.panels.statistics);
+    toggle("Pass times", "", context.view.panels.pass_times);
     ImGui::EndMenu();
 }
 
 void help_menu(Context& context) {
     if (!menu(context, "Help")) return;
-    if (item(context, "Keys", "?", true, context.view.panels.help))
-        context.view.panels.help = !context.view.panels.help;
+    PanelLayout& panels = context.view.panels;
+    if (item(context, "Guide", "", true, panels.guide)) panels.guide = !panels.guide;
+    if (item(context, "Keys", "?", true, panels.help)) panels.help = !panels.help;
+    ImGui::Separator();
+    if (item(context, "Licence", "", true, panels.licence)) panels.licence = !panels.licence;
+    if (item(context, "About NeuVV", "", true, panels.about)) panels.about = !panels.about;
     ImGui::EndMenu();
 }
 

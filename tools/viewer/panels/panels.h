@@ -71,13 +71,15 @@ void properties_panel(Context& context, const Area& area, PropertiesPanel& state
 void properties_tab(Context& context, PropertyFields& fields, StageTree& tree);
 void paint_tab(Context& context, PaintTool& paint, Files& files);
 void light_tab(Context& context, StageTree& tree);
-void train_tab(Context& context, Coaching& coaching);
+void coach_tab(Context& context, Coaching& coaching);
 void render_tab(Context& context, ExportChoice& choice, Files& files, Exporter& exporter);
 
-// How long images and passes take.
-void speed_panel(Context& context, const gpu::Device& device, const FrameMeter& meter);
+// How long images and passes take, and what is drawn.
+void statistics_panel(Context& context, const gpu::Device& device, const FrameMeter& meter);
 // The list of keys.
 void help_panel(Context& context);
+// What the program is, the guide and the licence, each in a window of its own where it is open.
+void about_panels(Context& context, const gpu::Device& device);
 // Notices, jobs that are under way, and problems of the render thread, at the bottom of the image.
 void notices_panel(Context& context, std::span<const editor::Notice> notices);
 

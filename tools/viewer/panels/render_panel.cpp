@@ -53,7 +53,7 @@ void image_fields(Context& context) {
             context.editor.edit([&](edit::Document& d) { return edit::set_stage(d.file, edit); });
         }
     }
-    fields.toggle("Speed", context.view.panels.speed);
+    fields.toggle("Statistics", context.view.panels.statistics);
 }
 
 // The cameras that an export can use: the view of the window, the camera path, those of the stage.
@@ -154,7 +154,7 @@ void export_fields(Context& context, ExportChoice& choice, Files& files, Exporte
     if (choice.kind != 2) {
         fields.choice("Time", choice.range, kRanges);
         double fps = choice.fps > 0 ? choice.fps : context.frame.stage->fps;
-        if (fields.number("Images a second", fps, {1, 240, 0.1, "%.2f"})) choice.fps = fps;
+        if (fields.number("Frame rate", fps, {1, 240, 0.1, "%.2f fps"})) choice.fps = fps;
     }
     fields.choice("Rays", choice.samples, kSamples);
     if (choice.kind != 0) fields.toggle("Transparent", choice.transparent);

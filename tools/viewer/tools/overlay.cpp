@@ -2,6 +2,8 @@
 
 #include <imgui.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "edit/operations.h"
@@ -70,6 +72,29 @@ void draw_grid(Drawing& drawing) {
     }
 }
 
+// The directions of the world's axes, as the eye sees them, in the lower right corner of the image.
+void draw_axes(const Context& context) {
+    constexpr struct {
+        const char* name;
+        unsigned colour;
+    } kAxes[] = {{"X", 0xff5050e0}, {"Y", 0xff50c060}, {"Z", 0xffe08050}};
+    const Area& area = context.frame.image_area;
+    const float length = context.ui(28), margin = context.ui(48);
+    const ImVec2 middle{area.left + area.width - margin, area.top + area.height - margin};
+    const glm::dmat3 eye_from_world = glm::transpose(glm::dmat3(world_from_eye(context.view.eye)));
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    std::array<int, 3> order{0, 1, 2};  // the farthest first
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return eye_from_world[a].z < eye_from_world[b].z; });
+    for (const int axis : order) {
+        const auto [name, colour] = kAxes[axis];
+        const glm::vec2 at = length * glm::vec2(eye_from_world[axis]);
+        const ImVec2 end{middle.x + at.x, middle.y - at.y}, size = ImGui::CalcTextSize(name);
+        list.AddLine(middle, end, colour, context.ui(2));
+        const ImVec2 letter{middle.x + 1.35f * at.x, middle.y - 1.35f * at.y};
+        list.AddText({letter.x - size.x / 2, letter.y - size.y / 2}, colour, name);
+    }
+}
+
 unsigned colour_of(const Context& context, uint32_t node) {
     return context.editor.selected() == node ? ui::kAccent : 0xffd8d4d0;
 }
@@ -88,16 +113,38 @@ void draw_line(const Context& context, glm::dvec3 a, glm::dvec3 b, unsigned colo
                                             colour, context.ui(width));
 }
 
-std::pair<glm::dvec3, glm::dvec3> box_of_node(const Context& context, uint32_t node) {
-    glm::dvec3 low(INFINITY), high(-INFINITY);
-    const auto add = [&](glm::dvec3 position) {
+namespace {
+
+// A box in the world that grows.
+struct GrowingBox {
+    glm::dvec3 low{INFINITY}, high{-INFINITY};
+    bool is_empty() const { return low.x > high.x; }
+    void add(glm::dvec3 position) {
         low = glm::min(low, position);
         high = glm::max(high, position);
-    };
-    const auto add_box = [&](const glm::dmat4& world, glm::dvec3 from, glm::dvec3 to) {
+    }
+    void add(const glm::dmat4& world, glm::dvec3 from, glm::dvec3 to) {
         for (int i = 0; i < 8; i++)
             add(world * glm::dvec4(i & 1 ? to.x : from.x, i & 2 ? to.y : from.y, i & 4 ? to.z : from.z, 1));
-    };
+    }
+};
+
+}  // namespace
+
+std::optional<std::pair<glm::dvec3, glm::dvec3>> box_of_performers(const Context& context,
+                                                                   const stage::EvaluatedStage& evaluated) {
+    GrowingBox box;
+    const auto& leaf_boxes = context.frame.rendered.leaf_boxes;
+    for (const stage::EvaluatedPerformer& performer : evaluated.performers) {
+        if (performer.clip >= leaf_boxes.size()) return {};
+        box.add(performer.world_from_performer, leaf_boxes[performer.clip].first, leaf_boxes[performer.clip].second);
+    }
+    if (box.is_empty()) return {};
+    return std::pair(box.low, box.high);
+}
+
+std::pair<glm::dvec3, glm::dvec3> box_of_node(const Context& context, uint32_t node) {
+    GrowingBox box;
     const auto is_in_subtree = [&](uint32_t candidate) {
         for (int64_t i = candidate; i >= 0; i = context.frame.stage->scene.nodes[static_cast<size_t>(i)].parent)
             if (i == node) return true;
@@ -106,17 +153,17 @@ std::pair<glm::dvec3, glm::dvec3> box_of_node(const Context& context, uint32_t n
     for (const stage::EvaluatedPerformer& performer : context.frame.evaluated.performers) {
         if (!is_in_subtree(context.frame.stage->performers[performer.performer].node)) continue;
         const auto& [from, to] = context.frame.rendered.leaf_boxes[performer.clip];
-        add_box(performer.world_from_performer, from, to);
+        box.add(performer.world_from_performer, from, to);
     }
     const stage::GltfScene& scene = context.frame.stage->scene;
     for (uint32_t i = 0; i < scene.nodes.size(); i++) {
         if (scene.nodes[i].mesh < 0 || !is_in_subtree(i)) continue;
         for (const stage::GltfPrimitive& primitive : scene.meshes[static_cast<size_t>(scene.nodes[i].mesh)].primitives)
             for (const glm::vec3& position : primitive.positions)
-                add(context.frame.evaluated.pose.world_from_node[i] * glm::dvec4(position, 1));
+                box.add(context.frame.evaluated.pose.world_from_node[i] * glm::dvec4(position, 1));
     }
-    if (low.x > high.x) add(glm::dvec3(context.frame.evaluated.pose.world_from_node[node][3]));
-    return {low, high};
+    if (box.is_empty()) box.add(glm::dvec3(context.frame.evaluated.pose.world_from_node[node][3]));
+    return {box.low, box.high};
 }
 
 void draw_scene_overlay(const Context& context) {
@@ -124,6 +171,7 @@ void draw_scene_overlay(const Context& context) {
     if (!frame.stage) return;
     Drawing drawing(context);
     if (context.view.grid) draw_grid(drawing);
+    if (context.view.axes) draw_axes(context);
     if (context.view.panels.all) {
         for (const stage::EvaluatedLight& light : frame.evaluated.lights)
             drawing.icon(light.position, ICON_LIGHT, colour_of(context, light.node));

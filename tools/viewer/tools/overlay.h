@@ -30,6 +30,11 @@ glm::dvec2 pointer_of(const Context& context);
 // Where there are none, both corners are the position of the node.
 std::pair<glm::dvec3, glm::dvec3> box_of_node(const Context& context, uint32_t node);
 
+// The same around the leaves of all performers that are evaluated; nullopt where the boxes of their leaves are not
+// known yet.
+std::optional<std::pair<glm::dvec3, glm::dvec3>> box_of_performers(const Context& context,
+                                                                   const stage::EvaluatedStage& evaluated);
+
 // The eye that sees as a camera of the stage does. It turns about a point at the depth of the performers.
 Eye eye_of(const stage::EvaluatedCamera& camera, const stage::Stage& stage, const stage::EvaluatedStage& evaluated);
 // Lets the eye fly to where the selected node fills the image, or all performers, where nothing is selected.
