@@ -62,25 +62,39 @@ void Session::create_spaces() {
                                  [&](uint32_t capacity, uint32_t* count, XrReferenceSpaceType* all) {
                                      return xrEnumerateReferenceSpaces(handle(), capacity, count, all);
                                  });
-    tracking_type_ = XR_REFERENCE_SPACE_TYPE_LOCAL;
-    for (const XrReferenceSpaceType better : {kLocalFloorSpace, XR_REFERENCE_SPACE_TYPE_STAGE})
-        if (std::find(types.begin(), types.end(), better) != types.end()) tracking_type_ = better;
+    const auto offers = [&](XrReferenceSpaceType type) {
+        return std::find(types.begin(), types.end(), type) != types.end();
+    };
+    centred_type_ = offers(kLocalFloorSpace) ? kLocalFloorSpace : XR_REFERENCE_SPACE_TYPE_LOCAL;
+    tracking_type_ = offers(XR_REFERENCE_SPACE_TYPE_STAGE) ? XR_REFERENCE_SPACE_TYPE_STAGE : centred_type_;
     knows_floor_ = tracking_type_ != XR_REFERENCE_SPACE_TYPE_LOCAL;
     if (!knows_floor_) reference_from_tracking_.position.y = -kEyeHeight_m;
     tracking_ = reference_space(handle(), tracking_type_, reference_from_tracking_);
     head_ = reference_space(handle(), XR_REFERENCE_SPACE_TYPE_VIEW);
     constexpr XrReferenceSpaceType kGaze = XR_REFERENCE_SPACE_TYPE_COMBINED_EYE_VARJO;
-    if (runtime_.narrow_views_follow_gaze() && std::find(types.begin(), types.end(), kGaze) != types.end())
-        gaze_ = reference_space(handle(), kGaze);
+    if (runtime_.narrow_views_follow_gaze() && offers(kGaze)) gaze_ = reference_space(handle(), kGaze);
 }
 
-// LOCAL and LOCAL_FLOOR move where the user asks for it; STAGE, where its area or its floor is found anew.
-TrackingChange Session::tracking_change(const XrEventDataReferenceSpaceChangePending& event) const {
-    TrackingChange change{event.changeTime, {}, event.referenceSpaceType != XR_REFERENCE_SPACE_TYPE_STAGE};
-    if (event.poseValid)
-        change.old_from_new =
-            inverse(reference_from_tracking_) * pose_of(event.poseInPreviousSpace) * reference_from_tracking_;
-    return change;
+// LOCAL and LOCAL_FLOOR move where the user asks for it. STAGE moves where its area or its floor is found anew, and
+// then the runtime knows by how much; a runtime that recentres STAGE as well does not say. Where STAGE moves by a known
+// pose, a LOCAL that moves, too, may only have gone along with it, but LOCAL_FLOOR was centred.
+void Session::note_change(const XrEventDataReferenceSpaceChangePending& event,
+                          std::optional<TrackingChange>& change) const {
+    const bool floor_is_centred = centred_type_ == kLocalFloorSpace;
+    if (event.referenceSpaceType == tracking_type_) {
+        const bool found_anew = tracking_type_ == XR_REFERENCE_SPACE_TYPE_STAGE && event.poseValid;
+        const bool asked_before = change && change->by_user && floor_is_centred;
+        const std::optional<Pose> before = change ? change->old_from_new : Pose();
+        change = TrackingChange{event.changeTime, {}, !found_anew || asked_before};
+        if (event.poseValid && before)
+            change->old_from_new = *before * (inverse(reference_from_tracking_) * pose_of(event.poseInPreviousSpace) *
+                                              reference_from_tracking_);
+    } else if (event.referenceSpaceType == centred_type_) {
+        if (!change)
+            change = TrackingChange{event.changeTime, Pose(), true};
+        else
+            change->by_user |= floor_is_centred;
+    }
 }
 
 void Session::begin_session() {
@@ -130,8 +144,7 @@ SessionStatus Session::poll(SessionEvents& events) {
                 break;
             case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING: {
                 const auto& pending = as(XrEventDataReferenceSpaceChangePending{});
-                if (pending.session == handle() && pending.referenceSpaceType == tracking_type_)
-                    events.tracking_change = tracking_change(pending);
+                if (pending.session == handle()) note_change(pending, events.tracking_change);
                 break;
             }
             case XR_TYPE_EVENT_DATA_PASSTHROUGH_STATE_CHANGED_FB: {

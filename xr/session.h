@@ -25,11 +25,12 @@ enum class SessionStatus {
     kLost,     // the session cannot be used any more; a new one may work
 };
 
-// From a time on, all poses in the tracking space are in a new tracking space: its origin was moved, by the user
-// (recentring) or by the system.
+// From a time on, all poses in the tracking space are in a new tracking space, or the user has asked to look ahead
+// (recentring), or both.
 struct TrackingChange {
     XrTime from = 0;  // of displays
-    // The new space in the old one; empty where the runtime does not know it.
+    // The new tracking space in the old one: the identity where it has not moved, empty where the runtime does not
+    // know.
     std::optional<Pose> old_from_new;
     // Whether the user asked for it, so as to look ahead. Otherwise the room's area or floor was found anew.
     bool by_user = false;
@@ -37,9 +38,10 @@ struct TrackingChange {
 
 // The other events of a poll.
 struct SessionEvents {
-    std::optional<TrackingChange> tracking_change;  // the last one
-    std::optional<bool> is_worn;                    // whether somebody wears the headset, where that has changed
-    bool passthrough_lost = false;                  // call Room::restart
+    // All changes that were reported and have not taken effect yet. It may have those of earlier polls before a poll.
+    std::optional<TrackingChange> tracking_change;
+    std::optional<bool> is_worn;                 // whether somebody wears the headset, where that has changed
+    bool passthrough_lost = false;               // call Room::restart
     bool controllers_changed = false;            // the user holds other controllers: call Actions::update_controllers
     std::array<bool, kMaxViews> mask_changed{};  // the lens hides another part of this view
 };
@@ -75,6 +77,10 @@ class Session {
     // area where the user may walk. Where the runtime has no STAGE, LOCAL_FLOOR, whose origin lies on the floor where
     // the user was when the space was last centred. Where it has neither, a space kEyeHeight_m below the origin of
     // LOCAL, which is at the height of the eyes.
+    //
+    // Recentring moves LOCAL and LOCAL_FLOOR, and on most runtimes not STAGE. STAGE is preferred nevertheless, as poses
+    // in it stay what they are: some runtimes move LOCAL_FLOOR before they say so. A change of LOCAL_FLOOR, or of LOCAL
+    // where there is none, is the user's wish to look ahead.
     XrSpace tracking_space() const { return tracking_.get(); }
     bool knows_floor() const { return knows_floor_; }
     XrSpace head_space() const { return head_.get(); }
@@ -108,7 +114,7 @@ class Session {
   private:
     void create_spaces();
     bool is_gaze_tracked(XrTime time) const;
-    TrackingChange tracking_change(const XrEventDataReferenceSpaceChangePending& event) const;
+    void note_change(const XrEventDataReferenceSpaceChangePending& event, std::optional<TrackingChange>& change) const;
     void begin_session();
     void end_session();
     void on_state_changed(const XrEventDataSessionStateChanged& event);
@@ -117,6 +123,7 @@ class Session {
     XrOwnedSession session_;
     XrOwnedSpace tracking_, head_, gaze_;  // gaze_: null where narrow views do not follow it
     XrReferenceSpaceType tracking_type_ = XR_REFERENCE_SPACE_TYPE_STAGE;
+    XrReferenceSpaceType centred_type_ = XR_REFERENCE_SPACE_TYPE_LOCAL;  // the space that recentring moves
     Pose reference_from_tracking_;
     bool knows_floor_ = false;
     XrSessionState state_ = XR_SESSION_STATE_UNKNOWN;

@@ -231,6 +231,8 @@ void read_events(const Json& events, Script& script) {
         fields.read("hz", event.hz);
         fields.read("profile", event.profile);
         fields.read("worn", event.worn);
+        fields.read("says_shift", event.says_shift);
+        read_names(fields, "spaces", kSpaces, event.spaces);
         if (const Json* shift = fields.find("shift")) read_pose(Fields(*shift, fields.at("shift")), event.shift);
         fields.finish();
         script.events.push_back(event);

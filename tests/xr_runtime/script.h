@@ -48,6 +48,9 @@ struct ScriptEvent {
     int64_t frames = 1, periods = 3, calls = 0, wait_calls = 10, times = 1;
     bool restart = false, worn = true;
     XrPosef shift = {{0, 0, 0, 1}, {0, 0, 0}};
+    std::vector<XrReferenceSpaceType> spaces = {XR_REFERENCE_SPACE_TYPE_LOCAL, xr::kLocalFloorSpace,
+                                                XR_REFERENCE_SPACE_TYPE_STAGE};  // that move
+    bool says_shift = true;
     std::string profile;
     float hz = 0;
 };

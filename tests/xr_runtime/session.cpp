@@ -149,14 +149,14 @@ void lose_device(const ScriptEvent& event) {
 void recentre(Session& session, const ScriptEvent& event) {
     Progress& progress = runtime().progress;
     const XrTime change = progress.display_times.back() + 2 * progress.period();
-    for (XrReferenceSpaceType space :
-         {XR_REFERENCE_SPACE_TYPE_LOCAL, xr::kLocalFloorSpace, XR_REFERENCE_SPACE_TYPE_STAGE}) {
+    for (XrReferenceSpaceType space : event.spaces) {
         const auto& offered = runtime().script.spaces;
         if (std::find(offered.begin(), offered.end(), space) == offered.end()) continue;
         progress.recentres.push_back({change, space, event.shift});
         queue_event(*session.instance,
-                    XrEventDataReferenceSpaceChangePending{XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING, nullptr,
-                                                           session.handle, space, change, XR_TRUE, event.shift});
+                    XrEventDataReferenceSpaceChangePending{
+                        XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING, nullptr, session.handle, space, change,
+                        XrBool32{event.says_shift ? 1u : 0u}, event.says_shift ? event.shift : kIdentityPose});
     }
 }
 

@@ -48,6 +48,50 @@ TEST_F(Recentring, AUserWhoCentresTheViewStaysInPlaceAndLooksAhead) {
     }
 }
 
+// The user faces the left wall of the room, and then the one behind, and centres the view there: these spaces move.
+XrScript centring(const std::vector<std::string>& moved, bool says_shift) {
+    XrScript script;
+    script.head(0, {0.5, 1.5, 0.3}, {-2, 1.5, 0.3});
+    script.head(kReady, {0.5, 1.5, 0.3}, {0.5, 1.5, 3});
+    json event = Recentring::shift({0.5, 0, 0.3}, 180);
+    event["spaces"] = moved;
+    event["says_shift"] = says_shift;
+    script.event(8, "recentre", event);
+    script.end(14);
+    return script;
+}
+
+// STAGE stays where it is. The runtime may have LOCAL_FLOOR or not, and may say by how much that moves, or not.
+TEST_F(Recentring, WhileStageStaysFixedTheUserLooksAhead) {
+    for (const bool local_floor : {true, false}) {
+        with_layer = !local_floor;
+        XrScript script = centring({"local", "local_floor"}, !local_floor);
+        if (local_floor) script.json["spaces"] = {"view", "local", "local_floor", "stage"};
+        const XrRun run = this->run(script);
+        expect_clean(run);
+        EXPECT_LT(glm::distance(head_of(run), {0, 1.5, 0}), 1e-3) << "in the same place";
+        EXPECT_NEAR(heading_deg(run), 0, 1e-3) << local_floor;
+    }
+}
+
+// A runtime that recentres STAGE as well does not say by how much it moves.
+TEST_F(Recentring, AStageThatMovesByAnUnknownPoseIsTheUsersWish) {
+    const XrRun run = this->run(centring({"stage"}, false));
+    expect_clean(run);
+    EXPECT_LT(glm::distance(head_of(run), {0, 1.5, 0}), 1e-3);
+    EXPECT_NEAR(heading_deg(run), 0, 1e-3);
+}
+
+// Performers stand in the user's own room, so recentring moves none of them.
+TEST_F(Recentring, InTheUsersRoomNothingMoves) {
+    XrScript script = centring({"local"}, true);
+    script.json["blend_modes"] = {"opaque", "alpha_blend"};
+    const XrRun run = this->run(script, {"--room"});
+    expect_clean(run);
+    EXPECT_LT(glm::distance(head_of(run), {0, 1.5, 0}), 1e-3);
+    EXPECT_NEAR(std::abs(heading_deg(run)), 90, 1e-3) << "the user has turned from the left wall to the one behind";
+}
+
 // LOCAL is 1.7 m above the floor here; without LOCAL_FLOOR, 1.6 m are guessed.
 TEST_F(Recentring, WithoutAStageTheFloorIsThatOfLocalFloor) {
     XrScript script;

@@ -36,6 +36,7 @@ xr::SessionStatus run_session(Program& program, RuntimeContext& context) {
     bool exit_requested = false, rate_requested = false;
     for (;;) {
         xr::SessionEvents events;
+        events.tracking_change = session.tracking_change;
         const xr::SessionStatus status = session.xr_session.poll(events);
         handle_events(events, program, session);
         if (status == xr::SessionStatus::kEnded || status == xr::SessionStatus::kLost) {

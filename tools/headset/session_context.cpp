@@ -41,6 +41,8 @@ void place_user(Program& program, SessionContext& session, const xr::FrameTime& 
     auto& change = session.tracking_change;
     if (change && time.display >= change->from) {
         if (program.head && program.start) {
+            // In the user's own room, performers stay where they stand in it, if the runtime knows where that is.
+            change->by_user &= !(program.state.shows_room && change->old_from_new);
             follow_tracking_change(program.state, *change, *program.head, head);
             program.interaction.user_was_moved(program.state);
         }
@@ -181,7 +183,7 @@ bool draw_eyes(Program& program, RuntimeContext& context, SessionContext& sessio
 void handle_events(const xr::SessionEvents& events, Program& program, SessionContext& session) {
     if (events.is_worn) pause_unworn(program, *events.is_worn);
     if (events.passthrough_lost) session.room.restart();
-    if (events.tracking_change) session.tracking_change = events.tracking_change;
+    session.tracking_change = events.tracking_change;
     if (events.controllers_changed) {
         session.actions.update_controllers();
         program.hints = make_hints(session.actions, program.state);
