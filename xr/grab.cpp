@@ -81,16 +81,23 @@ glm::dmat4 Grab::world_from_node() const {
     return moved;
 }
 
+void Grab::advance(double dt_s) {
+    constexpr double kSlowest_per_s = 5, kFaster_per_s_and_m = 6000;  // by how far the hands' distance is off
+    if (!both_attached() || !(dt_s > 0)) return;
+    const double off_m = glm::length(apart()) - apart_m_;
+    apart_m_ += off_m * (1 - std::exp(-dt_s * (kSlowest_per_s + kFaster_per_s_and_m * std::abs(off_m))));
+}
+
 // The change of the object's scale since the anchor.
 double Grab::factor() const {
     if (!both_attached()) return 1;
-    const auto counted = [](glm::dvec3 apart) { return std::max(glm::length(apart), kMinApart_m); };
-    const double unclamped = anchor_scale_ * counted(apart()) / counted(anchor_apart());
+    const double from_m = std::max(glm::length(anchor_apart()), kMinApart_m);
+    const double unclamped = anchor_scale_ * std::max(apart_m_, kMinApart_m) / from_m;
     return std::clamp(unclamped, settings_.min_scale, settings_.max_scale) / anchor_scale_;
 }
 
-// Whether the hands define how the object is turned: false where their points are too near to each other, and, for an
-// upright object, where the line between them is too vertical, or a single hand is tilted too far.
+// Whether the hands define how the object is turned: false where they are too near to each other, and, for an upright
+// object, where the line between them is too vertical, or a single hand is tilted too far.
 bool Grab::hands_define_turn() const {
     if (both_attached()) {
         const glm::dvec3 line = apart();
@@ -110,6 +117,7 @@ void Grab::reset_anchor(const glm::dmat4& world_from_node, double scale) {
         hand.anchor = hand.now;
         hand.anchor_point = hand.point();
     }
+    apart_m_ = glm::length(apart());
     turning_ = empty() || hands_define_turn();
 }
 
@@ -119,7 +127,11 @@ void Grab::update_turn() {
     if (!hands_define_turn()) {
         turning_ = false;
     } else if (!turning_) {
+        // From where the hands lead, which the smoothed scale has not reached yet.
+        const double scale_now = scale();
+        apart_m_ = glm::length(apart());
         reset_anchor(world_from_node(), scale());
+        apart_m_ *= scale_now / anchor_scale_;
     } else if (both_attached()) {
         update_turn_from_line();
     } else {

@@ -7,11 +7,11 @@
 // turns as the hand does. An upright object turns only by the part of the hand's rotation about +Y (twist_of).
 //
 // Two hands: the middle of the two points carries the object. The object scales by the ratio of the distances between
-// the points, and turns as the line between them does: from frame to frame by the smallest rotation, or, where the
-// object is upright, about +Y alone. An object that is not upright, and whose scale is within its limits, keeps both
-// points where the hands grabbed them. Points nearer to each other than kMinApart_m count as that far apart for the
-// scale and do not turn the object. A line within kMinLean of the vertical does not turn an upright object either. When
-// the points leave these ranges, the object goes on turning from the rotation that it has then.
+// the hands, and turns as the line between the hands does: from frame to frame by the smallest rotation, or, where the
+// object is upright, about +Y alone. (The points would not do: 4 m away, one degree of a wrist moves a point by 7 cm.)
+// The scale follows the hands' distance smoothly (advance). Hands nearer to each other than kMinApart_m count as that
+// far apart for the scale and do not turn the object. A line within kMinLean of the vertical does not turn an upright
+// object either. When the hands leave these ranges, the object goes on turning from the rotation that it has then.
 //
 // The result is continuous in the hands' poses, and never jumps where a hand is attached or detached. Poses that are
 // not valid (is_valid) are ignored.
@@ -50,6 +50,10 @@ class Grab {
     // Takes the newest pose of a hand; ignored for a hand that is not attached.
     void move(int hand, const Pose& world_from_hand);
 
+    // Lets the scale follow the hands' distance for so long: slowly where the distance only trembles, within a few
+    // frames where it changes. To be called once a frame, after move().
+    void advance(double dt_s);
+
     // Pushes the point away along the hand's −Z, or pulls it nearer where `by_m` is below 0, but no nearer than
     // kMinDistance_m; a point that was attached nearer than that stays where it is. Does nothing unless this is the
     // only attached hand.
@@ -75,8 +79,8 @@ class Grab {
     };
     static size_t index(int hand);
     bool both_attached() const { return is_attached(0) && is_attached(1); }
-    glm::dvec3 apart() const { return hands_[1].point() - hands_[0].point(); }
-    glm::dvec3 anchor_apart() const { return hands_[1].anchor_point - hands_[0].anchor_point; }
+    glm::dvec3 apart() const { return hands_[1].now.position - hands_[0].now.position; }
+    glm::dvec3 anchor_apart() const { return hands_[1].anchor.position - hands_[0].anchor.position; }
     double factor() const;
     bool hands_define_turn() const;
     void reset_anchor(const glm::dmat4& world_from_node, double scale);
@@ -86,6 +90,7 @@ class Grab {
     GrabSettings settings_;
     std::array<Hand, 2> hands_;
     glm::dmat4 anchor_;        // the node's transform when a hand was last attached or detached, or began to turn it
+    double apart_m_ = 0;       // between the hands, smoothed
     double anchor_scale_ = 1;  // of anchor_, relative to the matrix that the Grab began with
     glm::dquat turn_{1, 0, 0, 0};  // since anchor_
     bool turning_ = true;          // whether the hands turned the object at the last move

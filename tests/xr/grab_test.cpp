@@ -36,6 +36,12 @@ double scale_between(const glm::dmat4& before, const glm::dmat4& after) {
     return std::cbrt(glm::determinant(glm::dmat3(after)) / glm::determinant(glm::dmat3(before)));
 }
 
+// Moves a hand, and gives the scale the time to follow.
+void move_and_wait(xr::Grab& grab, int hand, const xr::Pose& pose) {
+    grab.move(hand, pose);
+    grab.advance(1000);
+}
+
 TEST(Grab, OneFreeHandHoldsItRigidly) {
     RandomPoses random(10);
     for (int i = 0; i < 100; ++i) {
@@ -79,26 +85,22 @@ TEST(Grab, OnlyYawTurnsAnUprightThing) {
     EXPECT_NEAR(std::atan2(-x.z, x.x), 0.7, 1e-12);
 }
 
-TEST(Grab, TwoFreeHandsKeepBothPoints) {
+TEST(Grab, TwoFreeHandsKeepWhatTheyHold) {
     RandomPoses random(12);
     for (int i = 0; i < 100; ++i) {
         const glm::dmat4 node = random_node(random);
-        const std::array<double, 2> distances = {random.number(0, 2), random.number(0, 2)};
         const std::array<xr::Pose, 2> then = {random.pose(), random.pose()}, now = {random.pose(), random.pose()};
         xr::Grab grab(node, kFree);
         for (const int hand : {0, 1}) {
-            grab.attach(hand, then[static_cast<size_t>(hand)], distances[static_cast<size_t>(hand)]);
+            grab.attach(hand, then[static_cast<size_t>(hand)]);
             EXPECT_LT(max_difference(grab.world_from_node(), node), 1e-12);
         }
-        for (const int hand : {0, 1}) grab.move(hand, now[static_cast<size_t>(hand)]);
+        for (const int hand : {0, 1}) move_and_wait(grab, hand, now[static_cast<size_t>(hand)]);
         const glm::dmat4 moved = grab.world_from_node();
-        std::array<glm::dvec3, 2> from{}, to{};
-        for (size_t hand : {0U, 1U}) {
-            from[hand] = grabbed_point(then[hand], distances[hand]);
-            to[hand] = grabbed_point(now[hand], distances[hand]);
-            EXPECT_LT(glm::distance(carried(node, moved, from[hand]), to[hand]), 1e-9) << i;
-        }
-        const double ratio = glm::distance(to[0], to[1]) / glm::distance(from[0], from[1]);
+        for (size_t hand : {0U, 1U})
+            EXPECT_LT(glm::distance(carried(node, moved, then[hand].position), now[hand].position), 1e-9) << i;
+        const double ratio =
+            glm::distance(now[0].position, now[1].position) / glm::distance(then[0].position, then[1].position);
         EXPECT_NEAR(scale_between(node, moved), ratio, 1e-9 * ratio);
         EXPECT_NEAR(grab.scale(), ratio, 1e-9 * ratio);
         const glm::dmat3 turn = glm::dmat3(moved * glm::inverse(node)) / ratio;
@@ -106,13 +108,67 @@ TEST(Grab, TwoFreeHandsKeepBothPoints) {
     }
 }
 
+// Two hands that point at something 4 m away.
+struct FarGrab {
+    std::array<xr::Pose, 2> hands{{{{-0.2, 1, 0}}, {{0.2, 1, 0}}}};
+    xr::Grab grab;
+    explicit FarGrab(const xr::GrabSettings& settings) : grab(glm::dmat4(1), settings) {
+        for (const int hand : {0, 1}) grab.attach(hand, hands[static_cast<size_t>(hand)], 4);
+    }
+};
+
+TEST(Grab, AWristThatTurnsScalesAndTurnsNothing) {
+    for (const xr::GrabSettings& settings : {kFree, kUpright})
+        for (const double degrees : {1.0, -1.0, 10.0}) {
+            FarGrab far(settings);
+            move_and_wait(far.grab, 1, {far.hands[1].position, xr::turn_by(glm::radians(degrees))});
+            EXPECT_NEAR(far.grab.scale(), 1, 1e-12) << degrees;
+            EXPECT_LT(max_difference(glm::dmat3(far.grab.world_from_node()), glm::dmat3(1)), 1e-12);
+        }
+}
+
+TEST(Grab, FarAwayTheHandsScaleAsTheyDoNearby) {
+    for (const xr::GrabSettings& settings : {kFree, kUpright}) {
+        FarGrab far(settings);
+        move_and_wait(far.grab, 1, {{0.6, 1, 0}});
+        EXPECT_NEAR(far.grab.scale(), 2, 1e-9);
+        move_and_wait(far.grab, 1, {{-0.2, 1, -0.8}});  // a quarter to the left
+        const glm::dvec3 x = glm::normalize(glm::dvec3(far.grab.world_from_node()[0]));
+        EXPECT_LT(glm::distance(x, {0, 0, -1}), 1e-9);
+        EXPECT_NEAR(far.grab.scale(), 2, 1e-9);
+    }
+}
+
+TEST(Grab, HandsThatTrembleDoNotScale) {
+    constexpr double kFrame_s = 1.0 / 90, kTremble_m = 0.001;
+    FarGrab far(kUpright);
+    double most = 0, raw = 0;
+    for (int i = 0; i < 900; ++i) {
+        // 10 Hz, as hands tremble.
+        const double off = kTremble_m * std::sin(i * kFrame_s * 10 * 2 * glm::pi<double>());
+        far.grab.move(1, {{0.2 + off, 1, 0}});
+        far.grab.advance(kFrame_s);
+        most = std::max(most, std::abs(far.grab.scale() - 1));
+        raw = std::max(raw, std::abs(off) / 0.4);
+    }
+    EXPECT_LT(most, 0.3 * raw);
+    // A hand that means it is followed: half a metre in half a second.
+    for (int i = 0; i < 45; ++i) {
+        far.grab.move(1, {{0.2 + (i + 1) / 90.0, 1, 0}});
+        far.grab.advance(kFrame_s);
+        EXPECT_NEAR(far.grab.scale(), 1 + (i + 1) / 36.0, 0.06) << i;
+    }
+    for (int i = 0; i < 20; ++i) far.grab.advance(kFrame_s);
+    EXPECT_NEAR(far.grab.scale(), 2.25, 0.01);
+}
+
 TEST(Grab, TwoHandsTurnAnUprightThingLikeTheirLineSeenFromAbove) {
     xr::Grab grab(glm::dmat4(1), kUpright);
     grab.attach(0, {{-0.2, 1, 0}});
     grab.attach(1, {{0.2, 1, 0}});
     // The line turns by a quarter to the left, and tilts up.
-    grab.move(0, {{1, 1, 0.3}});
-    grab.move(1, {{1, 1.4, -0.3}});
+    move_and_wait(grab, 0, {{1, 1, 0.3}});
+    move_and_wait(grab, 1, {{1, 1.4, -0.3}});
     const glm::dmat4 moved = grab.world_from_node();
     EXPECT_LT(glm::distance(glm::normalize(glm::dvec3(moved[0])), {0, 0, -1}), 1e-12);
     EXPECT_LT(glm::distance(glm::normalize(glm::dvec3(moved[1])), {0, 1, 0}), 1e-12);
@@ -166,7 +222,7 @@ TEST(Grab, HalfATurnInOneFrameIsFinite) {
         xr::Grab grab(glm::dmat4(1), kFree);
         grab.attach(0, {-out, {1, 0, 0, 0}});
         grab.attach(1, {out, {1, 0, 0, 0}});
-        grab.move(0, {out * 3.0, {1, 0, 0, 0}});
+        move_and_wait(grab, 0, {out * 3.0, {1, 0, 0, 0}});
         EXPECT_LT(glm::distance(carried(glm::dmat4(1), grab.world_from_node(), -out), out * 3.0), 1e-9);
         EXPECT_LT(glm::distance(carried(glm::dmat4(1), grab.world_from_node(), out), out), 1e-9);
     }
@@ -247,7 +303,7 @@ TEST(Grab, ScaleStaysWithinItsLimitsSinceTheStart) {
     for (int round = 0; round < 3; ++round) {  // the limits hold for all rounds together
         grab.attach(0, {{-0.1, 1, 0}});
         grab.attach(1, {{0.1, 1, 0}});
-        grab.move(1, {{5, 1, 0}});
+        move_and_wait(grab, 1, {{5, 1, 0}});
         EXPECT_NEAR(grab.scale(), 2, 1e-12);
         EXPECT_NEAR(glm::length(glm::dvec3(grab.world_from_node()[0])), 6, 1e-12);
         grab.detach(0);
@@ -255,7 +311,7 @@ TEST(Grab, ScaleStaysWithinItsLimitsSinceTheStart) {
     }
     grab.attach(0, {{-5, 1, 0}});
     grab.attach(1, {{5, 1, 0}});
-    grab.move(1, {{-4.9, 1, 0}});
+    move_and_wait(grab, 1, {{-4.9, 1, 0}});
     EXPECT_NEAR(grab.scale(), 0.5, 1e-12);
     EXPECT_NEAR(glm::length(glm::dvec3(grab.world_from_node()[0])), 1.5, 1e-12);
 }
@@ -265,13 +321,13 @@ TEST(Grab, HandsAtOnePlaceDoNotScale) {
     grab.attach(0, {});
     grab.attach(1, {{0.001, 0, 0}});
     EXPECT_LT(max_difference(grab.world_from_node(), glm::dmat4(1)), 1e-12);
-    grab.move(1, {{0, 0.015, 0}});
+    move_and_wait(grab, 1, {{0, 0.015, 0}});
     EXPECT_NEAR(grab.scale(), 1, 1e-12);
     EXPECT_LT(max_difference(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.0005, 0.0075, 0})), 1e-12);
-    grab.move(1, {});
+    move_and_wait(grab, 1, {});
     EXPECT_LT(max_difference(grab.world_from_node(), glm::translate(glm::dmat4(1), {-0.0005, 0, 0})), 1e-12)
         << "the same place";
-    grab.move(1, {{0.2, 0, 0}});
+    move_and_wait(grab, 1, {{0.2, 0, 0}});
     EXPECT_NEAR(grab.scale(), 0.2 / xr::Grab::kMinApart_m, 1e-9);
 }
 

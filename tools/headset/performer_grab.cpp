@@ -47,6 +47,7 @@ void PerformerGrab::update(HeadsetState& state, Hands& hands, double dt_s) {
         grab_->move(which, *hands[which].aim);
         if (const double by_m = pushed_m(hands[which], dt_s); by_m != 0) grab_->push(which, by_m);
     }
+    grab_->advance(dt_s);
     if (node_ < state.evaluated.pose.world_from_node.size())
         editor::move_node(state.evaluated, *state.stage, node_, moved());
 }
