@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/child_program.h"
 #include "base/error.h"
 #include "base/output_path.h"
 #include "base/platform.h"

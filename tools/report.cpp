@@ -14,17 +14,29 @@
 namespace neuvv::tools {
 
 namespace {
-constexpr std::chrono::milliseconds kTerminalPeriod{200}, kLogPeriod{10000};
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kTerminalPeriod{200}, kLogPeriod{10000};
+
+// From one line of a log to the next: NEUVV_STATUS_MS, for a program that reads them, else kLogPeriod.
+milliseconds log_period() {
+    const char* wanted = std::getenv("NEUVV_STATUS_MS");
+    const long long ms = wanted ? std::strtoll(wanted, nullptr, 10) : 0;
+    return ms > 0 ? milliseconds(std::min(ms, 3'600'000LL)) : kLogPeriod;
 }
 
-StatusLine::StatusLine(bool at_once) : terminal_(stderr_is_terminal()), next_(Clock::now()) {
-    if (!terminal_ && !at_once) next_ += kLogPeriod;
+}  // namespace
+
+StatusLine::StatusLine(bool at_once)
+    : terminal_(stderr_is_terminal()), period_(terminal_ ? kTerminalPeriod : log_period()), next_(Clock::now()) {
+    if (!terminal_ && !at_once) next_ += period_;
 }
 
 bool StatusLine::is_due() {
     const Clock::time_point now = Clock::now();
     if (now < next_) return false;
-    next_ = now + (terminal_ ? kTerminalPeriod : kLogPeriod);
+    next_ = now + period_;
     return true;
 }
 

@@ -12,7 +12,8 @@
 
 namespace neuvv::tools {
 
-// A line on stderr: on a terminal it is redrawn up to five times a second, in a log it is a new line every 10 s.
+// A line on stderr: on a terminal it is redrawn up to five times a second, in a log it is a new line every 10 s, or
+// as often as NEUVV_STATUS_MS says.
 class StatusLine {
   public:
     // `at_once`: the first line of a log does not wait for 10 s.
@@ -30,6 +31,7 @@ class StatusLine {
   private:
     using Clock = std::chrono::steady_clock;
     bool terminal_;
+    std::chrono::milliseconds period_;
     size_t printed_ = 0;  // characters of the line on the terminal
     Clock::time_point next_;
 };

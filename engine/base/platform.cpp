@@ -4,11 +4,9 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -276,36 +274,6 @@ void* function_of_loaded_library(const char* library, const char* function) {
 
 std::filesystem::path program_file() {
     return std::filesystem::read_symlink("/proc/self/exe");
-}
-
-ProgramOutput run_program(std::vector<std::string> arguments) {
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw RuntimeFailure(fmt::format("{}: {}", arguments[0], std::strerror(errno)));
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    pid_t child = 0;
-    const int failed = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    close(ends[1]);
-    ProgramOutput output;
-    char piece[4096];
-    for (ssize_t got = 0; !failed && (got = read(ends[0], piece, sizeof piece)) != 0;)
-        if (got > 0)
-            output.text.append(piece, static_cast<size_t>(got));
-        else if (errno != EINTR)
-            break;
-    close(ends[0]);
-    if (failed) throw RuntimeFailure(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(failed)));
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    output.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return output;
 }
 
 namespace {

@@ -1,5 +1,5 @@
-// Every call that differs between operating systems, but for file_lock.h, udp_socket.h and line_reader.h. A port to
-// another system is a second platform.cpp.
+// Every call that differs between operating systems, but for child_program.h, file_lock.h, udp_socket.h and
+// line_reader.h. A port to another system is a second platform.cpp.
 #pragma once
 
 #include <cstddef>
@@ -95,14 +95,6 @@ void* function_of_loaded_library(const char* library, const char* function);
 
 // The file of the program that is running.
 std::filesystem::path program_file();
-
-// Runs a program of PATH to its end, without a shell. The first argument is the program's name. Throws RuntimeFailure
-// where it cannot be started.
-struct ProgramOutput {
-    int code = 0;      // the exit code; 128 plus the signal's number where a signal ended it
-    std::string text;  // of stdout and stderr
-};
-ProgramOutput run_program(std::vector<std::string> arguments);
 
 // The folder for caches of this program (XDG_CACHE_HOME or ~/.cache, plus "neuvv"). It is created; empty where that
 // fails.

@@ -7,6 +7,7 @@
 #include <random>
 #include <sstream>
 
+#include "base/child_program.h"
 #include "base/error.h"
 #include "base/platform.h"
 #include "spirv/neuvv_render_shaders.h"

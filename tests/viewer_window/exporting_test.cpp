@@ -45,5 +45,22 @@ TEST_F(Exporting, AVideoHasTheSoundsThatTheWindowPlays) {
     EXPECT_THROW(media::read_sound(file("silent.mp4")), InputError);
 }
 
+// The menu publishes the clip that is open, by `neuvv publish` itself, and the stream can be watched at once.
+TEST_F(Exporting, AClipIsPublishedFromTheMenuAndWatched) {
+    const auto hands = open(clip, "900x700");
+    EXPECT_EQ(hands->until_rest()["title"], "waver.nvv – NeuVV");
+    hands->click("menu/File");
+    hands->click("menu/publish");
+    hands->click("verb/start");
+    const json report =
+        hands->until("the verb to end", [](const json& now) { return now["verb"]["code"].is_number(); });
+    EXPECT_EQ(report["verb"]["code"], 0);
+    EXPECT_TRUE(std::filesystem::exists(file("waver.nvs")));
+    hands->click("verb/watch");
+    hands->until("the stream", [](const json& now) { return now["title"] == "waver.nvs – NeuVV"; });
+    hands->click("verb/close");
+    EXPECT_FALSE(hands->until_rest()["verb"]["open"].get<bool>());
+}
+
 }  // namespace
 }  // namespace neuvv::test

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "base/error.h"
 #include "base/platform.h"
@@ -24,8 +25,22 @@ namespace {
 
 constexpr double kWatchInterval_s = 1;
 
+constexpr const char* kReadableFiles =
+    "a stage (.gltf, .glb), a clip (.nvv, .nvs, .npz), splats (.ply), volumes (.vdb), paint (.nvpaint), an image "
+    "(.png), "
+    "a sound (.wav, .flac, .ogg, .opus, .mp3, .m4a), a motion (.bvh, .trc), a folder with clips or a data set";
+
 bool is_one_of(const std::filesystem::path& path, std::initializer_list<const char*> endings) {
-    return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return path.extension() == e; });
+    std::string ending = path.extension().string();
+    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return ending == e; });
+}
+
+bool has_clips(const std::filesystem::path& folder) {
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+        if (entry.path().extension() == ".nvv") return true;
+    return false;
 }
 
 }  // namespace
@@ -117,8 +132,9 @@ std::string Files::name() const {
 }
 
 void Files::ask_to_open() {
-    ask_path("Open", {".gltf", ".glb", ".nvv", ".nvs", ".npz"}, false, "",
-             [this](const std::filesystem::path& path) { open(path); });
+    ask_path(
+        "Open", {".gltf", ".glb", ".nvv", ".nvs", ".npz", ".ply", ".vdb", ".bvh", ".trc"}, false, "",
+        [this](const std::filesystem::path& path) { voctree::has_clip_ending(path) ? open(path) : open_or_add(path); });
 }
 
 void Files::new_stage() {
@@ -153,27 +169,48 @@ void Files::save_to(const std::filesystem::path& path, const std::function<void(
     });
 }
 
-void Files::open_or_add(const std::filesystem::path& file) {
+// Adds what belongs on the open stage. Returns whether the file is of such a kind.
+bool Files::add_to_stage(const std::filesystem::path& file) {
     editor::Editor& editor = context_.editor;
-    if (!editor.is_open() || editor::has_stage_ending(file.string()) || is_plain_folder(file)) return open(file);
     if (voctree::has_clip_ending(file)) {
         edit::PerformerEdit performer;
         performer.clip = file;
         editor.edit(
             [&](edit::Document& d) { return edit::add_performer(d.file, file.stem().string(), performer, {}); });
     } else if (is_one_of(file, {".nvpaint"})) {
-        if (!editor.selected()) return editor.notify("select the performer that shall wear this paint first", true);
+        if (!editor.selected()) {
+            editor.notify("select the performer that shall wear this paint first", true);
+            return true;
+        }
         editor.edit([&](edit::Document& d) { return edit::add_paint_layer(d.file, *editor.selected(), file, {}); });
     } else if (is_one_of(file, {".png"})) {
         edit::StageEdit stage;
         stage.environment = file;
         editor.edit([&](edit::Document& d) { return edit::set_stage(d.file, stage); });
+    } else if (is_one_of(file, {".wav", ".flac", ".ogg", ".opus", ".mp3", ".m4a"})) {
+        if (!editor.selected()) {
+            editor.notify("select the performer that shall be heard by this sound first", true);
+            return true;
+        }
+        edit::PerformerEdit performer;
+        performer.sound = file;
+        editor.edit([&](edit::Document& d) { return edit::set_performer(d.file, *editor.selected(), performer); });
     } else {
-        editor.notify(
-            fmt::format("{}: is no stage, clip, paint or image (.gltf, .glb, .nvv, .nvs, .npz, .nvpaint, .png)",
-                        file.filename().string()),
-            true);
+        return false;
     }
+    return true;
+}
+
+void Files::open_or_add(const std::filesystem::path& file) {
+    if (is_plain_folder(file)) return has_clips(file) ? open(file) : events_.verb_wanted("train", file);
+    if (is_one_of(file, {".ply", ".vdb"})) return events_.verb_wanted("import", file);
+    if (is_one_of(file, {".bvh", ".trc"})) return events_.motion_given(file);
+    const bool is_open = context_.editor.is_open();
+    if (editor::has_stage_ending(file) || (!is_open && voctree::has_clip_ending(file))) return open(file);
+    if (is_open && add_to_stage(file)) return;
+    context_.editor.notify(is_open ? fmt::format("{}: is none of {}", file.filename().string(), kReadableFiles)
+                                   : fmt::format("{}: open a stage or a clip first", file.filename().string()),
+                           true);
 }
 
 void Files::ask_path(std::string title, std::vector<std::string> endings, bool to_save, const std::string& name,
@@ -197,8 +234,9 @@ void Files::list_folder(const std::filesystem::path& folder) {
         for (const auto& entry : std::filesystem::directory_iterator(of, error)) {
             const std::string name = entry.path().filename().string();
             const bool is_folder = is_plain_folder(entry.path());
+            const std::string ending = entry.path().extension().string();
             const bool fits =
-                is_folder || std::find(endings.begin(), endings.end(), entry.path().extension()) != endings.end();
+                is_folder || (!ending.empty() && std::find(endings.begin(), endings.end(), ending) != endings.end());
             if (!name.starts_with('.') && fits) listed.push_back({name, is_folder});
         }
         std::sort(listed.begin(), listed.end(), [](const ListedFile& a, const ListedFile& b) {

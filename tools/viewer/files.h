@@ -25,10 +25,11 @@ struct FileQuestion {
     enum class Kind { kUnsaved, kRecover, kPath } kind = Kind::kUnsaved;
     // kPath:
     std::string title;
-    std::vector<std::string> endings;  // of the files that can be selected, as ".nvv"
+    std::vector<std::string> endings;  // of the files that can be selected, as ".nvv"; "" alone: a folder
     bool to_save = false;              // the path is for writing a file, else for reading one
-    std::filesystem::path folder;      // the folder that is listed; of kRecover: the path that was to be opened
-    std::string name;                  // of the file, as typed or selected
+    bool wants_folder() const { return endings == std::vector<std::string>{""}; }
+    std::filesystem::path folder;  // the folder that is listed; of kRecover: the path that was to be opened
+    std::string name;              // of the file, as typed or selected
     // kPath: called with the path that the user gave. kRecover: called with `folder` unless edits are recovered.
     std::function<void(const std::filesystem::path&)> then;
     // kRecover; the first entry is the one that is offered:
@@ -43,6 +44,10 @@ struct FileEvents {
     // The stage was saved under another name. The argument: the layers of paint that the stage under its earlier name
     // still uses, too.
     std::function<void(std::set<std::filesystem::path>)> saved_elsewhere;
+    // A file was given that a verb of `neuvv` makes a clip of: the verb and the file.
+    std::function<void(const std::string&, const std::filesystem::path&)> verb_wanted;
+    // A recorded motion was given, to be compared with a performer's.
+    std::function<void(const std::filesystem::path&)> motion_given;
 };
 
 // Whether the path is a folder, but no segmented clip: such a clip is chosen and opened as a file is.
@@ -67,8 +72,9 @@ class Files {
     // Saves the document to its file, or asks for a path where it has no file yet.
     void save();
     void save_as();
-    // For a file that was dropped on the window: opens a stage, or a folder; adds a clip, a layer of paint or an
-    // environment to the open stage. Without an open stage, every file is opened.
+    // For a file that was dropped on the window: opens a stage, or a folder with clips; adds a clip, a layer of paint,
+    // an environment or a sound to the open stage; without an open stage, a clip is opened. Splats, volumes and folders
+    // of data sets open the dialog that makes a clip of them; a recorded motion is compared with a performer's.
     void open_or_add(const std::filesystem::path& file);
 
     // Asks for a path and calls `then` with it on the window's thread, unless the user cancels. Does nothing while
@@ -102,12 +108,14 @@ class Files {
     void save_to(const std::filesystem::path& path, const std::function<void()>& then);
     bool refused_by_export();
     void watch_clips();
+    bool add_to_stage(const std::filesystem::path& file);
     void path_panel();
     void unsaved_panel();
     void recover_panel();
     void close_question();
 
     void list_folder(const std::filesystem::path& folder);
+    void choose_folder();
     void choose(const std::filesystem::path& path);
 
     Context& context_;

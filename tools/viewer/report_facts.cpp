@@ -35,6 +35,11 @@ void report_facts(const Context& context, const ReportedState& state) {
                           {"radius_m", state.paint.settings.radius_m},
                           {"depth_m", json_of(state.paint.hover_depth_m())}});
     report.fact("coach", state.coaching.facts());
+    report.fact("verb", {{"open", state.verb.is_open()},
+                         {"running", state.verb.is_running()},
+                         {"progress", state.verb.progress()},
+                         {"code", json_of(state.verb.code())}});
+    report.fact("title", state.title);
     report.fact("latency_ms", state.meter.latency_ms());
     report.fact("worst_latency_ms", state.meter.max_latency_ms());
     report.fact("frame_ms", state.meter.frame_ms());

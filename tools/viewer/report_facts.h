@@ -15,6 +15,8 @@ struct ReportedState {
     const ui::Window& window;
     std::span<const editor::Notice> notices;
     std::span<const std::string> validation_messages;
+    const VerbTask& verb;
+    const std::string& title;     // of the window
     bool image_is_sharp = false;  // the displayed image is final, and nothing moves
 };
 // Does nothing where no report is written.

@@ -94,7 +94,12 @@ Viewer::Viewer(const Options& options, const std::string& device)
                   tools_.document_opened();
                   timeline_.key_drag.reset();
               },
-              [this](std::set<std::filesystem::path> layers) { paint_.protect_layers(std::move(layers)); }}),
+              [this](std::set<std::filesystem::path> layers) { paint_.protect_layers(std::move(layers)); },
+              [this](const std::string& verb, const std::filesystem::path& input) { verb_.ask(verb, input); },
+              [this](const std::filesystem::path& motion) {
+                  coaching_.address = motion.string();
+                  coaching_.begin(context_);
+              }}),
       screenshots_(options.screenshots),
       shader_watch_(context_.parts(), options.shaders),
       paint_(*device_),
@@ -424,7 +429,7 @@ void Viewer::move_eye() {
 void Viewer::draw_panels() {
     PanelLayout& panels = view_.panels;
     close_popup_by_escape(input_);
-    menu_bar(context_, {files_, window_, preferences_, tree_});
+    menu_bar(context_, {files_, window_, preferences_, tree_, verb_});
     const ImVec2 window = ImGui::GetIO().DisplaySize;
     const float top = ImGui::GetFrameHeight();
     Area side, below;
@@ -456,6 +461,7 @@ void Viewer::draw_panels() {
     statistics_panel(context_, *device_, meter_);
     if (panels.help) help_panel(context_);
     about_panels(context_, *device_);
+    verb_dialog(context_, verb_, files_);
     notices_panel(context_, notices_);
     files_.panel();
 }
@@ -494,8 +500,8 @@ void Viewer::write_report() {
     for (std::string& message : device_->drain_validation_messages())
         if (validation_messages_.size() < kMaxMessages) validation_messages_.push_back(std::move(message));
     const bool still = view_request_ && !view_request_->moving;
-    report_facts(context_,
-                 {paint_, coaching_, meter_, window_, notices_, validation_messages_, still && image_is_sharp()});
+    report_facts(context_, {paint_, coaching_, meter_, window_, notices_, validation_messages_, verb_, title_,
+                            still && image_is_sharp()});
     if (!report_.end_frame()) context_.redraw(1);
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/platform.h"
 #include "editor/device_losses.h"
 #include "editor/shader_watch.h"
 #include "editor/sound_player.h"
@@ -95,6 +96,7 @@ class Viewer {
     Context context_{editor_, jobs_, render_thread_, report_, input_, view_, requests_};
 
     Exporter exporter_;
+    VerbTask verb_{device_choice_, program_file()};
     Files files_;
     Screenshots screenshots_;
     editor::ShaderWatch shader_watch_;

@@ -154,9 +154,19 @@ void Files::path_panel() {
     context_.report.item("question/name");
     if (!confirmed_.empty() && confirmed_ == question.folder / question.name)
         ImGui::TextUnformatted("There is a file of this name. Save again to replace it.");
-    if (button(context_, question.to_save ? "Save" : "Open", !question.name.empty()) || entered)
-        return choose(question.folder / question.name);
+    const bool folders = question.wants_folder();
+    if (button(context_, question.to_save ? "Save" : "Open", folders || !question.name.empty()) || entered)
+        return folders ? choose_folder() : choose(question.folder / question.name);
     if (button(context_, "Cancel") || context_.frame.escape) close_question();
+}
+
+// The folder that is listed, or the one in it whose name was typed.
+void Files::choose_folder() {
+    const std::filesystem::path path =
+        question_->name.empty() ? question_->folder : question_->folder / question_->name;
+    const auto then = question_->then;
+    close_question();
+    then(path);
 }
 
 void Files::choose(const std::filesystem::path& selected) {

@@ -30,14 +30,31 @@ void recent_menu(Context& context, const MenuBar& uses) {
     ImGui::EndMenu();
 }
 
+// What `neuvv` does with files, each with a dialog. Publishing and exporting begin with the clip that is open.
+void verb_items(Context& context, VerbTask& verb) {
+    const stage::Stage* stage = context.frame.stage.get();
+    const std::filesystem::path clip = stage && !stage->clips.empty() ? stage->clips[0].path : std::filesystem::path();
+    for (const VerbForm& form : verb_forms()) {
+        const std::string name = form.verb;
+        const bool reads_clip = name == "publish" || name == "export";
+        if (menu_item(context, "menu/" + name, (std::string(form.title) + "…").c_str(), "", false, !verb.is_running()))
+            verb.ask(name, reads_clip ? clip : std::filesystem::path());
+    }
+    if (verb.is_running()) menu_item(context, "menu/running", "One is under way", "", false, false);
+}
+
 void file_menu(Context& context, const MenuBar& uses) {
     if (!menu(context, "File")) return;
     if (item(context, "New", "Ctrl+N")) uses.files.new_stage();
     if (item(context, "Open…", "Ctrl+O")) uses.files.ask_to_open();
     if (item(context, "Add to the stage…", "", context.editor.is_open()))
-        uses.files.ask_path("Add a clip, paint or environment", {".nvv", ".nvs", ".npz", ".nvpaint", ".png"}, false, "",
+        uses.files.ask_path("Add a clip, paint, environment or sound",
+                            {".nvv", ".nvs", ".npz", ".nvpaint", ".png", ".wav", ".flac", ".ogg", ".mp3", ".m4a"},
+                            false, "",
                             [files = &uses.files](const std::filesystem::path& path) { files->open_or_add(path); });
     recent_menu(context, uses);
+    ImGui::Separator();
+    verb_items(context, uses.verb);
     ImGui::Separator();
     if (item(context, "Save", "Ctrl+S", context.editor.is_open())) uses.files.save();
     if (item(context, "Save as…", "Ctrl+Shift+S", context.editor.is_open())) uses.files.save_as();

@@ -42,7 +42,9 @@ void notices_panel(Context& context, std::span<const editor::Notice> notices) {
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
     if (nothing_open)
-        line(ui::kAccent, ICON_OPEN, "Drop a stage (.gltf, .glb) or a clip (.nvv, .npz) here, or choose File > Open.");
+        line(ui::kAccent, ICON_OPEN,
+             "Drop a stage (.gltf, .glb), a clip (.nvv, .nvs, .npz), splats (.ply), volumes (.vdb) or the folder of a "
+             "data set here, or choose File > Open.");
     for (const std::string& job : jobs) line(ui::kAccent, ICON_LOOP, job + "…");
     if (!rendered.loading.empty())
         line(ui::kAccent, ICON_LOOP,

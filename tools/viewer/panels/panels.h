@@ -11,6 +11,7 @@
 #include "tools/viewer/frame_meter.h"
 #include "tools/viewer/panels/stage_tree.h"
 #include "tools/viewer/tools/paint_tool.h"
+#include "tools/viewer/verb_task.h"
 
 namespace neuvv::viewer {
 
@@ -19,6 +20,7 @@ struct MenuBar {
     ui::Window& window;
     const Preferences& preferences;
     StageTree& tree;
+    VerbTask& verb;
 };
 void menu_bar(Context& context, const MenuBar& uses);
 
@@ -73,6 +75,9 @@ void paint_tab(Context& context, PaintTool& paint, Files& files);
 void light_tab(Context& context, StageTree& tree);
 void coach_tab(Context& context, Coaching& coaching);
 void render_tab(Context& context, ExportChoice& choice, Files& files, Exporter& exporter);
+
+// Asks for what a verb of `neuvv` needs, and shows how far it is. Draws nothing while it is closed.
+void verb_dialog(Context& context, VerbTask& task, Files& files);
 
 // How long images and passes take, and what is drawn.
 void statistics_panel(Context& context, const gpu::Device& device, const FrameMeter& meter);

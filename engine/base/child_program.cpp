@@ -1,0 +1,114 @@
+#include "base/child_program.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace neuvv {
+
+namespace {
+
+constexpr size_t kLongestLine = 1 << 16;
+
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+    std::vector<char*> all;
+    for (std::string& text : texts) all.push_back(text.data());
+    all.push_back(nullptr);
+    return all;
+}
+
+// This process's environment with more variables, which replace those of the same name.
+std::vector<std::string> environment_with(const std::vector<std::string>& more) {
+    std::vector<std::string> all = more;
+    for (char** at = environ; *at; ++at) {
+        const std::string variable = *at;
+        const std::string name = variable.substr(0, variable.find('=') + 1);
+        bool replaced = false;
+        for (const std::string& one : more) replaced |= one.starts_with(name);
+        if (!replaced) all.push_back(variable);
+    }
+    return all;
+}
+
+}  // namespace
+
+ChildProgram::ChildProgram(std::vector<std::string> arguments, const std::vector<std::string>& environment) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) throw RuntimeFailure(fmt::format("{}: {}", arguments[0], std::strerror(errno)));
+    std::vector<std::string> variables = environment_with(environment);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    const int failed = posix_spawnp(&process_, arguments[0].c_str(), &actions, nullptr, pointers(arguments).data(),
+                                    pointers(variables).data());
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    if (failed) {
+        close(ends[0]);
+        throw RuntimeFailure(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(failed)));
+    }
+    output_ = ends[0];
+    lines_.emplace(output_, kLongestLine);
+}
+
+ChildProgram::~ChildProgram() {
+    stop();
+    wait();
+    close(output_);
+}
+
+std::optional<std::string> ChildProgram::next_line(int wait_ms) {
+    if (closed_ && wait_ms > 0) poll(nullptr, 0, wait_ms);
+    std::string line;
+    const LineReader::Result result = closed_ ? LineReader::Result::kEnd : lines_->next(line, wait_ms);
+    closed_ = result == LineReader::Result::kEnd;
+    if (result != LineReader::Result::kLine) return {};
+    return line;
+}
+
+// Takes the exit code, where the program has ended or `flags` let it wait for that.
+bool ChildProgram::reap(int flags) {
+    if (code_) return true;
+    int status = 0;
+    pid_t ended = 0;
+    while ((ended = waitpid(process_, &status, flags)) < 0 && errno == EINTR) {
+    }
+    if (ended != process_) return false;
+    code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return true;
+}
+
+bool ChildProgram::has_ended() {
+    return closed_ && reap(WNOHANG);
+}
+
+int ChildProgram::wait() {
+    reap(0);
+    return code_.value_or(128);
+}
+
+void ChildProgram::stop() const {
+    if (!code_) kill(process_, SIGINT);
+}
+
+ProgramOutput run_program(std::vector<std::string> arguments) {
+    ChildProgram program(std::move(arguments));
+    ProgramOutput output;
+    while (!program.has_ended())
+        if (const std::optional<std::string> line = program.next_line(50)) output.text += *line + "\n";
+    output.code = program.wait();
+    return output;
+}
+
+}  // namespace neuvv
