@@ -82,10 +82,13 @@ glm::dmat4 Grab::world_from_node() const {
 }
 
 void Grab::advance(double dt_s) {
-    constexpr double kSlowest_per_s = 5, kFaster_per_s_and_m = 6000;  // by how far the hands' distance is off
+    constexpr double kSlowest_per_s = 5, kFaster_per_s_and_m = 8000;  // by how far the hands' distance is off
+    constexpr double kMostOff_m = 0.003;  // what is further off in a frame ends nearer to where it should be
     if (!both_attached() || !(dt_s > 0)) return;
-    const double off_m = glm::length(apart()) - apart_m_;
-    apart_m_ += off_m * (1 - std::exp(-dt_s * (kSlowest_per_s + kFaster_per_s_and_m * std::abs(off_m))));
+    const double now_m = glm::length(apart());
+    double off_m = apart_m_ - now_m;
+    if (std::abs(off_m) > kMostOff_m) off_m = kMostOff_m * kMostOff_m / off_m;
+    apart_m_ = now_m + off_m * std::exp(-dt_s * (kSlowest_per_s + kFaster_per_s_and_m * std::abs(off_m)));
 }
 
 // The change of the object's scale since the anchor.

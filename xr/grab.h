@@ -50,8 +50,8 @@ class Grab {
     // Takes the newest pose of a hand; ignored for a hand that is not attached.
     void move(int hand, const Pose& world_from_hand);
 
-    // Lets the scale follow the hands' distance for so long: slowly where the distance only trembles, within a few
-    // frames where it changes. To be called once a frame, after move().
+    // Lets the scale follow the hands' distance for so long: slowly where the distance only trembles, and at once but
+    // for a few millimetres where it changes. To be called once a frame, after move().
     void advance(double dt_s);
 
     // Pushes the point away along the hand's −Z, or pulls it nearer where `by_m` is below 0, but no nearer than

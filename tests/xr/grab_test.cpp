@@ -156,7 +156,7 @@ TEST(Grab, HandsThatTrembleDoNotScale) {
     for (int i = 0; i < 45; ++i) {
         far.grab.move(1, {{0.2 + (i + 1) / 90.0, 1, 0}});
         far.grab.advance(kFrame_s);
-        EXPECT_NEAR(far.grab.scale(), 1 + (i + 1) / 36.0, 0.06) << i;
+        EXPECT_NEAR(far.grab.scale(), 1 + (i + 1) / 36.0, 0.01) << i;
     }
     for (int i = 0; i < 20; ++i) far.grab.advance(kFrame_s);
     EXPECT_NEAR(far.grab.scale(), 2.25, 0.01);
