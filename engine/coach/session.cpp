@@ -19,10 +19,10 @@ void Session::begin(Trainer trainer, std::unique_ptr<motion::PoseSource> source,
     was_stopped_ = said_error_ = false;
 }
 
-void Session::end() {
+std::unique_ptr<motion::PoseSource> Session::end() {
     coach_.reset();
-    source_.reset();
     performer_.reset();
+    return std::move(source_);
 }
 
 void Session::update(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, double now_s,

@@ -13,7 +13,8 @@ class Session {
     // Begins with what read_trainer returned. Poses come from `source`, or, where it is null, with update(). With a
     // recorded motion, Mode::kFollow becomes kPerform.
     void begin(Trainer trainer, std::unique_ptr<motion::PoseSource> source, const CoachSettings& settings);
-    void end();
+    // Returns the source, which goes on listening for the next session; null where there is none.
+    std::unique_ptr<motion::PoseSource> end();
     bool is_running() const { return coach_ != nullptr; }
 
     // To be called for each image, with the stage that is displayed. `now_s` is the caller's clock in seconds. `body`

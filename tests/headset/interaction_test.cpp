@@ -72,6 +72,18 @@ TEST_F(InteractionTest, ACopyOfWhatIsHeldStandsWhereItWasPut) {
     EXPECT_EQ(undo_all(), 2u);
 }
 
+TEST_F(InteractionTest, PlayAndPauseAreFelt) {
+    for (const bool plays : {true, false}) {
+        inputs[xr::kRight].play = true;
+        frame();
+        EXPECT_EQ(state.clock.playing, plays);
+        EXPECT_GT(interaction.hands[xr::kRight].vibration, 0);
+        EXPECT_EQ(interaction.hands[xr::kLeft].vibration, 0);
+        frame();
+        EXPECT_EQ(interaction.hands[xr::kRight].vibration, 0);
+    }
+}
+
 TEST_F(InteractionTest, WhatIsLockedIsNotTaken) {
     state.editor.edit([&](edit::Document& document) { return edit::lock_node(document.file, node("ben"), true); });
     const glm::dvec3 before = position("ben");

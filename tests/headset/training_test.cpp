@@ -140,6 +140,51 @@ TEST_F(TrainingTest, ShowMeTurnsTheTrainerAndNothingElse) {
     EXPECT_EQ(state.evaluated.performers[1].world_from_performer, ben);
 }
 
+TEST_F(TrainingTest, EndAndBeginKeepTheTraineesSource) {
+    const std::string trainee = (folder.path / "trainee.skeleton.glb").string();
+    motion::write_skeleton(trainee, still_clip(pose_with_arm_raised(60), 1000));
+    training.begin(state, coach::read_trainer(*state.stage, ""), motion::open_pose_source(trainee));
+    train(0.5);
+    ASSERT_TRUE(training.session().source());
+    const std::string name = training.session().source()->name();
+    training.end(state);
+    train(0.1);
+    EXPECT_FALSE(training.needs_body());
+    begin();
+    ASSERT_TRUE(training.session().source());
+    EXPECT_EQ(training.session().source()->name(), name);
+    EXPECT_FALSE(training.needs_body()) << "the wearer is not the trainee";
+    train(6);
+    EXPECT_GT(red(motion::Limb::kLeftArm), 0.9) << "it is compared again";
+}
+
+TEST_F(TrainingTest, ThePanelOpensBesideTheTrainerWhoIsNotSelected) {
+    begin();
+    train(0.1);
+    ASSERT_FALSE(state.editor.selected());
+    head = {{0, 1.5, 0}, xr::turn_by(std::atan2(0.8, 2.0))};  // the user looks at anna
+    inputs[xr::kLeft].menu = true;
+    state.follow_document();
+    interaction.update(state, inputs, head, 1.0 / 90);
+    ASSERT_TRUE(interaction.panel);
+    const auto [low, high] = editor::box_of(state, *state.trainer);
+    const auto seen =
+        headset::seen_between(head, {state.evaluated.performers[*state.trainer].world_from_performer, low, high});
+    ASSERT_TRUE(seen);
+    const auto left_of = [&](glm::dvec3 at) {
+        const glm::dvec3 in_view = xr::inverse(head) * at;
+        return std::atan2(-in_view.x, -in_view.z);
+    };
+    const double left = left_of(interaction.panel->point_at({0, 0.5})),
+                 right = left_of(interaction.panel->point_at({1, 0.5}));
+    const double covered = std::min(left, seen->second) - std::max(right, seen->first);
+    EXPECT_LT(covered, 0) << glm::degrees(left) << " " << glm::degrees(right);
+    EXPECT_LT(std::abs(left), glm::radians(50.0)) << "the panel is in view";
+    EXPECT_LT(std::abs(right), glm::radians(50.0));
+    training.end(state);
+    EXPECT_FALSE(state.trainer);
+}
+
 TEST_F(TrainingTest, WithoutASkeletonANoticeSaysHowToMakeOne) {
     std::filesystem::remove(folder.path / "figure.skeleton.glb");
     training.begin(state);

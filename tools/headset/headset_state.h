@@ -58,7 +58,8 @@ struct HeadsetState : editor::StageState {
     glm::dvec3 head{0};  // world: where the user's head is in this frame
     // The heading that is straight ahead: that with which the user began, turned by each turn since.
     double ahead_rad = 0;
-    double floor_m = 0;  // height in the world: where user and performers stand
+    double floor_m = 0;               // height in the world: where user and performers stand
+    std::optional<uint32_t> trainer;  // the performer with whom the user trains, while the stage has it
     HandTool tool = HandTool::kArrange;
     PanelPage page = PanelPage::kPerformer;
     edit::CopySettings copies{.count = 3};  // that the panel would make of the selected performer

@@ -14,11 +14,11 @@ namespace {
 constexpr double kPanelPress_s = 0.8;
 constexpr double kSpeeds[] = {-2, -1, -0.5, -0.25, 0.25, 0.5, 1, 2, 4};
 
-// What the panel is about: the selected performer, where there is one.
-std::optional<PlacedBox> box_of_selected(const HeadsetState& state) {
-    const auto selected = state.selected_performer();
+// What the panel is about: the trainer, else the selected performer, where there is one.
+std::optional<PlacedBox> box_of_subject(const HeadsetState& state) {
+    const auto subject = state.trainer ? state.trainer : state.selected_performer();
     for (const stage::EvaluatedPerformer& performer : state.evaluated.performers) {
-        if (selected != performer.performer || !performer.visible) continue;
+        if (subject != performer.performer || !performer.visible) continue;
         const auto [low, high] = editor::box_of(state, performer.performer);
         return PlacedBox{performer.world_from_performer, low, high};
     }
@@ -109,7 +109,8 @@ void Interaction::update_panel(HeadsetState& state, const xr::Pose& head) {
         if (!wrist && !panel_was_visible_) return panel.reset();
         if (wrist) panel->world_from_panel = panel_on(*wrist);
     } else if (!panel_was_visible_ || panel_was_on_wrist_) {
-        panel = panel_in_view(xr::world_from_tracking(state.rig) * head, box_of_selected(state), state.left_handed);
+        panel = panel_in_view(xr::world_from_tracking(state.rig) * head, box_of_subject(state), state.left_handed,
+                              state.trainer ? kTrainerAside_rad : kPanelAside_rad);
     }
     panel_was_visible_ = true;
     panel_was_on_wrist_ = state.panel_on_wrist;
@@ -160,14 +161,17 @@ void Interaction::track_presses() {
 
 void Interaction::handle_buttons(HeadsetState& state) {
     for (Hand& hand : hands) {
-        if (hand.input.play) state.clock.play_or_pause();
+        if (hand.input.play) {
+            state.clock.play_or_pause();
+            hand.vibrate(0.4);
+        }
         if (!hand.input.undo && !hand.input.duplicate) continue;
-        hand.vibrate(0.4);
         release_all(state);
         if (painter.is_busy()) {
             state.editor.notify("the stroke is still being laid", true);
             continue;
         }
+        hand.vibrate(0.4);
         if (hand.input.undo) state.editor.undo();
         if (hand.input.duplicate) duplicate_selected(state);
     }

@@ -31,10 +31,10 @@ struct Side {
     // The less, the better: above all the panel covers little; then it is wide; then it is near the view's middle.
     double cost() const { return 10 * covered_rad + (kPanelWidth_rad - width_rad) + 0.1 * std::abs(aside_rad); }
 };
-Side side_beside(double edge_rad) {
-    const double width_rad = std::clamp(2 * (kPanelAside_rad - edge_rad), kMinPanelWidth_rad, kPanelWidth_rad);
+Side side_beside(double edge_rad, double most_rad) {
+    const double width_rad = std::clamp(2 * (most_rad - edge_rad), kMinPanelWidth_rad, kPanelWidth_rad);
     const double beside_rad = edge_rad + 0.5 * width_rad;
-    const double aside_rad = std::clamp(beside_rad, -kPanelAside_rad, kPanelAside_rad);
+    const double aside_rad = std::clamp(beside_rad, -most_rad, most_rad);
     return {width_rad, aside_rad, std::max(beside_rad - aside_rad, 0.0)};
 }
 
@@ -64,11 +64,13 @@ std::optional<std::pair<double, double>> seen_between(const xr::Pose& world_head
     return std::pair{low.x, high.x};
 }
 
-PanelPlacement panel_in_view(const xr::Pose& world_head, const std::optional<PlacedBox>& about, bool left_handed) {
+PanelPlacement panel_in_view(const xr::Pose& world_head, const std::optional<PlacedBox>& about, bool left_handed,
+                             double aside_rad) {
     const xr::Pose head = upright(world_head);
     const auto seen = about ? seen_between(world_head, *about) : std::nullopt;
     if (!seen) return placed(head, left_handed ? -kFreeAside_rad : kFreeAside_rad, kPanelWidth_rad);
-    const Side left = side_beside(seen->second + kGap_rad), right = side_beside(-seen->first + kGap_rad);
+    const Side left = side_beside(seen->second + kGap_rad, aside_rad),
+               right = side_beside(-seen->first + kGap_rad, aside_rad);
     const double better_left = right.cost() - left.cost();
     const bool to_left = std::abs(better_left) > 1e-6 ? better_left > 0 : !left_handed;
     return to_left ? placed(head, left.aside_rad, left.width_rad) : placed(head, -right.aside_rad, right.width_rad);

@@ -35,10 +35,12 @@ struct PlacedBox {
 // its text can still be read. So a box that reaches more than 4° to both sides of the view's middle is partly covered:
 // as much of it as lies more than 5° to one side. Without a box the panel opens to the left, or to the right for
 // `left_handed` users, out of the way of the ray of the hand that points.
-PanelPlacement panel_in_view(const xr::Pose& world_head, const std::optional<PlacedBox>& about, bool left_handed);
-
-constexpr double kPanelAside_rad = glm::radians(15.0), kPanelWidth_rad = glm::radians(30.0),
-                 kMinPanelWidth_rad = glm::radians(20.0);
+//
+// `aside_rad` is more for somebody who should be seen whole, such as a trainer: kTrainerAside_rad.
+constexpr double kPanelAside_rad = glm::radians(15.0), kTrainerAside_rad = glm::radians(35.0),
+                 kPanelWidth_rad = glm::radians(30.0), kMinPanelWidth_rad = glm::radians(20.0);
+PanelPlacement panel_in_view(const xr::Pose& world_head, const std::optional<PlacedBox>& about, bool left_handed,
+                             double aside_rad = kPanelAside_rad);
 
 // The rotation of somebody who looks along `direction`, a unit vector, and does not tilt the head. What has it is seen
 // upright and from its front by somebody who looks along `direction` at it.

@@ -53,7 +53,7 @@ void Training::begin(HeadsetState& state) {
     jobs_.start("Reading the trainer's skeleton", [this, &state, stage = state.stage, name]() -> JobQueue::Then {
         const auto trainer = std::make_shared<coach::Trainer>(coach::read_trainer(*stage, name));
         return [this, &state, trainer] {
-            if (!is_running()) begin(state, std::move(*trainer), nullptr);
+            if (!is_running()) begin(state, std::move(*trainer), std::move(source_));
         };
     });
 }
@@ -70,21 +70,22 @@ void Training::begin(HeadsetState& state, coach::Trainer trainer, std::unique_pt
 
 void Training::end(HeadsetState& state) {
     if (!is_running()) return;
-    session_.end();
+    source_ = session_.end();
+    state.trainer.reset();
     turn_ = {};
     state.clock.speed = own_speed_;
 }
 
 void Training::turn_trainer(HeadsetState& state, double dt_s) {
     now_s_ += dt_s;
+    state.trainer.reset();
     if (!is_running()) return;
     turn_.advance(dt_s);
     const auto& performers = state.stage->performers;
     const auto found = std::ranges::find(performers, session_.trainer_name(), &stage::StagePerformer::name);
     if (found == performers.end()) return;
-    stage::EvaluatedPerformer& trainer =
-        state.evaluated.performers[static_cast<size_t>(std::distance(performers.begin(), found))];
-    trainer.world_from_performer *= turn_.performer_from_turned();
+    state.trainer = static_cast<uint32_t>(std::distance(performers.begin(), found));
+    state.evaluated.performers[*state.trainer].world_from_performer *= turn_.performer_from_turned();
 }
 
 void Training::update(HeadsetState& state, const std::optional<motion::Pose>& body, const glm::dvec3& head) {

@@ -37,7 +37,8 @@ class Training {
     explicit Training(JobQueue& jobs) : jobs_(jobs) {}
 
     // Begins with the selected performer, or, where none is selected, the first that has a skeleton, and plays. A job
-    // reads the skeleton; a notice says what is wrong with it.
+    // reads the skeleton; a notice says what is wrong with it. Poses come from the source of the session before, if
+    // that had one.
     void begin(HeadsetState& state);
     // Begins at once. Poses come from `source`, or, where it is null, with update().
     void begin(HeadsetState& state, coach::Trainer trainer, std::unique_ptr<motion::PoseSource> source);
@@ -68,6 +69,7 @@ class Training {
   private:
     JobQueue& jobs_;
     coach::Session session_;
+    std::unique_ptr<motion::PoseSource> source_;  // of the last session, between sessions
     TrainerTurn turn_;
     glm::dvec3 head_{0};    // world, at the last update
     double now_s_ = 0;      // the session's clock: the display's time, without pauses of the program
