@@ -100,7 +100,8 @@ void EyePass::bind(const render::StageRenderer& renderer, const gpu::Buffer& ima
 }
 
 void EyePass::upload(const EyeShapes& shapes) {
-    const std::array lists{shapes.holes(), shapes.solid(), shapes.translucent(), shapes.on_top()};
+    const std::array lists{shapes.on_top(), shapes.holes(), shapes.solid(), shapes.solid_on_top(),
+                           shapes.translucent()};
     uint64_t count = 0;
     for (const auto list : lists) count += list.size();
     std::rotate(vertices_.begin(), vertices_.begin() + 1, vertices_.end());
@@ -181,10 +182,11 @@ void EyePass::draw_shapes(gpu::Commands& commands, std::span<const stage::Camera
         }
         first += count;
     };
+    draw(on_top_, shapes.on_top(), VK_FALSE);
     draw(solid_, shapes.holes(), VK_TRUE);
     draw(solid_, shapes.solid(), VK_TRUE);
+    draw(solid_, shapes.solid_on_top(), VK_TRUE);
     draw(translucent_, shapes.translucent(), VK_FALSE);
-    draw(on_top_, shapes.on_top(), VK_FALSE);
     text_.draw(commands, shapes.text(), pairs);
 }
 

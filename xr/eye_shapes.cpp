@@ -1,5 +1,6 @@
 #include "xr/eye_shapes.h"
 
+#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
@@ -35,17 +36,25 @@ void EyeShapes::begin(glm::dvec3 eye, double min_width_rad) {
     solid_.clear();
     translucent_.clear();
     on_top_.clear();
+    solid_on_top_.clear();
     text_.clear();
     drawing_on_top_ = false;
 }
 
-std::vector<ShapeVertex>& EyeShapes::list_of(float alpha) {
-    return drawing_on_top_ ? on_top_ : alpha < 1 ? translucent_ : solid_;
+void EyeShapes::add(std::span<const ShapeVertex> corners, float alpha) {
+    const auto append = [&](std::vector<ShapeVertex>& list) {
+        list.insert(list.end(), corners.begin(), corners.end());
+    };
+    if (drawing_on_top_) append(on_top_);
+    if (alpha >= 1)
+        append(drawing_on_top_ ? solid_on_top_ : solid_);
+    else if (!drawing_on_top_)
+        append(translucent_);
 }
 
 void EyeShapes::triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::vec4 colour) {
-    auto& list = list_of(colour.a);
-    for (const glm::dvec3& corner : {a, b, c}) list.push_back({glm::vec3(corner), premultiplied(colour)});
+    const glm::vec4 drawn = premultiplied(colour);
+    add(std::array<ShapeVertex, 3>{{{glm::vec3(a), drawn}, {glm::vec3(b), drawn}, {glm::vec3(c), drawn}}}, colour.a);
 }
 
 double EyeShapes::width_at(glm::dvec3 position, double width_m) const {
@@ -57,7 +66,6 @@ void EyeShapes::line(glm::dvec3 from, glm::dvec3 to, double width_m, glm::vec4 f
     const double length = glm::distance(from, to);
     if (!(length > 1e-6)) return;
     const glm::dvec3 along = (to - from) / length, x = perpendicular_to(along), y = glm::cross(along, x);
-    auto& list = list_of(std::min(from_colour.a, to_colour.a));
     for (int ribbon = 0; ribbon < 3; ribbon++) {
         const double angle = ribbon * glm::pi<double>() / 3;
         const glm::dvec3 side = 0.5 * (std::cos(angle) * x + std::sin(angle) * y);
@@ -65,7 +73,7 @@ void EyeShapes::line(glm::dvec3 from, glm::dvec3 to, double width_m, glm::vec4 f
         const ShapeVertex a{glm::vec3(from - first), premultiplied(from_colour)},
             b{glm::vec3(from + first), premultiplied(from_colour)}, c{glm::vec3(to + last), premultiplied(to_colour)},
             d{glm::vec3(to - last), premultiplied(to_colour)};
-        list.insert(list.end(), {a, b, c, a, c, d});
+        add(std::array{a, b, c, a, c, d}, std::min(from_colour.a, to_colour.a));
     }
 }
 

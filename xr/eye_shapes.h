@@ -34,7 +34,9 @@ class EyeShapes {
     // least `min_width_rad` wide, however far away it is.
     void begin(glm::dvec3 eye, double min_width_rad);
 
-    // Whether the shapes added from here on are drawn on top: without a depth test, over the stage and panels, too.
+    // Whether the shapes added from here on are seen through the stage as well. A panel hides them where it is nearer,
+    // as one that is seen behind something nearer at another depth hurts the eyes. Translucent ones are hidden by all
+    // panels.
     void draw_on_top(bool on_top) { drawing_on_top_ = on_top; }
 
     // The colour is interpolated from one end to the other.
@@ -56,21 +58,24 @@ class EyeShapes {
     // test. Of more than kMaxTextRectangles in a frame, those that come last are left out.
     void text(const Pose& world_from_text, glm::dvec2 low, glm::dvec2 high, const FontPart& part, glm::vec4 colour);
 
-    // The corners of triangles, in the order of drawing: later ones cover earlier ones.
+    // The corners of triangles, in the order of drawing: later ones cover earlier ones. Those on top come first and
+    // have no depth test, so that holes cover them; the solid ones among them are drawn again behind the holes, with a
+    // depth test, for where they are nearer than a hole.
+    std::span<const ShapeVertex> on_top() const { return on_top_; }
     std::span<const ShapeVertex> holes() const { return holes_; }
     std::span<const ShapeVertex> solid() const { return solid_; }
+    std::span<const ShapeVertex> solid_on_top() const { return solid_on_top_; }
     std::span<const ShapeVertex> translucent() const { return translucent_; }
-    std::span<const ShapeVertex> on_top() const { return on_top_; }
     std::span<const TextVertex> text() const { return text_; }
 
   private:
-    std::vector<ShapeVertex>& list_of(float alpha);
+    void add(std::span<const ShapeVertex> corners, float alpha);
     void triangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, glm::vec4 colour);
     double width_at(glm::dvec3 position, double width_m) const;
     glm::dvec3 eye_{0};
     double min_width_rad_ = 0;
     bool drawing_on_top_ = false;
-    std::vector<ShapeVertex> holes_, solid_, translucent_, on_top_;
+    std::vector<ShapeVertex> holes_, solid_, translucent_, on_top_, solid_on_top_;
     std::vector<TextVertex> text_;
 };
 constexpr size_t kMaxTextRectangles = 1024, kTextCorners = 6;

@@ -46,13 +46,14 @@ TEST(EyeShapes, WhatIsSeenThroughAllIsApart) {
     shapes.line({0, 0, -1}, {0, 0, -2}, 0.01, kClear, kClear);
     EXPECT_TRUE(shapes.solid().empty() && shapes.translucent().empty());
     const size_t through = shapes.on_top().size();
-    EXPECT_GT(through, 0u);
+    EXPECT_GT(through, shapes.solid_on_top().size()) << "the line is translucent";
+    EXPECT_FALSE(shapes.solid_on_top().empty());
     shapes.draw_on_top(false);
     shapes.ball({0, 0, -1}, 0.1, kRed);
     EXPECT_EQ(shapes.on_top().size(), through);
     EXPECT_FALSE(shapes.solid().empty());
     shapes.begin({}, 0);
-    EXPECT_TRUE(shapes.on_top().empty());
+    EXPECT_TRUE(shapes.on_top().empty() && shapes.solid_on_top().empty());
 }
 
 TEST(EyeShapes, ColoursArePremultiplied) {

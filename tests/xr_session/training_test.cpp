@@ -142,6 +142,30 @@ TEST_F(Training, ThePanelBeginsItWithTheWearersBodyAndTurnsTheTrainer) {
     EXPECT_EQ(after.seen["speed"], 1) << "the clock's own";
 }
 
+// On the wrist, the panel is held before the trainer.
+TEST_F(Training, APanelThatIsNearerHidesTheGhost) {
+    write_settings(R"({"hands": {"hints": false}, "panel": {"onWrist": true}})");
+    XrScript script;
+    script.hand(0, "left", {0, 0.95, -0.6}, {0, 0.95, -2});
+    script.lose(0, "right");
+    script.click(kReady, "left", "y/click");
+    script.save(40);
+    script.end(42);
+    const XrRun plain = run(script, {"--play"}), trained = run(script, {"--trainee", trainee});
+    expect_clean(trained);
+    const media::Image without = plain.image(40, "left"), with = trained.image(40, "left");
+    size_t hole = 0, drawn = 0, beside = 0;
+    for (size_t i = 3; i < with.rgba.size(); i += 4) {
+        hole += without.rgba[i] == 0;
+        drawn += without.rgba[i] == 0 && with.rgba[i] != 0;
+    }
+    for (const coach::GuideKind kind : {coach::GuideKind::kGhost, coach::GuideKind::kGhostWrong})
+        beside += pixels_of(with, coach::kGuideColours[static_cast<size_t>(kind)]);
+    EXPECT_GT(hole, 500u);
+    EXPECT_EQ(drawn, 0u) << "lines over the panel";
+    EXPECT_GT(beside, 0u) << "they are seen beside it";
+}
+
 TEST_F(Training, ASourceThatCannotBeOpenedIsALine) {
     XrScript script;
     script.end(6);
