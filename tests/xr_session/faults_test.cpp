@@ -39,6 +39,13 @@ struct Faults : XrSession {
     }
 };
 
+// Above the plate of a notice.
+media::Image upper_half(media::Image image) {
+    image.height /= 2;
+    image.rgba.resize(size_t{4} * image.width * image.height);
+    return image;
+}
+
 TEST_F(Faults, ALostSessionIsBegunAnew) {
     XrScript script = editing();
     script.save(24);
@@ -49,7 +56,9 @@ TEST_F(Faults, ALostSessionIsBegunAnew) {
     EXPECT_EQ(run.code, 0) << run.log;
     expect_no_violations(run);
     EXPECT_EQ(count(run.log, "another one begins"), 1u) << run.log;
-    EXPECT_TRUE(same_pixels(run.image(24, "left"), calm.image(24, "left"))) << "it is shown again";
+    EXPECT_TRUE(same_pixels(upper_half(run.image(24, "left")), upper_half(calm.image(24, "left"))))
+        << "it is shown again";
+    EXPECT_FALSE(run.seen["notice"].empty()) << "and the user is told";
     expect_copy_is_kept(2);
 }
 
@@ -63,7 +72,8 @@ TEST_F(Faults, ALostRuntimeIsWaitedFor) {
     EXPECT_EQ(run.code, 0) << run.log;
     expect_no_violations(run);
     EXPECT_EQ(count(run.log, "waiting for it"), 1u) << run.log;
-    EXPECT_TRUE(same_pixels(run.image(24, "left"), calm.image(24, "left"))) << "it is shown again";
+    EXPECT_TRUE(same_pixels(upper_half(run.image(24, "left")), upper_half(calm.image(24, "left"))))
+        << "it is shown again";
     expect_copy_is_kept(2);
 }
 
@@ -91,7 +101,8 @@ TEST_F(Faults, ImagesThatOverlapAreTheSameAndOutliveLosses) {
             EXPECT_GE(frames_recorded_ahead(trace), 20u) << "of 28, while a hand points at anna";
         }
         for (const char* eye : {"left", "right"})
-            EXPECT_TRUE(same_pixels(run.image(24, eye), waiting.image(24, eye))) << loss << " " << eye;
+            EXPECT_TRUE(same_pixels(upper_half(run.image(24, eye)), upper_half(waiting.image(24, eye))))
+                << loss << " " << eye;
     }
     const EnvironmentValue wrong("NEUVV_OVERLAP", "2");
     const XrRun refused = run(script);
@@ -128,7 +139,8 @@ TEST_F(Faults, ALostDeviceIsMadeAnew) {
     EXPECT_EQ(run.code, 0) << run.log;
     expect_no_violations(run);
     EXPECT_EQ(count(run.log, "the device was lost, and is made anew"), 1u) << run.log;
-    EXPECT_TRUE(same_pixels(run.image(24, "left"), calm.image(24, "left"))) << "it is shown again";
+    EXPECT_TRUE(same_pixels(upper_half(run.image(24, "left")), upper_half(calm.image(24, "left"))))
+        << "it is shown again";
     expect_copy_is_kept(2);
 }
 

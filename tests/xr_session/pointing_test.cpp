@@ -48,6 +48,31 @@ TEST_F(Pointing, AHandFeelsThatAnotherPerformerComesUnderItsRay) {
     EXPECT_EQ(both.report["haptics"].size(), 2u) << both.report["haptics"];
 }
 
+// Nobody is selected, so B copies nothing.
+TEST_F(Pointing, AnErrorIsInViewAndFeltTwiceInBothHands) {
+    XrScript script;
+    script.hand(0, "right", kRightHand, {3, 4, -4});
+    script.hand(0, "left", kLeftHand, {-3, 4, 0});
+    script.save(kReady);
+    script.click(kReady + 2, "right", "b/click");
+    script.save(kReady + 10);
+    script.end(kReady + 32);
+    const XrRun run = this->run(script);
+    expect_clean(run);
+    EXPECT_EQ(run.seen["notice"][0], "point at a performer and select");
+    std::map<std::string, std::vector<int>> felt;
+    for (const json& pulse : run.report["haptics"]) {
+        felt[pulse["path"]].push_back(pulse["frame"]);
+        EXPECT_EQ(pulse["amplitude"], 1) << pulse;
+    }
+    ASSERT_EQ(felt.size(), 2u) << run.report["haptics"];
+    for (const auto& [path, frames] : felt) {
+        ASSERT_EQ(frames.size(), 2u) << run.report["haptics"];
+        EXPECT_NEAR(frames[1] - frames[0], 0.24 * 90, 1) << path;
+    }
+    EXPECT_FALSE(same_pixels(run.image(kReady, "left"), run.image(kReady + 10, "left"), 12)) << "the plate";
+}
+
 // The brightest and darkest luma in a part of an image, whose corners are in pixels.
 std::pair<int, int> contrast(const media::Image& image, glm::ivec2 low, glm::ivec2 high) {
     std::pair range{255, 0};

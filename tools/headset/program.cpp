@@ -72,6 +72,7 @@ void Program::notify() {
     for (editor::Notice& notice : state.editor.take_notices()) {
         print_line(notice.text);
         notice.until_s = now_s() + kNotice_s;
+        notice_plate.show(notice);
         notices.push_back(std::move(notice));
     }
     std::erase_if(notices, [&](const editor::Notice& notice) { return notice.until_s < now_s(); });
@@ -104,6 +105,7 @@ void write_report(const Program& program) {
         report["hints"][program.state.hand_of(role) == xr::kLeft ? "left" : "right"] =
             std::vector<std::string>(lines.data(), lines.data() + count);
     }
+    report["notice"] = program.notice_plate.lines();
     report["modified"] = program.state.editor.modified();
     const std::string text = report.dump(1);
     write_file_atomically(program.options.report, [&](const ByteSink& sink) { sink(text.data(), text.size()); });

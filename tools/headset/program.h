@@ -14,6 +14,7 @@
 #include "tools/headset/headset.h"
 #include "tools/headset/interaction.h"
 #include "tools/headset/labels.h"
+#include "tools/headset/notice_plate.h"
 #include "tools/headset/settings.h"
 #include "tools/headset/standing.h"
 #include "tools/headset/training.h"
@@ -41,6 +42,7 @@ struct Program {
     HeadsetSettings settings = HeadsetSettings(config_folder().empty() ? "" : config_folder() / "headset.json");
     std::optional<editor::DocumentSaver> saver;
     std::vector<editor::Notice> notices;
+    NoticePlate notice_plate;
     std::unique_ptr<ui::Window> window;  // of the mirror; null without --mirror
     Clock::time_point began = Clock::now();
     std::optional<StandingPlace> start;       // where the user began; empty: the user has no position on the stage yet

@@ -63,6 +63,18 @@ void pause_unworn(Program& program, bool is_worn) {
         program.paused_unworn |= std::exchange(clock.playing, false);
 }
 
+// What hands feel: an error in both, and else what each has done.
+void vibrate(const Program& program, SessionContext& session) {
+    for (const int role : {xr::kLeft, xr::kRight}) {
+        const int hand = program.state.hand_of(role);
+        const double pulse = program.interaction.hands[role].vibration;
+        if (program.notice_plate.pulse_begins())
+            session.actions.vibrate(hand, 1, NoticePlate::kPulse_s);
+        else if (pulse > 0 && !program.notice_plate.is_pulsing())
+            session.actions.vibrate(hand, pulse, 0.03);
+    }
+}
+
 // Updates hands, edits and the stage's time to the time at which the display shows this frame.
 void update_stage(Program& program, RuntimeContext& context, SessionContext& session, const xr::FrameTime& time,
                   double dt_s) {
@@ -86,12 +98,13 @@ void update_stage(Program& program, RuntimeContext& context, SessionContext& ses
         program.training.update(state, locate_body(program, session, inputs, head, time),
                                 xr::world_from_tracking(state.rig) * program.head->position);
     }
-    for (const int role : {xr::kLeft, xr::kRight})
-        if (const double pulse = program.interaction.hands[role].vibration; pulse > 0)
-            session.actions.vibrate(state.hand_of(role), pulse, 0.03);
     if (program.head) play_sound(state, program.sound, *program.head);
     program.saver->autosave.tick(program.now_s());
     program.notify();
+    if (program.head)
+        program.notice_plate.update(xr::world_from_tracking(state.rig) * *program.head, program.interaction.panel,
+                                    dt_s);
+    vibrate(program, session);
 }
 
 void update_panel(Program& program, SessionContext& session, double dt_s) {
@@ -147,6 +160,9 @@ void draw_labels(Program& program, SessionContext& session, const xr::Pose& worl
         program.hints = make_hints(session.actions, state);
     draw_hints(session.shapes, session.font, state, program.interaction, program.hints, world_head);
     draw_names(session.shapes, session.font, state, program.interaction, world_head);
+    const NoticePlate& plate = program.notice_plate;
+    const std::vector<std::string_view> lines(plate.lines().begin(), plate.lines().end());
+    if (!lines.empty()) session.font.draw(session.shapes, plate.world_from_plate(), plate.line_m(), lines);
 }
 
 // Draws the stage for all views. Returns false while the poses of the eyes are not known.
