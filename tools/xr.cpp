@@ -1,10 +1,12 @@
 // neuvv xr: shows clips and stages in a headset, where they can be edited.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "tools/commands.h"
 #include "tools/headset/headset.h"
+#include "tools/headset/probe.h"
 #include "tools/options.h"
-#include "xr/actions.h"
 #include "xr/bindings.h"
 #include "xr/body_tracking.h"
 #include "xr/room.h"
@@ -26,13 +28,14 @@ const char* yes_or_no(bool yes) {
     return yes ? "yes" : "no";
 }
 
-void print_extensions(const xr::Runtime& runtime) {
+void print_extensions(const xr::Runtime& runtime, const std::vector<std::string>& idle) {
     fmt::print("\nVulkan: {}\n",
                runtime.has(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME) ? "XR_KHR_vulkan_enable2" : "XR_KHR_vulkan_enable");
     for (const xr::OptionalExtension& one : xr::optional_extensions()) {
-        const bool works = runtime.supports(one.name);
+        if (one.is_controller) continue;  // print_controllers says which have bindings, and which is in hand
+        const bool works = runtime.supports(one.name) && std::ranges::find(idle, one.name) == idle.end();
         fmt::print("{:3} {}: {}{}\n", yes_or_no(works), one.name, works ? one.benefit : one.fallback,
-                   runtime.has(one.name) && !works ? " (the runtime knows it, this headset does not)" : "");
+                   runtime.has(one.name) && !works ? " (the runtime has it, but not for this headset)" : "");
     }
 }
 
@@ -51,18 +54,31 @@ void print_views(const xr::Runtime& runtime) {
     fmt::print("images: {}x{} at most\n", most.width, most.height);
 }
 
-void print_session(const xr::Runtime& runtime, const gpu::Device& device) {
-    const xr::Session session(runtime, device);
-    fmt::print("\nfloor: {}\n", session.knows_floor() ? "the runtime knows it (STAGE space)"
-                                                      : "unknown (LOCAL space): eyes are taken to be 1.6 m above it");
-    const std::vector<float> rates = session.refresh_rates();
-    if (!rates.empty()) fmt::print("refresh rates: {} Hz\n", fmt::join(rates, ", "));
-    const headset::EyeImages eyes(device, session, {});
-    fmt::print("images: {}x{} a view, {}\n", eyes.size().width, eyes.size().height, eyes.format_name());
+void print_controllers(const xr::Runtime& runtime, const headset::HeadsetProbe& probe) {
+    for (const int hand : {xr::kLeft, xr::kRight}) {
+        const std::string& name = probe.controllers[hand];
+        fmt::print("{} hand: {}{}\n", hand == xr::kLeft ? "left" : "right",
+                   !name.empty()     ? name
+                   : probe.had_focus ? "no controller (is it switched on?)"
+                                     : "unknown, as the runtime has not given this program the focus: put the "
+                                       "headset on, close its menu and try again",
+                   name.empty() || probe.are_located[hand] ? "" : ", but where it is is not known");
+    }
+    if (probe.bare_hands[xr::kLeft] || probe.bare_hands[xr::kRight])
+        fmt::print("bare hands: seen\n");
+    else if (runtime.supports(XR_EXT_HAND_TRACKING_EXTENSION_NAME))
+        fmt::print("bare hands: none seen now\n");
+    if (!probe.trackers.empty()) fmt::print("worn trackers: {}\n", fmt::join(probe.trackers, ", "));
     fmt::print("controllers with bindings:");
     for (const xr::ControllerProfile& profile : xr::controller_profiles())
         if (!profile.extension || runtime.has(profile.extension)) fmt::print(" {};", profile.title);
     fmt::print(" others as their runtime translates them\n");
+}
+
+void print_images(const xr::Runtime& runtime, const gpu::Device& device) {
+    const xr::Session session(runtime, device);
+    const headset::EyeImages eyes(device, session, {});
+    fmt::print("images: {}x{} a view, {}\n", eyes.size().width, eyes.size().height, eyes.format_name());
 }
 
 // Prints what the runtime and the headset offer, and what is missing.
@@ -76,10 +92,14 @@ void check_headset(const std::string& choice, xr::ViewChoice views) {
     fmt::print("blend modes: {}\nyour own room: {}\n", fmt::join(modes, ", "),
                xr::title_of(xr::best_room_view(runtime)));
     fmt::print("body: {}\n", xr::title_of(xr::best_body_source(runtime)));
-    print_extensions(runtime);
     const gpu::Device device(choice, gpu::Validation::kOff, runtime.device_extensions(), runtime.device_maker());
-    fmt::print("\ndevice: {} ({})\n", device.summary().name, device.summary().driver);
-    print_session(runtime, device);
+    fmt::print("device: {} ({})\n", device.summary().name, device.summary().driver);
+    print_images(runtime, device);
+    const headset::HeadsetProbe probe = headset::probe_headset(runtime, device);
+    fmt::print("floor: {}\n", probe.floor);
+    if (!probe.refresh_rates.empty()) fmt::print("refresh rates: {} Hz\n", fmt::join(probe.refresh_rates, ", "));
+    print_controllers(runtime, probe);
+    print_extensions(runtime, probe.idle);
     fmt::print("\nready: `neuvv xr STAGE` shows a stage there\n");
 }
 

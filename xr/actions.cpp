@@ -141,7 +141,8 @@ void Actions::update_controllers() {
         XrInteractionProfileState state{XR_TYPE_INTERACTION_PROFILE_STATE};
         check(xrGetCurrentInteractionProfile(session_.handle(), paths_[hand], &state), "xrGetCurrentInteractionProfile",
               kHandPaths[hand]);
-        profiles_[hand] = find_profile(session_.runtime().text_of(state.interactionProfile));
+        profile_paths_[hand] = session_.runtime().text_of(state.interactionProfile);
+        profiles_[hand] = find_profile(profile_paths_[hand]);
         for (const HandAction which : kHandActions) button_names_[hand][which] = find_button_name(which, hand);
     }
 }
@@ -171,7 +172,7 @@ std::string Actions::find_button_name(HandAction which, int hand) const {
 }
 
 std::string Actions::controller(int hand) const {
-    return profiles_[hand] ? profiles_[hand]->title : "";
+    return profiles_[hand] ? profiles_[hand]->title : profile_paths_[hand];
 }
 
 double Actions::value(HandAction which, int hand) const {

@@ -31,7 +31,8 @@ class Actions {
     void vibrate(int hand, double amplitude, double seconds);
     // Finds out which controllers the user holds; to be called when SessionEvents::controllers_changed says so.
     void update_controllers();
-    // The controller's name, such as "Meta Touch"; empty where there is none that this program knows.
+    // The controller's name, such as "Meta Touch", or the path of its profile, where this program does not know it;
+    // empty where there is none.
     std::string controller(int hand) const;
     // The name of the button that triggers an action of a hand, by the runtime and in the user's language, such as
     // "Trigger"; of several, the first. Empty where no button does. As of the last update_controllers().
@@ -63,6 +64,7 @@ class Actions {
     XrAction gaze_ = XR_NULL_HANDLE;  // none where the runtime knows no gaze
     XrOwnedSpace gaze_space_;
     std::array<const ControllerProfile*, kHands> profiles_{};
+    std::array<std::string, kHands> profile_paths_;
     std::array<std::map<HandAction, std::string>, kHands> button_names_;
 };
 

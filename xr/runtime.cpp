@@ -78,7 +78,8 @@ std::vector<OptionalExtension> optional_extensions() {
     for (const ControllerProfile& profile : controller_profiles()) {
         const auto is_it = [&](const OptionalExtension& one) { return std::strcmp(one.name, profile.extension) == 0; };
         if (profile.extension && std::none_of(all.begin(), all.end(), is_it))
-            all.push_back({profile.extension, profile.title, "the runtime translates bindings of other controllers"});
+            all.push_back(
+                {profile.extension, profile.title, "the runtime translates bindings of other controllers", true});
     }
     return all;
 }

@@ -12,8 +12,9 @@ namespace neuvv::xr {
 // An extension of OpenXR that is used where the runtime offers it.
 struct OptionalExtension {
     const char* name;
-    const char* benefit;   // what the program does with the extension, for people
-    const char* fallback;  // what it does without
+    const char* benefit;         // what the program does with the extension, for people
+    const char* fallback;        // what it does without
+    bool is_controller = false;  // it only defines a controller, which is the benefit
 };
 // All optional extensions. Besides these, one of the extensions for Vulkan is required.
 std::vector<OptionalExtension> optional_extensions();

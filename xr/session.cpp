@@ -58,13 +58,10 @@ Session::Session(const Runtime& runtime, const gpu::Device& device) : runtime_(r
 }
 
 void Session::create_spaces() {
-    const auto types = enumerate("xrEnumerateReferenceSpaces", runtime_.headset(), XrReferenceSpaceType{},
-                                 [&](uint32_t capacity, uint32_t* count, XrReferenceSpaceType* all) {
-                                     return xrEnumerateReferenceSpaces(handle(), capacity, count, all);
-                                 });
-    const auto offers = [&](XrReferenceSpaceType type) {
-        return std::find(types.begin(), types.end(), type) != types.end();
-    };
+    spaces_ = enumerate("xrEnumerateReferenceSpaces", runtime_.headset(), XrReferenceSpaceType{},
+                        [&](uint32_t capacity, uint32_t* count, XrReferenceSpaceType* all) {
+                            return xrEnumerateReferenceSpaces(handle(), capacity, count, all);
+                        });
     centred_type_ = offers(kLocalFloorSpace) ? kLocalFloorSpace : XR_REFERENCE_SPACE_TYPE_LOCAL;
     tracking_type_ = offers(XR_REFERENCE_SPACE_TYPE_STAGE) ? XR_REFERENCE_SPACE_TYPE_STAGE : centred_type_;
     knows_floor_ = tracking_type_ != XR_REFERENCE_SPACE_TYPE_LOCAL;
@@ -73,6 +70,16 @@ void Session::create_spaces() {
     head_ = reference_space(handle(), XR_REFERENCE_SPACE_TYPE_VIEW);
     constexpr XrReferenceSpaceType kGaze = XR_REFERENCE_SPACE_TYPE_COMBINED_EYE_VARJO;
     if (runtime_.narrow_views_follow_gaze() && offers(kGaze)) gaze_ = reference_space(handle(), kGaze);
+}
+
+bool Session::offers(XrReferenceSpaceType space) const {
+    return std::find(spaces_.begin(), spaces_.end(), space) != spaces_.end();
+}
+
+const char* Session::floor_title() const {
+    if (tracking_type_ == XR_REFERENCE_SPACE_TYPE_STAGE) return "the runtime knows it (STAGE space)";
+    if (knows_floor_) return "the runtime knows it (LOCAL_FLOOR space)";
+    return "unknown (LOCAL space): eyes are taken to be 1.6 m above it";
 }
 
 // LOCAL and LOCAL_FLOOR move where the user asks for it. STAGE moves where its area or its floor is found anew, and

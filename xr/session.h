@@ -83,6 +83,10 @@ class Session {
     // where there is none, is the user's wish to look ahead.
     XrSpace tracking_space() const { return tracking_.get(); }
     bool knows_floor() const { return knows_floor_; }
+    const char* floor_title() const;                // for people: how the floor is known
+    bool offers(XrReferenceSpaceType space) const;  // whether the runtime has a space of this type
+    // Whether the session has the user's input, as of the last poll(); not while the system's menu is open.
+    bool has_focus() const { return state_ == XR_SESSION_STATE_FOCUSED; }
     XrSpace head_space() const { return head_.get(); }
 
     // Handles all waiting events; begins and ends the session as they demand. `events` receives what else they
@@ -124,6 +128,7 @@ class Session {
     XrOwnedSpace tracking_, head_, gaze_;  // gaze_: null where narrow views do not follow it
     XrReferenceSpaceType tracking_type_ = XR_REFERENCE_SPACE_TYPE_STAGE;
     XrReferenceSpaceType centred_type_ = XR_REFERENCE_SPACE_TYPE_LOCAL;  // the space that recentring moves
+    std::vector<XrReferenceSpaceType> spaces_;                           // that the runtime offers
     Pose reference_from_tracking_;
     bool knows_floor_ = false;
     XrSessionState state_ = XR_SESSION_STATE_UNKNOWN;

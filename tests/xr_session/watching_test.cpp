@@ -293,6 +293,27 @@ TEST_F(Watching, CheckSaysWhatThereIs) {
     EXPECT_EQ(run.code, 0);
     EXPECT_NE(run.log.find("yes XR_KHR_visibility_mask"), std::string::npos) << run.log;
     EXPECT_NE(run.log.find("no  XR_KHR_composition_layer_depth"), std::string::npos) << run.log;
+    for (const char* hand : {"left", "right"})
+        EXPECT_NE(run.log.find(fmt::format("{} hand: Meta Touch\n", hand)), std::string::npos) << run.log;
+}
+
+// Extensions that the runtime has, and that do nothing with this headset.
+TEST_F(Watching, CheckSaysWhatIsReallyThere) {
+    with_layer = false;  // it does not know trackers
+    XrScript script;
+    script.json["profile"] = "";
+    script.json["mask"] = false;
+    script.json["rates_hz"] = {90};
+    const XrRun run = this->run(script, {"--check"});
+    EXPECT_EQ(run.code, 0);
+    EXPECT_EQ(run.report["violations"], json::array());
+    EXPECT_EQ(run.report["destroyed_cleanly"], true);
+    for (const char* line :
+         {"left hand: no controller", "right hand: no controller", "no  XR_KHR_visibility_mask",
+          "no  XR_FB_display_refresh_rate", "no  XR_EXT_local_floor", "no  XR_EXT_hand_interaction",
+          "no  XR_HTCX_vive_tracker_interaction", "yes XR_KHR_composition_layer_depth", "STAGE space"})
+        EXPECT_NE(run.log.find(line), std::string::npos) << line << "\n" << run.log;
+    EXPECT_EQ(run.log.find("yes XR_META_touch_controller_plus"), std::string::npos) << run.log;
 }
 
 }  // namespace
