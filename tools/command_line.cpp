@@ -3,7 +3,9 @@
 #include <CLI/CLI.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +17,8 @@
 #include "base/trace_file.h"
 #include "gpu/debug_buffer.h"
 #include "tools/commands.h"
+#include "tools/help_text.h"
+#include "tools/results.h"
 
 namespace neuvv::tools {
 
@@ -37,29 +41,131 @@ std::pair<const CLI::App*, std::string> named_verb(const CLI::App* app) {
     return {app, path};
 }
 
+std::vector<std::string> option_names(const CLI::App& verb) {
+    std::vector<std::string> names;
+    for (const CLI::App* app = &verb; app; app = app->get_parent()) {
+        for (const CLI::Option* option : app->get_options())
+            for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+        for (const CLI::App* group : app->get_subcommands([](const CLI::App* one) { return one->get_name().empty(); }))
+            for (const CLI::Option* option : group->get_options())
+                for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    return names;
+}
+
+std::string guess(const std::string& typed, const std::vector<std::string>& names) {
+    const std::string nearest = nearest_name(typed, names);
+    return nearest.empty() ? "" : fmt::format("; did you mean `{}`?", nearest);
+}
+
+// What is wrong where a verb is missing or not known.
+std::string verb_problem(const CLI::App& verb, const std::string& path, const std::string& typed) {
+    std::vector<std::string> names;
+    for (const CLI::App* choice : verbs_of(verb)) names.push_back(choice->get_name());
+    if (typed.empty()) return fmt::format("`{}` needs a verb: {}", path, fmt::join(names, ", "));
+    const std::string meant = guess(typed, names);
+    return fmt::format("there is no `{} {}`{}", path, typed,
+                       meant.empty() ? fmt::format("; choose from {}", fmt::join(names, ", ")) : meant);
+}
+
 // One line that says what is wrong and which --help shows how it is done.
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
     const auto [verb, path] = named_verb(app);
-    const std::string& program = app->get_name();
+    const std::string whole = app->get_name() + (path.empty() ? "" : " " + path);
     std::string problem = error.what();
     const auto unknown = app->remaining(true);
-    const auto below = verbs_of(*verb);
-    const bool typed = !unknown.empty() && !unknown[0].starts_with('-');
-    if (!below.empty() && (typed || problem.find("subcommand") != std::string::npos)) {
-        std::string names;
-        for (const CLI::App* choice : below) names += (names.empty() ? "" : ", ") + choice->get_name();
-        problem = typed ? fmt::format("there is no `{}{}{}`", path, path.empty() ? "" : " ", unknown[0])
-                        : fmt::format("`{}{}{}` needs a verb", program, path.empty() ? "" : " ", path);
-        problem += "; choose from " + names;
-    }
+    const std::string typed = unknown.empty() ? "" : unknown[0];
+    const bool is_option = typed.size() > 1 && typed[0] == '-';
+    if (is_option)
+        problem = fmt::format("`{}` has no option {}{}", whole, typed,
+                              guess(typed.substr(0, typed.find('=')), option_names(*verb)));
+    else if (!verbs_of(*verb).empty() && (!typed.empty() || problem.find("subcommand") != std::string::npos))
+        problem = verb_problem(*verb, whole, typed);
+    else if (!typed.empty())
+        problem = fmt::format("`{}` takes no further \"{}\"", whole, typed);
     for (char& c : problem)
         if (c == '\n' || c == '\r') c = ' ';
-    return fmt::format("{0}: {1}; `{0} {2}{3}--help` shows how\n", program, problem, path, path.empty() ? "" : " ");
+    return fmt::format("{}: {}; `{} --help` shows how\n", app->get_name(), problem, whole);
+}
+
+// Help of at most kHelpColumns columns.
+class HelpFormatter : public CLI::Formatter {
+    static constexpr size_t kOptionColumn = 32, kVerbColumn = 14;
+
+  public:
+    std::string make_option(const CLI::Option* option, bool is_positional) const override {
+        const std::string name = make_option_name(option, is_positional) + make_option_opts(option);
+        return help_entry(name, make_option_desc(option), kOptionColumn);
+    }
+    std::string make_subcommand(const CLI::App* verb) const override {
+        return help_entry(verb->get_name(), verb->get_description(), kVerbColumn);
+    }
+    std::string make_description(const CLI::App* app) const override {
+        return filled(CLI::Formatter::make_description(app));
+    }
+    std::string make_usage(const CLI::App* app, std::string name) const override {
+        return filled("  " + CLI::Formatter::make_usage(app, std::move(name))).substr(2);
+    }
+    std::string make_footer(const CLI::App* app) const override {
+        std::string text = app->get_footer();
+        text = filled(text.erase(0, text.find_first_not_of('\n')));
+        if (app->get_parent()) text += kOptionsOfAll;
+        return text;
+    }
+
+  private:
+    static constexpr const char* kOptionsOfAll =
+        "\nOptions of every verb: --device, --overwrite, --trace (`neuvv --help` tells what they are).\n";
+};
+
+// All that the user gave as values of options, of this verb and of those below it.
+void add_given(const CLI::App& app, std::vector<GivenPath>& given) {
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& value : option->count() > 0 ? option->results() : std::vector<std::string>())
+            given.push_back({option->get_name(), value});
+    for (const CLI::App* below :
+         app.get_subcommands([](const CLI::App* one) { return one->get_name().empty() || one->count() > 0; }))
+        add_given(*below, given);
+}
+
+// Throws InputError where the words are no verb, nor one of that verb.
+void expect_verb(const CLI::App& program, const std::vector<std::string>& words) {
+    const CLI::App* app = &program;
+    std::string path = program.get_name();
+    for (const std::string& word : words) {
+        const auto below = verbs_of(*app);
+        const auto found = std::ranges::find(below, word, [](const CLI::App* verb) { return verb->get_name(); });
+        if (found == below.end()) throw InputError("help", "", verb_problem(*app, path, word));
+        app = *found;
+        path += " " + word;
+    }
+}
+
+// The command line in CLI11's words: `help VERB` is `VERB --help`, nothing is `--help`, and `--option=` is an option
+// with an empty value, for which CLI11 would take the next word.
+std::vector<std::string> words_of(const CLI::App& program, int argc, char** argv) {
+    std::vector<std::string> words;
+    bool only_values = false;  // behind `--`
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        only_values |= word == "--";
+        const bool is_empty = !only_values && word.size() > 3 && word.starts_with("--") && word.ends_with('=') &&
+                              word.find('=') == word.size() - 1;
+        words.push_back(is_empty ? word.substr(0, word.size() - 1) : word);
+        if (is_empty) words.emplace_back();
+    }
+    const bool asks = !words.empty() && words[0] == "help";
+    if (asks) words.erase(words.begin());
+    if (asks) expect_verb(program, words);
+    if (asks || words.empty()) words.emplace_back("--help");
+    return words;
 }
 
 int parse(CLI::App& app, int argc, char** argv) {
+    std::vector<std::string> words = words_of(app, argc, argv);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
     try {
-        app.parse(argc, argv);
+        app.parse(std::move(words));
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : kBadInput;
     }
@@ -143,11 +249,20 @@ Option Option::not_negative() const {
 }
 
 Option Option::existing_folder() const {
-    return Option(option_->check(CLI::ExistingDirectory));
+    return Option(option_->check(CLI::Validator(
+        [](const std::string& text) {
+            return std::filesystem::is_directory(text) ? std::string()
+                                                       : fmt::format("{}: there is no such folder", text);
+        },
+        "FOLDER")));
 }
 
 Command Command::add_verb(const std::string& name, const std::string& description) const {
     return Command(command_->add_subcommand(name, description));
+}
+
+void Command::group_verbs(const std::string& title, std::initializer_list<const char*> names) const {
+    for (const char* name : names) command_->get_subcommand(name)->group(title);
 }
 
 Command Command::add_group(const std::string& title) const {
@@ -156,7 +271,9 @@ Command Command::add_group(const std::string& title) const {
 
 template <typename Value>
 Option Command::add_option(const std::string& name, Value& value, const std::string& description) const {
-    return Option(command_->add_option(name, value, description));
+    CLI::Option* option = command_->add_option(name, value, description);
+    option->check([](const std::string& text) { return std::string(text.empty() ? "has no value" : ""); });
+    return Option(option);
 }
 template Option Command::add_option(const std::string&, std::string&, const std::string&) const;
 template Option Command::add_option(const std::string&, float&, const std::string&) const;
@@ -219,20 +336,28 @@ size_t Command::count_all() const {
     return command_->count_all();
 }
 
-Program::Program(const std::string& name, const std::string& description, CommonOptions& common)
+Program::Program(const std::string& name, const std::string& description, const std::string& version,
+                 CommonOptions& common)
     : app_(std::make_unique<CLI::App>(description, name)), common_(common) {
     gpu::set_shader_message_sink([](const std::string& line) { fmt::print(stderr, "shader: {}\n", line); });
     app_->require_subcommand(1);
     app_->failure_message(usage_error);
-    app_->set_version_flag("--version", NEUVV_VERSION);
+    app_->formatter(std::make_shared<HelpFormatter>());
+    app_->set_version_flag("--version", fmt::format("{} {}", name, version));
     app_->add_option("--device", common.device, "Vulkan device: an index or part of a name (see `neuvv devices`)")
         ->envname("NEUVV_DEVICE");
-    // Options are parsed before verbs run.
+    app_->add_flag("--overwrite", common.overwrite,
+                   "Replace results that are there, each once the new one is whole; without it, a verb that would do "
+                   "so ends before it begins");
     app_->add_option("--trace", common.trace,
                      "Write what threads and the device did when, for https://ui.perfetto.dev, to this .json");
-    app_->parse_complete_callback([&common] {
+    // Options are parsed before verbs run.
+    app_->parse_complete_callback([this, &common] {
+        GivenPaths given{{}, common.overwrite};
+        add_given(*app_, given.paths);
+        set_given_paths(std::move(given));
         if (common.trace.empty()) return;
-        prepare_output_file("--trace", common.trace);
+        prepare_result("--trace", common.trace, kJsonEnding);
         name_trace_thread("main thread");
         begin_trace();
     });
@@ -242,6 +367,12 @@ Program::Program(const std::string& name, const std::string& description, Common
 Program::~Program() = default;
 
 int Program::run(int argc, char** argv) {
+    const int code = run_verb(argc, argv);
+    if (code != 0) remove_empty_output_folders();
+    return code;
+}
+
+int Program::run_verb(int argc, char** argv) {
     const std::string program = app_->get_name();
     try {
         const int code = parse_and_trace(*app_, argc, argv, common_.trace);

@@ -51,14 +51,17 @@ class Command {
     explicit Command(CLI::App* command) : command_(command) {}
 
     Command add_verb(const std::string& name, const std::string& description) const;
+    void group_verbs(const std::string& title, std::initializer_list<const char*> names) const;  // in the help
     Command add_group(const std::string& title) const;
 
     // `name` is "--name", "-n,--name", or "name" for a positional argument. The user's value is parsed into `value`,
-    // which must live until the verb has run. command_line.cpp lists the types that a value may have.
+    // which must live until the verb has run. command_line.cpp lists the types that a value may have. An empty value is
+    // refused: mostly it is a script's variable that is not set.
     template <typename Value>
     Option add_option(const std::string& name, Value& value, const std::string& description) const;
     Option add_flag(const std::string& name, bool& value, const std::string& description) const;
-    // The value is given to `take`, before missing options are looked for. `take` may throw Finished or WrongValue.
+    // The value, which may be empty, is given to `take`, before missing options are looked for. `take` may throw
+    // Finished or WrongValue.
     Option add_parsed_option(const std::string& name, std::function<void(const std::string& value)> take,
                              const std::string& description) const;
     struct Finished {};  // the program ends with exit code 0
@@ -82,16 +85,19 @@ class Command {
 class Program {
   public:
     // With the options, the version and the error message that every program has.
-    Program(const std::string& name, const std::string& description, CommonOptions& common);
+    Program(const std::string& name, const std::string& description, const std::string& version, CommonOptions& common);
     ~Program();
 
     Command command() { return Command(app_.get()); }
 
     // Parses the command line, which runs the verb that it names, and returns the exit code: 0, 1 for a failure of the
-    // machine, 2 for bad input. An error is one line on stderr.
+    // machine, 2 for bad input. An error is one line on stderr, and leaves no empty folder that the verb made. Without
+    // a verb, and for `help`, it shows the help.
     int run(int argc, char** argv);
 
   private:
+    int run_verb(int argc, char** argv);
+
     std::unique_ptr<CLI::App> app_;
     const CommonOptions& common_;
 };

@@ -15,8 +15,9 @@ namespace neuvv::tools {
 
 // Options that every verb has.
 struct CommonOptions {
-    std::string device;  // index or part of a name; empty: NEUVV_DEVICE, else the best
-    std::string trace;   // where the trace is written; empty: nowhere
+    std::string device;      // index or part of a name; empty: NEUVV_DEVICE, else the best
+    std::string trace;       // where the trace is written; empty: nowhere
+    bool overwrite = false;  // whether results that are there are replaced (tools/results.h)
 };
 
 // An option whose value is `on` or `off`; nothing where the user does not give it.

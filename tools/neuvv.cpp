@@ -1,17 +1,34 @@
 // neuvv: one program, with a verb each for capture, training, measuring and rendering of volumetric video.
+#include "neuvv_commit.h"
 #include "tools/commands.h"
+
+namespace {
+
+void group_by_task(const neuvv::tools::Command& app) {
+    app.group_verbs("Bring a capture", {"capture", "dataset", "matte"});
+    app.group_verbs("Train and measure", {"train", "cluster", "eval"});
+    app.group_verbs("Watch and render", {"view", "xr", "render"});
+    app.group_verbs("Stage, paint and cut", {"stage", "paint", "clip"});
+    app.group_verbs("Publish and exchange", {"publish", "convert", "export", "import"});
+    app.group_verbs("Train with a performer", {"skeleton", "coach"});
+    app.group_verbs("Look up", {"info", "devices"});
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
     using namespace neuvv::tools;
     CommonOptions common;
-    Program program("neuvv", "Neural volumetric video: capture, train, measure, render.", common);
+    Program program("neuvv", "Neural volumetric video: capture, train, measure, render.", NEUVV_VERSION NEUVV_COMMIT,
+                    common);
     Command app = program.command();
-    for (const auto add : {add_devices, add_info,  add_capture, add_dataset, add_matte,  add_skeleton, add_train,
-                           add_cluster, add_eval,  add_convert, add_publish, add_export, add_import,   add_clip,
-                           add_render,  add_stage, add_paint,   add_view,    add_coach,  add_xr})
+    for (const auto add : {add_capture, add_dataset, add_matte,    add_train, add_cluster, add_eval,    add_view,
+                           add_xr,      add_render,  add_stage,    add_paint, add_clip,    add_publish, add_convert,
+                           add_export,  add_import,  add_skeleton, add_coach, add_info,    add_devices})
         add(app, common);
+    group_by_task(app);
     app.footer(
-        {"Exit code: 0, 1 (failure), 2 (bad input). `neuvv VERB --help` tells more.\n\n"
+        {"`neuvv help VERB` tells more. Exit code: 0, 1 (failure), 2 (bad input).\n\n"
          "Examples (from the repository's root):\n"
          "  neuvv devices\n"
          "  neuvv capture tools/performer/performer.glb -o build/performer\n"

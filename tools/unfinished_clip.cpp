@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/output_path.h"
+#include "tools/results.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -12,9 +12,8 @@ UnfinishedClip::UnfinishedClip(const std::filesystem::path& output)
     : output_(voctree::clip_path(output)), folder_(output_.string() + ".unfinished") {
     if (output_.extension() != ".nvv")
         throw InputError("--output", output_.string(), "is no name of a clip", "write for instance show.nvv");
-    if (std::filesystem::exists(output_))
-        throw InputError("--output", output_.string(), "is there already", "name another, or remove it");
-    prepare_output_file("--output", output_);
+    if (std::filesystem::exists(output_)) expect_replaceable("--output", output_);
+    prepare_result("--output", std::filesystem::is_directory(output_) ? voctree::index_file(output_) : output_);
     std::error_code error;
     if (std::filesystem::create_directory(folder_, error)) return;
     if (error) throw InputError("--output", folder_.string(), "cannot be made: " + error.message());
@@ -30,7 +29,12 @@ UnfinishedClip::~UnfinishedClip() {
 
 void UnfinishedClip::finish(const std::filesystem::path& made) const {
     std::error_code error;
-    std::filesystem::rename(made, output_, error);
+    const std::filesystem::path old = output_.string() + ".replaced";
+    const bool replaces = std::filesystem::exists(output_);
+    if (replaces) std::filesystem::rename(output_, old, error);
+    if (!error) std::filesystem::rename(made, output_, error);
+    if (replaces && error) std::filesystem::rename(old, output_);
+    if (replaces && !error) std::filesystem::remove_all(old);
     if (error) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", output_.string(), error.message()));
 }
 

@@ -8,8 +8,8 @@ namespace neuvv::tools {
 // A folder beside the clip, in which a file or a folder is made that becomes the clip. It is removed at the end.
 class UnfinishedClip {
   public:
-    // Throws InputError where there is something of the clip's or the folder's name already, or where nothing can be
-    // written there.
+    // Throws InputError where there is something of the clip's name already, unless --overwrite says that it is
+    // replaced, or of the folder's name, or where nothing can be written there.
     explicit UnfinishedClip(const std::filesystem::path& output);
     UnfinishedClip(const UnfinishedClip&) = delete;
     UnfinishedClip& operator=(const UnfinishedClip&) = delete;

@@ -2,14 +2,32 @@
 
 #include <fmt/format.h>
 
+#include <mutex>
+#include <vector>
+
 #include "base/error.h"
 #include "base/platform.h"
 
 namespace neuvv {
 
+namespace {
+
+std::mutex g_mutex;                                 // of the next
+std::vector<std::filesystem::path> g_folders_made;  // outer ones before inner ones
+
+void make_folders(const std::filesystem::path& folder, std::error_code& error) {
+    if (folder.empty() || std::filesystem::is_directory(folder, error)) return;
+    make_folders(folder.parent_path(), error);
+    if (!std::filesystem::create_directory(folder, error)) return;
+    const std::lock_guard lock(g_mutex);
+    g_folders_made.push_back(std::filesystem::absolute(folder));
+}
+
+}  // namespace
+
 void prepare_output_folder(const std::string& option, const std::filesystem::path& folder) {
     std::error_code error;
-    if (!folder.empty()) std::filesystem::create_directories(folder, error);
+    make_folders(folder, error);
     if (error)
         throw InputError(option, folder.string(), fmt::format("this folder cannot be made: {}", error.message()),
                          "choose another");
@@ -24,6 +42,15 @@ void prepare_output_file(const std::string& option, const std::filesystem::path&
     if (!is_replaceable(file))
         throw InputError(option, file.string(), "is no regular file, and would be replaced", "choose another");
     prepare_output_folder(option, link_target(file).parent_path());
+}
+
+void remove_empty_output_folders() {
+    const std::lock_guard lock(g_mutex);
+    std::error_code ignored;  // of folders that are not empty
+    while (!g_folders_made.empty()) {
+        std::filesystem::remove(g_folders_made.back(), ignored);
+        g_folders_made.pop_back();
+    }
 }
 
 void write_text_file(const std::filesystem::path& file, const std::string& text) {

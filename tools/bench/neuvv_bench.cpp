@@ -1,4 +1,5 @@
 // neuvv-bench: how fast passes run on a device, as medians over repeats and ratios within one run.
+#include "neuvv_commit.h"
 #include "tools/bench/measure.h"
 
 int main(int argc, char** argv) {
@@ -6,7 +7,7 @@ int main(int argc, char** argv) {
     neuvv::tools::CommonOptions common;
     neuvv::tools::Program program(
         "neuvv-bench", "Measure how fast NeuVV runs on a device, beside the references that it is compared with.",
-        common);
+        NEUVV_VERSION NEUVV_COMMIT, common);
     neuvv::tools::Command app = program.command();
     for (const auto add : {add_open, add_render, add_slice, add_walk, add_instances, add_far, add_stereo, add_stage,
                            add_play, add_xr, add_train, add_team, add_edit, add_coach})

@@ -1,0 +1,62 @@
+#include "tools/unfinished_folder.h"
+
+#include <fmt/format.h>
+
+#include <regex>
+#include <vector>
+
+#include "base/error.h"
+#include "base/output_path.h"
+#include "tools/results.h"
+
+namespace neuvv::tools {
+
+namespace {
+
+constexpr const char* kImageFolders[] = {"images", "plates"};
+constexpr const char* kFiles[] = {"skeleton.glb", "transforms_test.json",
+                                  "transforms_train.json"};  // the last are last
+
+// Files of a folder that have the names of a capture's.
+std::vector<std::filesystem::path> captured_images(const std::filesystem::path& folder) {
+    static const std::regex kName("c[0-9]{2,}(_f[0-9]{3,})?\\.png");
+    std::vector<std::filesystem::path> files;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+        if (std::regex_match(entry.path().filename().string(), kName)) files.push_back(entry.path());
+    return files;
+}
+
+}  // namespace
+
+UnfinishedFolder::UnfinishedFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+    prepare_results("--output", folder_, {kFiles[1], kFiles[2]});
+    std::error_code error;
+    if (std::filesystem::exists(folder_ / "images", error) && !std::filesystem::is_empty(folder_ / "images", error))
+        expect_replaceable("--output", folder_ / "images");
+    std::filesystem::remove_all(path(), error);  // of a program that was killed
+    prepare_output_folder("--output", path());
+}
+
+UnfinishedFolder::~UnfinishedFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path(), ignored);
+}
+
+void UnfinishedFolder::finish() const {
+    try {
+        for (const char* name : {kFiles[2], kFiles[1], kFiles[0]}) std::filesystem::remove(folder_ / name);
+        for (const char* name : kImageFolders) {
+            for (const std::filesystem::path& old : captured_images(folder_ / name)) std::filesystem::remove(old);
+            if (std::filesystem::exists(path() / name)) std::filesystem::create_directories(folder_ / name);
+            for (const std::filesystem::path& image : captured_images(path() / name))
+                std::filesystem::rename(image, folder_ / name / image.filename());
+        }
+        for (const char* name : kFiles)
+            if (std::filesystem::exists(path() / name)) std::filesystem::rename(path() / name, folder_ / name);
+    } catch (const std::filesystem::filesystem_error& error) {
+        throw RuntimeFailure(fmt::format("{}: cannot be written: {}", folder_.string(), error.code().message()));
+    }
+}
+
+}  // namespace neuvv::tools
