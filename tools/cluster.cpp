@@ -191,13 +191,14 @@ void run_or_throw(const std::vector<std::string>& words) {
     throw RuntimeFailure(fmt::format("{} ended with exit code {}: {}", name, result.code, line));
 }
 
-void run(const ClusterOptions& options) {
+void run(const ClusterOptions& options, bool overwrite) {
     const std::filesystem::path program = program_file();
     expect_one_line("the working directory", std::filesystem::current_path().string());
     expect_one_line("--sbatch", options.sbatch);
     expect_one_line("COMMAND", joined(options.command));
     Job job = job_of(options);
     const bool trains = options.command[0] == "train";
+    if (overwrite && !job.plan.empty()) job.plan.emplace_back("--overwrite");
     if (!job.plan.empty()) {
         job.plan.insert(job.plan.begin(), program.string());
         run_or_throw(job.plan);
@@ -221,7 +222,7 @@ void run(const ClusterOptions& options) {
 
 }  // namespace
 
-void add_cluster(Command app, CommonOptions&) {
+void add_cluster(Command app, CommonOptions& common) {
     Command verb = app.add_verb("cluster", "Train a clip in segments, or render in parts, on a cluster");
     verb.require_verb();
     verb.footer({kExamples});
@@ -257,7 +258,11 @@ void add_cluster(Command app, CommonOptions&) {
          "Another scheduler needs a script that runs `neuvv COMMAND --resume` in as many tasks as wanted, of a render\n"
          "with another --part K/N in each.\n\n",
          kExamples});
-    sbatch.callback([options] { run(*options); });
+    sbatch.callback([options, &common] {
+        // What is there is replaced by the plan, not by each task.
+        const bool overwrite = std::erase(options->command, "--overwrite") > 0 || common.overwrite;
+        run(*options, overwrite);
+    });
 }
 
 }  // namespace neuvv::tools

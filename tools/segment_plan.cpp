@@ -57,19 +57,9 @@ void expect_even_times(const training::Rig& rig, const std::vector<double>& time
                              "give each frame f of n the time f / (n − 1), or train without --segment");
 }
 
-// The plan's segments, and where the whole clip is trained, also those that its folder holds, which may have been cut
-// elsewhere.
-std::vector<voctree::ClipSegment> segments_in_the_way(const TrainOptions& options, const SegmentPlan& plan) {
-    std::vector<voctree::ClipSegment> segments = plan.segments;
-    if (options.is_part() || !voctree::is_segmented(options.output)) return segments;
-    const voctree::ClipIndex before = voctree::read_clip_index(options.output);
-    segments.insert(segments.end(), before.segments.begin(), before.segments.end());
-    return segments;
-}
-
-// The index of a clip that is there already.
+// The index of a clip that is there already, with its segments where they are trained.
 voctree::ClipIndex index_before(const TrainOptions& options, const training::Rig& rig, uint32_t frames) {
-    if (!voctree::is_segmented(options.output))
+    if (!voctree::is_segmented(options.clip()))
         throw InputError(options.output.string(), "", "has no clip.json: no run to go on with",
                          "train without --resume");
     if (options.settings.minutes == 0 && options.settings.steps == 0)
@@ -77,7 +67,9 @@ voctree::ClipIndex index_before(const TrainOptions& options, const training::Rig
             options.output.string(), "",
             "is a clip in segments, whose budget is not known when it is resumed or a part is trained again",
             "give --minutes or --steps; with --resume, those of the command that began it");
-    voctree::ClipIndex index = voctree::read_clip_index(options.output);
+    voctree::ClipIndex index =
+        voctree::read_clip_index(voctree::is_segmented(options.output) ? options.output : options.replaces);
+    for (voctree::ClipSegment& segment : index.segments) segment.file = options.output / segment.file.filename();
     if (index.frames() != frames)
         throw InputError(options.output.string(), "",
                          fmt::format("has {} frames, {} has {}", index.frames(), options.dataset.string(), frames),
@@ -88,21 +80,6 @@ voctree::ClipIndex index_before(const TrainOptions& options, const training::Rig
                          fmt::format("{} has {} segments", options.output.string(), index.segments.size()),
                          "leave it out: the clip keeps its segments");
     return index;
-}
-
-// The segments with frames of the part that --from and --to give.
-std::vector<voctree::ClipSegment> segments_of_part(const TrainOptions& options, const voctree::ClipIndex& index) {
-    const double fps = double{index.fps};
-    const uint32_t begin = options.from.empty() ? 0 : parse_frames("--from", options.from, fps);
-    const uint32_t end = options.to.empty() ? index.frames() : parse_frames("--to", options.to, fps);
-    if (begin >= end || end > index.frames())
-        throw InputError("--from, --to", fmt::format("frames {} to {}", begin, end),
-                         fmt::format("are no part of {}, which has {} frames", options.output.string(), index.frames()),
-                         "--from is the first frame of the part, --to the first after it");
-    std::vector<voctree::ClipSegment> segments;
-    for (const voctree::ClipSegment& segment : index.segments)
-        if (segment.first < end && segment.end() > begin) segments.push_back(segment);
-    return segments;
 }
 
 }  // namespace
@@ -117,6 +94,20 @@ uint32_t SegmentPlan::learnt_frames() const {
     uint32_t frames = 0;
     for (const voctree::ClipSegment& segment : segments) frames += segment.frames_of_file();
     return frames;
+}
+
+std::vector<voctree::ClipSegment> segments_of_part(const TrainOptions& options, const voctree::ClipIndex& index) {
+    const double fps = double{index.fps};
+    const uint32_t begin = options.from.empty() ? 0 : parse_frames("--from", options.from, fps);
+    const uint32_t end = options.to.empty() ? index.frames() : parse_frames("--to", options.to, fps);
+    if (begin >= end || end > index.frames())
+        throw InputError("--from, --to", fmt::format("frames {} to {}", begin, end),
+                         fmt::format("are no part of {}, which has {} frames", options.clip().string(), index.frames()),
+                         "--from is the first frame of the part, --to the first after it");
+    std::vector<voctree::ClipSegment> segments;
+    for (const voctree::ClipSegment& segment : index.segments)
+        if (segment.first < end && segment.end() > begin) segments.push_back(segment);
+    return segments;
 }
 
 SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig) {
@@ -155,16 +146,21 @@ TrainOptions options_of(const TrainOptions& clip, const voctree::ClipSegment& se
 }
 
 void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan) {
-    for (const voctree::ClipSegment& segment : segments_in_the_way(options, plan))
+    std::vector<voctree::ClipSegment> segments = plan.segments;
+    if (voctree::is_segmented(options.clip())) {  // it may have been cut elsewhere
+        const voctree::ClipIndex before = voctree::read_clip_index(options.clip());
+        segments.insert(segments.end(), before.segments.begin(), before.segments.end());
+    }
+    for (const voctree::ClipSegment& segment : segments)
         if (const auto claim = training::claim_of(segment.file))
             throw InputError(segment.file.string(), "", fmt::format("is being trained by {}", claim->owner),
                              "stop that first, or help it: the same command with --resume");
+    for (const voctree::ClipSegment& segment : plan.segments)
+        if (std::filesystem::exists(segment.file))
+            throw InputError(segment.file.string(), "", "is there, but in no clip", "remove it");
 }
 
 void begin_segments(const TrainOptions& options, const SegmentPlan& plan) {
-    for (const voctree::ClipSegment& segment : segments_in_the_way(options, plan))
-        for (const std::filesystem::path& file : {segment.file, training::state_path(segment.file)})
-            std::filesystem::remove(file);
     if (options.is_part()) return;
     if (!options.live.metrics.empty()) std::filesystem::remove(options.live.metrics);
     std::filesystem::remove(training::rig_file(options.output));

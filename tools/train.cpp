@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/output_path.h"
@@ -13,8 +14,11 @@
 #include "tools/mpi.h"
 #include "tools/options.h"
 #include "tools/refine.h"
+#include "tools/replacement.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/train_run.h"
+#include "training/checkpoint.h"
 #include "training/claim.h"
 #include "training/schedule.h"
 #include "voctree/clip.h"
@@ -25,17 +29,15 @@ namespace neuvv::tools {
 
 namespace {
 
-void expect_extension(const char* option, const std::filesystem::path& file, const char* extension) {
-    if (file.extension() != extension)
-        throw InputError(option, file.string(), fmt::format("is no name of a {} file", extension),
-                         fmt::format("write for instance run{}", extension));
-    prepare_output_file(option, file);
-}
-
-// Throws InputError where one of the files could not be written, or is not named as such a file.
-void prepare_live_outputs(const LiveOptions& options) {
-    if (!options.preview.empty()) expect_extension("--preview", options.preview, ".png");
-    if (!options.metrics.empty()) expect_extension("--metrics", options.metrics, ".jsonl");
+// Throws InputError where one of the files could not be written, or is not named as such a file. A run that is resumed
+// goes on with them.
+void prepare_live_outputs(const LiveOptions& live, bool resume) {
+    const auto prepare = [&](const char* option, const std::filesystem::path& file, std::string_view ending) {
+        if (!file.empty() && resume && file.extension() == ending) return prepare_output_file(option, file);
+        if (!file.empty()) prepare_result(option, file, {ending});
+    };
+    prepare("--preview", live.preview, ".png");
+    prepare("--metrics", live.metrics, ".jsonl");
 }
 
 // Whether the output is a segmented clip.
@@ -116,19 +118,33 @@ void run_plan(TrainOptions& options, const training::Rig& rig, const SegmentPlan
     }
     begin_segments(options, plan);
     fmt::print("planned {}: {} frames in {} segments; the same command with --resume in place of --plan trains them\n",
-               options.output.string(), plan.frames(), plan.segments.size());
+               options.clip().string(), plan.frames(), plan.segments.size());
+}
+
+// Of the first rank, which begins the clip: nobody else trains it from now on.
+training::RunClaim claim_clip(const TrainOptions& options) {
+    std::optional<training::RunClaim> clip = training::RunClaim::take(options.clip());
+    if (!clip) throw_taken(options.clip());
+    if (!options.replaces.empty()) begin_replacement(options);
+    std::filesystem::remove(job_file(options.clip()));
+    return std::move(*clip);
 }
 
 // `begun` is called once nobody else trains the clip.
 void run_in_segments(TrainOptions& options, const training::Rig& rig, const Ranks& ranks, const CommonOptions& common,
                      const std::function<void()>& begun) {
-    const SegmentPlan plan = plan_segments(options, rig);
     std::optional<training::RunClaim> clip;  // of the process that begins it, so that nobody else does
-    if (ranks.is_first() && !options.settings.resume) {
-        clip = training::RunClaim::take(options.output);
-        if (!clip) throw_taken(options.output);
+    SegmentPlan plan;
+    const bool begins = !options.settings.resume;
+    if (begins && !ranks.is_first()) {
+        const std::filesystem::path place = place_of_first_rank(options.output, ranks);
+        if (place.empty()) return;
+        if (place != options.output) options.replaces = std::exchange(options.output, place);
+    }
+    plan = plan_segments(options, rig);
+    if (begins && ranks.is_first()) {
+        clip = claim_clip(options);
         expect_nobody_trains(options, plan);
-        std::filesystem::remove(job_file(options.output));
     }
     begun();
     if (options.plan) {
@@ -157,10 +173,29 @@ void advise_segments(const TrainOptions& options, const training::Rig& rig) {
 // Nothing where there is none. Read at once, so that a file without sound is known before the training.
 std::optional<media::Sound> read_audio(const TrainOptions& options) {
     std::error_code error;
-    if (options.audio.empty() || std::filesystem::equivalent(options.audio, voctree::sound_file(options.output), error))
+    if (options.audio.empty() || std::filesystem::equivalent(options.audio, voctree::sound_file(options.clip()), error))
         return std::nullopt;
     media::expect_sound_encoder();
+    if (!options.settings.resume) prepare_result("--audio", voctree::sound_file(options.clip()));
     return media::read_sound(options.audio);
+}
+
+// What the user may still want to know of a run that has ended: where the clip is, and what else lies there.
+void conclude(const TrainOptions& options, bool complete) {
+    if (!options.replaces.empty() && !complete) {
+        fmt::print("{} stays as it is until the new one is whole\n", options.replaces.string());
+        return;
+    }
+    if (!options.replaces.empty()) {
+        finish_replacement(options);
+        fmt::print("{} is replaced by it\n", options.replaces.string());
+    }
+    const std::filesystem::path state = training::state_path(options.clip());
+    std::error_code error;
+    const uint64_t bytes = std::filesystem::file_size(state, error);
+    if (complete && !error)
+        fmt::print("{}, {}, is only for --resume with a larger budget: remove it when the clip is good\n",
+                   state.string(), size_text(bytes));
 }
 
 void run_train(TrainOptions options, const CommonOptions& common) {
@@ -168,17 +203,23 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     share_memory(options, ranks);
     expect_compatible(options, ranks);
     prepare_output(options, ranks);
-    prepare_live_outputs(options.live);
+    prepare_live_outputs(options.live, options.settings.resume);
+    const bool in_segments = is_in_segments(options);
+    if (ranks.is_first() || options.settings.resume) {
+        const std::filesystem::path place = training_place(options, in_segments, common.overwrite);
+        if (place != options.output) options.replaces = std::exchange(options.output, place);
+    }
     catch_stop_signals();
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto write_audio = [&] {
         if (audio) media::write_sound(voctree::sound_file(options.output), *audio);
     };
-    if (is_in_segments(options)) return run_in_segments(options, rig, ranks, common, write_audio);
+    if (in_segments) return run_in_segments(options, rig, ranks, common, write_audio);
     if (ranks.is_first()) advise_segments(options, rig);
     std::optional<training::RunClaim> claim;
-    if (ranks.is_first()) claim = claim_file(options.output);
+    if (ranks.is_first()) claim = claim_file(options.clip());
+    if (ranks.is_first() && !options.replaces.empty() && !options.settings.resume) begin_replacement(options);
     write_audio();
     const gpu::Device device(device_of_rank(ranks, common.device));
     if (ranks.is_first())
@@ -190,7 +231,8 @@ void run_train(TrainOptions options, const CommonOptions& common) {
                      if (claim) claim->report(fraction);
                      return "";
                  }};
-    train_rig(device, options, rig, view);
+    const bool complete = train_rig(device, options, rig, view);
+    if (ranks.is_first()) conclude(options, complete);
 }
 
 std::string weight_option(const training::NamedLossWeight& weight) {
@@ -231,7 +273,8 @@ Option add_segment_options(Command verb, TrainOptions& options) {
                     "(default: one tree)");
     verb.add_option("--from", options.from,
                     "Train a part of a clip in segments again: those that have frames from this one on (24, 1.5s or "
-                    "2:10), with a budget of their own. Their files are removed first");
+                    "2:10), with a budget of their own. Those that are there are replaced, with --overwrite, once all "
+                    "of the part are trained");
     verb.add_option("--to", options.to, "The first frame behind that part");
     return verb.add_flag("--plan", options.plan,
                          "With --segment: only write the folder and its index; with --resume in place of this, any "
@@ -267,7 +310,11 @@ void add_train(Command app, CommonOptions& common) {
     Command verb = app.add_verb("train", "Train a volumetric video from a calibrated multi-view video");
     verb.add_option("dataset", options->dataset, "The data set's folder (see training/layouts/README.md)").required();
     add_format_option(verb, options->format);
-    verb.add_option("-o,--output", options->output, "The .nvv to write; it and its .state are replaced").required();
+    verb.add_option(
+            "-o,--output", options->output,
+            "The .nvv to write, with its .state beside it. One that is there is trained on by --resume; --overwrite "
+            "trains it anew, as NAME.new.nvv, which replaces it once it is whole")
+        .required();
     Option minutes = verb.add_option("--minutes", options->settings.minutes, "Budget in wall time (default 20)")
                          .number_between(0.01, 1e5);
     verb.add_option("--steps", options->settings.steps, "Budget in steps").in_range(1u, 1000000000u).excludes(minutes);
@@ -309,9 +356,10 @@ void add_train(Command app, CommonOptions& common) {
     const Option plan = add_segment_options(verb, *options);
     add_run_options(verb, *options, plan);
     verb.footer(
-        {"Checkpoints replace OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n"
+        {"Checkpoints go to OUTPUT during the run, so it can be watched, stopped with Ctrl-C and resumed.\n"
          "After Ctrl-C it saves, says that it was interrupted, and ends with exit code 0.\n"
-         "NEUVV_TRACE=1 prints the time of each pass. ",
+         "mpirun refuses to start programs for root, as whom one works in many containers, unless it is given\n"
+         "--allow-run-as-root. NEUVV_TRACE=1 prints the time of each pass. ",
          kDeviceHelp,
          "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
          "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"

@@ -34,7 +34,8 @@ struct ClipPart {
 
 struct TrainOptions {
     std::filesystem::path dataset, output;
-    std::string segment;   // the length of segments as the user wrote it; empty: the clip is one tree
+    std::filesystem::path replaces;  // the clip whose place the output takes once it is whole (replacement.h); or empty
+    std::string segment;             // the length of segments as the user wrote it; empty: the clip is one tree
     std::string from, to;  // the part of a segmented clip that is trained again, as the user wrote it; empty: all
     bool plan = false;     // of a segmented clip: only write the folder and its index
     std::optional<ClipPart> frames;  // of the segment that is trained; nothing: a whole clip
@@ -51,6 +52,8 @@ struct TrainOptions {
     uint64_t psi_steps = 0;
 
     bool is_part() const { return !from.empty() || !to.empty(); }
+    // The clip that the user named.
+    const std::filesystem::path& clip() const { return replaces.empty() ? output : replaces; }
 };
 
 // How a run shows itself while it goes on.
@@ -84,6 +87,9 @@ struct SegmentPlan {
     uint32_t learnt_frames() const;              // the same, those of overlaps twice
 };
 
+// Those with frames of the part that --from and --to give; all where they give none. Throws InputError.
+std::vector<voctree::ClipSegment> segments_of_part(const TrainOptions& options, const voctree::ClipIndex& index);
+
 // The segments that --segment cuts; those that the clip has where a run is resumed, or a part is trained again. Throws
 // InputError.
 SegmentPlan plan_segments(const TrainOptions& options, const training::Rig& rig);
@@ -93,11 +99,15 @@ inline std::filesystem::path job_file(const std::filesystem::path& clip) {
     return clip / "job";
 }
 
-// Throws InputError where a process trains a segment that begin_segments would remove.
+// Waits until the first rank has begun the clip, and returns where it is trained; empty where Ctrl-C came before.
+// Throws RuntimeFailure where it does not begin.
+std::filesystem::path place_of_first_rank(const std::filesystem::path& clip, const Ranks& ranks);
+
+// Throws InputError where a process trains a segment of the clip, or one of the plan's segments is there already.
 void expect_nobody_trains(const TrainOptions& options, const SegmentPlan& plan);
 
-// Removes the files of the plan's segments, and where the whole clip is trained, also what else its folder held and the
-// log of an earlier run; then it writes the index, and rig.json where options have a correction. Throws RuntimeFailure.
+// Where the whole clip is trained, writes the index, and rig.json where options have a correction, and removes the log
+// of an earlier run. Throws RuntimeFailure.
 void begin_segments(const TrainOptions& options, const SegmentPlan& plan);
 
 // The share of all budgets that a segment gets: that of the frames that it learns, with its overlap, among all that the

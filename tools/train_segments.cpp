@@ -12,6 +12,7 @@
 #include "base/platform.h"
 #include "base/seconds.h"
 #include "tools/refine.h"
+#include "tools/replacement.h"
 #include "tools/report.h"
 #include "tools/train_run.h"
 #include "training/checkpoint.h"
@@ -29,6 +30,7 @@ void sleep_for(double seconds) {
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
+// Whether the first rank has begun the clip there.
 bool has_begun(const std::filesystem::path& clip, const Ranks& ranks) {
     try {
         const std::vector<uint8_t> text = read_file(job_file(clip), 4096);
@@ -38,25 +40,14 @@ bool has_begun(const std::filesystem::path& clip, const Ranks& ranks) {
     }
 }
 
-// The first rank begins the clip, and the others wait for that. False where Ctrl-C came before it had begun.
-bool begin_together(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan,
-                    const Ranks& ranks) {
-    if (ranks.is_first()) {
-        if (!correct_clip(device, options, rig, plan)) return false;
-        expect_nobody_trains(options, plan);  // the search may have taken minutes
-        begin_segments(options, plan);
-        if (ranks.count > 1) write_text_file(job_file(options.output), ranks.job);
-        return true;
-    }
-    for (double start = seconds_now(); !has_begun(options.output, ranks) && !stop_requested(); sleep_for(0.1)) {
-        // The first rank has taken the clip and removed the file of another job: it searches the rig.
-        if (!std::filesystem::exists(job_file(options.output)) && training::claim_of(options.output))
-            start = seconds_now();
-        if (seconds_now() - start > kLongestBeginning_s)
-            throw RuntimeFailure(fmt::format("{}: the first of the {} processes has not begun the clip",
-                                             options.output.string(), ranks.count));
-    }
-    return !stop_requested();
+// Of the first rank. False where Ctrl-C came before the clip was begun.
+bool begin(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan,
+           const Ranks& ranks) {
+    if (!correct_clip(device, options, rig, plan)) return false;
+    expect_nobody_trains(options, plan);  // the search may have taken minutes
+    begin_segments(options, plan);
+    if (ranks.count > 1) write_text_file(job_file(options.output), ranks.job);
+    return true;
 }
 
 class SegmentedRun {
@@ -111,7 +102,8 @@ class SegmentedRun {
 bool SegmentedRun::is_finished(size_t segment) {
     const std::filesystem::path& file = segments_[segment].file;
     if (!finished_[segment])
-        finished_[segment] = std::filesystem::exists(file) && !std::filesystem::exists(training::state_path(file));
+        finished_[segment] = is_replaced(options_) ||
+                             (std::filesystem::exists(file) && !std::filesystem::exists(training::state_path(file)));
     return finished_[segment];
 }
 
@@ -178,6 +170,7 @@ void SegmentedRun::train_free_ones() {
                 fmt::print("interrupted; the same command with --resume goes on from here\n");
             return;
         }
+        if (is_finished(i)) continue;
         const std::optional<training::RunClaim> claim = training::RunClaim::take(segments_[i].file);
         if (claim && !is_finished(i)) train(i, *claim);
     }
@@ -215,14 +208,33 @@ void SegmentedRun::conclude() const {
         const std::string problem = fmt::format("{} of {} segments could not be trained, the first because of {}",
                                                 failed_.size(), segments_.size(), problem_);
         const std::string fix = "mend that, and give the same command with --resume";
-        if (machine_failed_) throw RuntimeFailure(fmt::format("{}: {}; {}", options_.output.string(), problem, fix));
-        throw InputError(options_.output.string(), "", problem, fix);
+        if (machine_failed_) throw RuntimeFailure(fmt::format("{}: {}; {}", options_.clip().string(), problem, fix));
+        throw InputError(options_.clip().string(), "", problem, fix);
     }
-    if (ranks_.is_first() && std::find(finished_.begin(), finished_.end(), false) == finished_.end())
-        fmt::print("wrote {}: {} frames in {} segments\n", options_.output.string(), frames_, segments_.size());
+    if (std::find(finished_.begin(), finished_.end(), false) != finished_.end()) {
+        if (ranks_.is_first() && !options_.replaces.empty())
+            fmt::print("{} stays as it is until the new one is whole\n", options_.replaces.string());
+        return;
+    }
+    if (!options_.replaces.empty()) finish_replacement(options_);
+    if (ranks_.is_first())
+        fmt::print("wrote {}: {} frames in {} segments\n", options_.clip().string(), frames_, segments_.size());
 }
 
 }  // namespace
+
+std::filesystem::path place_of_first_rank(const std::filesystem::path& clip, const Ranks& ranks) {
+    for (double start = seconds_now(); !stop_requested(); sleep_for(0.1)) {
+        for (const std::filesystem::path& place : {clip, replacement_of(clip)})
+            if (has_begun(place, ranks)) return place;
+        // The first rank has taken the clip: it may be searching the rig.
+        if (training::claim_of(clip)) start = seconds_now();
+        if (seconds_now() - start > kLongestBeginning_s)
+            throw RuntimeFailure(
+                fmt::format("{}: the first of the {} processes has not begun the clip", clip.string(), ranks.count));
+    }
+    return {};
+}
 
 bool correct_clip(const gpu::Device& device, TrainOptions& options, const training::Rig& rig, const SegmentPlan& plan) {
     if (!refine_of(options.refine).needs_search()) return true;
@@ -251,14 +263,14 @@ std::optional<training::RigCorrection> correction_of(const TrainOptions& options
     std::optional<training::RigCorrection> correction = training::read_rig_correction(options.output);
     if (!correction && refine_of(options.refine).needs_search())
         throw InputError("--refine", options.refine,
-                         fmt::format("{} has no rig.json: it was begun without", options.output.string()),
+                         fmt::format("{} has no rig.json: it was begun without", options.clip().string()),
                          "leave it out, or train the whole clip again without --resume");
     return correction;
 }
 
 void train_segments(const gpu::Device& device, TrainOptions options, const training::Rig& rig, const SegmentPlan& plan,
                     const Ranks& ranks) {
-    if (!options.settings.resume && !begin_together(device, options, rig, plan, ranks)) return;
+    if (!options.settings.resume && ranks.is_first() && !begin(device, options, rig, plan, ranks)) return;
     options.correction = correction_of(options);
     if (!stop_requested()) SegmentedRun(device, options, rig, plan, ranks).run();
 }

@@ -34,7 +34,7 @@ struct CliSegments : CliGpu {
         const std::string show = file("show.gltf");
         test::write_stage(show, clip, "anna");
         const ProgramResult result =
-            run_neuvv({"render", show, "-o", file("still.png"), "--size", "64x48", "--time", time});
+            run_neuvv({"render", show, "-o", file("still.png"), "--size", "64x48", "--time", time, "--overwrite"});
         EXPECT_EQ(result.code, 0) << result.err;
         return media::read_png(file("still.png"));
     }
@@ -79,7 +79,9 @@ TEST_F(CliSegments, TheyFadeIntoEachOther) {
     const media::Image whole = still(scene, "0.5");
     EXPECT_LT(distance(still(fading, "0.5"), whole), 0.2);
     const auto rendered = [&](const std::string& clip) {
-        EXPECT_EQ(run_neuvv({"render", clip, "-o", file("clip.png"), "--size", "64x48", "--frames", "1"}).code, 0);
+        EXPECT_EQ(
+            run_neuvv({"render", clip, "-o", file("clip.png"), "--size", "64x48", "--frames", "1", "--overwrite"}).code,
+            0);
         return media::read_png(file("clip.png"));
     };
     const media::Image clip = rendered(parts);  // whose box, and so whose orbit, is that of other segmented clips
@@ -111,9 +113,11 @@ TEST_F(CliSegments, TrainingGivesThemAnOverlap) {
     EXPECT_EQ(voctree::read_segment(index.segments[1]).frames, 4u);
     // "auto" is a second, of 25 frames here, but fewer frames than there are bases.
     const auto segments_of_plan = [&](const char* bases) {
-        EXPECT_EQ(run_neuvv({"train", file("cap"), "-o", show, "--segment", "auto", "--plan", "--bases", bases}).code,
-                  0);
-        return voctree::read_clip_index(show).segments.size();
+        EXPECT_EQ(
+            run_neuvv({"train", file("cap"), "-o", file("plan.nvv"), "--segment", "auto", "--plan", "--bases", bases})
+                .code,
+            0);
+        return voctree::read_clip_index(file("plan.nvv")).segments.size();
     };
     EXPECT_EQ(segments_of_plan("31"), 1u);
     EXPECT_EQ(segments_of_plan("5"), 3u);
@@ -170,7 +174,6 @@ TEST_F(CliSegments, TrainingMakesThemOneAfterTheOther) {
     const std::vector<std::string> command = {
         "train", file("data"),   "-o", show,        "--segment",       "2",         "--steps",
         "9",     "--resolution", "32", "--preview", file("shown.png"), "--metrics", file("log.jsonl")};
-    write_text(file("log.jsonl"), "{\"step\":1,\"first_frame\":7}\n");  // of an earlier run
     const ProgramResult run = run_neuvv(command);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_EQ(segments_logged(), (std::set<int>{0, 1}));
@@ -205,8 +208,10 @@ TEST_F(CliSegments, APartIsTrainedAgain) {
     ASSERT_EQ(run_neuvv(command).code, 0);
     std::vector<std::string> before;
     for (const char* name : {"/000000.nvv", "/000001.nvv", "/000002.nvv"}) before.push_back(read_text(show + name));
-    const ProgramResult run = run_neuvv(
-        {"train", file("data"), "-o", show, "--from", "1", "--to", "2", "--steps", "9", "--resolution", "32"});
+    expect_refused({"train", file("data"), "-o", show, "--from", "1", "--to", "2", "--steps", "9"}, 2, {"--overwrite"});
+    EXPECT_EQ(read_text(show + "/000001.nvv"), before[1]);
+    const ProgramResult run = run_neuvv({"train", file("data"), "-o", show, "--from", "1", "--to", "2", "--steps", "9",
+                                         "--resolution", "32", "--overwrite"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_NE(run.out.find("000001.nvv: "), std::string::npos) << run.out;
     EXPECT_NE(run.out.find("after 9 steps"), std::string::npos) << "the budget is the part's: " << run.out;
@@ -215,7 +220,7 @@ TEST_F(CliSegments, APartIsTrainedAgain) {
     EXPECT_NE(read_text(show + "/000001.nvv"), before[1]);
     EXPECT_EQ(read_text(show + "/000002.nvv"), before[2]);
     const auto refuse = [&](std::vector<std::string> more, std::initializer_list<std::string> parts_of_error) {
-        std::vector<std::string> words = {"train", file("data"), "--from", "1"};
+        std::vector<std::string> words = {"train", file("data"), "--from", "1", "--overwrite"};
         words.insert(words.end(), more.begin(), more.end());
         expect_refused(words, 2, parts_of_error);
     };
@@ -227,6 +232,73 @@ TEST_F(CliSegments, APartIsTrainedAgain) {
     refuse({"-o", file("new.nvv"), "--segment", "1", "--steps", "1"}, {"--from", "--segment"});
     EXPECT_FALSE(std::filesystem::exists(file("new.nvv")));
     EXPECT_EQ(read_text(show + "/000000.nvv"), before[0]);
+}
+
+// What is there stays until the new clip is whole, also where that has other segments.
+TEST_F(CliSegments, AClipIsReplacedOnceTheNewOneIsWhole) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    const std::string show = file("show.nvv");
+    write_segmented_copy(test::random_tree({.leaves = 200, .frames = 3}), {1, 2}, show);
+    const std::string first = read_text(show + "/000000.nvv"), second = read_text(show + "/000001.nvv");
+    std::vector<std::string> command = {"train", file("data"), "-o", show,           "--segment",
+                                        "3",     "--steps",    "4",  "--resolution", "32"};
+    const auto with = [&](const char* option) {
+        std::vector<std::string> words = command;
+        words.emplace_back(option);
+        return words;
+    };
+    expect_refused(command, 2, {"show.nvv", "is there already", "--resume", "--overwrite"});
+    expect_refused(with("--plan"), 2, {"is there already"});
+    std::vector<std::string> cluster = {"cluster", "sbatch", "--dry-run", "--"};
+    cluster.insert(cluster.end(), command.begin(), command.end());
+    expect_refused(cluster, 2, {"is there already"});
+    cluster.emplace_back("--overwrite");
+    const ProgramResult planned = run_neuvv(cluster);
+    ASSERT_EQ(planned.code, 0) << planned.err;
+    EXPECT_EQ(read_text(show + "/job.sh").find("--overwrite"), std::string::npos)
+        << "a task goes on with what was begun";
+    EXPECT_EQ(read_text(show + "/000000.nvv"), first);
+    EXPECT_EQ(read_text(show + "/000001.nvv"), second);
+    EXPECT_EQ(voctree::read_clip_index(show).segments.size(), 2u);
+
+    const ProgramResult trained = run_neuvv(with("--resume"));
+    ASSERT_EQ(trained.code, 0) << trained.err;
+    EXPECT_EQ(voctree::read_clip_index(show).segments.size(), 1u);
+    EXPECT_NE(read_text(show + "/000000.nvv"), first);
+    EXPECT_FALSE(std::filesystem::exists(show + "/000001.nvv"));
+    EXPECT_FALSE(std::filesystem::exists(show + "/new.nvv"));
+    EXPECT_TRUE(std::filesystem::exists(show + "/job.sh")) << "and the logs that Slurm still writes";
+}
+
+TEST_F(CliSegments, AFileIsReplacedOnceTheNewOneIsWhole) {
+    write_own_data();
+    std::filesystem::rename(folder.path / "data/transforms_test.json", folder.path / "data/transforms_train.json");
+    const std::string before = read_text(scene);
+    std::vector<std::string> command = {"train", file("data"), "-o", scene, "--resolution", "32"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), command.begin(), command.end());
+        return more;
+    };
+    expect_refused(with({"--steps", "2"}), 2, {"scene.nvv", "is there already", "--resume", "--overwrite"});
+    {
+        std::vector<std::string> words = with({"--steps", "100000000", "--overwrite"});
+        words.insert(words.begin(), NEUVV_PROGRAM);
+        const test::ChildProcess killed(words, folder.path / "log");
+        ASSERT_TRUE(killed.until([&] { return std::filesystem::exists(training::state_path(file("scene.new.nvv"))); }))
+            << read_text(folder.path / "log");
+        expect_refused(with({"--steps", "2", "--overwrite"}), 2, {"is being trained by process"});
+        killed.send(SIGKILL);
+        ASSERT_TRUE(killed.until([&] { return killed.ended(); }));
+    }
+    EXPECT_EQ(read_text(scene), before);
+    const ProgramResult resumed = run_neuvv(with({"--steps", "2", "--resume"}));
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_NE(resumed.out.find("is replaced by it"), std::string::npos) << resumed.out;
+    EXPECT_NE(resumed.out.find("scene.nvv.state, "), std::string::npos) << resumed.out;
+    EXPECT_NE(read_text(scene), before);
+    for (const char* rest : {"scene.new.nvv", "scene.new.nvv.state"}) EXPECT_FALSE(std::filesystem::exists(file(rest)));
+    EXPECT_TRUE(std::filesystem::exists(training::state_path(scene))) << "a larger budget goes on from it";
 }
 
 // All segments see through the same corrected cameras, also those that are trained later.
@@ -259,8 +331,10 @@ TEST_F(CliSegments, CorrectionsOfTheRigAreFoundOnce) {
     EXPECT_NE(retrain("/000001.nvv").find("turned by 1.72°"), std::string::npos);
     expect_refused({"train", file("data"), "-o", show, "--from", "1", "--steps", "6", "--refine", "auto"}, 2,
                    {"--refine", "all segments"});
-    ASSERT_EQ(
-        run_neuvv({"train", file("data"), "-o", show, "--segment", "1", "--steps", "3", "--resolution", "32"}).code, 0);
+    ASSERT_EQ(run_neuvv({"train", file("data"), "-o", show, "--segment", "1", "--steps", "3", "--resolution", "32",
+                         "--overwrite"})
+                  .code,
+              0);
     EXPECT_FALSE(training::read_rig_correction(show)) << "the new clip corrects nothing";
 }
 
@@ -287,8 +361,8 @@ TEST_F(CliSegments, OneSegmentDoesNotStopTheOthers) {
     const std::string stage = file("show.gltf");
     test::write_stage(stage, show, "anna");
     const auto shown = [&](const char* time) {
-        const ProgramResult result =
-            run_neuvv({"render", stage, "-o", file("a.png"), "--size", "32x32", "--orbit", "--time", time});
+        const ProgramResult result = run_neuvv(
+            {"render", stage, "-o", file("a.png"), "--size", "32x32", "--orbit", "--time", time, "--overwrite"});
         EXPECT_EQ(result.code, 0) << result.err;
         EXPECT_NE(result.err.find("000001.nvv"), std::string::npos) << "the missing segment is named: " << result.err;
         return media::read_png(file("a.png")).rgba;
