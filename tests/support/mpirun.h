@@ -1,5 +1,5 @@
 // Programs that Open MPI's mpirun starts in several processes. The program works without Open MPI, so tests that need
-// it are skipped where it is missing; tools/packages.txt has it, so CI runs them.
+// it are skipped where it is missing; tools/packages-test.txt has it, so CI runs them.
 #pragma once
 
 #include <cstdlib>

@@ -56,7 +56,7 @@ std::set<std::filesystem::path> files_in(const std::filesystem::path& folder) {
 
 std::string why_no_hands() {
     for (const char* program : {"Xvfb", "xdotool"})
-        if (!is_installed(program)) return std::string(program) + " is not installed (tools/install-packages)";
+        if (!is_installed(program)) return std::string(program) + " is not installed (tools/install-packages test)";
     return "";
 }
 
