@@ -18,6 +18,24 @@ std::vector<std::string> split(const std::string& text, char separator) {
     return parts;
 }
 
+bool is_utf8(std::string_view bytes) {
+    constexpr uint32_t kLeast[] = {0, 0x80, 0x800, 0x10000};  // what so many more bytes must at least say
+    for (size_t i = 0; i < bytes.size(); ++i) {
+        const auto first = static_cast<uint8_t>(bytes[i]);
+        if (first < 0x80) continue;
+        const size_t more = first >= 0xf0 ? 3 : first >= 0xe0 ? 2 : 1;
+        if (first < 0xc2 || first > 0xf4 || i + more >= bytes.size()) return false;
+        uint32_t letter = first & (0x3fu >> more);
+        for (size_t k = 0; k < more; ++k) {
+            const auto next = static_cast<uint8_t>(bytes[++i]);
+            if ((next & 0xc0) != 0x80) return false;
+            letter = letter << 6 | (next & 0x3fu);
+        }
+        if (letter < kLeast[more] || letter > 0x10ffff || (letter >= 0xd800 && letter < 0xe000)) return false;
+    }
+    return true;
+}
+
 std::string base64(std::span<const uint8_t> bytes) {
     constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace neuvv {
@@ -13,6 +14,9 @@ std::vector<std::string> split(const std::string& text, char separator);
 
 // The text with ASCII letters in lower case.
 std::string lower_case(std::string text);
+
+// Whether the bytes are UTF-8, as JSON must be. Names of files may be any bytes.
+bool is_utf8(std::string_view bytes);
 
 // The bytes in base64 as in data URIs, padded with '='.
 std::string base64(std::span<const uint8_t> bytes);

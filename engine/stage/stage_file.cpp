@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "base/text.h"
 #include "stage/gltf_container.h"
 #include "stage/json_splice.h"
 #include "stream/byte_source.h"
@@ -158,7 +159,13 @@ StageFile make_stage_file(const std::filesystem::path& path, const std::string& 
 std::vector<uint8_t> stage_bytes(const StageFile& file) {
     const StageFile::Saved& saved = *file.saved;
     if (file.json == saved.json) return saved.bytes;
-    std::string json = spliced(json_text(saved), saved.json, file.json);
+    std::string json;
+    try {
+        json = spliced(json_text(saved), saved.json, file.json);
+    } catch (const nlohmann::json::type_error&) {
+        throw InputError(file.path.string(), "", "would hold a name that is not UTF-8, which glTF does not allow",
+                         "give another name, of a performer by --name");
+    }
     if (!saved.binary) return {json.begin(), json.end()};
     while (json.ends_with(' ')) json.pop_back();  // the chunk's padding
     return glb_of(json, &saved);
@@ -206,9 +213,10 @@ std::string decoded_uri(const std::string& uri) {
 
 std::string encoded_uri(const std::string& path) {
     std::string encoded;
+    const bool letters = is_utf8(path);  // other bytes above 0x7f are escaped
     for (const char c : path) {
         const auto byte = static_cast<unsigned char>(c);
-        if (byte <= ' ' || byte == 0x7f || std::strchr("%#?\"<>\\^`{|}:", c))
+        if (byte <= ' ' || (byte >= 0x80 && !letters) || byte == 0x7f || std::strchr("%#?\"<>\\^`{|}:", c))
             encoded += fmt::format("%{:02X}", byte);
         else
             encoded += c;
