@@ -43,6 +43,11 @@ bool instance_has(const std::vector<VkExtensionProperties>& extensions, const ch
                        [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
+constexpr const char* kNoDriver =
+    "this machine has no Vulkan driver: install that of your GPU's maker, or the package mesa-vulkan-drivers, which "
+    "has "
+    "those of AMD and Intel and one for the CPU alone";
+
 VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<const char*>& wanted = {},
                          const DeviceMaker& maker = {}) {
     check(volkInitialize(), "volkInitialize",
@@ -81,8 +86,11 @@ VkInstance make_instance(bool validate, bool* debug_utils, const std::vector<con
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     VkInstance instance = VK_NULL_HANDLE;
-    check(maker.create_instance ? maker.create_instance(info, &instance) : vkCreateInstance(&info, nullptr, &instance),
-          "vkCreateInstance", validate ? "instance with validation (package vulkan-validationlayers)" : "instance");
+    const VkResult made =
+        maker.create_instance ? maker.create_instance(info, &instance) : vkCreateInstance(&info, nullptr, &instance);
+    if (made == VK_ERROR_INCOMPATIBLE_DRIVER) throw RuntimeFailure(kNoDriver);
+    check(made, "vkCreateInstance",
+          validate ? "instance with validation (package vulkan-validationlayers)" : "instance");
     volkLoadInstanceOnly(instance);
     return instance;
 }

@@ -39,6 +39,36 @@ bool may_pass(CURLcode code) {
     return is_passing(code) || code == CURLE_COULDNT_RESOLVE_HOST || code == CURLE_ABORTED_BY_CALLBACK;
 }
 
+// What went wrong, for people; `text` is curl's own.
+std::string text_of(CURLcode code, const std::string& text) {
+    switch (code) {
+        case CURLE_COULDNT_RESOLVE_HOST:
+            return "there is no server of this name";
+        case CURLE_COULDNT_CONNECT:
+            return "no server answers there";
+        case CURLE_OPERATION_TIMEDOUT:
+            return "the server does not answer in time";
+        case CURLE_URL_MALFORMAT:
+        case CURLE_UNSUPPORTED_PROTOCOL:
+            return "this is no address of a file on a web server";
+        case CURLE_WEIRD_SERVER_REPLY:
+            return "what answers there is no web server";
+        case CURLE_TOO_MANY_REDIRECTS:
+            return "the server sends on from one address to the next";
+        case CURLE_GOT_NOTHING:
+        case CURLE_PARTIAL_FILE:
+        case CURLE_RECV_ERROR:
+        case CURLE_SEND_ERROR:
+            return "the server broke off";
+        case CURLE_PEER_FAILED_VERIFICATION:
+            return "nobody whom this machine trusts vouches for the server";
+        case CURLE_SSL_CONNECT_ERROR:
+            return "no secure connection can be made";
+        default:
+            return text;
+    }
+}
+
 int is_cancelled(void* cancelled, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
     return *static_cast<const std::atomic<bool>*>(cancelled) ? 1 : 0;
 }
@@ -145,7 +175,7 @@ HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
         answer.code = curl_easy_perform(curl_);
         curl_easy_setopt(curl_, CURLOPT_ERRORBUFFER, nullptr);
         curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &answer.status);
-        answer.problem = problem[0] ? problem : curl_easy_strerror(answer.code);
+        answer.problem = text_of(answer.code, problem[0] ? problem : curl_easy_strerror(answer.code));
         const bool passing = answer.code == CURLE_OK ? is_passing(answer.status) : is_passing(answer.code);
         if (!passing || tries == kTries || cancelled_) return answer;
         std::unique_lock lock(mutex_);
