@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "base/error.h"
-#include "base/output_path.h"
 #include "base/platform.h"
 #include "gpu/device.h"
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/unfinished_folder.h"
 #include "training/capture/capture.h"
 
 namespace neuvv::tools {
@@ -17,7 +17,8 @@ namespace neuvv::tools {
 namespace {
 
 constexpr const char* kFooter = R"(
-Images go to DIR/images/cNN_fNNN.png, cameras to DIR/transforms_train.json and transforms_test.json, written last.
+Images go to DIR/images/cNN_fNNN.png, cameras to DIR/transforms_train.json and transforms_test.json. An earlier capture
+there is replaced with --overwrite, once this one is whole.
 Where the model is a person, its joints go to DIR/skeleton.glb (`neuvv skeleton --help`).
 Frame i shows the animation at i / fps seconds; an animation that ends earlier keeps its last pose, a model without
 animation shows its rest pose. There are no lights: unlit materials show their base colour, others get a soft sky.
@@ -44,20 +45,19 @@ void run_capture(Options& options, const CommonOptions& common) {
         throw InputError("capture", "--background", fmt::format("\"{}\" is not known", options.background),
                          "choose clear or checker");
     if (options.background == "checker") settings.background = training::CaptureBackground::kChecker;
-    prepare_output_folder("--output", options.folder);
+    const UnfinishedFolder unfinished(options.folder);
     catch_stop_signals();
     const gpu::Device device(common.device);
     Progress progress("capture");
     const training::CaptureResult result =
-        training::capture(device, options.model, options.folder, settings, [&](uint64_t done, uint64_t total) {
+        training::capture(device, options.model, unfinished.path(), settings, [&](uint64_t done, uint64_t total) {
             progress.set_total(total);
             progress.update(done, "images");
             return done == total || !stop_requested();
         });
     progress.finish();
-    if (!result.complete)
-        throw RuntimeFailure(
-            fmt::format("stopped; {} has images but no transforms: run capture again", options.folder));
+    if (!result.complete) throw RuntimeFailure("stopped before the end; nothing was written");
+    unfinished.finish();
     if (!result.no_skeleton.empty()) fmt::print(stderr, "no {}: {}\n", training::kTrueSkeleton, result.no_skeleton);
     fmt::print("{}: {} images, {} train and {} test cameras\n", options.folder, result.images, result.train_cameras,
                result.test_cameras);

@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/unfinished_clip.h"
 #include "voctree/clip.h"
 #include "voctree/clip_sound.h"
@@ -116,8 +117,7 @@ std::optional<media::Sound> heard_in(const std::vector<HeardPiece>& pieces, cons
         all.samples.resize(static_cast<size_t>(end_s * media::kSoundRate));
     }
     if (!any) return std::nullopt;
-    if (std::filesystem::exists(sound_of_output(output)))
-        throw InputError(sound_of_output(output).string(), "", "is there already", "choose another name, or remove it");
+    prepare_result("--output", sound_of_output(output));
     media::expect_sound_encoder();
     return all;
 }
@@ -179,8 +179,7 @@ void add_clip(Command app, CommonOptions&) {
     Command cut_verb = verb.add_verb("cut", "Write a part of a clip as a clip of its own");
     const auto cut_options = std::make_shared<CutOptions>();
     cut_verb.add_option("clip", cut_options->clip, "The .nvv, in segments or not").required();
-    cut_verb.add_option("-o,--output", cut_options->output, "The .nvv to write, which must not be there yet")
-        .required();
+    cut_verb.add_option("-o,--output", cut_options->output, "The .nvv to write").required();
     cut_verb.add_option("--from", cut_options->from,
                         "Where the part begins: a frame (24), seconds (1.5s) or minutes (2:10); else at the clip's "
                         "first frame");
@@ -197,8 +196,7 @@ void add_clip(Command app, CommonOptions&) {
     const auto join_options = std::make_shared<JoinOptions>();
     join_verb.add_option("clips", join_options->clips, "Two or more .nvv, in segments or not, of one frame rate")
         .required();
-    join_verb.add_option("-o,--output", join_options->output, "The .nvv to write, which must not be there yet")
-        .required();
+    join_verb.add_option("-o,--output", join_options->output, "The .nvv to write").required();
     join_verb.footer(
         {"Files are copied as they are, so nothing is lost. Sounds beside the clips (.m4a) are joined, and encoded "
          "again;\nlayers of paint stay with their clips.\n\n",

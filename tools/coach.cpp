@@ -19,6 +19,7 @@
 #include "tools/motion_page.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/skeleton_verbs.h"
 
 namespace neuvv::tools {
@@ -117,8 +118,8 @@ CoachScene read_coach_scene(const CoachOptions& options) {
         throw InputError("--html", options.html, "is a report of a performance", "leave --mode out");
     if (options.json && options.mode.value_or(coach::Mode::kPerform) != coach::Mode::kPerform)
         throw InputError("--json", "", "is about a performance", "leave --mode out");
-    prepare_output_file("--output", scene.output.path);
-    if (!options.html.empty()) prepare_output_file("--html", options.html);
+    prepare_images("--output", scene.output, 0, 1);
+    if (!options.html.empty()) prepare_result("--html", options.html, kHtmlEndings);
     scene.size = parse_size(options.size);
     scene.stage = stage::make_stage(editor::open_document(options.stage).file);
     scene.trainer = coach::read_trainer(scene.stage, options.performer);
@@ -178,6 +179,7 @@ void run_coach(const CoachOptions& options, const CommonOptions& common) {
     if (!options.html.empty())
         write_text_file(options.html, motion_page({options.stage, options.against}, coach.shown_to_recorded(),
                                                   coach.recorded(), found, compare.tolerances));
+    if (!options.html.empty()) fmt::print(stderr, "wrote {}\n", options.html);
     if (options.json) {
         fmt::print("{}", json_text(comparison_json(found)));
         return;

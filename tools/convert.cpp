@@ -15,6 +15,7 @@
 #include "tools/commands.h"
 #include "tools/compared_views.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/unfinished_clip.h"
 #include "training/rig_file.h"
 #include "voctree/clip.h"
@@ -127,13 +128,9 @@ Outcome convert_segments(const gpu::Device& device, const ConvertOptions& option
 }
 
 Outcome convert(const ConvertOptions& options, const CommonOptions& common) {
-    std::error_code ignored;  // of a file that is missing
-    if (std::filesystem::equivalent(options.scene, options.output, ignored))
-        throw InputError("--output", options.output, "is the scene itself, of which it would keep less",
-                         "name another file");
     voctree::expect_no_stream(options.scene);
     const bool segmented = voctree::is_segmented(options.scene);
-    if (!segmented) prepare_output_file("--output", options.output);
+    if (!segmented) prepare_result("--output", options.output, {".nvv"});
     const gpu::Device device(common.device);
     catch_stop_signals();
     if (segmented) return convert_segments(device, options);

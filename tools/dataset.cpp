@@ -14,6 +14,7 @@
 #include "tools/options.h"
 #include "tools/refine.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/rig_drawing.h"
 #include "training/evaluation/contact_sheet.h"
 #include "training/hull_box.h"
@@ -233,7 +234,11 @@ void report_rig(const DatasetOptions& options, const CommonOptions& common) {
 }
 
 void run(const DatasetOptions& options) {
-    if (!options.output.empty()) prepare_output_folder("--output", options.output);
+    if (!options.output.empty()) {
+        std::vector<std::string> names{"rig.png", "contact_sheet.png"};
+        if (options.search_rig) names.emplace_back("cameras.png");
+        prepare_results("--output", options.output, names);
+    }
     const auto read = [&](training::Split split) {
         return try_to_find([&] { return training::read_rig(options.folder, split, options.format); });
     };

@@ -18,6 +18,7 @@
 #include "tools/eval_page.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "training/align_rig.h"
 #include "training/evaluation/contact_sheet.h"
 #include "training/evaluation/evaluate.h"
@@ -204,16 +205,25 @@ nlohmann::ordered_json json_of(const training::RigAlignment& alignment) {
 
 // Throws InputError, before any work is done, where a result could not be written.
 void prepare_outputs(const EvalOptions& options) {
-    if (!options.json.empty() && options.json != "-") prepare_output_file("--json", options.json);
-    if (!options.html.empty()) prepare_output_file("--html", options.html);
-    if (!options.images.empty()) prepare_output_folder("--images", options.images);
+    if (!options.json.empty() && options.json != "-") prepare_result("--json", options.json, kJsonEnding);
+    if (!options.html.empty()) prepare_result("--html", options.html, kHtmlEndings);
+    if (!options.images.empty()) prepare_results("--images", options.images, {"contact_sheet.png"});
+}
+
+// On stderr, as tables and JSON are read by other programs.
+void say_what_was_written(const EvalOptions& options) {
+    for (const std::string& written : {options.json == "-" ? "" : options.json, options.html})
+        if (!written.empty()) fmt::print(stderr, "wrote {}\n", written);
+    if (!options.images.empty())
+        fmt::print(stderr, "wrote truth, render and error of each image and contact_sheet.png into {}\n",
+                   options.images);
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {
+    prepare_outputs(options);
     const voctree::ClipIndex clip = voctree::read_clip_index(options.scene, up_of(options.scene, options.up));
     training::Dataset dataset =
         training::load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
-    prepare_outputs(options);
     if (clip.frames() != dataset.times.size())
         fmt::print(stderr,
                    "neuvv: {} has {} frames, {} has images of {} times: each is compared with the scene at its time\n",
@@ -254,11 +264,15 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     if (flicker) facts["flicker"] = json_of(*flicker);
     if (alignment) facts["aligned"] = json_of(*alignment);
     if (!options.json.empty() && options.json != "-") write_text_file(options.json, json_text(facts));
-    if (options.json == "-") return fmt::print("{}", json_text(facts));
+    if (options.json == "-") {
+        fmt::print("{}", json_text(facts));
+        return say_what_was_written(options);
+    }
     print(evaluation, dataset, options.per);
     if (alignment) fmt::print("{}\n", text_of(*alignment));
     if (flicker) print(*flicker);
     if (network) fmt::print("LPIPS, mean over images: {:.5f}\n", mean_lpips(lpips));
+    say_what_was_written(options);
 }
 
 }  // namespace

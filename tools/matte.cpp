@@ -9,21 +9,16 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "training/make_mattes.h"
 
 namespace neuvv::tools {
 
 namespace {
 
-struct MatteOptions {
-    training::MatteJob what;
-    bool overwrite = false;
-};
-
-void run_matte(MatteOptions options) {
-    training::MatteJob& what = options.what;
+void run_matte(training::MatteJob what) {
     if (what.output.empty()) what.output = what.dataset / "mattes";
-    if (!options.overwrite && training::count_existing_mattes(what) > 0)
+    if (!may_overwrite() && training::count_existing_mattes(what) > 0)
         throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
                          "--overwrite replaces them");
     prepare_output_folder("--output", what.output);
@@ -45,8 +40,8 @@ void run_matte(MatteOptions options) {
 }  // namespace
 
 void add_matte(Command app, CommonOptions&) {
-    auto options = std::make_shared<MatteOptions>();
-    training::MatteJob& what = options->what;
+    auto job = std::make_shared<training::MatteJob>();
+    training::MatteJob& what = *job;
     Command verb = app.add_verb("matte", "Find the performer in images that have no alpha");
     verb.add_option("dataset", what.dataset, "The data set's folder (see training/layouts/README.md)").required();
     add_format_option(verb, what.format);
@@ -60,7 +55,6 @@ void add_matte(Command app, CommonOptions&) {
         .number_between(1, 250)
         .show_default()
         .excludes(from);
-    verb.add_flag("--overwrite", options->overwrite, "Replace mattes that are there");
     verb.footer(
         {"The background of a camera is its clean plate, or else, per pixel, the median of up to 31 of its images:\n"
          "right where the performer stands for less than half of the clip. Each matte is an 8-bit grey PNG named after "
@@ -71,7 +65,7 @@ void add_matte(Command app, CommonOptions&) {
          "  neuvv matte studio\n"
          "  neuvv matte studio --threshold 20 --overwrite\n"
          "  neuvv matte studio --from rotoscoped"});
-    verb.callback([options] { run_matte(*options); });
+    verb.callback([job] { run_matte(*job); });
 }
 
 }  // namespace neuvv::tools

@@ -20,6 +20,7 @@
 #include "tools/compared_views.h"
 #include "tools/published_scene.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "voctree/clip.h"
 #include "voctree/clip_sound.h"
 #include "voctree/slice.h"
@@ -203,12 +204,20 @@ Published Publisher::publish() {
     return published_;
 }
 
-// The clip's sound goes along, as it is.
-void copy_sound(const std::filesystem::path& clip, const std::filesystem::path& output) {
+// The sound that goes along with the clip; nothing where it has none, or where it is that of the output already.
+std::optional<std::filesystem::path> sound_to_copy(const std::filesystem::path& clip,
+                                                   const std::filesystem::path& output) {
     const auto sound = voctree::sound_beside(clip);
-    const std::filesystem::path to = voctree::sound_file(output);
     std::error_code error;
-    if (!sound || std::filesystem::equivalent(*sound, to, error)) return;
+    if (!sound || std::filesystem::equivalent(*sound, voctree::sound_file(output), error)) return std::nullopt;
+    prepare_result("--output", voctree::sound_file(output));
+    return sound;
+}
+
+// As it is.
+void copy_sound(const std::optional<std::filesystem::path>& sound, const std::filesystem::path& output) {
+    if (!sound) return;
+    const std::filesystem::path to = voctree::sound_file(output);
     const media::SoundFile file = voctree::sound_here(*sound);
     const std::vector<uint8_t> bytes = file.bytes ? *file.bytes : read_file(file.path);
     write_file_atomically(to, [&](const ByteSink& sink) { sink(bytes.data(), bytes.size()); });
@@ -217,11 +226,12 @@ void copy_sound(const std::filesystem::path& clip, const std::filesystem::path& 
 void run(const PublishOptions& options, const CommonOptions& common) {
     if (std::filesystem::path(options.output).extension() != ".nvs")
         throw InputError("--output", options.output, "does not end with .nvs", "name it so");
-    prepare_output_file("--output", options.output);
+    prepare_result("--output", options.output);
     const PublishedScene scene = read_published_scene(options.scene, options.performer, options.up);
     voctree::expect_no_stream(scene.clip);
+    const auto sound = sound_to_copy(scene.clip, options.output);
     const Published published = Publisher(options, scene, common).publish();
-    copy_sound(scene.clip, options.output);
+    copy_sound(sound, options.output);
     const stream::Index index = stream::Reader(options.output).index();
     const auto frames = static_cast<double>(index.frames.size());
     const double bytes_per_frame = static_cast<double>(published.bytes) / frames;

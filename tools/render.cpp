@@ -18,6 +18,7 @@
 #include "tools/render.h"
 #include "tools/render_layers.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -203,6 +204,16 @@ render::ResolveSettings resolve_settings(const RenderOptions& options, const med
     return resolve;
 }
 
+void expect_new_images(const RenderOptions& options, const media::ImageOutput& output, uint32_t images) {
+    const PartNumber number = part_number(options.part, ranks_of_environment());
+    std::error_code ignored;
+    const bool video = output.kind == media::ImageOutput::Kind::kVideo;
+    const bool begun = !video || number.parts > 1 || std::filesystem::exists(output.path.string() + ".frames", ignored);
+    if (options.resume && begun) return;
+    const media::ImageRange range = options.plan ? media::ImageRange{0, images} : images_of(number, images);
+    prepare_images("--output", output, range.first, range.end);
+}
+
 void expect_fitting_output(const media::ImageOutput& output, size_t images) {
     if (output.kind == media::ImageOutput::Kind::kImage && images > 1)
         throw InputError("--output", output.path.string(), fmt::format("is one file for {} images", images),
@@ -306,6 +317,7 @@ media::ImageSize written_size(const media::ImageOutput& output, media::ImageSize
 RenderTotals planned(const RenderOptions& options, const media::ImageOutput& output, uint32_t images,
                      media::ImageSize size, double fps) {
     expect_enough_images(part_number(options.part, ranks_of_environment()), images);
+    expect_new_images(options, output, images);
     return {images, 0, written_size(output, size), fps};
 }
 

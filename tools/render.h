@@ -48,6 +48,9 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
 render::ResolveSettings resolve_settings(const RenderOptions& options, const media::ImageOutput& output);
 // Throws InputError where the options ask for what the output cannot be, for instance an .exr of --depth.
 void expect_fitting_output(const media::ImageOutput& output, const RenderOptions& options);
+// Throws InputError where images of the process's part would replace others, unless --overwrite says so, or --resume
+// goes on with a render that was begun.
+void expect_new_images(const RenderOptions& options, const media::ImageOutput& output, uint32_t images);
 // Throws InputError where the output is one file for several images.
 void expect_fitting_output(const media::ImageOutput& output, size_t images);
 // The rate of --fps, else of the camera path where it has one (not 0), else `fallback`. Throws InputError for a --fps

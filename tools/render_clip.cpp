@@ -335,6 +335,7 @@ RenderTotals render_clip(const RenderOptions& options, const CommonOptions& comm
         add_layer_facts(facts, "--paint " + options.paint[i], plan.paint.names[i].folder);
     if (options.up) facts["--up"] = *options.up == voctree::UpAxis::kY ? "y" : "z";
     facts["--direct"] = fmt::format("{}", options.direct);
+    expect_new_images(options, plan.output, images);
     const RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, images,
                           options.resume);
     if (options.resume && part.is_there()) return conclude_part(options, part, size, plan.playback.output_fps);

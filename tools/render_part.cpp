@@ -56,6 +56,11 @@ PartNumber part_number(const std::string& text, const Ranks& ranks) {
     return {part, parts};
 }
 
+media::ImageRange images_of(const PartNumber& number, uint32_t images) {
+    const auto bound = [&](uint32_t parts) { return static_cast<uint32_t>(uint64_t{images} * parts / number.parts); };
+    return {bound(number.part - 1), bound(number.part)};
+}
+
 void expect_enough_images(const PartNumber& number, uint32_t images) {
     if (number.parts > images)
         throw InputError("--part", "", fmt::format("{} parts are too many for {} images", number.parts, images),

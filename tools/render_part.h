@@ -21,6 +21,9 @@ struct PartNumber {
 // others. Throws InputError.
 PartNumber part_number(const std::string& text, const Ranks& ranks);
 
+// The images of the part.
+media::ImageRange images_of(const PartNumber& number, uint32_t images);
+
 // Throws InputError where there are fewer images than parts.
 void expect_enough_images(const PartNumber& number, uint32_t images);
 
@@ -48,8 +51,8 @@ class RenderPart {
 
     media::ImageOutput output() const;
     std::optional<media::ImageRange> range() const;  // nothing where the part is the whole
-    uint32_t first() const { return bound(number_.part - 1); }
-    uint32_t end() const { return bound(number_.part); }
+    uint32_t first() const { return images_of(number_, images_).first; }
+    uint32_t end() const { return images_of(number_, images_).end; }
 
     // Whether an earlier process has written this part of a video, or all parts are joined already.
     bool is_there() const;
@@ -58,7 +61,6 @@ class RenderPart {
     std::string join_if_complete() const;
 
   private:
-    uint32_t bound(uint32_t parts) const { return static_cast<uint32_t>(uint64_t{images_} * parts / number_.parts); }
     std::string ending() const { return whole_.path.extension().string(); }
     bool is_part_of_video() const { return number_.parts > 1 && whole_.kind == media::ImageOutput::Kind::kVideo; }
     std::filesystem::path video_of(uint32_t part) const;

@@ -251,6 +251,7 @@ RenderTotals render_stage(const RenderOptions& options, const CommonOptions& com
         sound.emplace(plan.stage, plan.first_s, [&](const stage::EvaluatedStage& evaluated) {
             return camera_of(options, plan, evaluated).world_from_camera;
         });
+    expect_new_images(options, plan.output, plan.images);
     RenderPart part(part_number(options.part, ranks_of_environment()), plan.output, facts, plan.images, options.resume);
     if (sound && !sound->is_silent()) {
         media::expect_sound_encoder();

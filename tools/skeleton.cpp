@@ -18,6 +18,7 @@
 #include "tools/image_drawing.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/skeleton_verbs.h"
 #include "tools/view_path.h"
 #include "training/capture/performer_views.h"
@@ -83,7 +84,7 @@ struct ImportOptions {
 };
 
 void run_import(const ImportOptions& options) {
-    prepare_output_file("--output", options.output);
+    prepare_result("--output", options.output, {".glb"});
     const motion::SkeletonClip clip = motion::read_skeleton(options.input, options.animation);
     motion::write_skeleton(options.output, clip);
     size_t measured = 0;
@@ -101,7 +102,7 @@ void run_export(const BvhOptions& options) {
     if (std::filesystem::path(options.output).extension() != ".bvh")
         throw InputError("--output", options.output, "does not end with .bvh",
                          "name it so; a .skeleton.glb, which `neuvv skeleton import` writes, is animated glTF itself");
-    prepare_output_file("--output", options.output);
+    prepare_result("--output", options.output);
     const motion::SkeletonClip clip = motion::read_skeleton(options.input, options.animation);
     motion::write_bvh(options.output, clip, options.unit == "cm" ? 100 : 1);
     fmt::print("{}: {} frames at {:.6g} a second, in {}\n", options.output, clip.frames.size(), clip.fps,
@@ -136,7 +137,6 @@ void draw_skeleton(media::Image& image, const stage::Camera& camera, const motio
 void run_show(const ShowOptions& options, const CommonOptions& common) {
     const media::ImageOutput output = media::parse_output(options.output);
     if (output.exr) throw InputError("--output", options.output, "is not for linear images", "write .mp4 or .png");
-    prepare_output_file("--output", output.path);
     const voctree::VOctree clip = voctree::read_clip(options.clip);
     const motion::SkeletonClip skeleton = motion::read_skeleton(
         options.skeleton.empty() ? motion::skeleton_beside(options.clip) : std::filesystem::path(options.skeleton));
@@ -145,6 +145,7 @@ void run_show(const ShowOptions& options, const CommonOptions& common) {
     const Playback playback{parse_frame_range(options.frames, clip.frames), fps, fps};
     std::vector<ViewStep> path = orbit_path(voctree::occupied_box(clip), playback, size);
     if (output.kind == media::ImageOutput::Kind::kImage) path.resize(1);
+    prepare_images("--output", output, 0, static_cast<uint32_t>(path.size()));
     catch_stop_signals();
     const gpu::Device device(common.device);
     const render::Field field = render::upload_field(device, clip, render::WeightPrecision::kHalf);

@@ -22,6 +22,7 @@
 #include "motion/pose_source.h"
 #include "motion/skeleton_file.h"
 #include "tools/motion_page.h"
+#include "tools/results.h"
 #include "tools/skeleton_verbs.h"
 
 namespace neuvv::tools {
@@ -73,8 +74,8 @@ struct CompareOptions {
 };
 
 void run_compare(CompareOptions& options) {
-    if (!options.html.empty()) prepare_output_file("--html", options.html);
-    if (!options.csv.empty()) prepare_output_file("--csv", options.csv);
+    if (!options.html.empty()) prepare_result("--html", options.html, kHtmlEndings);
+    if (!options.csv.empty()) prepare_result("--csv", options.csv, kCsvEnding);
     options.compare.counted = counted_limbs(options.leave_out);
     const motion::SkeletonClip trainer = motion::read_skeleton(options.trainer);
     const motion::SkeletonClip trainee = motion::read_skeleton(options.trainee);
@@ -83,6 +84,8 @@ void run_compare(CompareOptions& options) {
         write_text_file(options.html, motion_page({options.trainer, options.trainee}, trainer, trainee, found,
                                                   options.compare.tolerances));
     if (!options.csv.empty()) write_text_file(options.csv, motion_csv(found));
+    for (const std::string& written : {options.html, options.csv})
+        if (!written.empty()) fmt::print(stderr, "wrote {}\n", written);
     if (options.json) {
         fmt::print("{}", json_text(comparison_json(found)));
         return;

@@ -12,6 +12,7 @@
 #include "motion/skeleton_file.h"
 #include "tools/commands.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/skeleton_verbs.h"
 #include "training/image_reader.h"
 #include "training/layouts/formats.h"
@@ -150,7 +151,7 @@ void write_detections(const ExtractOptions& options, const std::vector<training:
 }
 
 void run_extract(const ExtractOptions& options) {
-    prepare_output_file("--output", options.output);
+    prepare_result("--output", options.output, {".glb"});
     motion::Detections seen;
     const std::vector<training::Rig> splits = read_splits(options.folder);
     const std::vector<motion::WantedImage> images = wanted_images(splits, seen);

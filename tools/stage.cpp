@@ -7,6 +7,7 @@
 #include "stage/stage.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/results.h"
 #include "tools/stage_verbs.h"
 #include "voctree/clip.h"
 #include "voctree/nvpaint.h"
@@ -67,11 +68,8 @@ void add_new(Command stage) {
     verb.add_option("STAGE", *output, "The stage to make, .gltf or .glb").required();
     verb.footer({"\n\nExamples:\n  neuvv stage new build/show.gltf"});
     verb.callback([output] {
-        std::error_code error;
         expect_stage_name("STAGE", *output);
-        if (std::filesystem::exists(*output, error))
-            throw InputError(*output, "", "is there already", "remove it, or choose another name");
-        prepare_output_file("STAGE", *output);
+        prepare_result("STAGE", *output);
         stage::StageFile file = edit::new_stage(*output);
         stage::save_stage_file(file, *output);
         fmt::print("{}: a floor, \"camera\" and the spotlight \"key\"\n", *output);

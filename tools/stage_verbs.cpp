@@ -10,6 +10,7 @@
 #include "motion/skeleton_file.h"
 #include "stage/stage.h"
 #include "tools/options.h"
+#include "tools/results.h"
 #include "voctree/clip_sound.h"
 
 namespace neuvv::tools {
@@ -60,7 +61,11 @@ void edit_stage(const StageTarget& target, const std::function<std::string(stage
     stage::expect_sound_document(file);
     const std::string change = operation(file);
     stage::expect_sound_document(file);
-    prepare_output_file("--output", output);
+    std::error_code error;
+    if (target.output.empty() || std::filesystem::equivalent(target.stage, output, error))
+        prepare_output_file("STAGE", output);
+    else
+        prepare_result("--output", output);
     stage::save_stage_file(file, output);
     fmt::print("{}: {}\n", output, change);
 }

@@ -99,6 +99,7 @@ TEST_F(CliSkeleton, ExtractsWithANetwork) {
         file("colours.onnx"), "--pixels", "bytes"};
     const ProgramResult result = run_neuvv(words);
     ASSERT_EQ(result.code, 0) << result.err;
+    words.emplace_back("--overwrite");
     EXPECT_NE(result.err.find("wrote COCO-17 key points of 36 images"), std::string::npos) << result.err;
     EXPECT_NE(result.out.find("(the detector lacks it)"), std::string::npos) << result.out;
     const motion::SkeletonClip found = motion::read_skeleton(file("a.skeleton.glb"));

@@ -1,8 +1,12 @@
 // The command line without a GPU: help, exit codes, one-line errors, info.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "base/text.h"
 #include "support/random_tree.h"
 #include "tests/tools/run_neuvv.h"
 #include "voctree/nvv.h"
@@ -47,7 +51,7 @@ TEST_F(Cli, AClusterIsGivenAScript) {
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "--segment", "2"}, 2, {"--output"});
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", file("no data"), "-o", show, "--segment", "2",
                     "--steps", "9"},
-                   2, {"no data", "is no data set"});
+                   2, {"no data", "there is no such folder"});
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show, "--segment", "2"}, 2,
                    {"has no budget", "--minutes"});
     expect_refused({"cluster", "sbatch", "--dry-run", "--", "train", "data", "-o", show, "--segment", "2", "--steps",
@@ -88,7 +92,6 @@ TEST_F(Cli, AClusterIsGivenAScript) {
 }
 
 TEST_F(Cli, WrongUseIsBadInput) {
-    expect_refused({}, 2, {"--help"});
     expect_refused({"sing"}, 2, {"sing", "--help"});
     expect_refused({"info"}, 2, {"file", "neuvv info --help"});
     expect_refused({"info", scene, "--no-such-option"}, 2, {"--no-such-option", "neuvv info --help"});
@@ -101,6 +104,135 @@ TEST_F(Cli, WrongUseIsBadInput) {
     expect_refused({"render", scene, "-o", file("x.mp4"), "--level", "--direct"}, 2, {"--level", "--direct"});
     expect_refused({"render", scene, "-o", file("x.mp4"), "--cost-max", "9"}, 2, {"--cost-max", "--cost"});
     expect_refused({"render", scene, "-o", file("x.mp4"), "--orbit", "--camera", "c.json"}, 2, {"--orbit", "--camera"});
+}
+
+TEST_F(Cli, HelpIsFoundAndFitsATerminal) {
+    const ProgramResult alone = run_neuvv({});
+    EXPECT_EQ(alone.code, 0) << alone.err;
+    EXPECT_EQ(alone.out, run_neuvv({"--help"}).out);
+    EXPECT_LT(alone.out.find("Train and measure:"), alone.out.find("\n  eval ")) << "verbs stand by task";
+    EXPECT_EQ(run_neuvv({"help", "stage", "set"}).out, run_neuvv({"stage", "set", "--help"}).out);
+    std::istringstream overview(alone.out);
+    std::vector<std::string> verbs{"stage set", "paint project", "skeleton follow", "cluster sbatch"};
+    for (std::string line; std::getline(overview, line);)
+        if (line.starts_with("  ") && line.size() > 14 && std::islower(line[2]) && line[13] == ' ' && line[14] != ' ')
+            verbs.push_back(line.substr(2, line.find(' ', 2) - 2));
+    EXPECT_GT(verbs.size(), 20u);
+    for (const std::string& verb : verbs) {
+        std::vector<std::string> words{"help"};
+        for (const std::string& word : split(verb, ' ')) words.push_back(word);
+        const ProgramResult help = run_neuvv(words);
+        EXPECT_EQ(help.code, 0) << help.err;
+        std::istringstream lines(help.out);
+        for (std::string line; std::getline(lines, line);)
+            EXPECT_LE(std::ranges::count_if(line, [](char c) { return (c & 0xc0) != 0x80; }), 100)
+                << verb << ": " << line;
+    }
+}
+
+TEST_F(Cli, NearMissesAreGuessed) {
+    expect_refused({"trian"}, 2, {"there is no `neuvv trian`", "did you mean `train`?"});
+    expect_refused({"stage", "lihgt"}, 2, {"did you mean `light`?", "`neuvv stage --help`"});
+    expect_refused({"train", "--minuts", "5"}, 2, {"has no option --minuts", "did you mean `--minutes`?"});
+    expect_refused({"render", scene, "-o", file("x.png"), "--frame=0"}, 2, {"--frame=0", "`--frames`"});
+    expect_refused({"render", scene, "-o", file("x.mp4"), "--overwrit"}, 2, {"`--overwrite`"});
+    expect_refused({"help", "rendre"}, 2, {"did you mean `render`?"});
+    expect_refused({"info", scene, "second"}, 2, {"no further \"second\""});
+}
+
+TEST_F(Cli, VersionNamesTheCommit) {
+    const std::string version = run_neuvv({"--version"}).out;
+    EXPECT_EQ(version.rfind("neuvv 0.", 0), 0u) << version;
+    if (std::filesystem::exists(NEUVV_SOURCE_DIR "/.git"))
+        EXPECT_NE(version.find(", commit "), std::string::npos) << version;
+}
+
+// An empty value is a script's variable that is not set, and no default.
+TEST_F(Cli, AnOptionHasAValue) {
+    for (const char* option : {"--time", "--frames", "--camera", "--size"}) {
+        expect_refused({"render", scene, std::string(option) + "=", "-o", file("x.mp4")}, 2, {option, "has no value"});
+        expect_refused({"render", scene, "-o", file("x.mp4"), option, ""}, 2, {option, "has no value"});
+    }
+    expect_refused({"info", ""}, 2, {"file", "has no value"});
+    ASSERT_EQ(run_neuvv({"stage", "new", file("s.gltf")}).code, 0);
+    EXPECT_EQ(run_neuvv({"stage", "set", file("s.gltf"), "--environment="}).code, 0) << "which takes it away";
+}
+
+TEST_F(Cli, WhatIsNotThereIsSaid) {
+    expect_refused({"dataset", file("none")}, 2, {"none", "there is no such folder"});
+    expect_refused({"train", file("none"), "-o", file("x.nvv")}, 2, {"none", "there is no such folder"});
+    expect_refused({"eval", scene, scene}, 2, {"is a file, not the folder of a data set"});
+    expect_refused({"view", file("none.nvv")}, 2, {"none.nvv", "there is no such file"});
+    EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST_F(Cli, AMachineWithoutAVulkanDriverIsTold) {
+    const std::string none = "NEUVV_DEVICE= VK_DRIVER_FILES=/none VK_ICD_FILENAMES=/none";
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"devices"}, {"render", scene, "-o", file("x.png"), "--frames", "0"}}) {
+        const ProgramResult result = run_neuvv(words, none);
+        EXPECT_EQ(result.code, 1);
+        EXPECT_NE(result.err.find("no Vulkan driver"), std::string::npos) << result.err;
+        EXPECT_NE(result.err.find("mesa-vulkan-drivers"), std::string::npos) << result.err;
+    }
+}
+
+// File names are any bytes; a glTF file is UTF-8.
+TEST_F(Cli, NamesThatAreNoUtf8) {
+    const std::string odd = file(
+                          "b\xff"
+                          "d.nvv"),
+                      show = file(
+                          "b\xff"
+                          "d.gltf");
+    std::filesystem::copy_file(scene, odd);
+    EXPECT_EQ(run_neuvv({"info", odd, "--json"}).code, 0);
+    ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
+    ASSERT_EQ(run_neuvv({"stage", "add", show, odd, "--name", "anna"}).code, 0);
+    const ProgramResult told = run_neuvv({"stage", "info", show, "--json"});
+    EXPECT_EQ(told.code, 0) << told.err;
+    EXPECT_NE(told.out.find("\"frames\""), std::string::npos) << "the clip is found: " << told.out;
+    expect_refused({"stage", "add", show, odd}, 2, {"not UTF-8", "--name"});
+    expect_refused({"stage", "set", show, "anna", "--name", "\xc3\x28"}, 2, {"not UTF-8"});
+    EXPECT_EQ(run_neuvv({"stage", "set", show, "anna", "--name", "Zoë 舞"}).code, 0);
+}
+
+TEST_F(Cli, AFailedCommandLeavesNoFolder) {
+    const std::string deep = file("a/b/c");
+    EXPECT_EQ(run_neuvv({"eval", scene, file("none"), "--json", deep + "/x.json", "--images", file("images")}).code, 2);
+    EXPECT_EQ(run_neuvv({"render", file("none.nvv"), "-o", deep + "/x.mp4"}).code, 2);
+    EXPECT_EQ(run_neuvv({"train", file("none"), "-o", deep + "/x.nvv", "--segment", "2", "--steps", "1"}).code, 2);
+    EXPECT_EQ(run_neuvv({"capture", file("none.glb"), "-o", deep}, "NEUVV_DEVICE=none").code, 2);
+    EXPECT_EQ(run_neuvv({"skeleton", "import", scene, "-o", deep + "/x.glb"}).code, 2);
+    EXPECT_EQ(folder.entries(), 1u);
+}
+
+// Without a device, so that nothing is drawn.
+TEST_F(Cli, WhatIsThereIsKept) {
+    std::filesystem::create_directories(file("cap/images"));
+    for (const char* name : {"x.mp4", "o_0003.png", "x.nvs", "x.gltf", "cap/images/mine.png"})
+        write_text(file(name), name);
+    const std::string model = NEUVV_SOURCE_DIR "/tools/performer/performer.glb";
+    const std::vector<std::vector<std::string>> commands = {{"render", scene, "-o", file("x.mp4")},
+                                                            {"render", scene, "-o", file("x.mp4"), "--resume"},
+                                                            {"render", scene, "-o", file("o_%04d.png"), "--plan"},
+                                                            {"publish", scene, "-o", file("x.nvs")},
+                                                            {"convert", scene, "-o", scene},
+                                                            {"stage", "new", file("x.gltf")},
+                                                            {"skeleton", "import", model, "-o", file("x.glb")},
+                                                            {"capture", model, "-o", file("cap")},
+                                                            {"train", file("data"), "-o", scene}};
+    write_text(file("x.glb"), "x.glb");
+    for (const std::vector<std::string>& command : commands) {
+        const ProgramResult result = run_neuvv(command, "NEUVV_DEVICE=none");
+        EXPECT_EQ(result.code, 2) << command[0] << result.err;
+        const bool itself = command[0] == "convert";
+        EXPECT_NE(result.err.find(itself ? "is what scene names" : "is there already"), std::string::npos)
+            << result.err;
+    }
+    for (const char* name : {"x.mp4", "o_0003.png", "x.nvs", "x.gltf", "x.glb"}) EXPECT_EQ(read_text(file(name)), name);
+    ASSERT_EQ(run_neuvv({"stage", "new", file("x.gltf"), "--overwrite"}).code, 0);
+    EXPECT_NE(read_text(file("x.gltf")), "x.gltf");
 }
 
 TEST_F(Cli, OnlyPartsOfTheTrainingCanBeLeftOut) {
@@ -144,6 +276,7 @@ TEST_F(Cli, APlannedRenderSaysWhatItWouldBe) {
 }
 
 TEST_F(Cli, EvalNamesTheMissingDataSet) {
+    std::filesystem::create_directory(file("data"));
     expect_refused({"eval", scene, file("data")}, 2, {"data", "transforms_train.json"});
 }
 

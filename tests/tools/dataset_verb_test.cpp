@@ -139,7 +139,7 @@ TEST_F(DatasetVerb, DrawsTheRigAndTheSheet) {
 
 TEST_F(DatasetVerb, WrongUseIsBadInput) {
     expect_refused({"dataset"}, 2, {"neuvv dataset --help"});
-    expect_refused({"dataset", (folder.path / "none").string()}, 2, {"none", "no data set"});
+    expect_refused({"dataset", (folder.path / "none").string()}, 2, {"none", "there is no such folder"});
     expect_refused({"dataset", folder.path.string(), "--format", "vhs"}, 2, {"vhs"});
     expect_refused({"dataset", folder.path.string(), "--split", "both"}, 2, {"both"});
     expect_refused({"dataset", folder.path.string(), "--format", "colmap"}, 2, {"sparse/0"});

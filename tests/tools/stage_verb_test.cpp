@@ -99,6 +99,7 @@ TEST_F(StageVerb, CamerasGoToOtherProgramsAndBack) {
     const auto exported = [&](const std::vector<std::string>& more, const std::string& said) {
         std::vector<std::string> all = {"export", show};
         all.insert(all.end(), more.begin(), more.end());
+        all.emplace_back("--overwrite");
         const ProgramResult result = run_neuvv(all);
         EXPECT_EQ(result.code, 0) << result.err;
         EXPECT_NE(result.out.find(said), std::string::npos) << result.out;
@@ -352,11 +353,12 @@ TEST_F(StageVerb, WhatCannotBeDoneIsOneLine) {
 }
 
 TEST_F(StageVerb, MistypedVerbsAreToldWhatThereIs) {
-    expect_refused({"stage", "ad", show}, 2, {"there is no `stage ad`", "new, add, set", "neuvv stage --help"});
+    expect_refused({"stage", "ad", show}, 2,
+                   {"there is no `neuvv stage ad`", "did you mean `add`?", "neuvv stage --help"});
     expect_refused({"stage"}, 2, {"`neuvv stage` needs a verb", "duplicate", "neuvv stage --help"});
-    expect_refused({"dance"}, 2, {"there is no `dance`", "render", "`neuvv --help`"});
+    expect_refused({"dance"}, 2, {"there is no `neuvv dance`", "render", "`neuvv --help`"});
     expect_refused({"paint", "undo", clip, file("x.nvpaint")}, 2,
-                   {"there is no `paint undo`", "restore", "neuvv paint --help"});
+                   {"there is no `neuvv paint undo`", "restore", "neuvv paint --help"});
     expect_refused({"stage", "set", show, "--wobble"}, 2, {"--wobble", "neuvv stage set --help"});
     expect_refused({"stage", "light", show, "key", "--intensity", "x"}, 2, {"--intensity", "neuvv stage light --help"});
 }

@@ -8,6 +8,7 @@
 #include "stage/evaluated_stage.h"
 #include "tools/export/stage_kinds.h"
 #include "tools/options.h"
+#include "tools/results.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 
@@ -35,7 +36,7 @@ ExportedCamera camera_of(const ExportOptions& options) {
         camera.path = stage::path_of_camera(stage, options.camera, fps);
     const media::ImageSize size = options.size.empty() ? kStageSize : parse_size(options.size);
     camera.images = stage::by_images(camera.path, fps, size.width, size.height);
-    prepare_output_file("--output", options.output);
+    prepare_result("--output", options.output);
     return camera;
 }
 

@@ -6,6 +6,7 @@
 #include "base/output_path.h"
 #include "base/platform.h"
 #include "tools/options.h"
+#include "tools/results.h"
 
 namespace neuvv::tools {
 
@@ -26,6 +27,11 @@ ExportRun::ExportRun(const ExportOptions& options, ExportedClip& clip, FrameExpo
       frames_(clip.frames_in(options.frames)) {
     expect_files_for_frames(std::filesystem::path(options.output).extension().string());
     prepare_output_file("--output", numbered_ ? numbered_->file(uint64_t{frames_.first}) : options.output);
+    if (options.resume) return;  // it leaves those alone that are there
+    for (uint32_t frame = frames_.first; frame <= frames_.last; frame++)
+        for (const std::filesystem::path& file :
+             kind_.files_of(numbered_ ? numbered_->file(uint64_t{frame}) : options.output))
+            prepare_result("--output", file);
 }
 
 void ExportRun::expect_files_for_frames(const std::string& ending) const {

@@ -6,6 +6,7 @@
 #include "interchange/stage_usd.h"
 #include "stage/evaluated_stage.h"
 #include "tools/export/stage_kinds.h"
+#include "tools/results.h"
 
 namespace neuvv::tools {
 
@@ -13,7 +14,7 @@ std::string write_layout(const ExportOptions& options, const CommonOptions&, nlo
     const stage::Stage stage = stage::load_stage(options.scene);
     if (!options.splats.empty() && !std::filesystem::is_directory(options.splats))
         throw InputError("--splats", options.splats, "is no folder", "give the one that holds NAME.usda of performers");
-    prepare_output_file("--output", options.output);
+    prepare_result("--output", options.output);
     interchange::write_stage_usda(options.output, stage, {options.fps.value_or(stage.fps), options.splats});
     const stage::EvaluatedStage first = stage::stage_at(stage, 0);
     return fmt::format("{} performers, {} lights, {} cameras for {:.6g} s", stage.performers.size(),

@@ -16,6 +16,7 @@
 #include "tools/export/export_run.h"
 #include "tools/export/splat_fit.h"
 #include "tools/export/stage_kinds.h"
+#include "tools/results.h"
 
 namespace neuvv::tools {
 
@@ -167,7 +168,7 @@ std::string write_stage_with_splats(const ExportOptions& options, const CommonOp
     const auto stage = std::make_shared<const stage::Stage>(stage::load_stage(options.scene));
     if (interchange::has_stand_ins(*stage))
         throw InputError("scene", options.scene, "has stand-ins already", "give the stage from which it was made");
-    prepare_output_file("--output", options.output);
+    prepare_result("--output", options.output);
     catch_stop_signals();
     StandIns stand_ins(options, common, stage);
     stand_ins.read();
