@@ -27,9 +27,9 @@ animation shows its rest pose. There are no lights: unlit materials show their b
 --background checker  the image as a camera in a checkered room sees it, alpha the matte, plus DIR/plates/cNN.png
 
 Examples (from the repository's root):
-  neuvv capture tools/performer/performer.glb -o build/performer
-  neuvv capture tools/performer/performer.glb -o build/small --cameras 12 --frames 10 --size 160x160
-  neuvv capture tools/performer/performer.glb -o build/checker --cameras 8 --frames 5 --background checker)";
+  neuvv capture tools/performer/performer.glb -o work/performer
+  neuvv capture tools/performer/performer.glb -o work/small --cameras 12 --frames 10 --size 160x160
+  neuvv capture tools/performer/performer.glb -o work/checker --cameras 8 --frames 5 --background checker)";
 
 struct Options {
     std::string model, folder, size = "512x512", background = "clear";

@@ -165,9 +165,9 @@ void join(const JoinOptions& options) {
 
 constexpr const char* kClipExamples =
     "Examples:\n"
-    "  neuvv clip cut build/long.nvv -o build/entrance.nvv --to 1s\n"
-    "  neuvv clip cut build/long.nvv -o build/dance.nvv --from 25 --to 0:02.5\n"
-    "  neuvv clip join build/dance.nvv build/entrance.nvv -o build/show.nvv\n";
+    "  neuvv clip cut work/long.nvv -o work/entrance.nvv --to 1s\n"
+    "  neuvv clip cut work/long.nvv -o work/dance.nvv --from 25 --to 0:02.5\n"
+    "  neuvv clip join work/dance.nvv work/entrance.nvv -o work/show.nvv\n";
 
 }  // namespace
 

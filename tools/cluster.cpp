@@ -20,12 +20,12 @@ namespace neuvv::tools {
 namespace {
 
 constexpr const char* kExamples =
-    "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
+    "Examples, after `neuvv capture tools/performer/performer.glb -o work/performer`:\n"
     "  neuvv cluster sbatch --tasks 8 --sbatch=\"--gres=gpu:1 --time=4:00:00\" -- \\\n"
-    "      train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
-    "  neuvv cluster sbatch --dry-run -- train build/performer -o build/long.nvv --segment 8 --steps 900\n"
-    "  neuvv info build/long.nvv\n"
-    "  neuvv cluster sbatch --tasks 8 -- render build/long.nvv -o build/turn.mp4 --size 1920x1080";
+    "      train work/performer -o work/long.nvv --segment 8 --minutes 20\n"
+    "  neuvv cluster sbatch --dry-run -- train work/performer -o work/long.nvv --segment 8 --steps 900\n"
+    "  neuvv info work/long.nvv\n"
+    "  neuvv cluster sbatch --tasks 8 -- render work/long.nvv -o work/turn.mp4 --size 1920x1080";
 
 struct ClusterOptions {
     uint32_t tasks = 4;

@@ -219,8 +219,8 @@ void add_coach(Command app, CommonOptions& common) {
          "arrows\n"
          "lead to where joints should be. `neuvv view` and `neuvv xr` show the same while somebody performs.\n\n"
          "Example, after `tools/demo`:\n"
-         "  neuvv coach demo/performer.nvv --against tools/performer/trainee.glb -o build/coach.mp4 --html "
-         "build/report.html\n",
+         "  neuvv coach demo/performer.nvv --against tools/performer/trainee.glb -o work/coach.mp4 --html "
+         "work/report.html\n",
          kDeviceHelp});
     verb.callback([options, &common] { run_coach(*options, common); });
 }

@@ -187,8 +187,8 @@ void add_convert(Command app, CommonOptions& common) {
          "the quality, by bisection.\nPSNR is over whole images on white, as `neuvv eval` takes "
          "it. What else the file carries (chunks that only some\nprograms know) is left out.\n",
          kDeviceHelp, kExamplesHead,
-         "  neuvv convert build/performer.nvv -o build/small.nvv\n"
-         "  neuvv convert build/performer.nvv -o build/smaller.nvv --quality 38 --compression 19"});
+         "  neuvv convert work/performer.nvv -o work/small.nvv\n"
+         "  neuvv convert work/performer.nvv -o work/smaller.nvv --quality 38 --compression 19"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

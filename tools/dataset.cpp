@@ -299,11 +299,11 @@ void add_dataset(Command app, CommonOptions& common) {
          "Layouts: transforms.json, COLMAP, EasyMocap, Neural 3D Video, Metashape (.xml), RealityCapture (.csv),\n"
          "Qualisys (.qca.txt), Pose2Sim (Calib.toml), OpenCV (<camera>.yml), Polycam, Record3D.\n"
          "training/layouts/README.md describes them.\n\n"
-         "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
-         "  neuvv dataset build/performer\n"
-         "  neuvv dataset build/performer -o build/look\n"
-         "  neuvv dataset build/performer --rig -o build/look\n"
-         "  neuvv dataset build/performer --split test --format nerf"});
+         "Examples, after `neuvv capture tools/performer/performer.glb -o work/performer`:\n"
+         "  neuvv dataset work/performer\n"
+         "  neuvv dataset work/performer -o work/look\n"
+         "  neuvv dataset work/performer --rig -o work/rig\n"
+         "  neuvv dataset work/performer --split test --format nerf"});
     verb.callback([options, &common] {
         run(*options);
         if (options->search_rig) report_rig(*options, common);

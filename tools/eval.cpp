@@ -319,10 +319,10 @@ void add_eval(Command app, CommonOptions& common) {
          "The mean is over images, also per camera and per frame. In the error image, 0.25 and more is "
          "white.\n",
          kDeviceHelp, kExamplesHead,
-         "  neuvv eval build/performer.nvv build/performer\n"
-         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json --images build/images\n"
-         "  neuvv eval build/performer.nvv build/performer --html build/performer.html --per frame\n"
-         "  neuvv eval build/performer.nvv build/performer --split train --json - | jq .psnr"});
+         "  neuvv eval work/performer.nvv work/performer\n"
+         "  neuvv eval work/performer.nvv work/performer --json work/metrics.json --images work/images\n"
+         "  neuvv eval work/performer.nvv work/performer --html work/performer.html --per frame\n"
+         "  neuvv eval work/performer.nvv work/performer --split train --json - | jq .psnr"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

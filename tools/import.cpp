@@ -312,11 +312,11 @@ void add_import(Command app, CommonOptions& common) {
          "of its own, so that a\nstage can show it beside captured performers; `neuvv publish` makes a stream of it.\n"
          "PSNR compares the clip's images with those of the volume or the splats themselves, on white.\n",
          kDeviceHelp, kExamplesHead,
-         "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:2\n"
-         "  neuvv import build/splats/frame_%04d.ply -o build/splats.nvv\n"
-         "  neuvv export build/performer.nvv -o build/volume/frame_%04d.vdb --frames 0:2\n"
-         "  neuvv import build/volume/frame_%04d.vdb -o build/volume.nvv\n"
-         "  neuvv publish build/volume.nvv -o build/volume.nvs"});
+         "  neuvv export work/performer.nvv -o work/splats/frame_%04d.ply --frames 0:2\n"
+         "  neuvv import work/splats/frame_%04d.ply -o work/splats.nvv\n"
+         "  neuvv export work/performer.nvv -o work/volume/frame_%04d.vdb --frames 0:2\n"
+         "  neuvv import work/volume/frame_%04d.vdb -o work/volume.nvv\n"
+         "  neuvv publish work/volume.nvv -o work/volume.nvs"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

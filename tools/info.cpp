@@ -200,10 +200,10 @@ void add_info(Command app, CommonOptions& common) {
     verb.add_flag("--check", options->check, "Read all of it: checksums, topology, numbers (exit code 2 if damaged)");
     verb.add_flag("--memory", options->memory, "Of a stage: measure what its clips take on a device, each once");
     verb.footer({kExamplesHead + 2,
-                 "  neuvv info build/performer.nvv\n"
-                 "  neuvv info build/performer.nvv --check\n"
-                 "  neuvv info build/performer.nvv --json | jq .leaves\n"
-                 "  neuvv info build/show.gltf --memory"});
+                 "  neuvv info work/performer.nvv\n"
+                 "  neuvv info work/performer.nvv --check\n"
+                 "  neuvv info work/performer.nvv --json | jq .leaves\n"
+                 "  neuvv info work/show.gltf --memory"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

@@ -31,11 +31,11 @@ int main(int argc, char** argv) {
         {"`neuvv help VERB` tells more. Exit code: 0, 1 (failure), 2 (bad input).\n\n"
          "Examples (from the repository's root):\n"
          "  neuvv devices\n"
-         "  neuvv capture tools/performer/performer.glb -o build/performer\n"
-         "  neuvv dataset build/performer -o build/look\n"
-         "  neuvv train build/performer -o build/performer.nvv\n"
-         "  neuvv eval build/performer.nvv build/performer --json build/metrics.json\n"
-         "  neuvv render build/performer.nvv -o build/turn.mp4\n"
-         "  neuvv view build/performer.nvv"});
+         "  neuvv capture tools/performer/performer.glb -o work/performer\n"
+         "  neuvv dataset work/performer -o work/look\n"
+         "  neuvv train work/performer -o work/performer.nvv\n"
+         "  neuvv eval work/performer.nvv work/performer --json work/metrics.json\n"
+         "  neuvv render work/performer.nvv -o work/turn.mp4\n"
+         "  neuvv view work/performer.nvv"});
     return program.run(argc, argv);
 }

@@ -312,17 +312,17 @@ void add_paint(Command app, CommonOptions& common) {
          "A layer of a clip in segments is a folder. What is painted goes on in all segments of --frames or "
          "--follow.\n",
          kDeviceHelp, kExamplesHead,
-         "  neuvv paint region build/performer.nvv build/look.nvpaint --box -1,0,-1,1,0.9,1 --hue 120\n"
-         "  neuvv paint brush build/performer.nvv build/look.nvpaint --line 300,200 420,220 --colour '#d02020' "
+         "  neuvv paint region work/performer.nvv work/look.nvpaint --box -1,0,-1,1,0.9,1 --hue 120\n"
+         "  neuvv paint brush work/performer.nvv work/look.nvpaint --line 300,200 420,220 --colour '#d02020' "
          "--follow all\n"
-         "  neuvv paint project build/performer.nvv build/logo.nvpaint --image tools/performer/starry.png "
+         "  neuvv paint project work/performer.nvv work/logo.nvpaint --image tools/performer/starry.png "
          "--every-frame "
          "--box -1,0.8,-1,1,1.5,1\n"
-         "  neuvv paint info build/performer.nvv build/look.nvpaint\n"
-         "  neuvv render build/performer.nvv -o build/turn.mp4 --paint build/look.nvpaint,build/logo.nvpaint:tint\n"
-         "  neuvv stage new build/show.gltf\n"
-         "  neuvv stage add build/show.gltf build/performer.nvv --name anna --turn 0,30,0 --scale 1,1.2,1\n"
-         "  neuvv paint brush build/show.gltf build/anna.nvpaint --node anna --time 1.5 --camera camera --size "
+         "  neuvv paint info work/performer.nvv work/look.nvpaint\n"
+         "  neuvv render work/performer.nvv -o work/turn.mp4 --paint work/look.nvpaint,work/logo.nvpaint:tint\n"
+         "  neuvv stage new work/show.gltf\n"
+         "  neuvv stage add work/show.gltf work/performer.nvv --name anna --turn 0,30,0 --scale 1,1.2,1\n"
+         "  neuvv paint brush work/show.gltf work/anna.nvpaint --node anna --time 1.5 --camera camera --size "
          "1280x720 "
          "--line 600,380 680,380 --colour '#d02020' --follow run"});
 }

@@ -290,14 +290,14 @@ void add_publish(Command app, CommonOptions& common) {
          "stage\ngoes along: neither transform, time map, lights nor opacity, nor the performer's own sound; the "
          "clip's sound does.\n",
          kDeviceHelp, kExamplesHead,
-         "  neuvv publish build/performer.nvv -o build/performer.nvs\n"
-         "  neuvv publish build/performer.nvv -o build/phone.nvs --rate 10\n"
-         "  neuvv render build/performer.nvs -o build/turn.mp4\n"
+         "  neuvv publish work/performer.nvv -o work/performer.nvs\n"
+         "  neuvv publish work/performer.nvv -o work/phone.nvs --rate 10\n"
+         "  neuvv render work/performer.nvs -o work/turn.mp4\n"
          "  neuvv info https://example.com/performer.nvs\n"
-         "  neuvv stage new build/show.gltf\n"
-         "  neuvv stage add build/show.gltf build/performer.nvv --name anna\n"
-         "  neuvv paint region build/show.gltf build/anna.nvpaint --node anna --box -1,0,-1,1,0.9,1 --hue 120\n"
-         "  neuvv publish build/show.gltf --performer anna -o build/anna.nvs"});
+         "  neuvv stage new work/show.gltf\n"
+         "  neuvv stage add work/show.gltf work/performer.nvv --name anna\n"
+         "  neuvv paint region work/show.gltf work/anna.nvpaint --node anna --box -1,0,-1,1,0.9,1 --hue 120\n"
+         "  neuvv publish work/show.gltf --performer anna -o work/anna.nvs"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

@@ -385,23 +385,23 @@ void add_render(Command app, CommonOptions& common) {
         {"NEUVV_TRACE=1 prints the time of each pass; of a stage not on software devices, whose "
          "clocks miss the set.\n",
          kDeviceHelp, kExamplesHead,
-         "  neuvv render build/performer.nvv -o build/turn.mp4\n"
-         "  neuvv render build/performer.nvv -o build/still.png --frames 1.5 --size 1280x720\n"
-         "  neuvv render build/performer.nvv -o build/seen.mp4 --camera build/performer/transforms_test.json "
+         "  neuvv render work/performer.nvv -o work/turn.mp4\n"
+         "  neuvv render work/performer.nvv -o work/still.png --frames 1.5 --size 1280x720\n"
+         "  neuvv render work/performer.nvv -o work/seen.mp4 --camera work/performer/transforms_test.json "
          "--size 480x480\n"
-         "  neuvv render build/performer.nvv -o build/shot/out_%04d.exr --camera path.json --resume\n"
-         "  neuvv render build/performer.nvv -o build/keyed.mov --size 1280x720\n"
-         "  neuvv render build/performer.nvv -o build/comp.exr --layers rgba,depth,ids,deep --frames 0\n"
-         "  neuvv render build/performer.nvv -o build/depth.mp4 --depth --frames 0\n"
-         "  neuvv render build/performer.nvv -o build/half.mp4 --part 1/2\n"
-         "  neuvv render build/performer.nvv -o build/half.mp4 --part 2/2\n"
-         "  mpirun --bind-to none -n 2 neuvv render build/performer.nvv -o build/turn.mp4\n"
-         "  neuvv render build/performer.nvv -o build/cost.png --cost --cost-max 64 --frames 0\n"
+         "  neuvv render work/performer.nvv -o work/shot/out_%04d.exr --camera path.json --resume\n"
+         "  neuvv render work/performer.nvv -o work/keyed.mov --size 1280x720\n"
+         "  neuvv render work/performer.nvv -o work/comp.exr --layers rgba,depth,ids,deep --frames 0\n"
+         "  neuvv render work/performer.nvv -o work/depth.mp4 --depth --frames 0\n"
+         "  neuvv render work/performer.nvv -o work/half.mp4 --part 1/2\n"
+         "  neuvv render work/performer.nvv -o work/half.mp4 --part 2/2\n"
+         "  mpirun --bind-to none -n 2 neuvv render work/performer.nvv -o work/turn.mp4\n"
+         "  neuvv render work/performer.nvv -o work/cost.png --cost --cost-max 64 --frames 0\n"
          "  neuvv render --pass list\n"
-         "  neuvv render build/performer.nvv -o build/near.png --pass tile-near --frames 0\n"
-         "  neuvv stage new build/show.gltf\n"
-         "  neuvv stage add build/show.gltf build/performer.nvv\n"
-         "  neuvv render build/show.gltf -o build/show.mp4 --camera camera --size 640x360"});
+         "  neuvv render work/performer.nvv -o work/near.png --pass tile-near --frames 0\n"
+         "  neuvv stage new work/show.gltf\n"
+         "  neuvv stage add work/show.gltf work/performer.nvv\n"
+         "  neuvv render work/show.gltf -o work/show.mp4 --camera camera --size 640x360"});
     verb.callback([options, &common] { run(*options, common); });
 }
 

@@ -81,8 +81,8 @@ constexpr const char* kDeviceHelp =
 
 // Before the examples of verbs that need a trained scene.
 constexpr const char* kExamplesHead =
-    "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer` and\n"
-    "`neuvv train build/performer -o build/performer.nvv`:\n";
+    "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o work/performer` and\n"
+    "`neuvv train work/performer -o work/performer.nvv`:\n";
 
 // A line for each doubtful matte, at most ten, and what to do about them; empty where there are none.
 std::string doubtful_mattes_text(const training::Dataset& dataset, const std::vector<training::DoubtfulMatte>& mattes);

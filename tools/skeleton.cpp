@@ -32,22 +32,22 @@ namespace {
 constexpr const char* kSkeletonFooter = R"(
 Examples, for a clip that `neuvv train` made:
 
-  neuvv skeleton views build/performer.nvv -o build/views
-  (run any 2D pose detector on build/views/images; its JSON goes to build/views/key_points)
-  neuvv skeleton extract build/views -o build/performer.skeleton.glb
-  neuvv skeleton show build/performer.nvv -o build/skeleton.mp4
+  neuvv skeleton views work/performer.nvv -o work/views
+  (run any 2D pose detector on work/views/images; its JSON goes to work/views/key_points)
+  neuvv skeleton extract work/views -o work/performer.skeleton.glb
+  neuvv skeleton show work/performer.nvv -o work/skeleton.mp4
 
 Or, from a motion capture of the same performance in the same space:
 
-  neuvv skeleton import build/take.bvh -o build/performer.skeleton.glb
+  neuvv skeleton import work/take.bvh -o work/performer.skeleton.glb
 
 For programs that animate by BVH:
 
-  neuvv skeleton export build/performer.skeleton.glb -o build/performer.bvh
+  neuvv skeleton export work/performer.skeleton.glb -o work/performer.bvh
 
 What somebody who performs along does otherwise:
 
-  neuvv skeleton compare build/performer.skeleton.glb build/take.bvh --html build/report.html
+  neuvv skeleton compare work/performer.skeleton.glb work/take.bvh --html work/report.html
 
 A skeleton that lies beside CLIP.nvv as CLIP.skeleton.glb belongs to it. It is a glTF file that other programs open;
 engine/motion/README.md describes it and the joints.)";
@@ -181,8 +181,8 @@ void add_views(Command group, CommonOptions& common) {
     verb.add_option("--size", options->size, "of the images, WxH pixels").show_default();
     verb.footer(
         {"\nExamples:\n"
-         "  neuvv skeleton views build/performer.nvv -o build/views\n"
-         "  neuvv skeleton views build/performer.nvv -o build/views --views 16 --size 768x768"});
+         "  neuvv skeleton views work/performer.nvv -o work/views\n"
+         "  neuvv skeleton views work/performer.nvv -o work/views --views 16 --size 768x768"});
     verb.callback([options, &common] { run_views(*options, common); });
 }
 
@@ -194,7 +194,7 @@ void add_import(Command group) {
     verb.add_option("--animation", options->animation, "of a glTF file, its name or index; default: the first");
     verb.footer(
         {"\nExample (from the repository's root):\n"
-         "  neuvv skeleton import tools/performer/performer.glb -o build/performer.skeleton.glb"});
+         "  neuvv skeleton import tools/performer/performer.glb -o work/performer.skeleton.glb"});
     verb.callback([options] { run_import(*options); });
 }
 
@@ -210,7 +210,7 @@ void add_export_bvh(Command group) {
     verb.footer(
         {"\nThe .skeleton.glb itself is glTF: an armature with its animation, which other programs open.\n"
          "\nExample:\n"
-         "  neuvv skeleton export build/performer.skeleton.glb -o build/performer.bvh"});
+         "  neuvv skeleton export work/performer.skeleton.glb -o work/performer.bvh"});
     verb.callback([options] { run_export(*options); });
 }
 
@@ -224,8 +224,8 @@ void add_show(Command group, CommonOptions& common) {
     verb.add_option("--size", options->size, "of the images, WxH pixels").show_default();
     verb.footer(
         {"\nExamples:\n"
-         "  neuvv skeleton show build/performer.nvv -o build/skeleton.mp4\n"
-         "  neuvv skeleton show build/performer.nvv -o build/skeleton.png --frames 20"});
+         "  neuvv skeleton show work/performer.nvv -o work/skeleton.mp4\n"
+         "  neuvv skeleton show work/performer.nvv -o work/skeleton.png --frames 20"});
     verb.callback([options, &common] { run_show(*options, common); });
 }
 

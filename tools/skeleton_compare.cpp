@@ -224,8 +224,8 @@ void add_skeleton_compare(Command group) {
         .show_default();
     verb.footer(
         {"\nExamples:\n"
-         "  neuvv skeleton compare build/performer.skeleton.glb build/take.bvh\n"
-         "  neuvv skeleton compare build/performer.skeleton.glb build/take.trc --html build/report.html"});
+         "  neuvv skeleton compare work/performer.skeleton.glb work/take.bvh\n"
+         "  neuvv skeleton compare work/performer.skeleton.glb work/take.trc --html work/report.html"});
     verb.callback([options] { run_compare(*options); });
 }
 
@@ -249,9 +249,9 @@ void add_skeleton_follow(Command group) {
          "  udp:PORT, udp:HOST:PORT        poses as above, a UDP packet each\n"
          "Only this machine may send, unless HOST is its address in a network, or 0.0.0.0 for all of them.\n\n"
          "Examples:\n"
-         "  neuvv skeleton follow build/performer.skeleton.glb build/take.jsonl\n"
-         "  body-tracker --json | neuvv skeleton follow build/performer.skeleton.glb\n"
-         "  neuvv skeleton follow build/performer.skeleton.glb vmc"});
+         "  neuvv skeleton follow work/performer.skeleton.glb work/take.jsonl\n"
+         "  body-tracker --json | neuvv skeleton follow work/performer.skeleton.glb\n"
+         "  neuvv skeleton follow work/performer.skeleton.glb vmc"});
     verb.callback([options] { run_follow(*options); });
 }
 

@@ -31,9 +31,9 @@ SimpleBaseline, ViTPose and RTMPose do (1×3×height×width, RGB), and gives hea
 rows (1×K×w, 1×K×h). NeuVV comes with no network. A network is a program: use only those that you trust.
 
 Examples:
-  neuvv skeleton extract build/views -o build/performer.skeleton.glb
-  neuvv skeleton extract build/views --model vitpose-b-coco.onnx -o build/performer.skeleton.glb
-  neuvv skeleton extract build/views --key-points build/views/pose -o build/performer.skeleton.glb)";
+  neuvv skeleton extract work/views -o work/performer.skeleton.glb
+  neuvv skeleton extract work/views --model vitpose-b-coco.onnx -o work/performer.skeleton.glb
+  neuvv skeleton extract work/views --key-points work/views/pose -o work/performer.skeleton.glb)";
 
 struct ExtractOptions {
     std::string folder, key_points, model, output, pixels = "imagenet";

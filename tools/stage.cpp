@@ -66,7 +66,7 @@ void add_new(Command stage) {
     Command verb = stage.add_verb("new", "Make a stage: a floor, a camera, a spotlight");
     const auto output = std::make_shared<std::string>();
     verb.add_option("STAGE", *output, "The stage to make, .gltf or .glb").required();
-    verb.footer({"\n\nExamples:\n  neuvv stage new build/show.gltf"});
+    verb.footer({"\n\nExamples:\n  neuvv stage new work/show.gltf"});
     verb.callback([output] {
         expect_stage_name("STAGE", *output);
         prepare_result("STAGE", *output);
@@ -111,11 +111,10 @@ void add_add(Command stage) {
     add_placement_options(verb, options.placement);
     add_up_option(verb, options.up);
     add_performer_options(verb, options.performer);
-    verb.footer(
-        {kExamplesHead,
-         "  neuvv stage new build/show.gltf\n"
-         "  neuvv stage add build/show.gltf build/performer.nvv --name anna --at 0,0,0\n"
-         "  neuvv stage add build/show.gltf build/performer.nvv --name berta --at 1,0,0 --time loop,speed:0.5"});
+    verb.footer({kExamplesHead,
+                 "  neuvv stage new work/show.gltf\n"
+                 "  neuvv stage add work/show.gltf work/performer.nvv --name anna --at 0,0,0\n"
+                 "  neuvv stage add work/show.gltf work/performer.nvv --name berta --at 1,0,0 --time loop,speed:0.5"});
 }
 
 struct SetOptions : StageTarget {
@@ -164,9 +163,9 @@ void add_set(Command stage) {
     add_stage_options(whole, options->whole);
     verb.footer(
         {"\n\nExamples, after those of `neuvv stage add --help`:\n"
-         "  neuvv stage set build/show.gltf anna --turn 0,90,0 --spin 30\n"
-         "  neuvv stage set build/show.gltf anna --time loop:0:1s,offset:3f --opacity 0.5\n"
-         "  neuvv stage set build/show.gltf --duration 6 --ambient 0.1,0.1,0.15"});
+         "  neuvv stage set work/show.gltf anna --turn 0,90,0 --spin 30\n"
+         "  neuvv stage set work/show.gltf anna --time loop:0:1s,offset:3f --opacity 0.5\n"
+         "  neuvv stage set work/show.gltf --duration 6 --ambient 0.1,0.1,0.15"});
     verb.callback([options, node, performer, whole] {
         const bool names_node = options->node.has_value();
         if (names_node && whole.count_all() > 0)
@@ -227,8 +226,8 @@ void add_duplicate(Command stage) {
         .number_between(-stage::kMaxSpin, stage::kMaxSpin);
     verb.footer(
         {"\n\nExamples, after those of `neuvv stage add --help`:\n"
-         "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
-         "  neuvv stage duplicate build/show.gltf berta --count 3 --row 0.8 --spin-step 45"});
+         "  neuvv stage duplicate work/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
+         "  neuvv stage duplicate work/show.gltf berta --count 3 --row 0.8 --spin-step 45"});
 }
 
 struct RemoveOptions : StageTarget {
@@ -245,7 +244,7 @@ void add_remove(Command stage) {
     verb.add_option("NODE", options.node, "Its name or index").required();
     verb.footer(
         {"\n\nExamples, after those of `neuvv stage add --help`:\n"
-         "  neuvv stage remove build/show.gltf berta"});
+         "  neuvv stage remove work/show.gltf berta"});
 }
 
 struct LightOptions : StageTarget {
@@ -282,10 +281,10 @@ void add_light_verb(Command stage) {
     add_placement_options(verb, options.placement);
     add_light_options(verb, options.light);
     verb.footer(
-        {"\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
-         "  neuvv stage light build/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --colour '#ffd0a0'\n"
-         "  neuvv stage light build/show.gltf key --intensity 80 --cone 15,25\n"
-         "  neuvv stage light build/show.gltf back --remove"});
+        {"\n\nExamples, after `neuvv stage new work/show.gltf`:\n"
+         "  neuvv stage light work/show.gltf --add --name back --at -2,3,-2 --aim 0,1,0 --colour '#ffd0a0'\n"
+         "  neuvv stage light work/show.gltf key --intensity 80 --cone 15,25\n"
+         "  neuvv stage light work/show.gltf back --remove"});
 }
 
 struct PaintListOptions : StageTarget {
@@ -325,9 +324,9 @@ void add_paint(Command stage) {
                "tint: times them, but as bright as before, as if lit by them; recolour: their hue and saturation, "
                "as bright as before");
     verb.footer(
-        {"\n\nExamples, where build/red.nvpaint is a layer of the performer `anna`:\n"
-         "  neuvv stage paint build/show.gltf anna --add build/red.nvpaint --name red --blend tint\n"
-         "  neuvv stage paint build/show.gltf anna --layer 0 --opacity 0.5"});
+        {"\n\nExamples, where work/red.nvpaint is a layer of the performer `anna`:\n"
+         "  neuvv stage paint work/show.gltf anna --add work/red.nvpaint --name red --blend tint\n"
+         "  neuvv stage paint work/show.gltf anna --layer 0 --opacity 0.5"});
 }
 
 }  // namespace
@@ -346,10 +345,10 @@ void add_stage(Command app, CommonOptions& common) {
     add_paint(verb);
     add_stage_info(verb, common);
     verb.footer({kExamplesHead,
-                 "  neuvv stage new build/show.gltf\n"
-                 "  neuvv stage add build/show.gltf build/performer.nvv --name anna --time loop\n"
-                 "  neuvv stage duplicate build/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
-                 "  neuvv stage info build/show.gltf"});
+                 "  neuvv stage new work/show.gltf\n"
+                 "  neuvv stage add work/show.gltf work/performer.nvv --name anna --time loop\n"
+                 "  neuvv stage duplicate work/show.gltf anna --count 5 --ring 2 --stagger 4f\n"
+                 "  neuvv stage info work/show.gltf"});
 }
 
 }  // namespace neuvv::tools

@@ -105,11 +105,11 @@ void add_path_verb(Command stage) {
     add_switch(verb, "--cyclic", options.cyclic, "Whether it goes back to its first key, and on");
     verb.add_option("--duration", options.duration_s, "Of a cycle, seconds").number_between(0, stage::kMaxStageSeconds);
     verb.footer(
-        {"\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
-         "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
-         "  neuvv stage path build/show.gltf --key 0 --camera camera\n"
-         "  neuvv stage path build/show.gltf --key 2 --camera left\n"
-         "  neuvv stage path build/show.gltf --cyclic on --duration 4"});
+        {"\n\nExamples, after `neuvv stage new work/show.gltf`:\n"
+         "  neuvv stage camera work/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
+         "  neuvv stage path work/show.gltf --key 0 --camera camera\n"
+         "  neuvv stage path work/show.gltf --key 2 --camera left\n"
+         "  neuvv stage path work/show.gltf --cyclic on --duration 4"});
 }
 
 void add_camera_verb(Command stage) {
@@ -121,9 +121,9 @@ void add_camera_verb(Command stage) {
         .number_between(kMinAngle_deg, kMaxAngle_deg);
     add_placement_options(verb, options.placement);
     verb.footer(
-        {"\n\nExamples, after `neuvv stage new build/show.gltf`:\n"
-         "  neuvv stage camera build/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
-         "  neuvv stage camera build/show.gltf left --angle 30"});
+        {"\n\nExamples, after `neuvv stage new work/show.gltf`:\n"
+         "  neuvv stage camera work/show.gltf --add --name left --at -3,1.6,2 --aim 0,1,0\n"
+         "  neuvv stage camera work/show.gltf left --angle 30"});
 }
 
 }  // namespace neuvv::tools

@@ -386,9 +386,9 @@ void add_stage_info(Command stage, CommonOptions& common) {
     add_slice_budget_option(verb, options->slice_budget_mb);
     verb.footer({"\n", kDeviceHelp,
                  "\n\nExamples, after those of `neuvv stage add --help`:\n"
-                 "  neuvv stage info build/show.gltf\n"
-                 "  neuvv stage info build/show.gltf --at 1.5 --json\n"
-                 "  neuvv stage info build/show.gltf --memory"});
+                 "  neuvv stage info work/show.gltf\n"
+                 "  neuvv stage info work/show.gltf --at 1.5 --json\n"
+                 "  neuvv stage info work/show.gltf --memory"});
     verb.callback([options, &common] { print_stage_info(*options, common); });
 }
 

@@ -361,18 +361,18 @@ void add_train(Command app, CommonOptions& common) {
          "mpirun refuses to start programs for root, as whom one works in many containers, unless it is given\n"
          "--allow-run-as-root. NEUVV_TRACE=1 prints the time of each pass. ",
          kDeviceHelp,
-         "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o build/performer`:\n"
-         "  neuvv train build/performer -o build/performer.nvv --minutes 20\n"
-         "  neuvv train build/performer -o build/performer.nvv --minutes 40 --resume\n"
-         "  neuvv train build/performer -o build/live.nvv --preview build/live.png --metrics build/live.jsonl\n"
-         "  neuvv train build/performer -o build/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
-         "  neuvv train build/performer -o build/rig.nvv --refine auto\n"
-         "  neuvv train build/performer -o build/light.nvv --max-memory 20\n"
-         "  neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
-         "  neuvv train build/performer -o build/long.nvv --from 8 --to 16 --minutes 10\n"
-         "  mpirun --bind-to none -n 2 neuvv train build/performer -o build/performer.nvv --minutes 20\n"
-         "  mpirun --bind-to none -n 2 neuvv train build/performer -o build/long.nvv --segment 8 --minutes 20\n"
-         "  neuvv train build/performer -o build/small.nvv --steps 500 --resolution 96 --bases 8"});
+         "\n\nExamples, after `neuvv capture tools/performer/performer.glb -o work/performer`:\n"
+         "  neuvv train work/performer -o work/performer.nvv --minutes 20\n"
+         "  neuvv train work/performer -o work/performer.nvv --minutes 40 --resume\n"
+         "  neuvv train work/performer -o work/live.nvv --preview work/live.png --metrics work/live.jsonl\n"
+         "  neuvv train work/performer -o work/psi.nvv --init psi --psi-minutes 10 --minutes 20\n"
+         "  neuvv train work/performer -o work/rig.nvv --refine auto\n"
+         "  neuvv train work/performer -o work/light.nvv --max-memory 20\n"
+         "  neuvv train work/performer -o work/long.nvv --segment 8 --minutes 20\n"
+         "  neuvv train work/performer -o work/long.nvv --from 8 --to 16 --minutes 10 --overwrite\n"
+         "  mpirun --bind-to none -n 2 neuvv train work/performer -o work/team.nvv --minutes 20\n"
+         "  mpirun --bind-to none -n 2 neuvv train work/performer -o work/shared.nvv --segment 8 --minutes 20\n"
+         "  neuvv train work/performer -o work/small.nvv --steps 500 --resolution 96 --bases 8"});
     verb.callback([options, verb, &common] {
         options->output = voctree::clip_path(options->output);
         // Segments that are not begun yet take all options of this command.

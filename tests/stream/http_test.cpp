@@ -113,7 +113,8 @@ TEST_F(HttpTest, SaysWhatIsWrongWithAServer) {
     expect_refused("changed", "was changed");
     expect_refused("damaged", "damaged");
     server.reset();
-    expect_input_error([] { stream::Reader reader("http://127.0.0.1:9/show.nvs"); }, {"127.0.0.1:9", "cannot be read: no server answers there"});
+    expect_input_error([] { stream::Reader reader("http://127.0.0.1:9/show.nvs"); },
+                       {"127.0.0.1:9", "cannot be read: no server answers there"});
 }
 
 }  // namespace

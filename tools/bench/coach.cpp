@@ -284,7 +284,7 @@ void add_coach(tools::Command app, const tools::CommonOptions& common) {
          "long each step\nfrom the packet to the red limb takes. Each frame is drawn with and without the highlight, "
          "in "
          "either order. The time that a\npacket waits for the next frame is not in it.\n",
-         {"build/performer.nvv --against tools/performer/trainee.glb", "build/performer.nvv --packets 216000"},
+         {"work/performer.nvv --against tools/performer/trainee.glb", "work/performer.nvv --packets 216000"},
          "A stage or a .nvv whose performer has a skeleton"},
         run_coach);
     verb.add_option("--against", options.against,

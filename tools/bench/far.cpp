@@ -251,7 +251,7 @@ void add_far(tools::Command app, const tools::CommonOptions& common) {
          "Draws images of --size, of a half, a quarter and an eighth with one ray a pixel, without and with coarser "
          "levels, and prints how near they come to 64 rays a pixel, how much more they change than those as the camera "
          "turns, what a switch of levels changes, and the time of a crowd, whose slices are built for each image.\n",
-         {"build/performer.nvv", "build/performer.nvv --size 480x480 --count 16"}},
+         {"work/performer.nvv", "work/performer.nvv --size 480x480 --count 16"}},
         run_far);
     verb.add_option("--count", options.count, "Performers of the crowd")
         .in_range(1u, render::kMaxInstances)

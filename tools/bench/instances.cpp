@@ -164,7 +164,7 @@ void add_instances(tools::Command app, const tools::CommonOptions& common) {
          "Copies of a performer, each with its own position and time",
          "Draws each copy alone and then all of them, as large, with the slices already there, and prints GPU time, "
          "covered rays and device memory of both.\n",
-         {"build/performer.nvv", "build/performer.nvv --count 32 --slice-budget 0"}},
+         {"work/performer.nvv", "work/performer.nvv --count 32 --slice-budget 0"}},
         run_instances);
     verb.add_option("--count", options.count, "Copies, each turned and at its own time")
         .in_range(2u, render::kMaxInstances)

@@ -14,10 +14,10 @@ int main(int argc, char** argv) {
         add(app, common);
     app.footer(
         {"Exit code: 0, 1 (failure), 2 (bad input). `neuvv-bench VERB --help` tells more.\n\n"
-         "Examples, after `neuvv capture tools/performer/performer.glb -o build/performer` and\n"
-         "`neuvv train build/performer -o build/performer.nvv`:\n"
-         "  neuvv-bench render build/performer.nvv --views 2\n"
-         "  neuvv-bench slice build/performer.nvv\n"
-         "  neuvv-bench train build/performer.nvv build/performer --repeats 50"});
+         "Examples, after `neuvv capture tools/performer/performer.glb -o work/performer` and\n"
+         "`neuvv train work/performer -o work/performer.nvv`:\n"
+         "  neuvv-bench render work/performer.nvv --views 2\n"
+         "  neuvv-bench slice work/performer.nvv\n"
+         "  neuvv-bench train work/performer.nvv work/performer --repeats 50"});
     return program.run(argc, argv);
 }

@@ -229,7 +229,7 @@ void add_open(tools::Command app, const tools::CommonOptions& common) {
                   "upload, prepare (the renderer and its\npipelines), render (the first image, its slice "
                   "included). Finding the device is not counted. The system's cache\nof files is used as it is, and "
                   "the coarse opening, which is first, also compiles the pipelines. ",
-                  {"build/performer.nvv", "build/large.nvv --synthetic 1000"}},
+                  {"work/performer.nvv", "work/large.nvv --synthetic 1000"}},
                  run_open);
     verb.add_option("--synthetic", options.synthetic_megabytes,
                     "First write a made-up scene of about so many MB there; it stays. 1000 MB are about what devices "

@@ -144,7 +144,7 @@ void add_play(tools::Command app, const tools::CommonOptions& common) {
                                      "and loops. Prints frames that "
                                      "were missed because an image took too long, the time until the performer is "
                                      "there after a seek, and memory.\n",
-                                     {"build/performer.nvv", "show.nvv --seconds 3600 --seek-every 10"},
+                                     {"work/performer.nvv", "show.nvv --seconds 3600 --seek-every 10"},
                                      "A .nvv, in segments or not"},
                                     run_play);
     add_size_option(verb, options);

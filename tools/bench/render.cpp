@@ -249,7 +249,7 @@ void add_render(tools::Command app, const tools::CommonOptions& common) {
                   "time of an image,\nits slice included but not its way to the host, its ratio to the paper's path "
                   "and what the "
                   "images differ by. ",
-                  {"build/performer.nvv --views 2", "build/performer.nvv --views 2 --rival raster"}},
+                  {"work/performer.nvv --views 2", "work/performer.nvv --views 2 --rival raster"}},
                  run_render);
     add_size_option(verb, options);
     add_views_option(verb, options);

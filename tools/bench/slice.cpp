@@ -114,7 +114,7 @@ void add_slice(tools::Command app, const tools::CommonOptions& common) {
                  {"slice",
                   "A frame's slice, pass by pass",
                   "Prints the GPU time of each pass, and its share of the bandwidth that a copy has. ",
-                  {"build/performer.nvv"}},
+                  {"work/performer.nvv"}},
                  run_slice);
     verb.add_option("--frames", options.frames, "Times, spread over the clip").in_range(1, 10000).show_default();
     add_repeats_option(verb, options, "Slices of each time");

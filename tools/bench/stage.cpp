@@ -145,7 +145,7 @@ void add_stage(tools::Command app, const tools::CommonOptions& common) {
          "Lights, shadows, blending and copies on a stage",
          "Draws two performers on a floor under a spotlight with and without its shadow and falloff, all slices "
          "there already, and prints the time of an image; then device memory of copies.\n",
-         {"build/performer.nvv", "build/performer.nvv --together --repeats 5"}},
+         {"work/performer.nvv", "work/performer.nvv --together --repeats 5"}},
         run_stage);
     add_size_option(verb, options);
     verb.add_flag("--together", options.together, "The performers stand in each other");

@@ -208,7 +208,7 @@ void add_stereo(tools::Command app, const tools::CommonOptions& common) {
                   "Draws the performer for two eyes that stand one height away and see 90 degrees, and prints "
                   "GPU time, rays a second,\nalso for each TB/s that a copy moves, and how far images of "
                   "fewer rays are from those of all.\n",
-                  {"build/performer.nvv", "build/performer.nvv --size 1032x1104 --repeats 5"}},
+                  {"work/performer.nvv", "work/performer.nvv --size 1032x1104 --repeats 5"}},
                  run_stereo);
     options.size = "2064x2208";
     options.repeats = 20;

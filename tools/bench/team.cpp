@@ -270,7 +270,7 @@ void add_team(tools::Command app, const tools::CommonOptions& common) {
                   "host. The network is a bandwidth and a latency that you give; copies that MPI makes are left out. "
                   "Beside it stands\n"
                   "what it would take if each member added up the gradients of all. Weights stay as they are. ",
-                  {"build/performer.nvv build/performer --members 2,8,64"}},
+                  {"work/performer.nvv work/performer --members 2,8,64"}},
                  run_team);
     verb.add_option("dataset", options.dataset, "The data set's folder").required();
     tools::add_format_option(verb, options.format);

@@ -183,7 +183,7 @@ void add_train(tools::Command app, const tools::CommonOptions& common) {
                   "and prints the median GPU time of each pass, their ratio, and the share of the device's "
                   "bandwidth that the\n"
                   "optimiser reaches. Weights stay as they are. ",
-                  {"build/performer.nvv build/performer --repeats 50"},
+                  {"work/performer.nvv work/performer --repeats 50"},
                   "The .nvv"},
                  run_train);
     verb.add_option("dataset", options.dataset, "The data set's folder").required();

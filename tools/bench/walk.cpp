@@ -162,7 +162,7 @@ void add_walk(tools::Command app, const tools::CommonOptions& common) {
         {"walk",
          "What each part of the walk through the tree is worth",
          "Traces the same shaded slice by walks that do without what the renderer's does, and prints GPU time.\n",
-         {"build/performer.nvv"}},
+         {"work/performer.nvv"}},
         run_walk);
     add_size_option(verb, options);
     add_views_option(verb, options);

@@ -248,7 +248,7 @@ void add_xr(tools::Command app, const tools::CommonOptions& common) {
          "A frame in a headset, of a stage",
          "Plays the stage before a head that sways, with slices made ahead, and prints "
          "the times of a frame on host and device, and the latency.\nNo headset and no OpenXR runtime are needed.\n",
-         {"build/performer.nvv", "build/performer.nvv --size 516x552 --frames 40"},
+         {"work/performer.nvv", "work/performer.nvv --size 516x552 --frames 40"},
          "A stage, or a .nvv that is put on one"},
         run_xr);
     add_size_option(verb, options, "WIDTHxHEIGHT of an eye");

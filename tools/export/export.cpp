@@ -280,18 +280,17 @@ void add_export(Command app, CommonOptions& common) {
         "PlenOctrees: leaves, psnr_db; of stand-ins: performers, a list of performer, frame, splats, and the losses of "
         "those\n"
         "that gave the splats of this clip their shape");
-    verb.footer(
-        {kKindsHelp, kDeviceHelp, kExamplesHead,
-         "  neuvv export build/performer.nvv -o build/splats/frame_%04d.ply --frames 0:4\n"
-         "  neuvv export build/performer.nvv -o build/performer.glb --frames 0:4 --most-splats 20000\n"
-         "  neuvv export build/performer.nvv -o build/performer.usda --frames 0 --most-splats 20000\n"
-         "  neuvv export build/performer.nvv -o build/slow/frame_%04d.ply --frames 0:1 --fps 50\n"
-         "  neuvv export build/performer.nvv -o build/mesh_%04d.obj --frames 0:1\n"
-         "  neuvv export build/performer.nvv -o build/meshes.glb --as mesh --frames 0:1 --most-triangles 20000\n"
-         "  neuvv export build/performer.nvv -o build/volume/frame_%04d.vdb --frames 0:2 --iso 0.5\n"
-         "  neuvv export build/show.gltf --as nerfstudio -o build/camera_path.json\n"
-         "  neuvv export build/show.gltf --as layout -o build/show.usda\n"
-         "  neuvv export build/show.gltf --as stand-ins -o build/show_splats.glb"});
+    verb.footer({kKindsHelp, kDeviceHelp, kExamplesHead,
+                 "  neuvv export work/performer.nvv -o work/splats/frame_%04d.ply --frames 0:4\n"
+                 "  neuvv export work/performer.nvv -o work/performer.glb --frames 0:4 --most-splats 20000\n"
+                 "  neuvv export work/performer.nvv -o work/performer.usda --frames 0 --most-splats 20000\n"
+                 "  neuvv export work/performer.nvv -o work/slow/frame_%04d.ply --frames 0:1 --fps 50\n"
+                 "  neuvv export work/performer.nvv -o work/mesh_%04d.obj --frames 0:1\n"
+                 "  neuvv export work/performer.nvv -o work/meshes.glb --as mesh --frames 0:1 --most-triangles 20000\n"
+                 "  neuvv export work/performer.nvv -o work/volume/frame_%04d.vdb --frames 0:2 --iso 0.5\n"
+                 "  neuvv export work/show.gltf --as nerfstudio -o work/camera_path.json\n"
+                 "  neuvv export work/show.gltf --as layout -o work/show.usda\n"
+                 "  neuvv export work/show.gltf --as stand-ins -o work/show_splats.glb"});
     verb.callback([options, verb, &common] { run(verb, *options, common); });
 }
 
