@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "editor/open_file.h"
 #include "stage/stage_file.h"
+#include "stream/byte_source.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -115,21 +116,33 @@ void expect_replaceable(const std::string& option, const std::filesystem::path& 
                          "choose another name; --overwrite replaces it once the new one is whole");
 }
 
-void prepare_result(const std::string& option, const std::filesystem::path& file,
-                    const std::vector<std::string_view>& endings) {
+void prepare_live_file(const std::string& option, const std::filesystem::path& file,
+                       const std::vector<std::string_view>& endings) {
     if (!endings.empty() && std::ranges::find(endings, lower_case(file.extension().string())) == endings.end())
         throw InputError(option, file.string(), fmt::format("does not end with {}", fmt::join(endings, " or ")),
                          "name it so");
     expect_not_read(option, file);
-    std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) expect_replaceable(option, file);
     prepare_output_file(option, file);
+}
+
+void prepare_result(const std::string& option, const std::filesystem::path& file,
+                    const std::vector<std::string_view>& endings) {
+    std::error_code error;
+    const bool is_there = std::filesystem::is_regular_file(file, error);
+    prepare_live_file(option, file, endings);
+    if (is_there) expect_replaceable(option, file);
 }
 
 void prepare_results(const std::string& option, const std::filesystem::path& folder,
                      const std::vector<std::string>& names) {
     prepare_output_folder(option, folder);
     for (const std::string& name : names) prepare_result(option, folder / name);
+}
+
+void expect_there(const std::filesystem::path& file) {
+    std::error_code error;
+    if (file.empty() || stream::is_address(file) || std::filesystem::exists(file, error)) return;
+    throw InputError(file.string(), "", error ? error.message() : "there is no such file or folder");
 }
 
 void prepare_images(const std::string& option, const media::ImageOutput& output, uint32_t first, uint32_t end) {

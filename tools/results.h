@@ -32,7 +32,10 @@ inline const std::vector<std::string_view> kJsonEnding{".json"}, kHtmlEndings{".
 // folder.
 void prepare_result(const std::string& option, const std::filesystem::path& file,
                     const std::vector<std::string_view>& endings = {});
-// The same of files that are written into a folder. Makes it.
+// The same without looking whether it is there: of a file that the program keeps up to date, or that it goes on with.
+void prepare_live_file(const std::string& option, const std::filesystem::path& file,
+                       const std::vector<std::string_view>& endings);
+// As prepare_result, of files that are written into a folder. Makes it.
 void prepare_results(const std::string& option, const std::filesystem::path& folder,
                      const std::vector<std::string>& names);
 
@@ -41,5 +44,9 @@ void prepare_images(const std::string& option, const media::ImageOutput& output,
 
 // The same of a file or a folder that the caller has found there. Throws InputError unless it may be replaced.
 void expect_replaceable(const std::string& option, const std::filesystem::path& result);
+
+// Throws InputError where there is neither such a file nor such a folder. Addresses are not looked at, nor is an empty
+// name.
+void expect_there(const std::filesystem::path& file);
 
 }  // namespace neuvv::tools

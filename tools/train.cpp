@@ -33,8 +33,7 @@ namespace {
 // goes on with them.
 void prepare_live_outputs(const LiveOptions& live, bool resume) {
     const auto prepare = [&](const char* option, const std::filesystem::path& file, std::string_view ending) {
-        if (!file.empty() && resume && file.extension() == ending) return prepare_output_file(option, file);
-        if (!file.empty()) prepare_result(option, file, {ending});
+        if (!file.empty()) resume ? prepare_live_file(option, file, {ending}) : prepare_result(option, file, {ending});
     };
     prepare("--preview", live.preview, ".png");
     prepare("--metrics", live.metrics, ".jsonl");

@@ -1,10 +1,7 @@
 // neuvv view: opens the window in which clips and stages are watched and edited.
-#include <filesystem>
-
-#include "base/error.h"
-#include "stream/byte_source.h"
 #include "tools/commands.h"
 #include "tools/options.h"
+#include "tools/results.h"
 #include "tools/viewer/viewer.h"
 
 namespace neuvv::tools {
@@ -16,13 +13,6 @@ struct ViewOptions {
     double ui_scale = 0;
     bool validate = false;
 };
-
-// Before a window is opened.
-void expect_there(const std::string& file) {
-    std::error_code error;
-    if (file.empty() || stream::is_address(file) || std::filesystem::exists(file, error)) return;
-    throw InputError(file, "", error ? error.message() : "there is no such file or folder");
-}
 
 }  // namespace
 
@@ -57,7 +47,8 @@ void add_view(Command app, CommonOptions& common) {
          "  neuvv view demo/stage.gltf --size 1600x900\n"
          "  neuvv view demo/performer.nvv --trainee tools/performer/trainee.glb"});
     verb.callback([options, &common] {
-        expect_there(options->file);
+        expect_there(options->file);  // before a window is opened
+        if (!options->report.empty()) prepare_live_file("--report", options->report, kJsonEnding);
         viewer::Viewer::Options viewer;
         viewer.file = options->file;
         viewer.report = options->report;

@@ -7,6 +7,7 @@
 #include "tools/headset/headset.h"
 #include "tools/headset/probe.h"
 #include "tools/options.h"
+#include "tools/results.h"
 #include "xr/bindings.h"
 #include "xr/body_tracking.h"
 #include "xr/room.h"
@@ -156,6 +157,8 @@ void add_xr(Command app, CommonOptions& common) {
         const xr::ViewChoice views = options->stereo ? xr::ViewChoice::kStereo : xr::ViewChoice::kAsOffered;
         if (options->check) return check_headset(common.device, views);
         if (options->file.empty()) throw InputError("xr", "", "there is nothing to show", "name a stage or a clip");
+        expect_there(options->file);
+        if (!options->report.empty()) prepare_live_file("--report", options->report, kJsonEnding);
         headset::HeadsetOptions& settings = options->headset;
         settings.file = options->file;
         settings.device = common.device;

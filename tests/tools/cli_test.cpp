@@ -163,6 +163,8 @@ TEST_F(Cli, WhatIsNotThereIsSaid) {
     expect_refused({"train", file("none"), "-o", file("x.nvv")}, 2, {"none", "there is no such folder"});
     expect_refused({"eval", scene, scene}, 2, {"is a file, not the folder of a data set"});
     expect_refused({"view", file("none.nvv")}, 2, {"none.nvv", "there is no such file"});
+    expect_refused({"xr", file("none.gltf")}, 2, {"none.gltf", "there is no such file"});
+    expect_refused({"view", scene, "--report", scene}, 2, {"--report", ".json"});
     EXPECT_EQ(folder.entries(), 1u);
 }
 
