@@ -44,7 +44,7 @@ struct CliCoach : CliGpu {
         return test::other_body(test::with_arm_off(dancer, Limb::kLeftArm, 40, 1, 2), 0.9, {1, 0, 2}, 1);
     }
     std::vector<std::string> words(const std::string& images, const std::vector<std::string>& more) const {
-        std::vector<std::string> all = {"coach", show, "-o", file((images + "_%03d.png").c_str())};
+        std::vector<std::string> all = {"coach", "--overwrite", show, "-o", file((images + "_%03d.png").c_str())};
         const auto add_default = [&](const char* option, const std::string& value) {
             if (std::ranges::find(more, option) == more.end()) all.insert(all.end(), {option, value});
         };
@@ -124,8 +124,8 @@ TEST_F(CliCoach, TheCameraFliesUnlessTheStagesIsNamed) {
     coach("stage", {"--camera", "camera"});
     const media::Image first = media::read_png(image_file("stage", 0));
     EXPECT_NE(media::read_png(image_file("own", 0)).rgba, first.rgba);
-    const ProgramResult plain =
-        run_neuvv({"render", show, "-o", file("still.png"), "--size", "96x72", "--camera", "camera", "--time", "2.9"});
+    const ProgramResult plain = run_neuvv({"render", "--overwrite", show, "-o", file("still.png"), "--size", "96x72",
+                                           "--camera", "camera", "--time", "2.9"});
     ASSERT_EQ(plain.code, 0) << plain.err;
     coach("bare", {"--camera", "camera", "--mode", "watch"});
     EXPECT_EQ(media::read_png(image_file("bare", 29)).rgba, media::read_png(file("still.png")).rgba)

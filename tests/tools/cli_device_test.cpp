@@ -43,7 +43,8 @@ TEST_F(CliDevice, DeviceChoiceThatFitsNoneIsBadInput) {
 TEST_F(CliDevice, ArraysInStorageBuffersGiveTheSameImages) {
     const auto image = [&](const std::string& profile, const std::vector<std::string>& options) {
         const std::string out = file(options.empty() ? "out.exr" : "out.png");
-        std::vector<std::string> arguments = {"render", scene, "-o", out, "--size", "64x48", "--frames", "1.5"};
+        std::vector<std::string> arguments = {"render", "--overwrite", scene,      "-o", out,
+                                              "--size", "64x48",       "--frames", "1.5"};
         arguments.insert(arguments.end(), options.begin(), options.end());
         const ProgramResult result = run_neuvv(arguments, "NEUVV_BUFFERS=" + profile);
         EXPECT_EQ(result.code, 0) << result.err;
@@ -69,8 +70,8 @@ TEST_F(CliDevice, UploadsByAQueueOfTheirOwnGiveTheSameImage) {
     };
     EXPECT_TRUE(uploads_aside(layer));
     const auto image = [&](const std::string& environment) {
-        const ProgramResult result =
-            run_neuvv({"render", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"}, environment);
+        const ProgramResult result = run_neuvv(
+            {"render", "--overwrite", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"}, environment);
         EXPECT_EQ(result.code, 0) << result.err;
         return read_text(file("out.exr"));
     };
@@ -84,7 +85,8 @@ TEST_F(CliDevice, SmallLimitsGiveTheSameImageOrAnErrorThatHelps) {
                               " XDG_CACHE_HOME=" +
                               shell_quoted((folder.path / "cache").string()) + " ";
     const auto render = [&](const std::string& environment) {
-        return run_neuvv({"render", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"}, environment);
+        return run_neuvv({"render", "--overwrite", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"},
+                         environment);
     };
     ASSERT_EQ(render("NEUVV_BUFFERS=texel").code, 0);
     const std::string expected = read_text(file("out.exr"));
@@ -118,8 +120,8 @@ TEST_F(CliDevice, WeightsMayBeLongerThanWhatADeviceBindsOrAllocates) {
                               " NEUVV_BUFFERS=storage NEUVV_MOST_STORAGE_BYTES=" +
                               std::to_string(kMost) + " NEUVV_MOST_ALLOCATION=" + std::to_string(kMost);
     const auto image = [&](const std::string& environment, const std::vector<std::string>& options) {
-        std::vector<std::string> arguments = {"render", scene,   "-o",       file("out.exr"),
-                                              "--size", "64x48", "--frames", "1.5"};
+        std::vector<std::string> arguments = {"render", "--overwrite", scene,      "-o", file("out.exr"),
+                                              "--size", "64x48",       "--frames", "1.5"};
         arguments.insert(arguments.end(), options.begin(), options.end());
         const ProgramResult result = run_neuvv(arguments, environment);
         EXPECT_EQ(result.code, 0) << result.err;
@@ -135,7 +137,7 @@ TEST_F(CliDevice, WeightsMayBeLongerThanWhatADeviceBindsOrAllocates) {
 TEST_F(CliDevice, WeightsBeyondATexelBufferAreRefusedWithWhatHelps) {
     voctree::write_nvv(scene, test::random_tree({.seed = 3, .node_levels = 3, .leaves = 6000, .bases = 24}));
     const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"},
+        run_neuvv({"render", "--overwrite", scene, "-o", file("out.exr"), "--size", "64x48", "--frames", "1.5"},
                   "VK_INSTANCE_LAYERS=VK_LAYER_NEUVV_lower_limits VK_LAYER_PATH=" NEUVV_LOWER_LIMITS_LAYER
                   " NEUVV_BUFFERS=texel NEUVV_MOST_TEXELS=65536");
     EXPECT_EQ(result.code, 1);
@@ -185,7 +187,8 @@ TEST_F(CliDevice, TheFasterBuffersAreKeptInTheCacheFolder) {
     };
     const auto image = [&] {
         const ProgramResult result =
-            run_neuvv({"render", scene, "-o", file("timed.exr"), "--size", "64x48", "--frames", "1.5"}, environment);
+            run_neuvv({"render", "--overwrite", scene, "-o", file("timed.exr"), "--size", "64x48", "--frames", "1.5"},
+                      environment);
         EXPECT_EQ(result.code, 0) << result.err;
         return read_text(file("timed.exr"));
     };
@@ -218,8 +221,8 @@ TEST_F(CliDevice, RenderTakesNoMoreMemoryThanItMay) {
     voctree::write_nvv(file("many.nvv"),
                        test::random_tree({.node_levels = 3, .leaves = 8000, .hh_degree = 2, .frames = 3}));
     const auto rendered = [&](const std::string& environment) {
-        const ProgramResult result =
-            run_neuvv({"render", file("many.nvv"), "-o", file("many_%d.png"), "--size", "40x24"}, environment);
+        const ProgramResult result = run_neuvv(
+            {"render", "--overwrite", file("many.nvv"), "-o", file("many_%d.png"), "--size", "40x24"}, environment);
         return std::pair(result, result.code == 0 ? read_text(file("many_1.png")) : "");
     };
     const std::string image = rendered("").second;
@@ -249,9 +252,9 @@ TEST_F(CliDevice, RenderTakesNoMoreMemoryThanItMay) {
 TEST_F(CliDevice, RenderSaysAtWhichImageTheDeviceWasLost) {
     const test::LosableDevice losable(folder.path);
     losable.lose();
-    const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("turn_%d.png"), "--frames", "0:3", "--size", "16x16", "--fps", "30"},
-                  "NEUVV_LOSE_DEVICE_AFTER=12");
+    const ProgramResult result = run_neuvv({"render", "--overwrite", scene, "-o", file("turn_%d.png"), "--frames",
+                                            "0:3", "--size", "16x16", "--fps", "30"},
+                                           "NEUVV_LOSE_DEVICE_AFTER=12");
     EXPECT_EQ(result.code, 1);
     const std::regex line("neuvv: image [0-9]+: vkQueueSubmit2 failed for .*: device lost; .*--device\n");
     EXPECT_TRUE(std::regex_search(result.err, line)) << result.err;

@@ -15,8 +15,8 @@ namespace {
 
 struct CliExported : CliGpu {
     nlohmann::json exported(const std::string& clip, const std::string& output, const std::vector<std::string>& more) {
-        std::vector<std::string> arguments = {"export", clip,     "-o",    output,  "--views",
-                                              "2",      "--size", "96x96", "--json"};
+        std::vector<std::string> arguments = {"export",  "--overwrite", clip,     "-o",    output,
+                                              "--views", "2",           "--size", "96x96", "--json"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const ProgramResult run = run_neuvv(arguments);
         EXPECT_EQ(run.code, 0) << run.err;
@@ -24,8 +24,8 @@ struct CliExported : CliGpu {
     }
     // PSNR of a .ply, drawn by the definition, against a render of the clip's frame by the program.
     double psnr_of(const std::string& ply, const std::string& clip, double frame) {
-        const ProgramResult run = run_neuvv({"render", clip, "-o", file("x.png"), "--frames", std::to_string(frame),
-                                             "--size", "96x96", "--background", "white"});
+        const ProgramResult run = run_neuvv({"render", "--overwrite", clip, "-o", file("x.png"), "--frames",
+                                             std::to_string(frame), "--size", "96x96", "--background", "white"});
         EXPECT_EQ(run.code, 0) << run.err;
         const media::Image shown = media::read_png(file("x.png"));
         const stage::Camera camera =
@@ -124,7 +124,7 @@ TEST_F(CliExport, OneFileHasTheTimesOfItsRate) {
 
 TEST_F(CliExport, StreamsAreExportedToo) {
     const ProgramResult publish =
-        run_neuvv({"publish", scene, "-o", file("x.nvs"), "--quality", "45", "--size", "64x64"});
+        run_neuvv({"publish", "--overwrite", scene, "-o", file("x.nvs"), "--quality", "45", "--size", "64x64"});
     ASSERT_EQ(publish.code, 0) << publish.err;
     exported(scene, file("clip.ply"), {"--frames", "2"});
     exported(file("x.nvs"), file("stream.ply"), {"--frames", "2"});
@@ -209,7 +209,9 @@ TEST_F(CliStageSpace, StandInsShowPerformersToOtherPrograms) {
     EXPECT_EQ(dora.name, "dora stand-in");
     EXPECT_NEAR(dora.rotation.y, std::sqrt(0.5), 1e-6) << "turned by 90°";
     for (const std::string& stage : {show, file("out.glb")})
-        ASSERT_EQ(run_neuvv({"render", stage, "-o", stage + ".png", "--time", "1", "--size", "96x64"}).code, 0);
+        ASSERT_EQ(
+            run_neuvv({"render", "--overwrite", stage, "-o", stage + ".png", "--time", "1", "--size", "96x64"}).code,
+            0);
     EXPECT_EQ(read_text(show + ".png"), read_text(file("out.glb.png"))) << "this program shows the clips";
     EXPECT_EQ(run_neuvv({"stage", "remove", file("out.glb"), "dora"}).code, 0);
     const stage::Stage without = stage::load_stage(file("out.glb"));
@@ -223,7 +225,8 @@ TEST_F(CliStageSpace, StandInsShowPerformersToOtherPrograms) {
 }
 
 TEST_F(CliStageSpace, RefusesWhatAKindCannotKeep) {
-    const ProgramResult plenoctree = run_neuvv({"export", show, "-o", file("x.npz"), "--stage-space", "--frames", "0"});
+    const ProgramResult plenoctree =
+        run_neuvv({"export", "--overwrite", show, "-o", file("x.npz"), "--stage-space", "--frames", "0"});
     EXPECT_EQ(plenoctree.code, 2);
     EXPECT_NE(plenoctree.err.find("turned, which no PlenOctree can be"), std::string::npos) << plenoctree.err;
     ASSERT_EQ(run_neuvv({"stage", "set", show, "anna", "--scale", "1,2,1"}).code, 0);
@@ -293,7 +296,7 @@ TEST_F(CliMesh, IsPutWhereTheStageHasIt) {
 TEST_F(CliMesh, GlbIsDrawnAsScenery) {
     EXPECT_EQ(exported(scene, file("m.glb"), {"--as", "mesh", "--texture", "128"}).at("files"), 1);
     const ProgramResult run =
-        run_neuvv({"render", file("m.glb"), "-o", file("m.png"), "--time", "0", "--size", "96x96"});
+        run_neuvv({"render", "--overwrite", file("m.glb"), "-o", file("m.png"), "--time", "0", "--size", "96x96"});
     ASSERT_EQ(run.code, 0) << run.err;
     const media::Image image = media::read_png(file("m.png"));
     int grey = 0;

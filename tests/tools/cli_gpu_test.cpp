@@ -26,7 +26,7 @@ size_t count_of(const std::string& text, const std::string& part) {
 
 TEST_F(CliGpu, RenderWritesNumberedPictures) {
     const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("new/out_%03d.png"), "--size", "40x24", "--json"});
+        run_neuvv({"render", "--overwrite", scene, "-o", file("new/out_%03d.png"), "--size", "40x24", "--json"});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(nlohmann::json::parse(result.out).at("images"), 8);
     bool clear = false, seen = false;
@@ -44,8 +44,8 @@ TEST_F(CliGpu, RenderWritesNumberedPictures) {
 }
 
 TEST_F(CliGpu, RenderWritesAVideo) {
-    const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("turn.mp4"), "--size", "64x48", "--fps", "3"}, "NEUVV_TRACE=1");
+    const ProgramResult result = run_neuvv(
+        {"render", "--overwrite", scene, "-o", file("turn.mp4"), "--size", "64x48", "--fps", "3"}, "NEUVV_TRACE=1");
     ASSERT_EQ(result.code, 0) << result.err;
     const media::VideoSummary video = media::summarise_video(file("turn.mp4"));
     EXPECT_EQ(video.width, 64u);
@@ -58,8 +58,8 @@ TEST_F(CliGpu, RenderWritesAVideo) {
 
 // Images are encoded while the next ones are drawn.
 TEST_F(CliGpu, ATraceShowsWhatHappensAtTheSameTime) {
-    const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("o_%02d.png"), "--size", "320x320", "--trace", file("trace.json")});
+    const ProgramResult result = run_neuvv(
+        {"render", "--overwrite", scene, "-o", file("o_%02d.png"), "--size", "320x320", "--trace", file("trace.json")});
     ASSERT_EQ(result.code, 0) << result.err;
     auto spans = spans_of(nlohmann::json::parse(std::ifstream(file("trace.json"))));
     const auto& waits = spans["main thread: wait for the device: frame"];
@@ -76,8 +76,8 @@ TEST_F(CliGpu, ATraceShowsWhatHappensAtTheSameTime) {
 }
 
 TEST_F(CliGpu, ATraceHasTheSpansOfThreadsAndOfTheDevice) {
-    const ProgramResult result = run_neuvv(
-        {"render", scene, "-o", file("one_%d.png"), "--frames", "0", "--size", "16x16", "--trace", file("trace.json")});
+    const ProgramResult result = run_neuvv({"render", "--overwrite", scene, "-o", file("one_%d.png"), "--frames", "0",
+                                            "--size", "16x16", "--trace", file("trace.json")});
     ASSERT_EQ(result.code, 0) << result.err;
     const auto trace = nlohmann::json::parse(std::ifstream(file("trace.json")));
     auto spans = spans_of(trace);
@@ -97,8 +97,8 @@ TEST_F(CliGpu, ATraceHasTheSpansOfThreadsAndOfTheDevice) {
 
 TEST_F(CliGpu, RenderShowsBackgroundAlphaDepthAndTheDirectPath) {
     const auto image = [&](const std::vector<std::string>& more) {
-        std::vector<std::string> arguments = {"render",   scene, "-o",     file("one_%d.png"),
-                                              "--frames", "1.5", "--size", "32x32"};
+        std::vector<std::string> arguments = {"render",   "--overwrite", scene,    "-o",   file("one_%d.png"),
+                                              "--frames", "1.5",         "--size", "32x32"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const ProgramResult result = run_neuvv(arguments);
         EXPECT_EQ(result.code, 0) << result.err;
@@ -133,7 +133,7 @@ TEST_F(CliGpu, AnEmptySceneRenders) {
     voctree::build_topology(tree, {});
     voctree::write_nvv(scene, tree);
     const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("o_%d.png"), "--frames", "0", "--size", "16x16"});
+        run_neuvv({"render", "--overwrite", scene, "-o", file("o_%d.png"), "--frames", "0", "--size", "16x16"});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(media::read_png(file("o_0.png")).rgba, std::pmr::vector<uint8_t>(16 * 16 * 4, 0));
 }
@@ -169,7 +169,7 @@ TEST_F(CliGpu, ASceneMeasuredAgainstItselfIsPerfect) {
 
 TEST_F(CliGpu, EvalAlignsCamerasThatFitAlready) {
     write_own_data();
-    const std::vector<std::string> command = {"eval", scene, file("data"), "--samples", "1", "--align"};
+    const std::vector<std::string> command = {"eval", "--overwrite", scene, file("data"), "--samples", "1", "--align"};
     std::vector<std::string> with_json = command;
     with_json.insert(with_json.end(), {"--json", "-", "--html", file("page.html")});
     const ProgramResult json = run_neuvv(with_json), table = run_neuvv(command);
@@ -184,15 +184,16 @@ TEST_F(CliGpu, EvalAlignsCamerasThatFitAlready) {
 
 TEST_F(CliGpu, AnInstantIntoOnePictureIsAStill) {
     const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("still.png"), "--frames", "1.5", "--size", "40x24"});
+        run_neuvv({"render", "--overwrite", scene, "-o", file("still.png"), "--frames", "1.5", "--size", "40x24"});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(media::read_png(file("still.png")).width, 40u);
 }
 
 TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     write_own_data();
-    const ProgramResult result = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", file("m.json"),
-                                            "--images", file("images"), "--html", file("new/page.html")});
+    const ProgramResult result =
+        run_neuvv({"eval", "--overwrite", scene, file("data"), "--samples", "1", "--json", file("m.json"), "--images",
+                   file("images"), "--html", file("new/page.html")});
     ASSERT_EQ(result.code, 0) << result.err;
     const std::string page = read_text(file("new/page.html"));
     EXPECT_EQ(count_of(page, "<figure"), 6u);
@@ -224,12 +225,14 @@ TEST_F(CliGpu, EvalWritesNumbersAndPictures) {
     EXPECT_EQ(media::read_png(folder.path / "images" / "contact_sheet.png").width, 3 * 320u);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path / "images"), {}), 3 * 6 + 1);
 
-    const ProgramResult piped = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--json", "-"});
+    const ProgramResult piped =
+        run_neuvv({"eval", "--overwrite", scene, file("data"), "--samples", "1", "--json", "-"});
     EXPECT_EQ(nlohmann::json::parse(piped.out).at("psnr"), json.at("psnr"));
 }
 
 TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
-    const std::vector<std::string> command = {"convert", scene, "-o", file("small.nvv"), "--size", "64x48", "--json"};
+    const std::vector<std::string> command = {"convert",         "--overwrite", scene,   "-o",
+                                              file("small.nvv"), "--size",      "64x48", "--json"};
     const auto with_quality = [&](const char* quality) {
         std::vector<std::string> arguments = command;
         arguments.insert(arguments.end(), {"--quality", quality});
@@ -250,7 +253,7 @@ TEST_F(CliGpu, ConvertKeepsTheQualityThatWasAskedFor) {
 
     std::filesystem::remove(file("small.nvv"));
     const ProgramResult beyond =
-        run_neuvv({"convert", scene, "-o", file("small.nvv"), "--quality", "90", "--size", "64x48"});
+        run_neuvv({"convert", "--overwrite", scene, "-o", file("small.nvv"), "--quality", "90", "--size", "64x48"});
     EXPECT_EQ(beyond.code, 2);
     EXPECT_NE(beyond.err.find("scene.nvv: the finest steps show"), std::string::npos) << beyond.err;
     expect_refused({"convert", scene, "-o", file("small.nvv"), "--quality", "nan"}, 2, {"--quality"});
@@ -276,12 +279,12 @@ TEST_F(CliGpu, PlenoctreesAreClips) {
     EXPECT_NE(run({"info", tree_npz}).find("1 frames"), std::string::npos);
 
     const auto rendered = [&](const std::string& clip) {
-        run({"render", clip, "-o", file("seen.png"), "--frames", "0", "--size", "64x48"});
+        run({"render", "--overwrite", clip, "-o", file("seen.png"), "--frames", "0", "--size", "64x48"});
         return media::read_png(file("seen.png"));
     };
     const media::Image seen = rendered(tree_npz);
     EXPECT_GT(training::compare(seen, media::Image(64, 48)).mae, 0.01) << "nothing is to be seen";
-    run({"convert", tree_npz, "-o", file("tree.nvv"), "--size", "64x48", "--quality", "50"});
+    run({"convert", "--overwrite", tree_npz, "-o", file("tree.nvv"), "--size", "64x48", "--quality", "50"});
     EXPECT_EQ(nlohmann::json::parse(run({"info", file("tree.nvv"), "--json"})).at("format"), "nvv");
     voctree::write_nvv(file("linear.nvv"), expected);
     const media::Image linear = rendered(file("linear.nvv"));
@@ -289,8 +292,8 @@ TEST_F(CliGpu, PlenoctreesAreClips) {
     // Colours of a .nvv are mixed as linear light, which is up to 5/255 lighter where it is half transparent.
     EXPECT_GT(training::compare(seen, linear).psnr, 34);
 
-    run({"convert", tree_npz, "-o", file("y.nvv"), "--size", "64x48", "--quality", "50", "--up", "y"});
-    run({"render", tree_npz, "-o", file("y.png"), "--frames", "0", "--size", "64x48", "--up", "y"});
+    run({"convert", "--overwrite", tree_npz, "-o", file("y.nvv"), "--size", "64x48", "--quality", "50", "--up", "y"});
+    run({"render", "--overwrite", tree_npz, "-o", file("y.png"), "--frames", "0", "--size", "64x48", "--up", "y"});
     EXPECT_GT(training::compare(media::read_png(file("y.png")), rendered(file("y.nvv"))).psnr, 34);
     EXPECT_LT(training::compare(media::read_png(file("y.png")), seen).psnr, 30);
     expect_refused({"render", scene, "-o", file("y.png"), "--up", "y"}, 2, {"--up", "is no PlenOctree"});
@@ -302,14 +305,14 @@ TEST_F(CliGpu, PlenoctreesAreClips) {
     EXPECT_NEAR(up.y, 1, 1e-6) << "the file's y, which is -z of the clip";
     EXPECT_EQ(nlohmann::json::parse(run({"stage", "info", file("show.gltf"), "--json"})).at("clips")[0].at("frames"),
               1);
-    run({"render", file("show.gltf"), "-o", file("shown.png"), "--time", "0", "--size", "64x48"});
+    run({"render", "--overwrite", file("show.gltf"), "-o", file("shown.png"), "--time", "0", "--size", "64x48"});
     write_text(file("tree.npz"), "PK\3\4");
     expect_refused({"render", tree_npz, "-o", file("seen.png")}, 2, {"tree.npz"});
 }
 
 TEST_F(CliGpu, RenderTracesFewerRaysThanPixels) {
-    const std::vector<std::string> command = {"render",   scene, "-o",     file("half.png"),
-                                              "--frames", "1",   "--size", "64x48"};
+    const std::vector<std::string> command = {"render",   "--overwrite", scene,    "-o",   file("half.png"),
+                                              "--frames", "1",           "--size", "64x48"};
     std::vector<std::string> scaled = command;
     for (const char* word : {"--scale", "0.5", "--json"}) scaled.push_back(word);
     const ProgramResult half = run_neuvv(scaled);
@@ -348,7 +351,8 @@ TEST_F(CliGpu, EvalRefusesUnwritableOutputsBeforeItStarts) {
     write_text(file("wall"), "a file where a folder should be");
     for (const char* option : {"--json", "--html", "--images"})
         expect_refused({"eval", scene, file("data"), option, file("wall/out")}, 2, {option, "wall"});
-    const ProgramResult per_frame = run_neuvv({"eval", scene, file("data"), "--samples", "1", "--per", "frame"});
+    const ProgramResult per_frame =
+        run_neuvv({"eval", "--overwrite", scene, file("data"), "--samples", "1", "--per", "frame"});
     EXPECT_EQ(count_of(per_frame.out, "\n"), 1u + 3u + 1u + 1u) << "frames, their mean, flicker: " << per_frame.out;
 }
 
@@ -423,23 +427,23 @@ TEST_F(CliGpu, ALinkStaysAndItsTargetIsReplaced) {
     write_text(file("target.png"), "old");
     std::filesystem::create_symlink("target.png", folder.path / "link.png");
     const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("link.png"), "--frames", "0", "--size", "16x16"});
+        run_neuvv({"render", "--overwrite", scene, "-o", file("link.png"), "--frames", "0", "--size", "16x16"});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_TRUE(std::filesystem::is_symlink(folder.path / "link.png"));
     EXPECT_EQ(media::read_png(folder.path / "target.png").width, 16u);
 
     std::filesystem::create_directory(folder.path / "videos");
     std::filesystem::create_symlink("videos/turn.mp4", folder.path / "link.mp4");  // the target does not exist yet
-    const ProgramResult video =
-        run_neuvv({"render", scene, "-o", file("link.mp4"), "--frames", "0", "--size", "16x16", "--fps", "1"});
+    const ProgramResult video = run_neuvv(
+        {"render", "--overwrite", scene, "-o", file("link.mp4"), "--frames", "0", "--size", "16x16", "--fps", "1"});
     ASSERT_EQ(video.code, 0) << video.err;
     EXPECT_TRUE(std::filesystem::is_symlink(folder.path / "link.mp4"));
     EXPECT_EQ(media::summarise_video(folder.path / "videos/turn.mp4").width, 16u);
 }
 
 TEST_F(CliGpu, OddVideosAreReportedAsEncoded) {
-    const ProgramResult result =
-        run_neuvv({"render", scene, "-o", file("odd.mp4"), "--frames", "0", "--size", "17x31", "--fps", "1", "--json"});
+    const ProgramResult result = run_neuvv({"render", "--overwrite", scene, "-o", file("odd.mp4"), "--frames", "0",
+                                            "--size", "17x31", "--fps", "1", "--json"});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_NE(result.out.find("\"width\": 18"), std::string::npos) << result.out;
     EXPECT_NE(result.out.find("\"height\": 32"), std::string::npos) << result.out;

@@ -28,7 +28,7 @@ struct CliLayers : CliGpu {
         done({"stage", "add", show, scene, "--name", "berta", "--time", "loop", "--at", "0.3,0.2,0.1"});
     }
     void render(const std::string& what, const char* output, const std::vector<std::string>& more) const {
-        std::vector<std::string> call = {"render", what, "-o", file(output), "--size", "64x48"};
+        std::vector<std::string> call = {"render", "--overwrite", what, "-o", file(output), "--size", "64x48"};
         call.insert(call.end(), more.begin(), more.end());
         done(call);
     }
@@ -133,7 +133,7 @@ TEST_F(CliLayers, LayersAreThoseThatWereAskedFor) {
            {"--frames", "0:3", "--fps", "1", "--layers", "depth,deep", "--resume", "--samples", "1"});
     EXPECT_TRUE(std::filesystem::exists(file("d_deep_01.exr"))) << "what is missing is rendered again";
     const auto refused = [&](const char* output, const std::vector<std::string>& more, const char* word) {
-        std::vector<std::string> call = {"render", scene, "-o", file(output), "--frames", "0"};
+        std::vector<std::string> call = {"render", "--overwrite", scene, "-o", file(output), "--frames", "0"};
         call.insert(call.end(), more.begin(), more.end());
         expect_refused(call, 2, {"--layers", word});
     };

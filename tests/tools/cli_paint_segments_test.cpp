@@ -44,8 +44,8 @@ struct PaintedSegments : CliGpu {
             EXPECT_EQ(run.code, 0) << run.err;
             EXPECT_EQ(std::filesystem::is_directory(layer), clip != scene);
         }
-        const ProgramResult run =
-            run_neuvv({"render", show, "-o", file("still%04d.png"), "--size", "64x48", "--time", "0:2", "--fps", "2"});
+        const ProgramResult run = run_neuvv({"render", "--overwrite", show, "-o", file("still%04d.png"), "--size",
+                                             "64x48", "--time", "0:2", "--fps", "2"});
         EXPECT_EQ(run.code, 0) << run.err;
         std::vector<media::Image> images;
         for (const char* name : {"still0000.png", "still0001.png", "still0002.png", "still0003.png"})
@@ -89,7 +89,8 @@ TEST_F(PaintedSegments, PaintIsAFolder) {
     write_segmented_copy(tree, {1, 3}, parts);
     const std::string layer = file("look.nvpaint");
     const auto image = [&](const std::vector<std::string>& more) {
-        std::vector<std::string> arguments = {"render", parts, "-o", file("x.png"), "--size", "40x40", "--frames", "2"};
+        std::vector<std::string> arguments = {"render", "--overwrite", parts,      "-o", file("x.png"),
+                                              "--size", "40x40",       "--frames", "2"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         EXPECT_EQ(run_neuvv(arguments).code, 0);
         return media::read_png(file("x.png"));
@@ -116,7 +117,8 @@ TEST_F(PaintedSegments, PaintIsAFolder) {
     write_text(layer + "/000001.nvpaint", "no paint");
     expect_refused({"render", parts, "-o", file("x.png"), "--paint", layer, "--frames", "2"}, 2, {"000001.nvpaint"});
     expect_refused({"paint", "info", parts, layer}, 2, {"000001.nvpaint"});
-    const ProgramResult shown = run_neuvv({"render", show, "-o", file("x.png"), "--size", "16x16", "--time", "1"});
+    const ProgramResult shown =
+        run_neuvv({"render", "--overwrite", show, "-o", file("x.png"), "--size", "16x16", "--time", "1"});
     EXPECT_EQ(shown.code, 0) << shown.err;
     EXPECT_NE(shown.err.find("000001.nvpaint"), std::string::npos) << shown.err;
     expect_refused({"render", parts, "-o", file("x.png"), "--paint", scene}, 2, {"scene.nvv", "is a folder"});

@@ -25,8 +25,8 @@ struct CliPaint : CliGpu {
         return result.code == 0 ? nlohmann::json::parse(result.out) : nlohmann::json();
     }
     media::Image image(const std::string& paints) {
-        std::vector<std::string> arguments = {"render",   scene, "-o",     file("still.png"),
-                                              "--frames", "1",   "--size", "40x40"};
+        std::vector<std::string> arguments = {"render",   "--overwrite", scene,    "-o",   file("still.png"),
+                                              "--frames", "1",           "--size", "40x40"};
         if (!paints.empty()) arguments.insert(arguments.end(), {"--paint", paints});
         const ProgramResult result = run_neuvv(arguments);
         EXPECT_EQ(result.code, 0) << result.err;
@@ -143,7 +143,7 @@ struct CliStagePaint : CliPaint {
     }
     // At the same time.
     media::Image still() {
-        said({"render", show, "-o", file("still.png"), "--size", "96x72", "--time", "0.5"});
+        said({"render", "--overwrite", show, "-o", file("still.png"), "--size", "96x72", "--time", "0.5"});
         return media::read_png(file("still.png"));
     }
     // Red on the left, green on the right.

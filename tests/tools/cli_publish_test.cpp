@@ -14,8 +14,8 @@ struct CliPublish : CliGpu {
     std::string stream = file("show.nvs");
 
     nlohmann::json publish(const std::string& clip, const std::vector<std::string>& more) {
-        std::vector<std::string> arguments = {"publish", clip,     "-o",    stream,  "--views",
-                                              "3",       "--size", "64x64", "--json"};
+        std::vector<std::string> arguments = {"publish", "--overwrite", clip,     "-o",    stream,
+                                              "--views", "3",           "--size", "64x64", "--json"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const ProgramResult run = run_neuvv(arguments);
         EXPECT_EQ(run.code, 0) << run.err;
@@ -23,14 +23,14 @@ struct CliPublish : CliGpu {
     }
     media::Image frame(const std::string& clip, const char* number) {
         const ProgramResult run =
-            run_neuvv({"render", clip, "-o", file("x.png"), "--frames", number, "--size", "64x64"});
+            run_neuvv({"render", "--overwrite", clip, "-o", file("x.png"), "--frames", number, "--size", "64x64"});
         EXPECT_EQ(run.code, 0) << run.err;
         return media::read_png(file("x.png"));
     }
     media::Image on_stage(const std::string& clip, const char* time) {
         test::write_stage(file("show.gltf"), clip, "anna");
-        const ProgramResult run =
-            run_neuvv({"render", file("show.gltf"), "-o", file("x.png"), "--size", "64x48", "--time", time});
+        const ProgramResult run = run_neuvv(
+            {"render", "--overwrite", file("show.gltf"), "-o", file("x.png"), "--size", "64x48", "--time", time});
         EXPECT_EQ(run.code, 0) << run.err;
         return media::read_png(file("x.png"));
     }
@@ -52,7 +52,8 @@ TEST_F(CliPublish, AStreamShowsWhatTheClipDoes) {
     EXPECT_LT(coarse.at("psnr_db"), fine.at("psnr_db"));
 
     write_own_data();
-    const ProgramResult eval = run_neuvv({"eval", stream, file("data"), "--samples", "1", "--json", "-"});
+    const ProgramResult eval =
+        run_neuvv({"eval", "--overwrite", stream, file("data"), "--samples", "1", "--json", "-"});
     ASSERT_EQ(eval.code, 0) << eval.err;
     EXPECT_GT(nlohmann::json::parse(eval.out).at("psnr"), 25) << "one of three times lies between two frames";
 }
@@ -63,7 +64,7 @@ TEST_F(CliPublish, ARateIsKept) {
     EXPECT_LE(half.at("mbps"), 0.6 * fine);
     EXPECT_GT(half.at("mbps"), 0.3 * fine);
     EXPECT_FALSE(half.contains("psnr_db"));
-    const ProgramResult least = run_neuvv({"publish", scene, "-o", stream, "--rate", "0.01"});
+    const ProgramResult least = run_neuvv({"publish", "--overwrite", scene, "-o", stream, "--rate", "0.01"});
     EXPECT_EQ(least.code, 0) << least.err;
     EXPECT_NE(least.err.find("not 0.01"), std::string::npos) << least.err;
 }
@@ -96,7 +97,7 @@ struct CliPublishPainted : CliPublish {
         edit({"paint", "erase", show, layer, "--node", name, "--box", "-9,-9,-9,0.2,9,9", "--frames", "1:3"});
     }
     media::Image rendered(const std::string& stage, const char* time) {
-        edit({"render", stage, "-o", file("x.png"), "--size", "64x48", "--time", time});
+        edit({"render", "--overwrite", stage, "-o", file("x.png"), "--size", "64x48", "--time", time});
         return media::read_png(file("x.png"));
     }
     // At three frames with different paint.
@@ -189,7 +190,8 @@ TEST_F(CliPublish, AStagePlaysFromAServer) {
     ASSERT_EQ(run_neuvv({"stage", "new", show}).code, 0);
     const ProgramResult added = run_neuvv({"stage", "add", show, address, "--name", "anna", "--time", "loop"});
     ASSERT_EQ(added.code, 0) << added.err;
-    ASSERT_EQ(run_neuvv({"render", show, "-o", file("x.png"), "--size", "64x48", "--time", "0.5"}).code, 0);
+    ASSERT_EQ(run_neuvv({"render", "--overwrite", show, "-o", file("x.png"), "--size", "64x48", "--time", "0.5"}).code,
+              0);
     EXPECT_EQ(media::read_png(file("x.png")).rgba, truth.rgba);
     const ProgramResult info = run_neuvv({"stage", "info", show});
     EXPECT_NE(info.out.find(address), std::string::npos) << info.out << info.err;
@@ -214,12 +216,13 @@ TEST_F(CliPublish, WrongUseIsRefused) {
     bytes[bytes.size() - 3] = static_cast<char>(bytes[bytes.size() - 3] ^ 1);
     write_text(stream, bytes);
     for (const std::vector<std::string>& call : std::vector<std::vector<std::string>>{
-             {"info", stream, "--check"}, {"render", stream, "-o", file("x.png"), "--frames", "3"}}) {
+             {"info", stream, "--check"}, {"render", "--overwrite", stream, "-o", file("x.png"), "--frames", "3"}}) {
         const ProgramResult damaged = run_neuvv(call);
         EXPECT_EQ(damaged.code, 2);
         EXPECT_NE(damaged.err.find("show.nvs: frame 3: is damaged"), std::string::npos) << damaged.err;
     }
-    EXPECT_EQ(run_neuvv({"render", stream, "-o", file("x.png"), "--frames", "2", "--size", "16x16"}).code, 0);
+    EXPECT_EQ(
+        run_neuvv({"render", "--overwrite", stream, "-o", file("x.png"), "--frames", "2", "--size", "16x16"}).code, 0);
 }
 
 }  // namespace

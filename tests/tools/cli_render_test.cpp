@@ -39,7 +39,8 @@ struct CliRender : CliGpu {
         return file("path.json");
     }
     std::vector<std::string> command(const std::string& output, std::initializer_list<std::string> more) {
-        std::vector<std::string> words = {"render", scene, "-o", file(output.c_str()), "--size", "48x40"};
+        std::vector<std::string> words = {"render", "--overwrite", scene, "-o", file(output.c_str()),
+                                          "--size", "48x40"};
         words.insert(words.end(), more);
         return words;
     }
@@ -139,8 +140,9 @@ TEST_F(CliRender, AClipInSegmentsShowsWhatOneFileDoes) {
     write_segmented_copy(tree, {2, 2}, parts);
     for (const char* direct : {"", "--direct"}) {
         const auto images = [&](const std::string& clip) {
-            std::vector<std::string> words = {"render", clip,       "-o", file("s_%d.png"), "--size",
-                                              "24x20",  "--camera", path, "--fps",          "2"};
+            std::vector<std::string> words = {"render", "--overwrite", clip,       "-o", file("s_%d.png"),
+                                              "--size", "24x20",       "--camera", path, "--fps",
+                                              "2"};
             if (*direct) words.emplace_back(direct);
             const ProgramResult result = run_neuvv(words);
             EXPECT_EQ(result.code, 0) << result.err;
@@ -159,7 +161,8 @@ TEST_F(CliRender, FarPerformersAreDrawnFromCoarserLevelsUnlessThatIsOff) {
     test::write_stage(file("show.gltf"), scene, "anna");
     for (const std::string& shown : {scene, file("show.gltf")}) {
         const auto image = [&](const char* name, const std::vector<std::string>& more) {
-            std::vector<std::string> words = {"render", shown, "-o", file(name), "--size", "20x20", "--samples", "1"};
+            std::vector<std::string> words = {"render", "--overwrite", shown,       "-o", file(name),
+                                              "--size", "20x20",       "--samples", "1"};
             words.insert(words.end(), more.begin(), more.end());
             const ProgramResult result = run_neuvv(words);
             EXPECT_EQ(result.code, 0) << result.err;
@@ -187,8 +190,8 @@ TEST_F(CliRender, PathsHaveAsManyPicturesOnAStage) {
     const std::string show = file("show.gltf");
     test::write_stage(show, scene, "scene");
     const auto images = [&](const std::string& what, const std::vector<std::string>& more) {
-        std::vector<std::string> words = {"render",          what,    "-o", file("p_%d.png"), "--camera",
-                                          file("nerf.json"), "--json"};
+        std::vector<std::string> words = {"render",   "--overwrite",     what,    "-o", file("p_%d.png"),
+                                          "--camera", file("nerf.json"), "--json"};
         words.insert(words.end(), more.begin(), more.end());
         const ProgramResult result = run_neuvv(words);
         EXPECT_EQ(result.code, 0) << result.err;
@@ -294,7 +297,7 @@ TEST_F(CliRender, AnInterruptedVideoGoesOnWhereItWasBegunSo) {
     // x264's output for the same images varies from run to run where they are smaller.
     const std::vector<std::string> rest = {"--size", "128x96", "--fps", "8", "--samples", "1", "--json"};
     const auto words_of = [&](const char* name) {
-        std::vector<std::string> words = {"render", scene, "-o", file(name)};
+        std::vector<std::string> words = {"render", "--overwrite", scene, "-o", file(name)};
         words.insert(words.end(), rest.begin(), rest.end());
         return words;
     };

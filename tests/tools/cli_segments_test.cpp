@@ -47,7 +47,8 @@ struct CliSegments : CliGpu {
         return first;
     }
     nlohmann::json eval(const std::string& clip) {
-        const ProgramResult result = run_neuvv({"eval", clip, file("data"), "--samples", "1", "--json", "-"});
+        const ProgramResult result =
+            run_neuvv({"eval", "--overwrite", clip, file("data"), "--samples", "1", "--json", "-"});
         EXPECT_EQ(result.code, 0) << result.err;
         return nlohmann::json::parse(result.out);
     }
@@ -134,7 +135,7 @@ TEST_F(CliSegments, TheyMeasureAsOneFileDoes) {
 
 TEST_F(CliSegments, TheyAreMadeSmallerOneByOne) {
     const ProgramResult run =
-        run_neuvv({"convert", parts, "-o", file("small.nvv"), "--quality", "35", "--size", "48x36"});
+        run_neuvv({"convert", "--overwrite", parts, "-o", file("small.nvv"), "--quality", "35", "--size", "48x36"});
     ASSERT_EQ(run.code, 0) << run.err;
     const voctree::ClipIndex before = voctree::read_clip_index(parts),
                              index = voctree::read_clip_index(file("small.nvv"));
@@ -163,7 +164,8 @@ TEST_F(CliSegments, InfoNamesWhatCannotBePlayed) {
     EXPECT_NE(segments[1].at("problem").get<std::string>().find("000001.nvv"), std::string::npos);
     expect_refused({"info", parts, "--check"}, 2, {"parts.nvv", "cannot be played"});
     expect_refused({"render", parts, "-o", file("x.png"), "--frames", "2"}, 2, {"000001.nvv"});
-    ASSERT_EQ(run_neuvv({"render", parts, "-o", file("x.png"), "--frames", "0", "--size", "16x16"}).code, 0)
+    ASSERT_EQ(run_neuvv({"render", "--overwrite", parts, "-o", file("x.png"), "--frames", "0", "--size", "16x16"}).code,
+              0)
         << "the other segment is whole";
 }
 

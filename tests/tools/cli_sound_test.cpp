@@ -30,7 +30,8 @@ struct CliSound : CliGpu {
         EXPECT_EQ(run.code, 0) << run.err;
     }
     void render(const std::vector<std::string>& more) {
-        std::vector<std::string> call = {"render", show, "-o", video, "--size", "32x24", "--time", "0:1", "--fps", "8"};
+        std::vector<std::string> call = {"render", "--overwrite", show,  "-o",    video, "--size",
+                                         "32x24",  "--time",      "0:1", "--fps", "8"};
         call.insert(call.end(), more.begin(), more.end());
         expect_done(call);
     }
@@ -101,7 +102,7 @@ TEST_F(CliSound, AClipTakesItsSoundAlong) {
     EXPECT_FALSE(std::filesystem::exists(clip));
     expect_done({"train", file("data"), "-o", clip, "--steps", "2", "--resolution", "32", "--audio", wav});
     EXPECT_NEAR(media::read_sound(file("sung.m4a")).length_s(), 2, 0.05);
-    expect_done({"publish", clip, "-o", file("out.nvs")});
+    expect_done({"publish", "--overwrite", clip, "-o", file("out.nvs")});
     for (const std::string& sung : {clip, file("out.nvs")}) {
         const std::string stage = file("sung.gltf");
         expect_done({"stage", "new", stage});
@@ -123,7 +124,8 @@ TEST_F(CliSound, AClipTakesItsSoundAlong) {
     EXPECT_NEAR(cut.length_s(), 1 / fps, 0.03);
     expect_refused({"clip", "cut", clip, "-o", file("out.nvv"), "--to", "1"}, 2, {"out.m4a", "is there already"});
     EXPECT_FALSE(std::filesystem::exists(file("out.nvv")));
-    expect_done({"train", file("data"), "-o", clip, "--steps", "1", "--resolution", "32", "--audio", file("sung.m4a")});
+    expect_done({"train", file("data"), "-o", clip, "--steps", "1", "--resolution", "32", "--audio", file("sung.m4a"),
+                 "--overwrite"});
     EXPECT_EQ(media::read_sound(file("sung.m4a")).samples, whole.samples) << "it is that file already";
     expect_done({"clip", "join", clip, file("cut.nvv"), "-o", file("joined.nvv")});
     EXPECT_NEAR(media::read_sound(file("joined.m4a")).length_s(), (frames + 1) / fps, 0.03);

@@ -25,7 +25,7 @@ struct CliStage : CliGpu {
     }
     // A still of 64×48.
     media::Image still(const std::vector<std::string>& more = {}) {
-        std::vector<std::string> words = {"render", show, "-o", file("still.png"), "--size", "64x48"};
+        std::vector<std::string> words = {"render", "--overwrite", show, "-o", file("still.png"), "--size", "64x48"};
         words.insert(words.end(), more.begin(), more.end());
         const ProgramResult result = run_neuvv(words);
         EXPECT_EQ(result.code, 0) << result.err;
@@ -34,12 +34,12 @@ struct CliStage : CliGpu {
 };
 
 TEST_F(CliStage, AVideoIsAsLongAsTheStage) {
-    done({"render", show, "-o", file("show.mp4"), "--size", "64x48", "--fps", "4"});
+    done({"render", "--overwrite", show, "-o", file("show.mp4"), "--size", "64x48", "--fps", "4"});
     const media::VideoSummary whole = media::summarise_video(file("show.mp4"));
     EXPECT_EQ(whole.frames, 8u) << "a clip of four frames at two a second";
     EXPECT_EQ(whole.fps, 4);
     done({"stage", "set", show, "--duration", "3", "--fps", "5"});
-    done({"render", show, "-o", file("part.mp4"), "--size", "64x48", "--time", "1:2.6"});
+    done({"render", "--overwrite", show, "-o", file("part.mp4"), "--size", "64x48", "--time", "1:2.6"});
     EXPECT_EQ(media::summarise_video(file("part.mp4")).frames, 8u);
 }
 
@@ -78,12 +78,13 @@ TEST_F(CliStage, ABackgroundReplacesTheEnvironment) {
 
 TEST_F(CliStage, LightsBeyondTheLimitsAreToldOf) {
     for (int i = 0; i < 5; ++i) done({"stage", "light", show, "--add", "--at", "0,3,0", "--aim", "0,0,0.1"});
-    const ProgramResult casting = run_neuvv({"render", show, "-o", file("still.png"), "--size", "16x16"});
+    const ProgramResult casting =
+        run_neuvv({"render", "--overwrite", show, "-o", file("still.png"), "--size", "16x16"});
     EXPECT_NE(casting.err.find("6 of its lights would cast shadows, of which the first 4 do"), std::string::npos)
         << casting.err;
     for (int i = 0; i < 11; ++i) done({"stage", "light", show, "--add", "--kind", "point", "--at", "0,3,0"});
-    const std::vector<std::string> words = {"render", show,    "-o",        file("still_%d.png"),
-                                            "--size", "16x16", "--shadows", "off"};
+    const std::vector<std::string> words = {"render", "--overwrite", show,        "-o", file("still_%d.png"),
+                                            "--size", "16x16",       "--shadows", "off"};
     const ProgramResult all = run_neuvv(words);
     const size_t said = all.err.find("has 17 lights, of which the first 16 shine");
     EXPECT_NE(said, std::string::npos) << all.err;
@@ -102,11 +103,11 @@ TEST_F(CliStage, TheStagesPathIsFollowed) {
     EXPECT_EQ(still({"--camera", "path"}).rgba, still({"--camera", "left"}).rgba);
     EXPECT_EQ(still({"--camera", "path", "--time", "4"}).rgba, still({"--camera", "camera", "--time", "4"}).rgba);
     EXPECT_NE(still({"--camera", "path", "--time", "2"}).rgba, still({"--camera", "camera", "--time", "2"}).rgba);
-    done({"render", show, "-o", file("path.mp4"), "--size", "64x48", "--fps", "2", "--camera", "path"});
+    done({"render", "--overwrite", show, "-o", file("path.mp4"), "--size", "64x48", "--fps", "2", "--camera", "path"});
     EXPECT_EQ(media::summarise_video(file("path.mp4")).frames, 8u)
         << "as long as the stage, which lasts as long as the path";
     done({"stage", "set", show, "--duration", "1"});
-    done({"render", show, "-o", file("part.mp4"), "--size", "64x48", "--fps", "2", "--camera", "path"});
+    done({"render", "--overwrite", show, "-o", file("part.mp4"), "--size", "64x48", "--fps", "2", "--camera", "path"});
     EXPECT_EQ(media::summarise_video(file("part.mp4")).frames, 2u);
 }
 
@@ -139,7 +140,7 @@ TEST_F(CliStage, PaintThatDoesNotFitIsNamed) {
     voctree::write_paint(file("red.nvpaint"), {voctree::painted_field(tree), {}});
     done({"stage", "paint", show, "anna", "--add", file("red.nvpaint")});
     voctree::write_nvv(scene, test::random_tree({.leaves = 90, .frames = 4}));
-    const ProgramResult result = run_neuvv({"render", show, "-o", file("x.png"), "--size", "16x16"});
+    const ProgramResult result = run_neuvv({"render", "--overwrite", show, "-o", file("x.png"), "--size", "16x16"});
     EXPECT_EQ(result.code, 2);
     for (const char* part : {"show.gltf", "\"anna\": paint layer 0", "red.nvpaint", "another scene"})
         EXPECT_NE(result.err.find(part), std::string::npos) << part << " not in: " << result.err;
@@ -148,7 +149,7 @@ TEST_F(CliStage, PaintThatDoesNotFitIsNamed) {
 TEST_F(CliStage, LinearPicturesHoldTheSetAndItsDepth) {
     done({"stage", "set", show, "--background", "0.25,0.25,0.25"});
     const media::Image shown = still();
-    done({"render", show, "-o", file("still.exr"), "--size", "64x48"});
+    done({"render", "--overwrite", show, "-o", file("still.exr"), "--size", "64x48"});
     const media::LinearImage linear = media::read_exr(file("still.exr"));
     ASSERT_EQ(linear.width, 64u);
     size_t off = 0, floor = 0;
@@ -167,7 +168,7 @@ TEST_F(CliStage, LinearPicturesHoldTheSetAndItsDepth) {
 
 TEST_F(CliStage, WhatCannotBeRenderedIsRefused) {
     const auto refused = [&](const std::vector<std::string>& more, const std::vector<std::string>& parts) {
-        std::vector<std::string> words = {"render", show, "-o", file("x.mp4")};
+        std::vector<std::string> words = {"render", "--overwrite", show, "-o", file("x.mp4")};
         words.insert(words.end(), more.begin(), more.end());
         expect_refused(words, 2, parts);
     };

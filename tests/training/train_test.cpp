@@ -357,6 +357,7 @@ TEST_F(KilledRun, RefinesOnlyWhatItKnows) {
     ChildProcess known(words, log_);
     EXPECT_EQ(known.wait(), 0);
     EXPECT_NE(read_text(log_).find("colours of"), std::string::npos) << read_text(log_);
+    words.insert(words.begin() + 2, "--overwrite");
     words.back() = "poses";
     ChildProcess poses(words, log_);
     EXPECT_EQ(poses.wait(), 0);
