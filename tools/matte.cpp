@@ -1,7 +1,9 @@
 // neuvv matte: finds the part of each image that shows the performer, for captures without mattes.
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
+#include <set>
 
 #include "base/error.h"
 #include "base/output_path.h"
@@ -10,14 +12,33 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "training/layouts/formats.h"
 #include "training/make_mattes.h"
 
 namespace neuvv::tools {
 
 namespace {
 
+// Throws InputError where mattes, which have the names of images, would take the place of images or of other mattes.
+void expect_other_folder(const training::MatteJob& what) {
+    std::set<std::filesystem::path> folders{what.from};
+    for (const training::Split split : {training::Split::kTrain, training::Split::kTest}) {
+        try {
+            for (const training::Shot& shot : training::read_rig(what.dataset, split, what.format).shots)
+                folders.insert(shot.image.path.parent_path());
+        } catch (const InputError&) {  // make_mattes says what is wrong
+        }
+    }
+    std::error_code error;
+    for (const std::filesystem::path& folder : folders)
+        if (std::filesystem::equivalent(folder, what.output, error) && !error)
+            throw InputError("--output", what.output.string(),
+                             "holds what mattes are made of, and they would replace it", "choose another folder");
+}
+
 void run_matte(training::MatteJob what) {
     if (what.output.empty()) what.output = what.dataset / "mattes";
+    expect_other_folder(what);
     if (!may_overwrite() && training::count_existing_mattes(what) > 0)
         throw InputError(what.output.string(), "", "holds mattes of this data set already, perhaps corrected by hand",
                          "--overwrite replaces them");

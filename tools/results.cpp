@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -74,30 +75,22 @@ std::vector<std::filesystem::path> paths_of(const std::filesystem::path& value) 
     return paths;
 }
 
-// Whether the verb reads this file because an option names this path: as it is, as one of a folder or as one of a
-// stage.
-bool is_read_with(const std::filesystem::path& file, const std::filesystem::path& path) {
+// Whether the verb reads this file because an option names this path: as one of a folder or as one of a stage.
+bool belongs_to(const std::filesystem::path& file, const std::filesystem::path& path) {
     std::error_code error;
-    if (path.empty()) return false;
-    if (is_same(file, path)) return true;
-    if (!std::filesystem::exists(file, error)) return false;
+    if (path.empty() || !std::filesystem::exists(file, error)) return false;
     if (std::filesystem::is_directory(path, error))
         return lies_in(file, path) &&
                (voctree::is_segmented(path) || kDataEndings.contains(lower_case(file.extension().string())));
     return editor::has_stage_ending(path) && is_named_by_stage(file, path);
 }
 
-void expect_not_read(const std::string& option, const std::filesystem::path& file) {
-    for (const GivenPath& other : given().paths) {
-        if (other.option == option) continue;
-        for (const std::filesystem::path& path : paths_of(other.path))
-            if (is_read_with(file, path))
-                throw InputError(option, file.string(),
-                                 is_same(file, path)
-                                     ? fmt::format("is what {} names, too", other.option)
-                                     : fmt::format("belongs to {}, which this command reads", path.string()),
-                                 "choose another name");
-    }
+// Calls `check` with all that options name but this one.
+void for_each_other(const std::string& option,
+                    const std::function<void(const std::string& option, const std::filesystem::path& path)>& check) {
+    for (const GivenPath& other : given().paths)
+        if (other.option != option)
+            for (const std::filesystem::path& path : paths_of(other.path)) check(other.option, path);
 }
 
 }  // namespace
@@ -121,7 +114,10 @@ void prepare_live_file(const std::string& option, const std::filesystem::path& f
     if (!endings.empty() && std::ranges::find(endings, lower_case(file.extension().string())) == endings.end())
         throw InputError(option, file.string(), fmt::format("does not end with {}", fmt::join(endings, " or ")),
                          "name it so");
-    expect_not_read(option, file);
+    for_each_other(option, [&](const std::string& other, const std::filesystem::path& path) {
+        if (is_same(file, path))
+            throw InputError(option, file.string(), fmt::format("is what {} names, too", other), "choose another name");
+    });
     prepare_output_file(option, file);
 }
 
@@ -130,6 +126,12 @@ void prepare_result(const std::string& option, const std::filesystem::path& file
     std::error_code error;
     const bool is_there = std::filesystem::is_regular_file(file, error);
     prepare_live_file(option, file, endings);
+    for_each_other(option, [&](const std::string&, const std::filesystem::path& path) {
+        if (belongs_to(file, path))
+            throw InputError(option, file.string(),
+                             fmt::format("belongs to {}, which this command reads", path.string()),
+                             "choose another name");
+    });
     if (is_there) expect_replaceable(option, file);
 }
 
