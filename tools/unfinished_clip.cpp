@@ -30,7 +30,9 @@ UnfinishedClip::~UnfinishedClip() {
 void UnfinishedClip::finish(const std::filesystem::path& made) const {
     std::error_code error;
     const std::filesystem::path old = output_.string() + ".replaced";
-    const bool replaces = std::filesystem::exists(output_);
+    // A file takes the place of a file at once.
+    const bool replaces = std::filesystem::exists(output_) &&
+                          (std::filesystem::is_directory(output_) || std::filesystem::is_directory(made));
     if (replaces) std::filesystem::rename(output_, old, error);
     if (!error) std::filesystem::rename(made, output_, error);
     if (replaces && error) std::filesystem::rename(old, output_);
