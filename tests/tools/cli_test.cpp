@@ -117,6 +117,7 @@ TEST_F(Cli, HelpIsFoundAndFitsATerminal) {
     for (std::string line; std::getline(overview, line);)
         if (line.starts_with("  ") && line.size() > 14 && std::islower(line[2]) && line[13] == ' ' && line[14] != ' ')
             verbs.push_back(line.substr(2, line.find(' ', 2) - 2));
+    std::erase(verbs, "neuvv");  // an example
     EXPECT_GT(verbs.size(), 20u);
     for (const std::string& verb : verbs) {
         std::vector<std::string> words{"help"};
@@ -143,8 +144,9 @@ TEST_F(Cli, NearMissesAreGuessed) {
 TEST_F(Cli, VersionNamesTheCommit) {
     const std::string version = run_neuvv({"--version"}).out;
     EXPECT_EQ(version.rfind("neuvv 0.", 0), 0u) << version;
-    if (std::filesystem::exists(NEUVV_SOURCE_DIR "/.git"))
+    if (std::filesystem::exists(NEUVV_SOURCE_DIR "/.git")) {
         EXPECT_NE(version.find(", commit "), std::string::npos) << version;
+    }
 }
 
 // An empty value is a script's variable that is not set, and no default.

@@ -22,7 +22,9 @@ struct Results : testing::Test {
     void refuse(const std::filesystem::path& result, const std::string& part) {
         const std::string before = std::filesystem::is_regular_file(result) ? read_text(result) : "";
         expect_input_error([&] { prepare_result("--result", result); }, {"--result", result.string(), part});
-        if (!before.empty()) EXPECT_EQ(read_text(result), before);
+        if (!before.empty()) {
+            EXPECT_EQ(read_text(result), before);
+        }
     }
     void TearDown() override { set_given_paths({}); }
 };
