@@ -98,7 +98,9 @@ class Checker:
         self.check_files(where, verbs, words[len(verbs):], made)
 
     def check_files(self, where, verbs, words, made):
-        outputs = {words[i + 1] for i, word in enumerate(words[:-1]) if word in OUTPUT_OPTIONS} - {'-'}
+        outputs = {words[i + 1].replace('{performer}', 'anna') for i, word in enumerate(words[:-1])
+                   if word in OUTPUT_OPTIONS} - {'-'}
+        words = [word.replace('{performer}', 'anna') for word in words]
         if verbs == ['stage', 'new']:
             outputs.add(words[0])
         if verbs[0] == 'paint' and verbs[-1] in ('region', 'brush', 'project', 'erase', 'restore'):
