@@ -80,20 +80,21 @@ PsiStep::PsiStep(const gpu::Device& device, const PsiNetwork& network, const Psi
       sampling_(sampling),
       splits_(std::min(kMaxSplits, tiles * sampling.fine)),
       rays_(device, cameras, tiles),
+      samples_(kPsiBlock * rays_.tile_capacity * std::max(sampling.coarse, sampling.fine)),
       batch_(device, tiles),
-      points_(device, "psi points", uint64_t{16} * samples(), gpu::MemoryKind::kDevice, kVec4),
+      points_(device, "psi points", uint64_t{16} * samples_, gpu::MemoryKind::kDevice, kVec4),
       directions_(device, "psi directions", uint64_t{16} * kTilePixels * tiles, gpu::MemoryKind::kDevice, kVec4),
       ranges_(device, "psi ranges", uint64_t{16} * kTilePixels * tiles, gpu::MemoryKind::kDevice, kVec4),
-      values_(device, "psi values", uint64_t{16} * samples(), gpu::MemoryKind::kDevice, kVec4),
-      value_adjoints_(device, "psi value adjoints", uint64_t{16} * samples(), gpu::MemoryKind::kDevice, kVec4),
+      values_(device, "psi values", uint64_t{16} * samples_, gpu::MemoryKind::kDevice, kVec4),
+      value_adjoints_(device, "psi value adjoints", uint64_t{16} * samples_, gpu::MemoryKind::kDevice, kVec4),
       parameters_(device, "psi parameters", parameter_bytes(network.shape), gpu::MemoryKind::kDevice, kVec4),
       gradients_(device, "psi gradients", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
       first_(device, "psi first moments", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
       second_(device, "psi second moments", parameter_bytes(network.shape), gpu::MemoryKind::kDevice),
-      activations_(device, "psi activations", uint64_t{4} * network.shape.activation_rows() * samples(),
+      activations_(device, "psi activations", uint64_t{4} * network.shape.activation_rows() * samples_,
                    gpu::MemoryKind::kDevice, kVec4),
-      adjoints_(device, "psi adjoints", uint64_t{4} * network.shape.adjoint_rows() * samples(),
-                gpu::MemoryKind::kDevice, kVec4),
+      adjoints_(device, "psi adjoints", uint64_t{4} * network.shape.adjoint_rows() * samples_, gpu::MemoryKind::kDevice,
+                kVec4),
       partials_(device, "psi partials", uint64_t{4} * splits_ * network.shape.output_offset(),
                 gpu::MemoryKind::kDevice),
       sums_(device, "psi loss sums", uint64_t{16} * tiles, gpu::MemoryKind::kReadback),
@@ -302,8 +303,8 @@ std::vector<float> PsiStep::hidden_at(const std::vector<glm::vec3>& positions_wo
     std::vector<float> result(positions_world.size() * width);
     std::vector<glm::vec4> points;
     std::vector<float> rows;
-    for (size_t first = 0; first < positions_world.size(); first += samples()) {
-        const size_t count = std::min<size_t>(samples(), positions_world.size() - first);
+    for (size_t first = 0; first < positions_world.size(); first += samples_) {
+        const size_t count = std::min<size_t>(samples_, positions_world.size() - first);
         const auto blocks = static_cast<uint32_t>((count + kPsiBlock - 1) / kPsiBlock);
         points.assign(size_t{blocks} * kPsiBlock, glm::vec4(0));
         for (size_t i = 0; i < count; i++)

@@ -99,7 +99,6 @@ class PsiStep {
     // The whole step, pass by pass.
     void record_psi_step(const PsiStepSettings& settings);
     void record_psi_weights(uint32_t blocks);
-    uint32_t samples() const { return kPsiBlock * rays_.tile_capacity * std::max(sampling_.coarse, sampling_.fine); }
     PsiFoldPush fold_push(float frame) const;
 
     const gpu::Device& device_;
@@ -107,6 +106,7 @@ class PsiStep {
     PsiSampling sampling_;
     uint32_t splits_;
     render::RayBatch rays_;
+    uint32_t samples_;  // that the buffers have room for
     LossBatch batch_;
     gpu::Buffer points_, directions_, ranges_, values_, value_adjoints_;
     gpu::Buffer parameters_, gradients_, first_, second_, activations_, adjoints_, partials_;

@@ -21,7 +21,10 @@ struct Rays {
     std::vector<glm::vec4> radiance;
     std::vector<float> depth;
 
-    Rays(uint32_t w, uint32_t h) : width(w), height(h), radiance(index_end()), depth(index_end()) {}
+    Rays(uint32_t w, uint32_t h) : width(w), height(h) {
+        radiance.resize(index_end());
+        depth.resize(index_end());
+    }
     uint32_t across() const { return (width + kTile - 1) / kTile; }
     size_t index_end() const { return size_t{across()} * ((height + kTile - 1) / kTile) * kTilePixels; }
     size_t index(uint32_t x, uint32_t y) const {

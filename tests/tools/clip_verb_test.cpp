@@ -14,7 +14,7 @@ namespace {
 struct ClipVerb : testing::Test {
     TemporaryFolder folder;
     voctree::VOctree tree = test::random_tree({.leaves = 300, .bases = 6, .frames = 6});
-    std::string whole = file("whole.nvv"), parts = file("parts.nvv");
+    std::string whole = (folder.path / "whole.nvv").string(), parts = (folder.path / "parts.nvv").string();
 
     void SetUp() override {
         tree.fps = 2;

@@ -43,7 +43,7 @@ inline bool other(const media::Image& a, const media::Image& b) {
 // A stage with the performer `anna`, of two seconds, and with what `neuvv stage new` adds.
 struct ViewerWindow : testing::Test {
     TemporaryFolder folder;
-    std::string clip = file("waver.nvv"), stage = file("show.gltf");
+    std::string clip = (folder.path / "waver.nvv").string(), stage = (folder.path / "show.gltf").string();
     std::optional<VirtualScreen> screen;
 
     void SetUp() override {

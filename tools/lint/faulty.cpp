@@ -1,4 +1,4 @@
-// Three faults, in a header, a template and an unnamed namespace, that tools/check tidy must find before it is believed
+// Four faults, in a header, a template and an unnamed namespace, that tools/check tidy must find before it is believed
 // that other files have none. Nothing compiles this file.
 #include "faulty.h"
 
@@ -18,9 +18,15 @@ struct Triangle : Shape {
     virtual int corners() const { return 3; }  // without override
 };
 
+struct Area {
+    double twice_ = doubled();  // reads area_ before it is made
+    double area_ = 1;
+    double doubled() const { return 2 * area_; }
+};
+
 }  // namespace
 
 std::string::size_type use_all(const std::string& text) {
     return use_after_move_in_a_header(text) + use_after_move_in_a_template(text) +
-           static_cast<std::string::size_type>(Triangle().corners());
+           static_cast<std::string::size_type>(Triangle().corners() + Area().twice_);
 }
