@@ -7,8 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "base/error.h"
+#include "base/memory_group.h"
 #include "base/seconds.h"
 #include "base/trace_file.h"
 #include "training/array_buffers.h"
@@ -37,24 +39,14 @@ class Run {
           settings_(settings),
           output_(std::move(output)),
           began_(seconds_now()),
-          given_hash_(hash_of(dataset)),
-          // Braces evaluate from left to right: begin() sets seed and tree, which the arguments after it read.
-          sampler_{begin(), run_.tiles_per_step * settings.team.size, run_.seed, batches_in_a_row(tree_),
-                   reach_of_hull(dataset, tree_.box_min, tree_.box_size, run_.max_depth - kLevelsAbovePixel,
-                                 settings.shape.hull_margin)} {
-        if (settings_.resume && run_.dataset_hash != given_hash_)
-            throw InputError(state_path(output_).string(), "",
-                             fmt::format("is of a run on other images, mattes or cameras than those of {}",
-                                         dataset_.folder.string()),
-                             "resume with the data set that the run began with");
-        run_.dataset_hash = given_hash_;
-        for (uint64_t step = 1; step <= run_.step; step++) sampler_.skip(samples_of(step));
-    }
+          given_hash_(hash_of(dataset)) {}
 
     TrainProgress operator()(const TrainCallback& callback);
 
   private:
-    const Dataset& begin();
+    void begin();
+    void begin_new();
+    void go_on_from_checkpoint();
     const Team& team() const { return settings_.team; }
     // What the run has taken. In a team it is what the first member said before this step, so that all members decide
     // alike.
@@ -81,8 +73,9 @@ class Run {
     double seconds_left() const {
         return fraction() > 0 ? steps_s() / fraction() - steps_s() : std::numeric_limits<double>::infinity();
     }
-    double epochs_done() const { return run_.rays / static_cast<double>(sampler_.rays_per_epoch()); }
+    double epochs_done() const { return run_.rays / static_cast<double>(sampler_->rays_per_epoch()); }
     double epochs_of_run() const { return fraction() > 0 ? epochs_done() / fraction() : 0; }
+    uint64_t leaves_in_memory(uint64_t bytes_of_weights) const;
     uint32_t max_leaves() const;
     uint32_t samples_of(uint64_t step) const { return step < run_.several_rays_from ? 1 : kSeveralRays; }
     Batch next_batch(uint64_t step);
@@ -115,7 +108,7 @@ class Run {
     std::vector<RefinedPose> poses_;
     uint32_t finest_ = 0;  // octree depth of the tree's finest leaves
     std::unique_ptr<TrainingStep> step_;
-    BatchSampler sampler_;
+    std::optional<BatchSampler> sampler_;  // since begin()
     uint64_t began_at_step_ = 0;
     double saved_at_ = 0;  // when the state of the last checkpoint had been read
     CheckpointWriter checkpoints_;
@@ -124,66 +117,92 @@ class Run {
     TrainProgress reported_;
 };
 
-const Dataset& Run::begin() {
-    if (settings_.resume) {
-        if (!std::filesystem::exists(state_path(output_)))
-            throw InputError(state_path(output_).string(), "", "is not there: no run to go on with",
-                             "train without --resume");
-        Checkpoint checkpoint = load_checkpoint(output_);
-        if (checkpoint.tree.frames != dataset_.times.size())
+void Run::go_on_from_checkpoint() {
+    if (!std::filesystem::exists(state_path(output_)))
+        throw InputError(state_path(output_).string(), "", "is not there: no run to go on with",
+                         "train without --resume");
+    Checkpoint checkpoint = load_checkpoint(output_);
+    if (checkpoint.tree.frames != dataset_.times.size())
+        throw InputError(state_path(output_).string(), "",
+                         fmt::format("has {} frames, {} has {}", checkpoint.tree.frames, dataset_.folder.string(),
+                                     dataset_.times.size()),
+                         "resume with the data set that the run began with");
+    for (const size_t cameras :
+         {checkpoint.colours.cameras(), checkpoint.rig.poses.size(), checkpoint.rig.frames_late.size()})
+        if (cameras > 0 && cameras != dataset_.cameras.size())
             throw InputError(state_path(output_).string(), "",
-                             fmt::format("has {} frames, {} has {}", checkpoint.tree.frames, dataset_.folder.string(),
-                                         dataset_.times.size()),
+                             fmt::format("is of a rig of {} cameras, {} has {}", cameras, dataset_.folder.string(),
+                                         dataset_.cameras.size()),
                              "resume with the data set that the run began with");
-        for (const size_t cameras :
-             {checkpoint.colours.cameras(), checkpoint.rig.poses.size(), checkpoint.rig.frames_late.size()})
-            if (cameras > 0 && cameras != dataset_.cameras.size())
-                throw InputError(state_path(output_).string(), "",
-                                 fmt::format("is of a rig of {} cameras, {} has {}", cameras, dataset_.folder.string(),
-                                             dataset_.cameras.size()),
-                                 "resume with the data set that the run began with");
-        run_ = checkpoint.run;
-        colours_ = checkpoint.colours;
-        correct_rig(checkpoint.rig);
-        tree_ = std::move(checkpoint.tree);
-        make_step();
-        checkpoint.tree = {};
-        restore_moments(device_, *step_, checkpoint);
-    } else {
-        run_.seed = settings_.seed;
-        run_.max_leaves = settings_.max_leaves;
-        run_.max_bytes = settings_.max_bytes;
-        run_.adaptive = settings_.adaptive;
-        run_.resolution_is_natural = settings_.shape.resolution == 0;
-        run_.left_out = settings_.left_out;
-        // Devices of members may differ; batches must not.
-        run_.tiles_per_step = gather_values(team(), settings_.tiles_per_step)[0];
-        run_.weights = settings_.weights;
-        run_.program = settings_.program;
-        colours_ = CameraColours(dataset_.cameras.size(), dataset_.times.size(), settings_.refine);
-        correct_rig(settings_.rig);
-        tree_ =
-            settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
-        if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
-            throw InputError("--max-leaves", std::to_string(run_.max_leaves),
-                             fmt::format("already the first tree has {} leaves", tree_.leaf_count),
-                             "allow more, or choose a lower --resolution");
-        if (tree_.leaf_count > max_leaves())
-            throw InputError("--resolution", "",
-                             fmt::format("already the first tree has {} leaves, and this device trains {}",
-                                         tree_.leaf_count, max_leaves()),
-                             "choose a lower resolution or --hh-degree");
-        adopt_first_tree(team(), tree_);
-        run_.max_depth = voctree::leaf_positions(tree_)[0].depth + kLevelsAbovePixel;
-        make_step();
-    }
+    run_ = checkpoint.run;
+    colours_ = checkpoint.colours;
+    correct_rig(checkpoint.rig);
+    tree_ = std::move(checkpoint.tree);
+    make_step();
+    checkpoint.tree = {};
+    restore_moments(device_, *step_, checkpoint);
+}
+
+void Run::begin_new() {
+    run_.seed = settings_.seed;
+    run_.max_leaves = settings_.max_leaves;
+    run_.max_bytes = settings_.max_bytes;
+    run_.adaptive = settings_.adaptive;
+    run_.resolution_is_natural = settings_.shape.resolution == 0;
+    run_.left_out = settings_.left_out;
+    // Devices of members may differ; batches must not.
+    run_.tiles_per_step = gather_values(team(), settings_.tiles_per_step)[0];
+    run_.weights = settings_.weights;
+    run_.program = settings_.program;
+    colours_ = CameraColours(dataset_.cameras.size(), dataset_.times.size(), settings_.refine);
+    correct_rig(settings_.rig);
+    tree_ = settings_.first_tree ? *settings_.first_tree : initial_tree(dataset_, settings_.shape, kLevelsAbovePixel);
+    if (run_.max_leaves > 0 && tree_.leaf_count > run_.max_leaves)
+        throw InputError("--max-leaves", std::to_string(run_.max_leaves),
+                         fmt::format("already the first tree has {} leaves", tree_.leaf_count),
+                         "allow more, or choose a lower --resolution");
+    if (tree_.leaf_count > max_leaves())
+        throw InputError("--resolution", "",
+                         fmt::format("already the first tree has {} leaves, and this device, or the memory that this "
+                                     "program may take, has room for {}",
+                                     tree_.leaf_count, max_leaves()),
+                         "choose a lower resolution or --hh-degree");
+    adopt_first_tree(team(), tree_);
+    run_.max_depth = voctree::leaf_positions(tree_)[0].depth + kLevelsAbovePixel;
+    make_step();
+}
+
+void Run::begin() {
+    if (settings_.resume)
+        go_on_from_checkpoint();
+    else
+        begin_new();
     if (settings_.minutes > 0 || settings_.steps > 0) {
         run_.minutes = settings_.minutes;
         run_.steps = settings_.steps;
     } else if (run_.minutes <= 0 && run_.steps == 0) {
         run_.minutes = kDefaultMinutes;
     }
-    return dataset_;
+    sampler_.emplace(dataset_, run_.tiles_per_step * team().size, run_.seed, batches_in_a_row(tree_),
+                     reach_of_hull(dataset_, tree_.box_min, tree_.box_size, run_.max_depth - kLevelsAbovePixel,
+                                   settings_.shape.hull_margin));
+    if (settings_.resume && run_.dataset_hash != given_hash_)
+        throw InputError(
+            state_path(output_).string(), "",
+            fmt::format("is of a run on other images, mattes or cameras than those of {}", dataset_.folder.string()),
+            "resume with the data set that the run began with");
+    run_.dataset_hash = given_hash_;
+    for (uint64_t step = 1; step <= run_.step; step++) sampler_->skip(samples_of(step));
+}
+
+// How many leaves the system's free memory has room for: where a control group allows little, the process would be
+// killed without a word. A leaf takes its weights several times, with those of the checkpoint that is being written,
+// and of a device whose memory is the system's also their moments and gradients (measured: 2.4 kB a leaf of 416 bytes).
+uint64_t Run::leaves_in_memory(uint64_t bytes_of_weights) const {
+    constexpr uint64_t kOnHost = 3, kOnBoth = 6, kPipelines = uint64_t{100} << 20;
+    const uint64_t bytes = bytes_of_weights * (device_.summary().kind == "cpu" ? kOnBoth : kOnHost);
+    const uint64_t left = available_memory_bytes(), needed = step_ ? 0 : kPipelines;
+    return (left - std::min(left, needed)) / bytes + (step_ ? tree_.leaf_count : 0);
 }
 
 // The bound on the tree's leaves. The device must be able to train all of them as live leaves at once, and the file
@@ -193,6 +212,7 @@ uint32_t Run::max_leaves() const {
     const uint64_t planes = 2 * ((tree_.bases + 3) / 4) + hh_count(tree_.hh_degree);
     limit = std::min<uint64_t>(limit, array_buffers(device_).max_elements(16) / planes);
     limit = std::min(limit, device_.max_allocation_bytes() / (16 * planes));
+    limit = std::min(limit, leaves_in_memory(16 * planes));
     if (run_.max_leaves > 0) limit = std::min<uint64_t>(limit, run_.max_leaves);
     if (const uint64_t file_bytes = checkpoints_.last().bytes; run_.max_bytes > 0 && file_bytes > 0) {
         const uint64_t bytes = run_.max_bytes * (run_.phase + 1 < kPhaseCount ? kEarlyBytesFactor : 1);
@@ -243,7 +263,7 @@ void Run::make_step() {
 
 void Run::begin_phase_if_due() {
     if (run_.phase + 1 >= kPhaseCount || fraction() < kPhases[run_.phase + 1].begins) return;
-    const double epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_.rays_per_epoch());
+    const double epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_->rays_per_epoch());
     const bool covered = epochs > kMinEpochsForPruning, coarse = run_.phase < kLevelsAbovePixel;
     if (!covered && !coarse) return;  // the change waits until enough rays were traced
     if (run_.max_bytes > 0) save();   // max_leaves() needs to know how well this tree packs
@@ -262,7 +282,7 @@ void Run::begin_phase_if_due() {
 
 void Run::change_own_tree(uint32_t max_leaves) {
     TreeChange change{run_, dataset_};
-    change.epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_.rays_per_epoch());
+    change.epochs = static_cast<double>(run_.phase_rays) / static_cast<double>(sampler_->rays_per_epoch());
     change.rays_of_run = run_.rays / fraction();
     change.max_leaves = max_leaves;
     change.hull_margin = settings_.shape.hull_margin;
@@ -304,7 +324,7 @@ bool Run::agree(bool go_on) {
 // Asks TrainSettings::between_steps.
 bool Run::may_go_on() {
     if (!settings_.between_steps) return true;
-    return settings_.between_steps({*step_, sampler_, fraction(), run_.phase, colours_});
+    return settings_.between_steps({*step_, *sampler_, fraction(), run_.phase, colours_});
 }
 
 void Run::save() {
@@ -340,7 +360,7 @@ Batch Run::next_batch(uint64_t step) {
     if (run_.several_rays_from == UINT64_MAX && !has(run_.left_out, OptionalPart::kRays) &&
         fraction() >= kSeveralRaysFrom && epochs_done() >= kSeveralRaysEpochs)
         run_.several_rays_from = step;
-    return sampler_.next(samples_of(step), team().rank, team().size);
+    return sampler_->next(samples_of(step), team().rank, team().size);
 }
 
 StepSettings Run::step_settings(double time) const {
@@ -412,6 +432,7 @@ TrainProgress Run::progress() const {
 }
 
 TrainProgress Run::operator()(const TrainCallback& callback) {
+    begin();
     began_at_step_ = run_.step;
     expect_alike();
     save();

@@ -202,6 +202,16 @@ std::vector<uint32_t> best_devices() {
 Device::Device(std::unique_ptr<Messages> messages)
     : programs_(std::make_unique<ComputePrograms>()), messages_(std::move(messages)) {}
 
+// Of a device whose memory is the system's, a control group may allow a part: beyond it, the process would be killed
+// without a word. A share is left to what is no buffer.
+static std::optional<uint64_t> memory_limit(const DeviceSummary& summary) {
+    constexpr uint64_t kShare = 5;
+    std::optional<uint64_t> limit = memory_limit_of_environment();
+    if (limit || summary.kind != "cpu") return limit;
+    if (const auto left = memory_left_by_groups()) limit = *left - *left / kShare;
+    return limit;
+}
+
 // Delegates, so that the destructor frees the instance when no device fits.
 Device::Device(const std::string& choice, Validation validation, const DeviceExtensions& extensions,
                const DeviceMaker& maker)
@@ -209,7 +219,7 @@ Device::Device(const std::string& choice, Validation validation, const DeviceExt
     create_instance(validation, extensions, maker);
     choose_physical(choice, maker);
     create_device(extensions, maker);
-    limit_memory(memory_limit_of_environment());
+    limit_memory(memory_limit(summary_));
     open_pipeline_cache();
     choose_by_speed(*this, summary_);
 }
