@@ -15,11 +15,28 @@ UnfinishedClip::UnfinishedClip(const std::filesystem::path& output)
     if (std::filesystem::exists(output_)) expect_replaceable("--output", output_);
     prepare_result("--output", std::filesystem::is_directory(output_) ? voctree::index_file(output_) : output_);
     std::error_code error;
-    if (std::filesystem::create_directory(folder_, error)) return;
+    if (std::filesystem::create_directory(folder_, error)) {
+        lock_ = FileLock::try_lock(lock());
+        return;
+    }
+    if (!error && take_abandoned()) return;
     if (error) throw InputError("--output", folder_.string(), "cannot be made: " + error.message());
     throw InputError("--output", folder_.string(),
-                     "is there already: the clip is being written, or that was interrupted",
+                     "is there already: the clip is being written, or the folder is somebody's",
                      "wait for that, or remove it");
+}
+
+// Only what has a lock in it is a folder of this class.
+bool UnfinishedClip::take_abandoned() {
+    std::error_code error;
+    if (!std::filesystem::is_directory(std::filesystem::symlink_status(folder_, error)) ||
+        !std::filesystem::is_regular_file(std::filesystem::symlink_status(lock(), error)))
+        return false;
+    lock_ = FileLock::try_lock(lock());
+    if (!lock_) return false;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_, error))
+        if (entry.path() != lock()) std::filesystem::remove_all(entry.path(), error);
+    return true;
 }
 
 UnfinishedClip::~UnfinishedClip() {
@@ -29,6 +46,7 @@ UnfinishedClip::~UnfinishedClip() {
 
 void UnfinishedClip::finish(const std::filesystem::path& made) const {
     std::error_code error;
+    std::filesystem::remove(lock(), error);
     const std::filesystem::path old = output_.string() + ".replaced";
     // A file takes the place of a file at once.
     const bool replaces = std::filesystem::exists(output_) &&

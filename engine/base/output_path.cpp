@@ -39,8 +39,7 @@ void prepare_output_file(const std::string& option, const std::filesystem::path&
     std::error_code ignored;
     if (!file.has_filename() || std::filesystem::is_directory(file, ignored))
         throw InputError(option, file.string(), "is a folder, not a file", "add a file name");
-    if (!is_replaceable(file))
-        throw InputError(option, file.string(), "is no regular file, and would be replaced", "choose another");
+    if (const std::string why = why_not_replaced(file); !why.empty()) throw InputError(option, file.string(), why);
     prepare_output_folder(option, link_target(file).parent_path());
 }
 

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <climits>
 #include <csignal>
@@ -24,8 +25,6 @@ namespace neuvv {
 
 namespace {
 
-constexpr int kMaxLinks = 40;  // as many as Linux follows
-
 struct FileDescriptor {
     int fd = -1;
     explicit FileDescriptor(int descriptor) : fd(descriptor) {}
@@ -40,25 +39,25 @@ struct FileDescriptor {
     throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path.string(), what, std::strerror(errno)));
 }
 
+// A regular file and its size. A pipe would be opened without waiting for its writer, which blocks all others.
+std::pair<int, uint64_t> open_regular_file(const std::filesystem::path& path) {
+    const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (descriptor < 0) throw InputError(path.string(), "", fmt::format("cannot open: {}", std::strerror(errno)));
+    struct stat status {};
+    if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode))
+        return {descriptor, static_cast<uint64_t>(status.st_size)};
+    close(descriptor);
+    throw InputError(path.string(), "", "is not a regular file");
+}
+
 uint64_t rounded_up(uint64_t bytes) {
     return (bytes + SpooledMemory::kRounding - 1) / SpooledMemory::kRounding * SpooledMemory::kRounding;
 }
 
-// The number after a label in a file of /proc or /sys, times `unit`; `fallback` where there is none.
-uint64_t number_after(const char* path, const std::string& label, uint64_t unit, uint64_t fallback) {
-    std::ifstream file(path);
-    for (std::string line; std::getline(file, line);) {
-        if (!line.starts_with(label)) continue;
-        char* end = nullptr;
-        const char* digits = line.c_str() + label.size();
-        const uint64_t value = std::strtoull(digits, &end, 10);
-        return end == digits ? fallback : value * unit;
-    }
-    return fallback;
-}
-
-volatile std::sig_atomic_t g_stop = 0;
-timespec g_stop_requested_at{};  // used by the handler alone
+volatile std::sig_atomic_t g_stop = 0;  // the signal that asked for it
+unsigned g_patience_s = kEndless;
+std::atomic<bool> g_heeded = false;  // somebody knows of the request
+timespec g_stop_requested_at{};      // used by the handler alone
 
 void on_stop_signal(int signal) {
     // Signals this close are one request: `timeout` signals a program, then its group.
@@ -71,67 +70,30 @@ void on_stop_signal(int signal) {
         std::signal(signal, SIG_DFL);
         std::raise(signal);
     }
-    if (!g_stop) g_stop_requested_at = now;
-    g_stop = 1;
+    if (!g_stop) {
+        g_stop_requested_at = now;
+        if (g_patience_s != kEndless) alarm(g_patience_s);
+    }
+    g_stop = signal;
+}
+
+void on_unheeded_stop(int) {
+    if (g_heeded) return;
+    std::signal(g_stop, SIG_DFL);
+    std::raise(g_stop);
 }
 
 }  // namespace
 
-void write_file_atomically(const std::filesystem::path& named, const std::function<void(const ByteSink&)>& write) {
-    const std::filesystem::path path = link_target(named);
-    if (!is_replaceable(path)) throw RuntimeFailure(fmt::format("{}: is no regular file to write to", named.string()));
-    const std::filesystem::path temporary = path.string() + fmt::format(".tmp{}", getpid());
-    try {
-        FileDescriptor file(open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-        if (file.fd < 0) fail_write(temporary, "create");
-        write([&](const void* data, size_t bytes) {
-            const char* at = static_cast<const char*>(data);
-            while (bytes > 0) {
-                const ssize_t written = ::write(file.fd, at, bytes);
-                if (written < 0 && errno == EINTR) continue;
-                if (written < 0) fail_write(temporary, "write");
-                at += written;
-                bytes -= static_cast<size_t>(written);
-            }
-        });
-        replace_file(path, temporary);
-    } catch (...) {
-        unlink(temporary.c_str());
-        throw;
-    }
-}
-
-void replace_file(const std::filesystem::path& path, const std::filesystem::path& finished) {
-    {
-        const FileDescriptor file(open(finished.c_str(), O_RDONLY | O_CLOEXEC));
-        if (file.fd < 0 || fsync(file.fd) != 0) fail_write(finished, "sync");
-    }
-    if (rename(finished.c_str(), path.c_str()) != 0) fail_write(path, "replace");
-    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-    const FileDescriptor directory(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (directory.fd >= 0) fsync(directory.fd);  // best effort: some file systems refuse to sync folders
-}
-
-std::filesystem::path link_target(std::filesystem::path path) {
-    std::error_code error;
-    for (int hops = 0; hops < kMaxLinks && std::filesystem::is_symlink(path, error); hops++)
-        path = path.parent_path() / std::filesystem::read_symlink(path, error);
-    return path;
-}
-
-bool is_replaceable(const std::filesystem::path& file) {
-    std::error_code error;
-    const std::filesystem::file_status status = std::filesystem::status(file, error);
-    return !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
+uint64_t expect_regular_file(const std::filesystem::path& path) {
+    const auto [descriptor, size] = open_regular_file(path);
+    close(descriptor);
+    return size;
 }
 
 std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit_bytes) {
-    const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    if (file.fd < 0) throw InputError(path.string(), "", fmt::format("cannot open: {}", std::strerror(errno)));
-    struct stat status {};
-    if (fstat(file.fd, &status) != 0 || !S_ISREG(status.st_mode))
-        throw InputError(path.string(), "", "is not a regular file");
-    const auto size = static_cast<uint64_t>(status.st_size);
+    const auto [descriptor, size] = open_regular_file(path);
+    const FileDescriptor file(descriptor);
     if (size > limit_bytes)
         throw InputError(path.string(), "",
                          fmt::format("is {} bytes, more than the {} allowed here", size, limit_bytes));
@@ -174,16 +136,6 @@ void keep_freed_memory() {
         mallopt(M_TOP_PAD, 64 << 20);
     });
 #endif
-}
-
-uint64_t available_memory_bytes() {
-    const uint64_t system = number_after("/proc/meminfo", "MemAvailable:", 1024, UINT64_MAX);
-    const uint64_t group = number_after("/sys/fs/cgroup/memory.max", "", 1, UINT64_MAX);
-    // Cached files count as used by the group, but are dropped when memory is needed.
-    const uint64_t cached = number_after("/sys/fs/cgroup/memory.stat", "inactive_file ", 1, 0);
-    const uint64_t current = number_after("/sys/fs/cgroup/memory.current", "", 1, 0);
-    const uint64_t used = current - std::min(current, cached);
-    return std::min(system, group == UINT64_MAX ? group : group - std::min(group, used));
 }
 
 SpooledMemory::SpooledMemory(uint64_t memory_budget, std::filesystem::path folder, uint64_t disk_budget)
@@ -245,7 +197,9 @@ void SpooledMemory::do_deallocate(void* at, size_t bytes, size_t alignment) {
     memory_left_ += rounded_up(bytes);
 }
 
-void catch_stop_signals() {
+void catch_stop_signals(unsigned patience_s) {
+    g_patience_s = patience_s;
+    std::signal(SIGALRM, on_unheeded_stop);
     std::signal(SIGINT, on_stop_signal);
     std::signal(SIGTERM, on_stop_signal);
 }
@@ -257,7 +211,17 @@ void catch_hangup() {
 }
 
 bool stop_requested() {
-    return g_stop != 0;
+    if (g_stop == 0) return false;
+    g_heeded = true;
+    return true;
+}
+
+void open_standard_streams() {
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; stream++) {
+        if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
+        // The lowest number that is free is this one. Opened for the other direction, it fails as a closed one does.
+        if (open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) return;
+    }
 }
 
 bool stderr_is_terminal() {

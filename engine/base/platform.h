@@ -1,5 +1,5 @@
-// Every call that differs between operating systems, but for child_program.h, file_lock.h, udp_socket.h and
-// line_reader.h. A port to another system is a second platform.cpp.
+// Every call that differs between operating systems, but for child_program.h, memory_group.h, new_file.h, file_lock.h,
+// udp_socket.h and line_reader.h. A port to another system is a second file of each.
 #pragma once
 
 #include <cstddef>
@@ -12,26 +12,16 @@
 #include <string>
 #include <vector>
 
+#include "base/memory_group.h"  // IWYU pragma: export
+#include "base/new_file.h"      // IWYU pragma: export
+
 namespace neuvv {
 
-// Writes a file so that at any moment, power cuts included, the path has either the old or the new content: it writes a
-// temporary file beside it, syncs it, renames it, and syncs the folder. `write` gets a sink, which it calls with
-// consecutive parts of the content. Where the path is a link, the link stays and its target is replaced. Throws
-// RuntimeFailure with the path where that cannot be replaced.
-using ByteSink = std::function<void(const void* data, size_t bytes)>;
-void write_file_atomically(const std::filesystem::path& path, const std::function<void(const ByteSink&)>& write);
-// The last part of that, where a library wrote the file: `finished`, on the same file system, is synced and becomes
-// `path`. Throws RuntimeFailure with the path.
-void replace_file(const std::filesystem::path& path, const std::filesystem::path& finished);
+// Throws InputError unless the path leads to a regular file that can be read. To be called before a library opens a
+// file by its name: opening a pipe waits for its writer, and reading a device may never end. Returns the file's size.
+uint64_t expect_regular_file(const std::filesystem::path& path);
 
-// The path to which a file with this path would be written: the target of a link, whether that exists or not, else the
-// path itself.
-std::filesystem::path link_target(std::filesystem::path path);
-
-// Whether the path is free or a regular file, with links followed. Devices, pipes and folders are not replaced.
-bool is_replaceable(const std::filesystem::path& file);
-
-// The whole file. Throws InputError if it is missing, unreadable or larger than `limit_bytes`.
+// The whole file. Throws InputError if it is missing, unreadable, no regular file or larger than `limit_bytes`.
 std::vector<uint8_t> read_file(const std::filesystem::path& path, uint64_t limit_bytes = UINT64_MAX);
 
 // Whether this process may make files in an existing folder.
@@ -48,10 +38,6 @@ void return_freed_memory();
 // the system otherwise. Whoever allocates as much again and again, as for each frame of a stream, then need not wait
 // for the system to clear pages. Each thread's memory stays as large as it ever was, until return_freed_memory().
 void keep_freed_memory();
-
-// How much memory this process may still take, in bytes: the smaller of the system's free memory and what the limit of
-// its control group leaves.
-uint64_t available_memory_bytes();
 
 // The first allocations are plain memory. Those that would take more of it than a budget lie in a file without a name,
 // from which the system pages; the file grows with them. Space in the file is not used again; all of it is freed with
@@ -81,13 +67,20 @@ class SpooledMemory : public std::pmr::memory_resource {
 };
 
 // After this call, SIGINT and SIGTERM set a flag instead of ending the program. A second signal more than half a second
-// later ends it.
-void catch_stop_signals();
+// later ends it. Where nobody has asked for the flag so many seconds after the first, because the program waits for a
+// disk or a driver, that ends it, too; but not with kEndless, of programs whose work would be lost.
+constexpr unsigned kUsualPatience_s = 10, kEndless = 0;
+void catch_stop_signals(unsigned patience_s = kUsualPatience_s);
 // The same for SIGHUP, which comes when the terminal is closed; but not where SIGHUP is ignored, as under nohup.
 void catch_hangup();
 bool stop_requested();
 
 bool stderr_is_terminal();
+
+// Opens those of the standard streams that the program was started without, so that no file that it opens later gets
+// their numbers, and with them what is printed. Reading and writing such a stream fails. To be called before any file
+// is opened.
+void open_standard_streams();
 
 // A function of a library that is already in the process, for instance because a debugger loaded it; null where there
 // is none. The library is not loaded by this call.

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
 #include <cstring>
-#include <random>
 #include <sstream>
 
 #include "base/child_program.h"
@@ -28,20 +29,22 @@ std::string first_error(const std::string& output, const std::string& file) {
     return fmt::format("{}: glslangValidator: {}", file, output.substr(0, output.find('\n')));
 }
 
-// A temporary file in the user's cache folder, removed with this object.
-struct TemporaryFile {
+// A folder of this user alone, removed with this object.
+struct PrivateFolder {
     std::filesystem::path path;
-    TemporaryFile() {
+    PrivateFolder() {
         const std::filesystem::path own = cache_folder();
-        path = (own.empty() ? std::filesystem::temp_directory_path() : own) /
-               fmt::format("shader-{:08x}.spv", std::random_device()());
+        std::string name = ((own.empty() ? std::filesystem::temp_directory_path() : own) / "shader-XXXXXX").string();
+        if (!mkdtemp(name.data()))
+            throw RuntimeFailure(fmt::format("{}: cannot be made: {}", name, std::strerror(errno)));
+        path = name;
     }
-    ~TemporaryFile() {
+    ~PrivateFolder() {
         std::error_code error;
-        std::filesystem::remove(path, error);
+        std::filesystem::remove_all(path, error);
     }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    PrivateFolder(const PrivateFolder&) = delete;
+    PrivateFolder& operator=(const PrivateFolder&) = delete;
 };
 
 // The names of the files that a source includes, as they are written there.
@@ -89,15 +92,15 @@ std::set<std::filesystem::path> ShaderSources::included(const std::filesystem::p
 }
 
 std::vector<uint32_t> ShaderSources::compiled(const std::string& file, bool storage) const {
-    const TemporaryFile out;
-    std::vector<std::string> command = {
-        "glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.3", "-I" + folder_.string(), "-o",
-        out.path.string()};
+    const PrivateFolder folder;
+    const std::filesystem::path out = folder.path / "out.spv";
+    std::vector<std::string> command = {"glslangValidator",      "--quiet", "-V",        "--target-env", "vulkan1.3",
+                                        "-I" + folder_.string(), "-o",      out.string()};
     if (storage) command.emplace_back("-DNEUVV_STORAGE_BUFFERS");
     command.push_back((folder_ / file).string());
     const ProgramOutput output = run_program(command);
     if (output.code != 0) throw InputError(folder_.string(), file, first_error(output.text, file));
-    const std::vector<uint8_t> bytes = read_file(out.path, kMaxSourceBytes);
+    const std::vector<uint8_t> bytes = read_file(out, kMaxSourceBytes);
     std::vector<uint32_t> words(bytes.size() / 4);
     if (!words.empty()) std::memcpy(words.data(), bytes.data(), 4 * words.size());
     if (words.empty() || words[0] != kSpirvMagic) throw InputError(folder_.string(), file, "gave no SPIR-V");

@@ -44,7 +44,7 @@ bool is_alike(const AVCodecParameters& a, const AVCodecParameters& b) {
 
 class JoinedVideo {
   public:
-    explicit JoinedVideo(const std::filesystem::path& path) : file_(path, ".tmp") {}
+    explicit JoinedVideo(const std::filesystem::path& path) : file_(path) {}
 
     // Before the first append(): the video is encoded as `first`.
     void open(const Part& first, const std::string& comment);

@@ -27,11 +27,11 @@ constexpr int kMaxTimeBase = 65535;  // the finest that MPEG-4 part 2 can store
 }  // namespace
 
 struct VideoWriter::State {
-    std::filesystem::path path;
-    std::filesystem::path temporary;
+    NewFile file;
+    const std::filesystem::path& path = file.path();
     uint32_t width = 0, height = 0;  // of the frames that are added; the sides of the video are even
     bool has_alpha = false;          // whether it is a .mov of ProRes 4444
-    OwnedOutput output;
+    OwnedOutput output;              // it closes the file before that goes
     OwnedCodec codec;
     OwnedFrame rgba, yuv;
     OwnedPacket packet;
@@ -39,14 +39,10 @@ struct VideoWriter::State {
     AVStream* stream = nullptr;  // owned by output
     int64_t frames = 0;
 
-    State() = default;
+    explicit State(const std::filesystem::path& to) : file(to) {}
     State(const State&) = delete;
     State& operator=(const State&) = delete;
-    ~State() {
-        output.reset();
-        std::error_code ignored;
-        if (!temporary.empty()) std::filesystem::remove(temporary, ignored);
-    }
+    ~State() = default;
 
     [[noreturn]] void fail(const char* what, int code) const {
         throw RuntimeFailure(fmt::format("{}: cannot {}: {}", path.string(), what, error_text(code)));
@@ -101,7 +97,7 @@ bool VideoWriter::State::open_encoder(const char* name, AVRational frame_rate) {
 }
 
 void VideoWriter::State::open_output(AVRational frame_rate) {
-    const std::string url = file_url(temporary);
+    const std::string url = file_url(file.name_to_open());
     AVFormatContext* allocated = nullptr;
     check(avformat_alloc_output_context2(&allocated, nullptr, muxer_of(path), url.c_str()), "open a muxer");
     output.reset(allocated);
@@ -170,9 +166,8 @@ void VideoWriter::State::encode(const AVFrame* frame) {
 }
 
 VideoWriter::VideoWriter(const std::filesystem::path& path, uint32_t width, uint32_t height, double fps)
-    : state_(std::make_unique<State>()) {
+    : state_(std::make_unique<State>(path)) {
     State& state = *state_;
-    state.path = link_target(path);
     if (width == 0 || height == 0 || width > kMaxImageSide || height > kMaxImageSide)
         throw RuntimeFailure(fmt::format("{}: a video of {}×{} cannot be written", path.string(), width, height));
     const AVRational frame_rate = std::isfinite(fps) && fps > 0 ? av_d2q(fps, kMaxTimeBase) : AVRational{0, 1};
@@ -182,7 +177,6 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, uint32_t width, uint
     state.width = width;
     state.height = height;
     state.has_alpha = is_mov(state.path);
-    state.temporary = state.path.string() + ".tmp." + muxer_of(state.path);
     state.open_output(frame_rate);
     state.make_frames();
 }
@@ -219,8 +213,7 @@ void VideoWriter::finish() {
     state.encode(nullptr);
     state.check(av_write_trailer(state.output.get()), "complete the file");
     state.check(avio_closep(&state.output->pb), "close the file");
-    replace_file(state.path, state.temporary);
-    state.temporary.clear();
+    state.file.finish();
 }
 
 struct VideoReader::State {

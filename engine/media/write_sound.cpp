@@ -14,8 +14,7 @@ namespace {
 // A video that is copied, with a track beside it.
 class VideoWithSound {
   public:
-    VideoWithSound(const std::filesystem::path& video, const NextSamples& next)
-        : file_(video, ".sound"), sound_(file_, next) {}
+    VideoWithSound(const std::filesystem::path& video, const NextSamples& next) : file_(video), sound_(file_, next) {}
 
     void write() {
         open_input();
@@ -95,7 +94,7 @@ void write_sound(const std::filesystem::path& path, const Sound& sound) {
             at++;
         }
     };
-    Mp4File file(path, ".tmp.m4a");
+    Mp4File file(path);
     SoundTrack track(file, next);
     file.open();
     track.add();

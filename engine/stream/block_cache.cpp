@@ -1,7 +1,6 @@
 #include "stream/block_cache.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -96,17 +95,14 @@ void BlockCache::write(uint64_t block, std::span<const uint8_t> bytes) {
     if (folder_.empty() || bytes.size() > place_.limit_bytes) return;
     std::error_code ignored;
     std::filesystem::create_directories(folder_, ignored);  // others may have removed it when it was empty
-    const std::filesystem::path temporary = folder_ / fmt::format("{}.tmp{}", block, getpid());
     std::vector<uint8_t> check;
     append_number(check, check_of(bytes), kCrcBytes);
-    std::error_code error;
-    {
-        std::ofstream file(temporary, std::ios::binary);
-        file.write(reinterpret_cast<const char*>(check.data()), kCrcBytes);
-        file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-        file.close();
-        if (file) std::filesystem::rename(temporary, file_of(block), error);
-        if (!file || error) std::filesystem::remove(temporary, ignored);
+    try {
+        NewFile file(file_of(block));
+        file.write(check.data(), check.size());
+        file.write(bytes.data(), bytes.size());
+        file.finish(NewFile::Sync::kNo);
+    } catch (const RuntimeFailure&) {  // then it is not kept
     }
     const std::lock_guard lock(mutex_);
     if (written_) *written_ += bytes.size();

@@ -1,16 +1,9 @@
 #include "stream/nvs_writer.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <cassert>
-#include <cstring>
 #include <new>
-#include <utility>
-
-#include "base/error.h"
-#include "base/platform.h"
 
 namespace neuvv::stream {
 
@@ -43,35 +36,15 @@ uint64_t GroupBytes::count() const {
     return sum;
 }
 
-Writer::Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups)
-    : path_(link_target(path)), temporary_(path_.string() + fmt::format(".tmp{}", getpid())) {
-    file_ = std::fopen(temporary_.c_str(), "wb");
-    if (!file_) throw RuntimeFailure(fmt::format("{}: cannot be made: {}", temporary_.string(), std::strerror(errno)));
+Writer::Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups) : file_(path) {
     index_.fps = fps;
     index_.frames.reserve(frames);
     index_.groups.reserve(groups);
-    try {
-        write(std::vector<uint8_t>(head_bytes(groups, frames)));
-    } catch (...) {
-        remove_unfinished();
-        throw;
-    }
-}
-
-Writer::~Writer() {
-    remove_unfinished();
-}
-
-void Writer::remove_unfinished() {
-    if (file_) std::fclose(std::exchange(file_, nullptr));
-    std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
+    write(std::vector<uint8_t>(head_bytes(groups, frames)));
 }
 
 void Writer::write(const std::vector<uint8_t>& bytes) {
-    if (bytes.empty()) return;  // its data() may be null, which std::fwrite does not accept
-    if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size())
-        throw RuntimeFailure(fmt::format("{}: cannot be written: {}", temporary_.string(), std::strerror(errno)));
+    file_.write(bytes.data(), bytes.size());
     next_ += bytes.size();
 }
 
@@ -99,15 +72,12 @@ uint64_t Writer::add(Group group, const std::vector<FrameSymbols>& frames) {
 }
 
 uint64_t Writer::finish() {
-    const uint64_t bytes = next_;
     assert(head_bytes(index_.groups.size(), index_.frames.size()) == index_.groups[0].offset &&
            "as many groups and frames as the constructor was told");
-    std::rewind(file_);
-    write(bytes_of(index_));
-    const bool closed = std::fclose(std::exchange(file_, nullptr)) == 0;
-    if (!closed) throw RuntimeFailure(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
-    replace_file(path_, temporary_);
-    return bytes;
+    const std::vector<uint8_t> head = bytes_of(index_);
+    file_.write_at(0, head.data(), head.size());
+    file_.finish();
+    return next_;
 }
 
 }  // namespace neuvv::stream

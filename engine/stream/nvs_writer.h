@@ -1,9 +1,9 @@
 // Writes .nvs files.
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 
+#include "base/new_file.h"
 #include "stream/nvs_index.h"
 
 namespace neuvv::stream {
@@ -14,10 +14,6 @@ class Writer {
     // The file appears, atomically, with finish(). `frames` and `groups` must be those that are added. Throws
     // RuntimeFailure where the disk fails, as all functions do.
     Writer(const std::filesystem::path& path, float fps, uint32_t frames, uint32_t groups);
-    ~Writer();
-    Writer(const Writer&) = delete;
-    Writer& operator=(const Writer&) = delete;
-
     // Adds the next group: its frames in order, encoded as one group. The group's `first`, `offset` and tables are set
     // here. Returns their bytes, those in the index included.
     uint64_t add(Group group, const std::vector<FrameSymbols>& frames);
@@ -26,9 +22,7 @@ class Writer {
 
   private:
     void write(const std::vector<uint8_t>& bytes);
-    void remove_unfinished();
-    std::filesystem::path path_, temporary_;
-    std::FILE* file_ = nullptr;
+    NewFile file_;
     Index index_;
     uint64_t next_ = 0;  // offset
 };

@@ -2,7 +2,8 @@
 
 #include <imgui.h>
 
-#include <fstream>
+#include "base/error.h"
+#include "base/new_file.h"
 
 namespace neuvv::viewer {
 
@@ -36,10 +37,12 @@ bool Report::end_frame() {
     if (now - last_ < kMinInterval) return false;
     // Written under another name first, so that no reader sees a half-written file. It is not synchronised to the disk:
     // after a power cut nobody needs it.
-    const std::filesystem::path part = file_.string() + ".part";
-    std::ofstream(part, std::ios::binary) << text;
-    std::error_code error;
-    std::filesystem::rename(part, file_, error);
+    try {
+        NewFile file(file_);
+        file.write(text.data(), text.size());
+        file.finish(NewFile::Sync::kNo);
+    } catch (const RuntimeFailure&) {  // nobody reads a report that cannot be written
+    }
     last_ = now;
     written_ = text;
     return true;
