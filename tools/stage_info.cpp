@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json.h"
+#include "base/text.h"
 #include "edit/operations.h"
 #include "gpu/device.h"
 #include "render/clip_files.h"
@@ -313,7 +314,8 @@ void print_clips(const stage::Stage& stage, const std::vector<ClipMemory>& memor
                                 size_text(memory[i].slice_bytes));
             total += memory[i].field_bytes + memory[i].slice_bytes;
         }
-        fmt::print("clip {}  {} frames at {} fps, {}{}\n", i, clip.frames, clip.fps, clip.path.string(), bytes);
+        fmt::print("clip {}  {} frames at {} fps, {}{}\n", i, clip.frames, clip.fps,
+                   without_passwords(clip.path.string()), bytes);
     }
     if (!memory.empty()) fmt::print("on the device together {}\n", size_text(total));
 }
@@ -369,7 +371,7 @@ void print_stage_info(const StageInfoOptions& options, const CommonOptions& comm
     const std::vector<ClipMemory> memory =
         options.memory ? measure_memory(stage, options, common) : std::vector<ClipMemory>();
     if (options.json)
-        fmt::print("{}", json_text(json_of(stage, evaluated, memory)));
+        fmt::print("{}", without_passwords(json_text(json_of(stage, evaluated, memory))));
     else
         print(stage, evaluated, memory);
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json.h"
+#include "base/text.h"
 #include "stream/nvs_reader.h"
 #include "tools/report.h"
 
@@ -46,7 +47,7 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
     if (json) {
         nlohmann::ordered_json parts;
         for (size_t part = 0; part < stream::kParts; part++) parts[kPartNames[part]] = bytes[part];
-        fmt::print("{}", json_text({{"file", path.string()},
+        fmt::print("{}", json_text({{"file", without_passwords(path.string())},
                                     {"format", "nvs"},
                                     {"bytes", all},
                                     {"frames", frames},
@@ -60,8 +61,8 @@ void print_stream_info(const std::filesystem::path& path, bool json, bool check)
                                     {"checked", check}}));
         return;
     }
-    fmt::print("{}: stream, {}\nclip    {} frames at {} fps, {:.2f} s, in {} groups\n", path.string(), size_text(all),
-               frames, index.fps, seconds, index.groups.size());
+    fmt::print("{}: stream, {}\nclip    {} frames at {} fps, {:.2f} s, in {} groups\n",
+               without_passwords(path.string()), size_text(all), frames, index.fps, seconds, index.groups.size());
     fmt::print("leaves  {} at most, in cells of {} a side\n", most_leaves, 1u << index.groups[0].format.depth);
     fmt::print("rate    {:.1f} Mbit/s, {:.1f} KB a frame, {:.1f} KB at most\n", mbps,
                1e-3 * static_cast<double>(all) / frames, 1e-3 * static_cast<double>(largest));

@@ -1,5 +1,7 @@
 #include "base/error.h"
 
+#include "base/text.h"
+
 namespace neuvv {
 
 namespace {
@@ -10,8 +12,10 @@ std::string one_line(std::string text) {
     return text;
 }
 
-std::string shortened(const std::string& text) {
+// Without passwords before it is cut, where an address might lose its '@'.
+std::string shortened(const std::string& given) {
     constexpr size_t kLongest = 450, kEnd = 100;
+    const std::string text = without_passwords(given);
     if (text.size() <= kLongest) return text;
     return text.substr(0, kLongest - kEnd) + " ... " + text.substr(text.size() - kEnd);
 }

@@ -3,6 +3,7 @@
 #include <cctype>
 
 #include <algorithm>
+#include <string_view>
 
 namespace neuvv {
 
@@ -34,6 +35,24 @@ bool is_utf8(std::string_view bytes) {
         if (letter < kLeast[more] || letter > 0x10ffff || (letter >= 0xd800 && letter < 0xe000)) return false;
     }
     return true;
+}
+
+// A '/' in a password would have to be written %2F; where it is not, what is before the '/' is no port.
+std::string without_passwords(std::string text) {
+    constexpr const char* kEndsAddress = " \t\r\n\"'<>`";
+    for (size_t at = text.find("://"); at != std::string::npos; at = text.find("://", at)) {
+        at += 3;
+        const size_t end = std::min(text.find_first_of(kEndsAddress, at), text.size());
+        size_t host_end = std::min(text.find_first_of("/?#\\", at), end);
+        const size_t colon = std::min(text.find(':', at), host_end);
+        const bool is_v6 = text.compare(at, 1, "[") == 0;
+        const bool is_port =
+            is_v6 || text.substr(colon, host_end - colon).find_first_not_of(":0123456789") == std::string::npos;
+        if (!is_port) host_end = end;
+        const std::string_view head = std::string_view(text).substr(at, host_end - at);
+        if (const size_t sign = head.rfind('@'); sign != std::string_view::npos) text.replace(at, sign, "***");
+    }
+    return text;
 }
 
 std::string base64(std::span<const uint8_t> bytes) {

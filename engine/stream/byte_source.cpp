@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "base/platform.h"
 #include "stream/http_source.h"
 
 namespace neuvv::stream {
@@ -11,7 +12,9 @@ namespace {
 
 class FileSource : public ByteSource {
   public:
-    explicit FileSource(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary) {
+    explicit FileSource(const std::filesystem::path& path) : path_(path) {
+        expect_regular_file(path);
+        file_.open(path, std::ios::binary);
         stamp_ = stamp_of(path);
         if (!file_) throw InputError(path.string(), "", "cannot be opened");
     }

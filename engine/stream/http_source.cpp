@@ -12,7 +12,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/platform.h"
 #include "base/seconds.h"
+#include "base/text.h"
 #include "base/trace_file.h"
 
 namespace neuvv::stream {
@@ -69,8 +71,27 @@ std::string text_of(CURLcode code, const std::string& text) {
     }
 }
 
-int is_cancelled(void* cancelled, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
-    return *static_cast<const std::atomic<bool>*>(cancelled) ? 1 : 0;
+// What curl asks about a request.
+struct Watched {
+    const std::atomic<bool>& cancelled;
+    TransferWatch watch;
+};
+int ends_transfer(void* watched, curl_off_t, curl_off_t bytes, curl_off_t, curl_off_t) {
+    auto& of = *static_cast<Watched*>(watched);
+    return of.cancelled || stop_requested() || !of.watch.may_go_on(static_cast<uint64_t>(bytes)) ? 1 : 0;
+}
+
+curl_socket_t open_allowed(void* rule, curlsocktype, curl_sockaddr* to) {
+    if (!static_cast<RedirectRule*>(rule)->allows(to->addr)) return CURL_SOCKET_BAD;
+    return socket(to->family, to->socktype | SOCK_CLOEXEC, to->protocol);
+}
+
+// "host:port" of an address.
+std::string server_of(const std::string& address) {
+    const std::string shown = without_passwords(address);
+    const size_t begin = shown.find("://") + 3, end = std::min(shown.find_first_of("/?#", begin), shown.size());
+    const std::string server = shown.substr(begin, end - begin);
+    return server.substr(server.rfind('@') + 1);
 }
 
 void begin_curl() {
@@ -121,7 +142,8 @@ struct HttpSource::Answer {
     }
 };
 
-HttpSource::HttpSource(std::string address, CachePlace cache) : address_(std::move(address)) {
+HttpSource::HttpSource(std::string address, CachePlace cache, double most_s_a_block)
+    : address_(std::move(address)), most_s_a_block_(most_s_a_block) {
     begin_curl();
     curl_ = curl_easy_init();
     if (!curl_) throw std::bad_alloc();
@@ -137,8 +159,9 @@ HttpSource::HttpSource(std::string address, CachePlace cache) : address_(std::mo
     curl_easy_setopt(curl_, CURLOPT_NOSIGNAL, 1L);
     curl_easy_setopt(curl_, CURLOPT_USERAGENT, "neuvv");
     curl_easy_setopt(curl_, CURLOPT_NOPROGRESS, 0L);
-    curl_easy_setopt(curl_, CURLOPT_XFERINFOFUNCTION, &is_cancelled);
-    curl_easy_setopt(curl_, CURLOPT_XFERINFODATA, &cancelled_);
+    curl_easy_setopt(curl_, CURLOPT_XFERINFOFUNCTION, &ends_transfer);
+    curl_easy_setopt(curl_, CURLOPT_OPENSOCKETFUNCTION, &open_allowed);
+    curl_easy_setopt(curl_, CURLOPT_OPENSOCKETDATA, &redirects_);
     curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Answer::take);
     curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Answer::take_header);
     try {
@@ -163,11 +186,13 @@ HttpSource::~HttpSource() {
 }
 
 HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
+    Watched watched{cancelled_, {server_of(address_), kBlock, most_s_a_block_}};  // all tries share the time
     for (int tries = 1;; tries++) {
         Answer answer;
         answer.most = count;
         char problem[CURL_ERROR_SIZE] = {};
         const std::string range = fmt::format("{}-{}", offset, offset + count - 1);
+        curl_easy_setopt(curl_, CURLOPT_XFERINFODATA, &watched);
         curl_easy_setopt(curl_, CURLOPT_RANGE, range.c_str());
         curl_easy_setopt(curl_, CURLOPT_WRITEDATA, &answer);
         curl_easy_setopt(curl_, CURLOPT_HEADERDATA, &answer);
@@ -176,6 +201,11 @@ HttpSource::Answer HttpSource::request(uint64_t offset, uint64_t count) {
         curl_easy_setopt(curl_, CURLOPT_ERRORBUFFER, nullptr);
         curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &answer.status);
         answer.problem = text_of(answer.code, problem[0] ? problem : curl_easy_strerror(answer.code));
+        if (stop_requested()) throw RuntimeFailure(fmt::format("stopped while waiting for {}", server_of(address_)));
+        if (watched.watch.was_too_slow())
+            answer.problem =
+                fmt::format("{} sends less than {} kB in {} s", server_of(address_), kBlock >> 10, most_s_a_block_);
+        if (watched.watch.was_too_slow() || redirects_.has_refused()) return answer;
         const bool passing = answer.code == CURLE_OK ? is_passing(answer.status) : is_passing(answer.code);
         if (!passing || tries == kTries || cancelled_) return answer;
         std::unique_lock lock(mutex_);
@@ -190,6 +220,8 @@ void HttpSource::require_range(const Answer& answer, uint64_t offset, uint64_t c
     };
     if (answer.status == 200)
         fail("is sent as a whole, not by ranges", "put it on a server that answers range requests");
+    if (redirects_.has_refused())
+        fail("the server redirects to an address in this machine's own network", "open that address itself");
     if (may_pass(answer.code))
         throw ServerProblem(address_, "", fmt::format("cannot be read: {}", answer.problem),
                             "check the address and the network");

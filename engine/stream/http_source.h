@@ -11,17 +11,19 @@
 
 #include "stream/block_cache.h"
 #include "stream/byte_source.h"
+#include "stream/transfer_watch.h"
 
 namespace neuvv::stream {
 
 // A thread fetches blocks: those that somebody waits for, else those that are read next. They are kept in memory, up to
 // a limit, and on the disk (block_cache.h); only the first block always comes from the server. TLS certificates are
-// verified; redirects are followed, but not from https to http. Where a server is busy or the connection breaks, the
-// request is repeated some times.
+// verified; redirects are followed, but not from https to http, and not from other networks into the user's own. Where
+// a server is busy or the connection breaks, the request is repeated some times, as long as a block may take.
 class HttpSource : public ByteSource {
   public:
+    static constexpr double kMost_sABlock = 30;
     // Reads the first block, so as to learn the size. Throws InputError as read() does.
-    explicit HttpSource(std::string address, CachePlace cache = usual_cache());
+    explicit HttpSource(std::string address, CachePlace cache = usual_cache(), double most_s_a_block = kMost_sABlock);
     ~HttpSource() override;
     HttpSource(const HttpSource&) = delete;
     HttpSource& operator=(const HttpSource&) = delete;
@@ -56,6 +58,8 @@ class HttpSource : public ByteSource {
     void keep_locked(uint64_t first, const std::vector<uint8_t>& bytes);
     void use_locked(uint64_t block);
     std::string address_;
+    double most_s_a_block_;
+    RedirectRule redirects_;
     void* curl_ = nullptr;  // CURL: the constructor's, then the thread's
     std::atomic<bool> cancelled_ = false;
     std::optional<BlockCache> cache_;  // since the first block is here

@@ -59,6 +59,12 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.wfile.write(part[: len(part) // 2])
             self.close_connection = True
             return
+        if mode == "drip":
+            for byte in part[:500]:
+                self.wfile.write(bytes([byte]))
+                time.sleep(0.01)
+            self.close_connection = True
+            return
         for begin in range(0, len(part), 4096):
             self.wfile.write(part[begin : begin + 4096])
             if mode == "slow":

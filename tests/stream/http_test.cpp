@@ -96,6 +96,16 @@ TEST_F(HttpTest, WhoWaitsForAServerCanBeStopped) {
     EXPECT_THROW(reader.frame(1), stream::ServerProblem);
 }
 
+// A server that always sends a little, so that no pause is long.
+TEST_F(HttpTest, AServerThatDripsIsNotWaitedForForEver) {
+    try {
+        stream::HttpSource source(address("drip"), {}, 0.3);
+        FAIL() << "it never sends a whole block";
+    } catch (const stream::ServerProblem& problem) {
+        EXPECT_NE(std::string(problem.what()).find("sends less than"), std::string::npos) << problem.what();
+    }
+}
+
 TEST_F(HttpTest, PlaysFromABadServer) {
     expect_plays("slow");
     expect_plays("busy");
