@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/npy.h"
+#include "base/platform.h"
 
 namespace neuvv {
 
@@ -22,6 +23,7 @@ constexpr const char *kFix = "write it with numpy.savez", *kCopyAgain = "copy th
 using ZipFile = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
 
 zip_t* open_zip(const std::filesystem::path& file) {
+    expect_regular_file(file);
     int error = 0;
     zip_t* zip = zip_open(file.c_str(), ZIP_RDONLY, &error);
     if (zip) return zip;

@@ -291,6 +291,7 @@ Image decode_image(const uint8_t* bytes, size_t size, const std::string& name) {
 
 ImageSize image_size(const std::filesystem::path& path) {
     const std::string name = path.string();
+    expect_regular_file(path);
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
     if (!file) throw InputError(name, "", fmt::format("cannot open: {}", std::strerror(errno)));
     uint8_t head[24] = {};

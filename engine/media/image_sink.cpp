@@ -155,6 +155,7 @@ void forget_renders(const ImageOutput& output) {
 }
 
 std::string content_fact(const std::filesystem::path& path) {
+    expect_regular_file(path);
     std::ifstream file(path, std::ios::binary);
     const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
     XXH3_64bits_reset(state.get());

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "base/platform.h"
 #include "base/text.h"
 
 extern "C" {
@@ -67,7 +68,10 @@ using OwnedInput = Owned<AVFormatContext, close_input>;
 using OwnedOutput = Owned<AVFormatContext, close_output>;
 
 // Opens a file as a video, so that it cannot make FFmpeg open other files or the network. Returns libav's error code.
+// Throws InputError for what is there but no regular file.
 inline int open_video_file(const std::filesystem::path& path, AVFormatContext** opened) {
+    std::error_code missing;
+    if (std::filesystem::exists(path, missing)) expect_regular_file(path);
     AVDictionary* options = nullptr;
     av_dict_set(&options, "protocol_whitelist", "file", 0);
     av_dict_set(&options, "format_whitelist", "mp4,matroska,avi", 0);

@@ -140,7 +140,9 @@ std::vector<std::filesystem::path> find_files_by_head(const std::filesystem::pat
     std::error_code failed;
     for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
          entry.increment(failed))
-        if (lower_case(entry->path().filename().string()).ends_with(ending)) files.insert(entry->path());
+        if (std::error_code unknown;
+            entry->is_regular_file(unknown) && lower_case(entry->path().filename().string()).ends_with(ending))
+            files.insert(entry->path());
     std::erase_if(files, [&](const std::filesystem::path& file) {
         std::string head(1 + kHead, '\n');  // so that the file's first line is found as others are
         std::ifstream stream(file, std::ios::binary);
