@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/file_lock.h"
 #include "base/json.h"
 #include "base/output_path.h"
 #include "base/platform.h"
@@ -14,6 +15,8 @@
 #include "tools/commands.h"
 #include "tools/paint.h"
 #include "tools/report.h"
+#include "tools/say.h"
+#include "tools/stage_verbs.h"
 #include "voctree/nvpaint.h"
 
 namespace neuvv::tools {
@@ -134,14 +137,21 @@ void paint(PaintedScene& scene, const PaintOptions& options, const edit::EditFra
         finish(options, scene, totals);
         return;
     }
-    fmt::print(stderr, "no leaf is there: nothing is painted, and nothing written\n");
+    say("no leaf is there: nothing is painted, and nothing written\n");
     scene.drop_new_layer();
     print_layer(options, scene, totals);
+}
+
+// The layer's path, once its folder is there for the lock.
+const std::string& layer_to_edit(const PaintOptions& options) {
+    prepare_output_folder("layer", link_target(options.layer).parent_path());
+    return options.layer;
 }
 
 // Of a clip in segments, an image that is projected once is carried to the other segments.
 void project(const PaintOptions& options, const CommonOptions& common) {
     catch_stop_signals();
+    const EditLock lock(layer_to_edit(options), says_that_it_waits(options.layer));
     PaintedScene scene(options);
     const edit::EditFrames frames = frames_of(options, scene.at, scene.index.frames());
     if (options.every_frame && std::ceil(frames.first) > std::floor(frames.last))
@@ -168,6 +178,7 @@ void project(const PaintOptions& options, const CommonOptions& common) {
 
 void brush(const PaintOptions& options, const CommonOptions& common) {
     expect_change(options);
+    const EditLock lock(layer_to_edit(options), says_that_it_waits(options.layer));
     PaintedScene scene(options);
     const std::vector<glm::dvec2> line = line_of(options);
     OnDevice on_device(common);
@@ -185,6 +196,7 @@ void brush(const PaintOptions& options, const CommonOptions& common) {
 void fill(const PaintOptions& options) {
     expect_region(options);
     expect_change(options);
+    const EditLock lock(layer_to_edit(options), says_that_it_waits(options.layer));
     PaintedScene scene(options);
     const edit::EditFrames frames = frames_of(options, scene.at, scene.index.frames());
     const bool follows = frames.follow != edit::Follow::kNot;
@@ -196,6 +208,7 @@ void fill(const PaintOptions& options) {
 
 void restore(const PaintOptions& options) {
     expect_region(options);
+    const EditLock lock(options.layer, says_that_it_waits(options.layer));
     const PaintedScene scene(options, PaintedScene::Use::kRead);
     if (!scene.is_segmented()) prepare_output_file("layer", options.layer);
     const edit::EditFrames frames = frames_of(options, scene.at, scene.index.frames());

@@ -172,13 +172,20 @@ void PaintedScene::drop_new_layer() {
     staged->layer = staged->performer().settings.paint.size();
 }
 
+// What others did to the stage meanwhile stays.
 void PaintedScene::save_stage(const PaintOptions& options) const {
     if (!staged || staged->change.empty()) return;
-    stage::StageFile file = staged->stage.file;
-    if (stage::read_stage_file(options.scene).saved->bytes != file.saved->bytes)
-        throw InputError(options.scene, "", "was changed by another program meanwhile",
-                         fmt::format("add the layer, which is painted: `neuvv stage paint {} {} --add {}`",
-                                     options.scene, staged->performer().node, options.layer));
+    const EditLock lock(options.scene, says_that_it_waits(options.scene));
+    stage::StageFile file = stage::read_stage_file(options.scene);
+    if (file.saved->bytes == staged->stage.file.saved->bytes) {
+        file = staged->stage.file;
+    } else {
+        const stage::StagePerformer& painted = staged->performer();
+        const stage::Stage now = stage::make_stage(file);
+        const std::string name = !options.node.empty() || painted.name.empty() ? options.node : painted.name;
+        edit::add_paint_layer(file, now.performers[find_performer(now, "--node", name)].node, options.layer, {});
+        stage::expect_sound_document(file);
+    }
     stage::save_stage_file(file, options.scene);
 }
 

@@ -70,6 +70,8 @@ void add_new(Command stage) {
     verb.callback([output] {
         expect_stage_name("STAGE", *output);
         prepare_result("STAGE", *output);
+        const EditLock lock(*output, says_that_it_waits(*output));
+        prepare_result("STAGE", *output);  // again, as another program may have made it
         stage::StageFile file = edit::new_stage(*output);
         stage::save_stage_file(file, *output);
         fmt::print("{}: a floor, \"camera\" and the spotlight \"key\"\n", *output);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "editor/open_file.h"
 #include "media/image.h"
 #include "media/sound.h"
@@ -11,6 +12,7 @@
 #include "stage/stage.h"
 #include "tools/options.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "voctree/clip_sound.h"
 
 namespace neuvv::tools {
@@ -54,20 +56,27 @@ void expect_stage_name(const std::string& option, const std::string& file) {
         throw InputError(option, file, "is no name for a stage", "end it in .gltf or .glb");
 }
 
+std::function<void()> says_that_it_waits(const std::filesystem::path& file) {
+    return [file] { say("{}: waits for another program that edits it\n", file.string()); };
+}
+
 void edit_stage(const StageTarget& target, const std::function<std::string(stage::StageFile&)>& operation) {
     const std::string& output = target.output.empty() ? target.stage : target.output;
     if (!target.output.empty()) expect_stage_name("--output", output);
+    std::optional<EditLock> lock;
+    const bool in_place = stage::absolute_path(output) == stage::absolute_path(target.stage);
+    if (in_place) lock.emplace(target.stage, says_that_it_waits(target.stage));
     stage::StageFile file = stage::read_stage_file(target.stage);
     stage::expect_sound_document(file);
     const std::string change = operation(file);
     stage::expect_sound_document(file);
-    std::error_code error;
-    if (target.output.empty() || std::filesystem::equivalent(target.stage, output, error))
+    if (in_place)
         prepare_output_file("STAGE", output);
     else
         prepare_result("--output", output);
+    if (in_place) stage::expect_unchanged(file);
     stage::save_stage_file(file, output);
-    fmt::print("{}: {}\n", output, change);
+    fmt::print("{}: {}\n", output, without_passwords(change));
 }
 
 uint32_t find_performer(const stage::Stage& stage, const std::string& option, const std::string& node) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "base/file_lock.h"
 #include "edit/operations.h"
 #include "render/slice_cache.h"
 #include "stage/stage.h"
@@ -23,6 +24,9 @@ void add_target(Command verb, StageTarget& target);
 
 // Throws InputError where a file is not named .gltf or .glb.
 void expect_stage_name(const std::string& option, const std::string& file);
+
+// For an EditLock (base/file_lock.h): says that it waits.
+std::function<void()> says_that_it_waits(const std::filesystem::path& file);
 
 // Applies an operation, saves the stage and prints what the operation says that it did. Throws InputError, and saves
 // nothing, where the stage could not be loaded again; clips may be missing.

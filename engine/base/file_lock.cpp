@@ -7,9 +7,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "base/error.h"
+#include "base/platform.h"
 
 namespace neuvv {
 
@@ -89,6 +92,40 @@ FileLock::~FileLock() {
 bool FileLock::write(std::string_view text) const {
     return pwrite(descriptor_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()) &&
            ftruncate(descriptor_, static_cast<off_t>(text.size())) == 0;
+}
+
+namespace {
+
+constexpr size_t kMostOfLockName = 200;  // bytes; a name has at most 255
+constexpr std::chrono::milliseconds kAskAgain{20}, kSayThatItWaits{1000};
+
+std::filesystem::path edit_lock_path(const std::filesystem::path& file) {
+    const std::filesystem::path target = link_target(file);
+    return target.parent_path() / ("." + target.filename().string().substr(0, kMostOfLockName) + ".lock");
+}
+
+}  // namespace
+
+EditLock::EditLock(const std::filesystem::path& file, const std::function<void()>& waiting)
+    : path_(edit_lock_path(file)) {
+    std::chrono::milliseconds waited{0};
+    try {
+        while (!(lock_ = FileLock::try_lock(path_))) {
+            if (waited == kSayThatItWaits && waiting) waiting();
+            if (stop_requested()) break;
+            std::this_thread::sleep_for(kAskAgain);
+            waited += kAskAgain;
+        }
+    } catch (const RuntimeFailure&) {  // no locks here
+        return;
+    }
+    if (!lock_) throw RuntimeFailure(fmt::format("{}: stopped while another program was editing it", file.string()));
+}
+
+// The file is removed while it is locked, so that nobody's lock on a file that is gone counts (FileLock).
+EditLock::~EditLock() {
+    std::error_code ignored;
+    if (lock_) std::filesystem::remove(path_, ignored);
 }
 
 bool is_file_locked(const std::filesystem::path& file) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,6 +39,23 @@ class FileLock {
     enum class Wait { kNo, kYes };
     bool lock(const std::filesystem::path& file, Wait wait);
     int descriptor_ = -1;
+};
+
+// Held by whoever reads a file, changes it and writes it again, so that no change of another process is lost. It is a
+// lock on a hidden file beside it, ".NAME.lock", which is there only meanwhile. Where the file system has no locks or
+// the folder takes no file, it keeps nobody from anything.
+class EditLock {
+  public:
+    // Waits until nobody else has it. `waiting` is called once where that takes a second. Throws RuntimeFailure where a
+    // signal asks to stop meanwhile.
+    explicit EditLock(const std::filesystem::path& file, const std::function<void()>& waiting = {});
+    EditLock(const EditLock&) = delete;
+    EditLock& operator=(const EditLock&) = delete;
+    ~EditLock();
+
+  private:
+    std::filesystem::path path_;
+    std::optional<FileLock> lock_;
 };
 
 // Whether any process, including this one, has a lock on the file; false where the file does not exist. The question

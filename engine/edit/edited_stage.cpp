@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "base/file_lock.h"
 #include "base/platform.h"
 #include "edit/paint_layers.h"
 #include "stage/stage.h"
@@ -58,6 +59,7 @@ std::optional<std::filesystem::path> save_document(Document& document, const std
         document.saved_paint[layer.first] = layer.second;
     }
     std::optional<std::filesystem::path> kept;
+    const EditLock lock(path);
     if (const auto theirs = theirs_at(document, path)) {
         kept = free_path(path.parent_path() / (path.stem().string() + "-theirs" + path.extension().string()));
         write_file_atomically(*kept, [&](const ByteSink& sink) { sink(theirs->data(), theirs->size()); });

@@ -147,6 +147,11 @@ StageFile read_stage_file(const std::filesystem::path& path) {
     return file;
 }
 
+void expect_unchanged(const StageFile& file) {
+    if (read_file(file.path, kMaxStageBytes) != file.saved->bytes)
+        throw InputError(file.path.string(), "", "was changed by another program meanwhile", "try again");
+}
+
 StageFile make_stage_file(const std::filesystem::path& path, const std::string& json_text) {
     StageFile file;
     file.path = path;

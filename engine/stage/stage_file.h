@@ -32,6 +32,9 @@ struct StageFile {
 // Throws InputError for a damaged container, invalid JSON or UTF-8, and a member that an object has twice. Whether the
 // JSON is valid glTF is not checked.
 StageFile read_stage_file(const std::filesystem::path& path);
+// Throws InputError where the file on the disk is not the one that was read or saved last, because another program has
+// written it.
+void expect_unchanged(const StageFile& file);
 // A new file of this JSON, not on the disk yet; it is a .glb if `path` ends so. Throws InputError as read_stage_file.
 StageFile make_stage_file(const std::filesystem::path& path, const std::string& json_text);
 

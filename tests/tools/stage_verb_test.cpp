@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "interchange/splat_gltf.h"
 #include "interchange/usd_xform.h"
@@ -12,6 +13,7 @@
 #include "tests/tools/run_neuvv.h"
 #include "tools/stage_verbs.h"
 #include "voctree/nvpaint.h"
+#include "voctree/nvv.h"
 
 namespace neuvv {
 namespace {
@@ -19,7 +21,7 @@ namespace {
 struct StageVerb : testing::Test {
     TemporaryFolder folder;
     std::string file(const std::string& name) const { return (folder.path / name).string(); }
-    std::string show = file("show.gltf"), clip = file("eva.nvv");
+    std::string show = (folder.path / "show.gltf").string(), clip = (folder.path / "eva.nvv").string();
 
     void SetUp() override { test::put_clip(clip); }
     void expect_done(const std::vector<std::string>& arguments, const std::string& said = "") {
@@ -304,6 +306,33 @@ TEST_F(StageVerb, AnotherProgramsBytesStay) {
          {"\"by hand\":1e-3", "\"range\":1E+1", "[ 1.0, 2.0 ,3.0 ]", "\"later\" : 1e0", "[ 5.000, 1.0, 5.0 ]",
           "\"why\" : 1.0", "-0.70710678118654757, -0.0, 0.0", "\"nodes\" : [ 0, 1, 2 ]"})
         EXPECT_NE(removed.find(kept), std::string::npos) << kept << " not in " << removed;
+}
+
+TEST_F(StageVerb, EditsAtTheSameTimeAreAllKept) {
+    expect_done({"new", show});
+    expect_done({"add", show, clip, "--name", "anna"});
+    std::vector<std::thread> programs;
+    for (const std::string name : {"berta", "clara", "dora"})
+        programs.emplace_back([&, name] { expect_done({"add", show, clip, "--name", name}); });
+    programs.emplace_back([&] { expect_done({"set", show, "anna", "--spin", "20"}); });
+    programs.emplace_back([&] { expect_done({"light", show, "--add", "--name", "rim"}); });
+    const std::string layer = file("red.nvpaint");
+    for (const char* half : {"-9,-9,-9,0,9,9", "0,-9,-9,9,9,9"})
+        programs.emplace_back([&, half] {
+            const ProgramResult painted =
+                run_neuvv({"paint", "region", show, layer, "--node", "anna", "--box", half, "--colour", "red"});
+            EXPECT_EQ(painted.code, 0) << painted.err;
+        });
+    for (std::thread& program : programs) program.join();
+    const auto json = info();
+    ASSERT_EQ(json["performers"].size(), 4u);
+    EXPECT_EQ(json["performers"][0]["spin"], 20);
+    EXPECT_EQ(json["performers"][0]["paint"].size(), 1u);
+    EXPECT_EQ(json["lights"].size(), 2u);
+    const ProgramResult painted = run_neuvv({"paint", "info", clip, layer, "--json"});
+    EXPECT_EQ(nlohmann::json::parse(painted.out)["leaves"], voctree::read_nvv(clip).leaf_count) << "both halves";
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path))
+        EXPECT_NE(entry.path().filename().string().front(), '.') << entry.path() << " stayed";
 }
 
 TEST_F(StageVerb, WhatCannotBeDoneIsOneLine) {

@@ -1,0 +1,43 @@
+// Whoever reads, changes and writes a file keeps others from that meanwhile.
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+#include "base/file_lock.h"
+#include "base/platform.h"
+#include "support/temporary_folder.h"
+
+namespace neuvv {
+namespace {
+
+TEST(EditLock, NoChangeIsLost) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.path / "count", link = folder.path / "link";
+    write_text(file, "0");
+    std::filesystem::create_symlink("count", link);
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 4; i++)
+        threads.emplace_back([&, i] {
+            const std::filesystem::path& path = i % 2 ? link : file;
+            for (int k = 0; k < 5; k++) {
+                const EditLock lock(path);
+                const std::string text = std::to_string(std::stoi(read_text(path)) + 1);
+                write_file_atomically(path, [&](const ByteSink& sink) { sink(text.data(), text.size()); });
+            }
+        });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(read_text(file), "20");
+    EXPECT_EQ(folder.entries(), 2u) << "the lock stayed";
+}
+
+TEST(EditLock, WhereThereCanBeNoneNobodyIsKept) {
+    const TemporaryFolder folder;
+    const EditLock missing(folder.path / "none" / "file");
+    std::filesystem::create_directory(folder.path / ".file.lock");  // somebody's folder
+    const EditLock first(folder.path / "file"), second(folder.path / "file");
+    EXPECT_TRUE(std::filesystem::exists(folder.path / ".file.lock"));
+}
+
+}  // namespace
+}  // namespace neuvv
