@@ -9,6 +9,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/say.h"
 #include "tools/unfinished_folder.h"
 #include "training/capture/capture.h"
 
@@ -58,7 +59,7 @@ void run_capture(Options& options, const CommonOptions& common) {
     progress.finish();
     if (!result.complete) throw RuntimeFailure("stopped before the end; nothing was written");
     unfinished.finish();
-    if (!result.no_skeleton.empty()) fmt::print(stderr, "no {}: {}\n", training::kTrueSkeleton, result.no_skeleton);
+    if (!result.no_skeleton.empty()) say("no {}: {}\n", training::kTrueSkeleton, result.no_skeleton);
     fmt::print("{}: {} images, {} train and {} test cameras\n", options.folder, result.images, result.train_cameras,
                result.test_cameras);
 }

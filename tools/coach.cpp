@@ -20,6 +20,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "tools/skeleton_verbs.h"
 
 namespace neuvv::tools {
@@ -179,7 +180,7 @@ void run_coach(const CoachOptions& options, const CommonOptions& common) {
     if (!options.html.empty())
         write_text_file(options.html, motion_page({options.stage, options.against}, coach.shown_to_recorded(),
                                                   coach.recorded(), found, compare.tolerances));
-    if (!options.html.empty()) fmt::print(stderr, "wrote {}\n", options.html);
+    if (!options.html.empty()) say("wrote {}\n", options.html);
     if (options.json) {
         fmt::print("{}", json_text(comparison_json(found)));
         return;

@@ -14,11 +14,14 @@
 
 #include "base/error.h"
 #include "base/output_path.h"
+#include "base/platform.h"
 #include "base/trace_file.h"
 #include "gpu/debug_buffer.h"
+#include "stream/transfer_watch.h"
 #include "tools/commands.h"
 #include "tools/help_text.h"
 #include "tools/results.h"
+#include "tools/say.h"
 
 namespace neuvv::tools {
 
@@ -339,7 +342,9 @@ size_t Command::count_all() const {
 Program::Program(const std::string& name, const std::string& description, const std::string& version,
                  CommonOptions& common)
     : app_(std::make_unique<CLI::App>(description, name)), common_(common) {
-    gpu::set_shader_message_sink([](const std::string& line) { fmt::print(stderr, "shader: {}\n", line); });
+    open_standard_streams();
+    gpu::set_shader_message_sink([](const std::string& line) { say("shader: {}\n", line); });
+    stream::set_waiting_sink([](const std::string& line) { say("{}\n", line); });
     app_->require_subcommand(1);
     app_->failure_message(usage_error);
     app_->formatter(std::make_shared<HelpFormatter>());
@@ -377,13 +382,13 @@ int Program::run_verb(int argc, char** argv) {
     try {
         const int code = parse_and_trace(*app_, argc, argv, common_.trace);
         if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-        fmt::print(stderr, "{}: the results could not be written to the standard output\n", program);
+        say("{}: the results could not be written to the standard output\n", program);
         return kFailure;
     } catch (const InputError& error) {
-        fmt::print(stderr, "{}: {}\n", program, error.what());
+        say("{}: {}\n", program, error.what());
         return kBadInput;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "{}: {}\n", program, error.what());
+        say("{}: {}\n", program, error.what());
         return kFailure;
     }
 }

@@ -16,6 +16,7 @@
 #include "tools/compared_views.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "tools/unfinished_clip.h"
 #include "training/rig_file.h"
 #include "voctree/clip.h"
@@ -116,7 +117,7 @@ Outcome convert_segments(const gpu::Device& device, const ConvertOptions& option
     voctree::ClipIndex smaller = index;
     Outcome outcome;
     for (size_t i = 0; i < index.segments.size(); i++) {
-        fmt::print(stderr, "segment {} of {}\n", i + 1, index.segments.size());
+        say("segment {} of {}\n", i + 1, index.segments.size());
         smaller.segments[i].file = clip.folder() / voctree::segment_file_name(index.segments[i].first);
         convert_file(device, index.segments[i], smaller.segments[i].file, options, outcome);
     }
@@ -158,7 +159,7 @@ void run(const ConvertOptions& options, const CommonOptions& common) {
                    100 * static_cast<double>(outcome.bytes) / static_cast<double>(outcome.bytes_before), outcome.leaves,
                    outcome.leaves_before, outcome.images, outcome.psnr);
     if (outcome.bytes >= outcome.bytes_before)
-        fmt::print(stderr, "{} was packed as well already: a lower --quality makes it smaller\n", options.scene);
+        say("{} was packed as well already: a lower --quality makes it smaller\n", options.scene);
 }
 
 }  // namespace

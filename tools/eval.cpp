@@ -19,6 +19,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "training/align_rig.h"
 #include "training/evaluation/contact_sheet.h"
 #include "training/evaluation/evaluate.h"
@@ -213,10 +214,9 @@ void prepare_outputs(const EvalOptions& options) {
 // On stderr, as tables and JSON are read by other programs.
 void say_what_was_written(const EvalOptions& options) {
     for (const std::string& written : {options.json == "-" ? "" : options.json, options.html})
-        if (!written.empty()) fmt::print(stderr, "wrote {}\n", written);
+        if (!written.empty()) say("wrote {}\n", written);
     if (!options.images.empty())
-        fmt::print(stderr, "wrote truth, render and error of each image and contact_sheet.png into {}\n",
-                   options.images);
+        say("wrote truth, render and error of each image and contact_sheet.png into {}\n", options.images);
 }
 
 void run(const EvalOptions& options, const CommonOptions& common) {
@@ -225,9 +225,8 @@ void run(const EvalOptions& options, const CommonOptions& common) {
     training::Dataset dataset =
         training::load_dataset(options.dataset, kSplits.at(options.split), {.format = options.format});
     if (clip.frames() != dataset.times.size())
-        fmt::print(stderr,
-                   "neuvv: {} has {} frames, {} has images of {} times: each is compared with the scene at its time\n",
-                   options.scene, clip.frames(), options.dataset, dataset.times.size());
+        say("neuvv: {} has {} frames, {} has images of {} times: each is compared with the scene at its time\n",
+            options.scene, clip.frames(), options.dataset, dataset.times.size());
     std::optional<training::Lpips> network;
     if (!options.lpips.empty()) network.emplace(options.lpips);
     std::vector<double> lpips(network ? dataset.views.size() : 0);

@@ -21,6 +21,7 @@
 #include "tools/compared_views.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/say.h"
 #include "tools/unfinished_clip.h"
 #include "training/evaluation/metrics.h"
 #include "voctree/clip_index.h"
@@ -124,8 +125,8 @@ class SplatImport : public FrameImport {
         frame->file = file.string();
         interchange::PlySplats read = interchange::read_splat_ply(file, options_.scale);
         if (read.left_out > 0)
-            fmt::print(stderr, "{}: left out {} splats whose numbers are no numbers, too large, or no rotation\n",
-                       file.string(), read.left_out);
+            say("{}: left out {} splats whose numbers are no numbers, too large, or no rotation\n", file.string(),
+                read.left_out);
         frame->splats = std::move(read.splats);
         interchange::turn(frame->splats, rotation_of(options_.up.value_or(Up::kMinusY)));
         frame->box = box_ ? *box_ : interchange::box_of(frame->splats);

@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/options.h"
 #include "tools/report.h"
+#include "tools/say.h"
 #include "tools/stage_verbs.h"
 #include "tools/stream_info.h"
 #include "training/checkpoint.h"
@@ -42,8 +43,7 @@ voctree::NvvSummary summary_of_plenoctree(const std::string& file) {
     const voctree::VOctree tree = voctree::read_clip(file, voctree::PlenoctreeColours::kAsStored);
     uint32_t infinite = 0;
     for (uint32_t leaf = 0; leaf < tree.leaf_count; leaf++) infinite += *tree.leaf(leaf) == voctree::kMaxHalf ? 1 : 0;
-    if (infinite > 0)
-        fmt::print(stderr, "neuvv: leaves whose density is limited to {} per metre: {}\n", voctree::kMaxHalf, infinite);
+    if (infinite > 0) say("neuvv: leaves whose density is limited to {} per metre: {}\n", voctree::kMaxHalf, infinite);
     voctree::NvvSummary summary;
     summary.file_bytes = std::filesystem::file_size(file);
     summary.head = voctree::head_of(tree);

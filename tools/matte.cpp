@@ -12,6 +12,7 @@
 #include "tools/options.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "training/layouts/formats.h"
 #include "training/make_mattes.h"
 
@@ -52,7 +53,7 @@ void run_matte(training::MatteJob what) {
     });
     progress.finish();
     if (!made.missing_split.empty())
-        fmt::print(stderr, "one split alone has mattes now, the other cannot be read: {}\n", made.missing_split);
+        say("one split alone has mattes now, the other cannot be read: {}\n", made.missing_split);
     fmt::print("wrote {} mattes of {} cameras ({} with a clean plate) into {}; judge them by contact_sheet.png there\n",
                made.images, made.cameras, made.cameras_with_plate, what.output.string());
     if (stop_requested()) throw RuntimeFailure("stopped before the end; the same command with --overwrite begins anew");

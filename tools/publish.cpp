@@ -21,6 +21,7 @@
 #include "tools/published_scene.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "voctree/clip.h"
 #include "voctree/clip_sound.h"
 #include "voctree/slice.h"
@@ -251,8 +252,8 @@ void run(const PublishOptions& options, const CommonOptions& common) {
     fmt::print("{}: {} for {} frames, {:.0f} KB each, {:.1f} Mbit/s{}{}\n", options.output, size_text(published.bytes),
                index.frames.size(), bytes_per_frame / 1000, mbps, quality, paint);
     if (options.rate_mbps && published.most_mbps > *options.rate_mbps)
-        fmt::print(stderr, "{}: up to {:.1f} Mbit/s, not {}, though rounded as coarsely as is possible\n",
-                   options.output, published.most_mbps, *options.rate_mbps);
+        say("{}: up to {:.1f} Mbit/s, not {}, though rounded as coarsely as is possible\n", options.output,
+            published.most_mbps, *options.rate_mbps);
 }
 
 }  // namespace

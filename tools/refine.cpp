@@ -10,6 +10,7 @@
 #include "base/seconds.h"
 #include "tools/image_drawing.h"
 #include "tools/report.h"
+#include "tools/say.h"
 
 namespace neuvv::tools {
 
@@ -156,7 +157,7 @@ bool correct_rig(const gpu::Device& device, const training::Dataset& dataset, co
                                   refine.automatic || refine.what.poses);
     if (!found) return false;
     const training::Refinement what = refine.automatic ? training::worthwhile(*found) : refine.what;
-    if (refine.automatic) fmt::print(stderr, "--refine auto: {}\n", names_of(what));
+    if (refine.automatic) say("--refine auto: {}\n", names_of(what));
     settings.refine = what.colour;
     if (what.poses) settings.rig.poses = found->changes.poses;
     if (what.time)

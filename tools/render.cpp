@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/platform.h"
+#include "base/text.h"
 #include "editor/open_file.h"
 #include "gpu/frame_capture.h"
 #include "media/image_sink.h"
@@ -19,6 +20,7 @@
 #include "tools/render_layers.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "voctree/clip_index.h"
 
 namespace neuvv::tools {
@@ -267,7 +269,7 @@ media::RenderFacts render_facts(const RenderOptions& options, double fps, media:
 void add_clip_facts(media::RenderFacts& facts, const std::string& name, const std::filesystem::path& clip) {
     if (stream::is_address(clip)) {
         const FileStamp stamp = stream::Reader(clip).stamp();
-        facts[name] = fmt::format("{}, {} bytes", clip.string(), stamp.bytes);
+        facts[name] = fmt::format("{}, {} bytes", without_passwords(clip.string()), stamp.bytes);
         return;
     }
     if (!voctree::is_segmented(clip)) {
@@ -295,12 +297,13 @@ media::Image pass_image(const RenderOptions& options, const render::FrameRendere
     const render::FramePass& pass = *render::find_frame_pass(options.pass);
     const render::PassValues values = pass.read(renderer);
     const auto range = render::range_of(values);
-    std::FILE* const stream = options.json ? stderr : stdout;
-    if (range)
-        fmt::print(stream, "image {}: {} from {:.6g} (dark) to {:.6g} (bright), in {}\n", i, pass.name, range->first,
-                   range->second, pass.unit);
+    const std::string text = range ? fmt::format("image {}: {} from {:.6g} (dark) to {:.6g} (bright), in {}\n", i,
+                                                 pass.name, range->first, range->second, pass.unit)
+                                   : fmt::format("image {}: {} holds nothing\n", i, pass.name);
+    if (options.json)
+        say("{}", text);
     else
-        fmt::print(stream, "image {}: {} holds nothing\n", i, pass.name);
+        fmt::print("{}", text);
     return render::colour_mapped(values, range.value_or(std::pair(0.0f, 1.0f)));
 }
 
@@ -322,8 +325,7 @@ RenderTotals planned(const RenderOptions& options, const media::ImageOutput& out
 }
 
 RenderTotals conclude_part(const RenderOptions& options, const RenderPart& part, media::ImageSize size, double fps) {
-    if (const std::string text = part.join_if_complete(); !text.empty())
-        fmt::print(stderr, "{}: {}\n", options.output, text);
+    if (const std::string text = part.join_if_complete(); !text.empty()) say("{}: {}\n", options.output, text);
     return {part.end() - part.first(), 0, written_size(part.output(), size), fps};
 }
 
@@ -361,10 +363,10 @@ RenderTotals render_images(const RenderOptions& options, media::ImageSize size, 
             std::optional<gpu::FrameCapture> capture;
             if (options.capture && rendered == 0) capture.emplace(device);
             const FrameTimes times = named_loss(i, render);
-            if (capture) fmt::print(stderr, "captured image {}: {}\n", i, capture->finish());
+            if (capture) say("captured image {}: {}\n", i, capture->finish());
             ++rendered;
             seconds += times.milliseconds / 1000;
-            if (trace_wanted()) fmt::print(stderr, "image {}: {}\n", i, pass_times_text(times.passes));
+            if (trace_wanted()) say("image {}: {}\n", i, pass_times_text(times.passes));
         }
         progress.update(i + 1 - part.first());
     }

@@ -15,6 +15,7 @@
 #include "tools/render.h"
 #include "tools/render_layers.h"
 #include "tools/report.h"
+#include "tools/say.h"
 #include "tools/view_path.h"
 #include "training/camera_path_file.h"
 
@@ -138,11 +139,9 @@ void warn_of_light_limits(const stage::Stage& stage, const stage::EvaluatedStage
         casting += light.casts_shadow;
         shadowless += light.shines && !light.text.empty();
     }
-    if (shining < lights.size())
-        fmt::print(stderr, "{}: has {} lights, of which the first {} shine\n", file, lights.size(), shining);
+    if (shining < lights.size()) say("{}: has {} lights, of which the first {} shine\n", file, lights.size(), shining);
     if (stage.settings.shadows && shadowless > 0)
-        fmt::print(stderr, "{}: {} of its lights would cast shadows, of which the first {} do\n", file,
-                   casting + shadowless, casting);
+        say("{}: {} of its lights would cast shadows, of which the first {} do\n", file, casting + shadowless, casting);
 }
 
 StagePlan plan_stage(const RenderOptions& options) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/platform.h"
+#include "tools/say.h"
 
 namespace neuvv::tools {
 
@@ -42,16 +43,16 @@ bool StatusLine::is_due() {
 
 void StatusLine::print(const std::string& text) {
     if (terminal_) {
-        fmt::print(stderr, "\r{:<{}}", text, printed_);  // over the whole line that is there
+        say("\r{:<{}}", text, printed_);  // over the whole line that is there
         printed_ = text.size();
     } else {
-        fmt::print(stderr, "{}\n", text);
+        say("{}\n", text);
     }
     std::fflush(stderr);
 }
 
 void StatusLine::end() {
-    if (std::exchange(printed_, 0) > 0) fmt::print(stderr, "\n");
+    if (std::exchange(printed_, 0) > 0) say("\n");
 }
 
 Progress::Progress(std::string label, uint64_t total)
@@ -142,7 +143,7 @@ std::string doubtful_mattes_text(const training::Dataset& dataset, const std::ve
 }
 
 void tell_not_shown(const std::vector<std::string>& problems) {
-    for (const std::string& problem : problems) fmt::print(stderr, "neuvv: not shown: {}\n", problem);
+    for (const std::string& problem : problems) say("neuvv: not shown: {}\n", problem);
 }
 
 }  // namespace neuvv::tools

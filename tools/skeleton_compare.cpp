@@ -23,6 +23,7 @@
 #include "motion/skeleton_file.h"
 #include "tools/motion_page.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "tools/skeleton_verbs.h"
 
 namespace neuvv::tools {
@@ -85,7 +86,7 @@ void run_compare(CompareOptions& options) {
                                                   options.compare.tolerances));
     if (!options.csv.empty()) write_text_file(options.csv, motion_csv(found));
     for (const std::string& written : {options.html, options.csv})
-        if (!written.empty()) fmt::print(stderr, "wrote {}\n", written);
+        if (!written.empty()) say("wrote {}\n", written);
     if (options.json) {
         fmt::print("{}", json_text(comparison_json(found)));
         return;
@@ -157,7 +158,7 @@ size_t follow_lines(LineReader& lines, const std::string& name, Follower& follow
             if (follower.ended(pose.time_s)) break;
             follower.add(pose);
         } catch (const InputError& error) {  // a stream goes on
-            if (++bad == 1) fmt::print(stderr, "{}; it is left out\n", error.what());
+            if (++bad == 1) say("{}; it is left out\n", error.what());
         }
     }
     return bad;
@@ -165,7 +166,7 @@ size_t follow_lines(LineReader& lines, const std::string& name, Follower& follow
 
 // Poses that come to a port, by the time at which they come. Returns how many packets were left out.
 size_t follow_port(motion::PoseSource& source, Follower& follower) {
-    fmt::print(stderr, "listens: {}\n", source.name());
+    say("listens: {}\n", source.name());
     const auto start = std::chrono::steady_clock::now();
     bool said = false;
     while (!stop_requested()) {
@@ -174,7 +175,7 @@ size_t follow_port(motion::PoseSource& source, Follower& follower) {
         if (follower.ended(now_s)) break;
         if (pose) follower.add(*pose);
         if (const motion::PoseSourceState state = source.state(); !said && state.left_out > 0) {
-            fmt::print(stderr, "{}; it is left out\n", state.first_error);
+            say("{}; it is left out\n", state.first_error);
             said = true;
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -201,8 +202,7 @@ void run_follow(FollowOptions& options) {
     if (!follower.begun())
         throw InputError(name, "", "has no pose", "write one pose a line, as engine/motion/README.md says");
     if (left_out > 1)
-        fmt::print(stderr, "{} {} were left out\n", left_out,
-                   motion::is_port_address(options.stream) ? "packets" : "lines");
+        say("{} {} were left out\n", left_out, motion::is_port_address(options.stream) ? "packets" : "lines");
     follower.print_score();
 }
 

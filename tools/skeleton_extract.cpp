@@ -13,6 +13,7 @@
 #include "tools/commands.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "tools/skeleton_verbs.h"
 #include "training/image_reader.h"
 #include "training/layouts/formats.h"
@@ -146,8 +147,7 @@ void write_detections(const ExtractOptions& options, const std::vector<training:
     motion::KeyPointDetector detector(options.model, pixel_scale(options.pixels));
     const std::vector<std::vector<motion::KeyPoint>> found = detect_in_images(detector, splits);
     for (size_t i = 0; i < files.size(); ++i) motion::write_person(files[i], found[i]);
-    fmt::print(stderr, "wrote {} key points of {} images into {}\n", detector.layout().name, files.size(),
-               folder.string());
+    say("wrote {} key points of {} images into {}\n", detector.layout().name, files.size(), folder.string());
 }
 
 void run_extract(const ExtractOptions& options) {
@@ -159,7 +159,7 @@ void run_extract(const ExtractOptions& options) {
     if (folder.empty()) folder = std::filesystem::path(options.folder) / "key_points";
     if (!options.model.empty()) write_detections(options, splits, images, folder);
     motion::read_detections(folder, images, seen);
-    fmt::print(stderr, "{} frames from {} views\n", seen.frames, seen.cameras.size());
+    say("{} frames from {} views\n", seen.frames, seen.cameras.size());
     const motion::Extraction found = motion::extract_skeleton(seen, {!options.each_frame});
     motion::write_skeleton(options.output, found.clip);
     print_quality(found, seen);

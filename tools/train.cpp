@@ -17,6 +17,7 @@
 #include "tools/replacement.h"
 #include "tools/report.h"
 #include "tools/results.h"
+#include "tools/say.h"
 #include "tools/train_run.h"
 #include "training/checkpoint.h"
 #include "training/claim.h"
@@ -101,7 +102,7 @@ std::optional<training::RunClaim> claim_file(const std::filesystem::path& output
     try {
         claim = training::RunClaim::take(output);
     } catch (const RuntimeFailure& failure) {
-        fmt::print(stderr, "nobody is kept from training into the same file: {}\n", failure.what());
+        say("nobody is kept from training into the same file: {}\n", failure.what());
         return std::nullopt;
     }
     if (!claim) throw_taken(output);
@@ -151,7 +152,7 @@ void run_in_segments(TrainOptions& options, const training::Rig& rig, const Rank
         return;
     }
     const gpu::Device device(device_of_rank(ranks, common.device));
-    fmt::print(stderr, "training on {}\n", device.summary().name);
+    say("training on {}\n", device.summary().name);
     train_segments(device, options, rig, plan, ranks);
 }
 
@@ -165,8 +166,8 @@ void share_memory(TrainOptions& options, const Ranks& ranks) {
 void advise_segments(const TrainOptions& options, const training::Rig& rig) {
     const size_t frames = training::times_of(rig).size();
     if (frames > 4 * size_t{options.settings.shape.bases} && !options.settings.resume)
-        fmt::print(stderr, "{} frames share {} temporal bases; `--segment auto` gives each second a tree of its own\n",
-                   frames, options.settings.shape.bases);
+        say("{} frames share {} temporal bases; `--segment auto` gives each second a tree of its own\n", frames,
+            options.settings.shape.bases);
 }
 
 // Nothing where there is none. Read at once, so that a file without sound is known before the training.
@@ -208,7 +209,7 @@ void run_train(TrainOptions options, const CommonOptions& common) {
         const std::filesystem::path place = training_place(options, in_segments, common.overwrite);
         if (place != options.output) options.replaces = std::exchange(options.output, place);
     }
-    catch_stop_signals();
+    catch_stop_signals(kEndless);
     const training::Rig rig = training::read_rig(options.dataset, training::Split::kTrain, options.format);
     const std::optional<media::Sound> audio = ranks.is_first() ? read_audio(options) : std::nullopt;
     const auto write_audio = [&] {
@@ -222,8 +223,8 @@ void run_train(TrainOptions options, const CommonOptions& common) {
     write_audio();
     const gpu::Device device(device_of_rank(ranks, common.device));
     if (ranks.is_first())
-        fmt::print(stderr, "training on {}{}\n", device.summary().name,
-                   ranks.count > 1 ? fmt::format(", the first of {} processes", ranks.count) : "");
+        say("training on {}{}\n", device.summary().name,
+            ranks.count > 1 ? fmt::format(", the first of {} processes", ranks.count) : "");
     if (ranks.count > 1) options.settings.team = join_team(ranks);
     if (!ranks.is_first()) options.live = {};
     RunView view{!ranks.is_first(), [&](double fraction) {
@@ -246,7 +247,7 @@ void warn_of_ignored_options(const Command& verb) {
     for (const training::NamedLossWeight& weight : training::kLossWeights) names.push_back(weight_option(weight));
     for (const std::string& name : names)
         if (verb.count(name) > 0) given += fmt::format("{}{}", given.empty() ? "" : ", ", name);
-    if (!given.empty()) fmt::print(stderr, "--resume: the run keeps its own {}, whatever is given now\n", given);
+    if (!given.empty()) say("--resume: the run keeps its own {}, whatever is given now\n", given);
 }
 
 // What the octree begins as.

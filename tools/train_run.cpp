@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "tools/refine.h"
 #include "tools/report.h"
+#include "tools/say.h"
 #include "training/images.h"
 #include "training/metrics_log.h"
 #include "training/preview.h"
@@ -38,7 +39,7 @@ training::Dataset load_preview_data(const TrainOptions& options, const training:
         training::drop_cameras_without_shots(rig);
         return training::preview_dataset(training::read_images(rig, load));
     } catch (const std::runtime_error& error) {
-        fmt::print(stderr, "the preview shows a training image, as no held-out one can be read: {}\n", error.what());
+        say("the preview shows a training image, as no held-out one can be read: {}\n", error.what());
         return training::preview_dataset(training);
     }
 }
@@ -62,7 +63,7 @@ class LiveReport {
             if (!log_) log_.emplace(options_.metrics, now.began_at_step, first_frame_);
             log_->add(now, score_);
         } catch (const std::runtime_error& failure) {  // a run is worth more than its log
-            fmt::print(stderr, "\nno more metrics: {}\n", failure.what());
+            say("\nno more metrics: {}\n", failure.what());
             options_.metrics.clear();
         }
     }
@@ -77,7 +78,7 @@ class LiveReport {
                 training::write_preview(device_, *now.field, preview_data_, options_.preview);
             score_ = training::PreviewScore{preview_data_.views[0].name, quality.psnr};
         } catch (const RuntimeFailure& failure) {
-            fmt::print(stderr, "\nno more previews: {}\n", failure.what());
+            say("\nno more previews: {}\n", failure.what());
             options_.preview.clear();
         }
         preview_took_s_ = seconds_now() - begin;
@@ -98,7 +99,7 @@ template <typename RunProgress>
 void report_progress(StatusLine& line, const RunProgress& now, const std::string& text) {
     if (!line.is_due()) return;
     line.print(text);
-    if (trace_wanted()) fmt::print(stderr, "step {}: {}\n", now.step, pass_times_text(now.passes));
+    if (trace_wanted()) say("step {}: {}\n", now.step, pass_times_text(now.passes));
 }
 
 std::string progress_text(const training::TrainProgress& now) {
@@ -129,7 +130,7 @@ voctree::VOctree train_psi_tree(const TrainOptions& options, const gpu::Device& 
                                                    return !stop_requested();
                                                });
     line.end();
-    fmt::print(stderr, "psi: {} leaves\n", tree.leaf_count);
+    say("psi: {} leaves\n", tree.leaf_count);
     return tree;
 }
 
@@ -145,17 +146,17 @@ training::Dataset load_images(const TrainOptions& options, const training::Rig& 
                               bool quiet) {
     const training::ImageCount count = training::image_count(rig);
     if (!quiet)
-        fmt::print(stderr, "{}: {} cameras, {} frames, {} images of {}x{} = {}\n", options.dataset.string(),
-                   count.cameras, count.frames, count.images, count.width, count.height, size_text(count.bytes));
+        say("{}: {} cameras, {} frames, {} images of {}x{} = {}\n", options.dataset.string(), count.cameras,
+            count.frames, count.images, count.width, count.height, size_text(count.bytes));
     training::Dataset dataset = training::read_images(rig, load);
     const uint64_t on_disk = dataset.spool->bytes_on_disk();
     if (!quiet)
-        fmt::print(stderr, "the tiles with foreground are {}, budget {}{}\n", size_text(training::image_bytes(dataset)),
-                   size_text(load.memory_bytes),
-                   on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
+        say("the tiles with foreground are {}, budget {}{}\n", size_text(training::image_bytes(dataset)),
+            size_text(load.memory_bytes),
+            on_disk > 0 ? fmt::format(": {} are streamed from disk", size_text(on_disk)) : "");
     const std::vector<training::DoubtfulMatte> doubtful = training::ignore_doubtful_mattes(dataset);
     // Of processes that train one tree, one says it.
-    if (!quiet || options.frames) fmt::print(stderr, "{}", doubtful_mattes_text(dataset, doubtful));
+    if (!quiet || options.frames) say("{}", doubtful_mattes_text(dataset, doubtful));
     return dataset;
 }
 

@@ -14,6 +14,7 @@
 #include "tools/refine.h"
 #include "tools/replacement.h"
 #include "tools/report.h"
+#include "tools/say.h"
 #include "tools/train_run.h"
 #include "training/checkpoint.h"
 #include "training/claim.h"
@@ -133,8 +134,7 @@ double SegmentedRun::fraction_of_all(size_t own, double own_fraction) {
 
 void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
     const voctree::ClipSegment& frames = segments_[segment];
-    if (ranks_.is_first())
-        fmt::print(stderr, "{}: frames {} to {}\n", name_of(segment), frames.first, frames.end() - 1);
+    if (ranks_.is_first()) say("{}: frames {} to {}\n", name_of(segment), frames.first, frames.end() - 1);
     RunView view{!ranks_.is_first(), [&](double fraction) {
                      claim.report(fraction);
                      return fmt::format("{}, all {:.0f} % | ", name_of(segment),
@@ -158,7 +158,7 @@ void SegmentedRun::train(size_t segment, const training::RunClaim& claim) {
 }
 
 void SegmentedRun::leave_out(size_t segment, const std::runtime_error& error) {
-    fmt::print(stderr, "{} is left out: {}\n", name_of(segment), error.what());
+    say("{} is left out: {}\n", name_of(segment), error.what());
     if (failed_.empty()) problem_ = error.what();
     failed_.insert(segment);
 }
@@ -245,7 +245,7 @@ bool correct_clip(const gpu::Device& device, TrainOptions& options, const traini
         try {
             options.correction = find_correction(device, options, rig, {times, segment.first, segment.frames});
         } catch (const InputError& error) {  // another segment may do
-            fmt::print(stderr, "the rig is searched in another segment: {}\n", error.what());
+            say("the rig is searched in another segment: {}\n", error.what());
             problem = error.what();
         }
         if (options.correction) return true;

@@ -37,6 +37,22 @@ TEST_F(Cli, EveryVerbHelpsWithExamples) {
     }
 }
 
+// A disk of logs that is full, and streams that whoever started the program has closed.
+TEST_F(Cli, WhatNobodyCanReadEndsNothing) {
+    for (const char* redirected : {"2>/dev/full", "2>&-", "<&- 2>&-"}) {
+        const std::string show = file("show.gltf");
+        std::filesystem::remove(show);
+        EXPECT_EQ(run_neuvv({"stage", "new", show}, "", redirected).code, 0) << redirected;
+        EXPECT_EQ(run_neuvv({"info", file("none.nvv")}, "", redirected).code, 2) << redirected;
+        EXPECT_EQ(run_neuvv({"train", file("none"), "-o", file("x.nvv")}, "", redirected).code, 2) << redirected;
+        EXPECT_EQ(run_neuvv({"no verb"}, "", redirected).code, 2) << redirected;
+        EXPECT_EQ(read_text(show).front(), '{') << "nothing was printed into the file";
+        EXPECT_EQ(run_neuvv({"info", show}).code, 0) << redirected;
+    }
+    for (const char* redirected : {">/dev/full", ">&-", "<&- >&- 2>&-"})
+        EXPECT_EQ(run_neuvv({"info", scene}, "", redirected).code, 1) << redirected << ": its results are lost";
+}
+
 TEST_F(Cli, EvalHelpDefinesTheMetrics) {
     const std::string help = run_neuvv({"eval", "--help"}).out;
     for (const char* word : {"PSNR", "SSIM", "MAE", "FLIP", "over white", "11x11", "sRGB"})

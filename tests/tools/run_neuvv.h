@@ -25,12 +25,14 @@ inline std::string shell_quoted(const std::string& word) {
     return quoted + "'";
 }
 
-inline ProgramResult run_neuvv(const std::vector<std::string>& arguments, const std::string& environment = "") {
+// `redirected`: what a shell does to its streams beside, such as "2>/dev/full".
+inline ProgramResult run_neuvv(const std::vector<std::string>& arguments, const std::string& environment = "",
+                               const std::string& redirected = "") {
     const TemporaryFolder streams;
     const auto out = streams.path / "out", err = streams.path / "err";
     std::string command = environment + " " + shell_quoted(NEUVV_PROGRAM);
     for (const std::string& argument : arguments) command += " " + shell_quoted(argument);
-    command += " >" + shell_quoted(out.string()) + " 2>" + shell_quoted(err.string()) + " </dev/null";
+    command += " >" + shell_quoted(out.string()) + " 2>" + shell_quoted(err.string()) + " </dev/null " + redirected;
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
 }

@@ -7,11 +7,12 @@
 #include "base/platform.h"
 #include "tools/options.h"
 #include "tools/results.h"
+#include "tools/say.h"
 
 namespace neuvv::tools {
 
 void expect_room(const ExportOptions& options, const std::string& what, uint64_t bytes, const std::string& fix) {
-    fmt::print(stderr, "export: {} take about {}\n", what, size_text(bytes));
+    say("export: {} take about {}\n", what, size_text(bytes));
     std::error_code error;
     const std::filesystem::path folder = std::filesystem::absolute(options.output).parent_path();
     const std::filesystem::space_info space = std::filesystem::space(folder, error);

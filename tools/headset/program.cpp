@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "editor/open_file.h"
+#include "tools/say.h"
 
 namespace neuvv::headset {
 
@@ -20,7 +21,7 @@ double seconds_since(Clock::time_point from) {
 }
 
 void print_line(const std::string& line) {
-    fmt::print(stderr, "{}\n", line);
+    tools::say("{}\n", line);
 }
 
 void Program::open() {
