@@ -33,12 +33,14 @@ bool is_at(int descriptor, const std::filesystem::path& file) {
            open_file.st_dev == at_path.st_dev && open_file.st_ino == at_path.st_ino;
 }
 
-// Creates the file where it is missing. Links are not followed, as what is written would replace another file.
+// Creates the file where it is missing. Links are not followed, and no file is taken that has another name, too, as
+// what is written would replace that file's content.
 int open_for_lock(const std::filesystem::path& file) {
     constexpr int kFlags = O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
     const int descriptor = open(file.c_str(), kFlags, 0666);
     struct stat what = {};
-    if (descriptor < 0 || (fstat(descriptor, &what) == 0 && S_ISREG(what.st_mode))) return descriptor;
+    if (descriptor < 0 || (fstat(descriptor, &what) == 0 && S_ISREG(what.st_mode) && what.st_nlink <= 1))
+        return descriptor;
     close(descriptor);
     errno = EINVAL;
     return -1;

@@ -25,7 +25,7 @@ std::optional<std::vector<uint8_t>> theirs_at(const Document& document, const st
     std::error_code ignored;
     const bool same_file = file.saved->on_disk && stage::absolute_path(path) == stage::absolute_path(file.path);
     if (!same_file || !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
-    std::vector<uint8_t> bytes = read_file(path);
+    std::vector<uint8_t> bytes = read_file(path, stage::kMaxStageBytes);
     if (bytes == file.saved->bytes && !document.disk_is_foreign) return std::nullopt;
     return bytes;
 }

@@ -4,6 +4,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/error.h"
 #include "base/file_lock.h"
 #include "base/platform.h"
 #include "support/temporary_folder.h"
@@ -29,6 +30,14 @@ TEST(EditLock, NoChangeIsLost) {
     for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(read_text(file), "20");
     EXPECT_EQ(folder.entries(), 2u) << "the lock stayed";
+}
+
+TEST(FileLock, NoFileOfAnotherNameIsTaken) {
+    const TemporaryFolder folder;
+    write_text(folder.path / "dear", "dear");
+    std::filesystem::create_hard_link(folder.path / "dear", folder.path / "hard");
+    std::filesystem::create_symlink("dear", folder.path / "soft");
+    for (const char* name : {"hard", "soft"}) EXPECT_THROW(FileLock(folder.path / name), RuntimeFailure) << name;
 }
 
 TEST(EditLock, WhereThereCanBeNoneNobodyIsKept) {

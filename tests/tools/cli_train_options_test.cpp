@@ -28,7 +28,7 @@ TEST_F(CliGpu, EveryOptionOfTrainIsTaken) {
         {"brief.nvv", {"--minutes", "0.01", "--init", "psi", "--psi-minutes", "0.01", "--max-memory", "0.1"}},
         {"parts.nvv", {"--steps", "4", "--segment", "2", "--plan"}},
         {"parts.nvv", {"--steps", "4", "--resume"}},
-        {"parts.nvv", {"--steps", "2", "--from", "0", "--to", "1"}},
+        {"parts.nvv", {"--steps", "2", "--from", "0", "--to", "1", "--overwrite"}},
     };
     std::set<std::string> taken = {"--help", "--output"};
     for (const auto& [output, words] : runs) {
@@ -39,7 +39,7 @@ TEST_F(CliGpu, EveryOptionOfTrainIsTaken) {
         EXPECT_EQ(result.code, 0) << output << ": " << result.err;
         taken.insert(all.begin(), all.end());
     }
-    for (const char* made : {"one.nvv", "one.m4a", "p.png", "m.jsonl", "psi.nvv", "brief.nvv", "parts.nvv/index.json"})
+    for (const char* made : {"one.nvv", "one.m4a", "p.png", "m.jsonl", "psi.nvv", "brief.nvv", "parts.nvv/clip.json"})
         EXPECT_TRUE(std::filesystem::exists(file(made))) << made;
     EXPECT_LE(std::filesystem::file_size(file("brief.nvv")), 100'000u);
     // A documented option that no run above has is missing there.

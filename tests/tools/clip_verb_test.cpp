@@ -1,6 +1,7 @@
 // `neuvv clip`: cut and join.
 #include <gtest/gtest.h>
 
+#include "base/file_lock.h"
 #include "base/output_path.h"
 #include "support/random_tree.h"
 #include "support/segmented_copy.h"
@@ -71,6 +72,27 @@ TEST_F(ClipVerb, JoinedClipsFollowEachOther) {
     EXPECT_EQ(index.fps, 2);
     EXPECT_EQ(index.segments[3].first, 6u);
     EXPECT_EQ(bytes_of(index.segments[3].file), bytes_of(whole));
+}
+
+TEST_F(ClipVerb, WhatAKilledProgramLeftIsReplaced) {
+    write_text(file("a.nvv.unfinished/lock"), "");
+    write_text(file("a.nvv.unfinished/000000.nvv"), "half a segment");
+    run({"clip", "cut", parts, "-o", file("a.nvv")}, "6 frames");
+    EXPECT_EQ(voctree::read_clip_index(file("a.nvv")).frames(), 6u);
+    EXPECT_FALSE(std::filesystem::exists(file("a.nvv/lock")));
+    EXPECT_FALSE(std::filesystem::exists(file("a.nvv.unfinished")));
+    {
+        const TemporaryFolder victims;
+        write_text(victims.path / "lock", "");
+        write_text(victims.path / "dear", "dear");
+        std::filesystem::create_directory_symlink(victims.path, file("b.nvv.unfinished"));
+        expect_refused({"clip", "cut", parts, "-o", file("b.nvv")}, 2, {"b.nvv.unfinished"});
+        EXPECT_EQ(read_text(victims.path / "dear"), "dear");
+        std::filesystem::remove(file("b.nvv.unfinished"));
+    }
+    write_text(file("c.nvv.unfinished/lock"), "");
+    const FileLock alive(file("c.nvv.unfinished/lock"));
+    expect_refused({"clip", "cut", parts, "-o", file("c.nvv")}, 2, {"c.nvv.unfinished", "being written"});
 }
 
 TEST_F(ClipVerb, WhatCannotBeIsRefused) {
