@@ -34,11 +34,11 @@ void ComparedViews::round_frames() {
 }
 
 std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
-                                                const std::vector<ViewStep>& views) const {
+                                                const std::vector<ViewStep>& views, const glm::vec3& background) const {
     const render::Field field = render::upload_field(device_, tree, render::WeightPrecision::kHalf);
     render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
     render::FrameSettings settings = compared_settings(size_);
-    settings.resolve.background = {1, 1, 1, 1};
+    settings.resolve.background = {background.r, background.g, background.b, 1};
     std::vector<render::PaintUse> uses;
     for (const voctree::PaintStep& step : paint)
         uses.push_back({step.layer, static_cast<stage::PaintBlend>(step.blend), step.opacity});
@@ -53,11 +53,11 @@ std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree, st
 
 std::vector<media::Image> ComparedViews::render(const voctree::VOctree& tree,
                                                 std::span<const voctree::PaintStep> paint) const {
-    return render(tree, paint, views_);
+    return render(tree, paint, views_, glm::vec3(1));
 }
 
 media::Image ComparedViews::render_still(const voctree::VOctree& tree, const stage::Camera& camera) const {
-    return render(tree, {}, {{camera, 0}})[0];
+    return render(tree, {}, {{camera, 0}}, glm::vec3(1))[0];
 }
 
 media::LinearImage ComparedViews::light_of_still(const voctree::VOctree& tree, size_t i) const {
@@ -65,6 +65,19 @@ media::LinearImage ComparedViews::light_of_still(const voctree::VOctree& tree, s
     render::FrameRenderer renderer(device_, field, {size_.width, size_.height, kDefaultSamples});
     renderer.render(views_[i].camera, compared_settings(size_));
     return render::linear_image(renderer.radiance(), renderer.depth(), views_[i].camera, kDefaultSamples);
+}
+
+bool shows_something(const media::Image& image, const glm::vec3& background) {
+    constexpr int kLeastDifference = 8;
+    size_t shown = 0;
+    for (size_t i = 0; i < image.rgba.size(); i += 4)
+        for (size_t c = 0; c < 3; c++)
+            if (std::abs(image.rgba[i + c] - static_cast<int>(255 * background[static_cast<int>(c)])) >=
+                kLeastDifference) {
+                shown++;
+                break;
+            }
+    return 1000 * shown >= image.rgba.size() / 4 && shown > 0;
 }
 
 double psnr_together(std::span<const double> psnrs) {

@@ -22,8 +22,9 @@ class ComparedViews {
     std::vector<media::Image> render(const voctree::VOctree& tree,
                                      std::span<const voctree::PaintStep> paint = {}) const;
     // One image of a tree of one frame, as view `i` sees it.
-    media::Image render_still(const voctree::VOctree& tree, size_t i) const {
-        return render_still(tree, views_[i].camera);
+    media::Image render_still(const voctree::VOctree& tree, size_t i,
+                              const glm::vec3& background = glm::vec3(1)) const {
+        return render(tree, {}, {{views_[i].camera, 0}}, background)[0];
     }
     // The same for a camera of the caller's, of images of the same size.
     media::Image render_still(const voctree::VOctree& tree, const stage::Camera& camera) const;
@@ -37,11 +38,15 @@ class ComparedViews {
 
   private:
     std::vector<media::Image> render(const voctree::VOctree& tree, std::span<const voctree::PaintStep> paint,
-                                     const std::vector<ViewStep>& views) const;
+                                     const std::vector<ViewStep>& views, const glm::vec3& background) const;
     const gpu::Device& device_;
     media::ImageSize size_;
     std::vector<ViewStep> views_;
 };
+
+// Whether at least a thousandth of an image differs from its background, which is white or black: the PSNR of images
+// that show nothing is high.
+bool shows_something(const media::Image& image, const glm::vec3& background);
 
 // The lowest PSNR of images, in dB, against the truth.
 double worst_psnr(const std::vector<media::Image>& truth, const std::vector<media::Image>& images);

@@ -4,8 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 
@@ -18,7 +20,7 @@ namespace neuvv::interchange {
 namespace {
 
 constexpr size_t kMostHeader = 65536;  // bytes
-constexpr float kLeastDeviation_m = 1e-7f, kMostLength_m = 1e6f;
+constexpr float kLeastDeviation_m = 1e-7f, kMostLength_m = 1e6f, kMostColour = 1e6f;
 
 enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 constexpr std::array<size_t, 8> kBytesOfType = {1, 1, 2, 2, 4, 4, 4, 8};
@@ -69,7 +71,8 @@ struct Property {
         }
         double value = 0;
         std::memcpy(&value, at, sizeof(value));
-        return std::abs(value) <= 3e38 ? static_cast<float>(value) : std::numeric_limits<float>::quiet_NaN();
+        constexpr double kMost = std::numeric_limits<float>::max(), kInfinite = std::numeric_limits<double>::infinity();
+        return static_cast<float>(std::abs(value) <= kMost ? value : value * kInfinite);
     }
 };
 
@@ -143,25 +146,27 @@ Table find_vertices(const std::vector<uint8_t>& bytes) {
 class SplatColumns {
   public:
     explicit SplatColumns(const Table& table) {
-        const auto add = [&](const std::string& name) { columns_.push_back(table.property(name)); };
         for (const char* name : {"x", "y", "z", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
                                  "rot_3", "f_dc_0", "f_dc_1", "f_dc_2"})
-            add(name);
+            add(table, name);
         uint32_t rest = 0;
         while (rest < 3 * kMaxShCount && table.properties.contains(fmt::format("f_rest_{}", rest)))
-            add(fmt::format("f_rest_{}", rest++));
+            add(table, fmt::format("f_rest_{}", rest++));
         while (3 * (sh_count(degree) - 1) < rest && degree < kMaxHhDegree) degree++;
         if (3 * (sh_count(degree) - 1) != rest)
             throw std::runtime_error(fmt::format("has {} harmonics, not those of a degree up to 3", rest / 3 + 1));
     }
     uint32_t degree = 0;
 
-    // Nothing where its numbers are not finite.
-    std::optional<Splat> splat(const uint8_t* row, float scale) const {
+    // Nothing where it is left out; `why` then says so.
+    std::optional<Splat> splat(const uint8_t* row, float scale, std::string& why) const {
         std::array<float, 14 + 3 * kMaxShCount> n{};
         for (size_t i = 0; i < columns_.size(); i++) {
             n[i] = columns_[i].of(row);
-            if (!std::isfinite(n[i])) return std::nullopt;
+            if (!std::isfinite(n[i]) && !may_be_infinite(i, n[i])) {
+                why = fmt::format("whose {} is {}", names_[i], n[i]);
+                return std::nullopt;
+            }
         }
         Splat splat;
         splat.centre = scale * glm::vec3(n[0], n[1], n[2]);
@@ -169,22 +174,48 @@ class SplatColumns {
         splat.deviation = scale * glm::exp(glm::vec3(n[4], n[5], n[6]));
         const glm::vec4 turn = glm::vec4(n[7], n[8], n[9], n[10]);
         const float length = glm::length(turn);
-        for (int i = 0; i < 3; i++)
-            if (!(std::abs(splat.centre[i]) <= kMostLength_m) || !(splat.deviation[i] <= kMostLength_m))
-                return std::nullopt;
-        if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+        why = excess_of(splat, n, columns_.size());
+        if (!(length > 0) || !std::isfinite(length)) why = fmt::format("whose rotation has the length {}", length);
+        if (!why.empty()) return std::nullopt;
         splat.deviation = glm::max(splat.deviation, kLeastDeviation_m);
         splat.rotation = glm::quat(turn[0] / length, turn[1] / length, turn[2] / length, turn[3] / length);
         const uint32_t count = sh_count(degree);
         for (uint32_t c = 0; c < 3; c++) {
-            splat.colour[0][static_cast<int>(c)] = n[11 + c];
+            splat.colour[0][static_cast<int>(c)] = n[kColour + c];
             for (uint32_t k = 1; k < count; k++) splat.colour[k][static_cast<int>(c)] = n[14 + c * (count - 1) + k - 1];
         }
         return splat;
     }
 
   private:
+    static constexpr size_t kOpacity = 3, kScale = 4, kRotation = 7, kColour = 11;
+
+    void add(const Table& table, const std::string& name) {
+        columns_.push_back(table.property(name));
+        names_.push_back(name);
+    }
+    // The logits of 0 and 1, and the logarithm of 0.
+    static bool may_be_infinite(size_t column, float value) {
+        const bool is_scale = column >= kScale && column < kRotation;
+        return !std::isnan(value) && (column == kOpacity || (is_scale && value < 0));
+    }
+    // What is larger than this program takes; empty where nothing is.
+    std::string excess_of(const Splat& splat, std::span<const float> n, size_t columns) const {
+        for (int i = 0; i < 3; i++) {
+            const auto at = static_cast<size_t>(i);
+            if (!(std::abs(splat.centre[i]) <= kMostLength_m))
+                return fmt::format("whose {} is {:.6g} m", names_[at], splat.centre[i]);
+            if (!(splat.deviation[i] <= kMostLength_m))
+                return fmt::format("whose {} is {:.6g}, a size of {:.3g} m", names_[kScale + at], n[kScale + at],
+                                   splat.deviation[i]);
+        }
+        for (size_t i = kColour; i < columns; i++)
+            if (!(std::abs(n[i]) <= kMostColour)) return fmt::format("whose {} is {:.6g}", names_[i], n[i]);
+        return "";
+    }
+
     std::vector<Property> columns_;
+    std::vector<std::string> names_;
 };
 
 PlySplats parse(const std::vector<uint8_t>& bytes, float scale) {
@@ -195,11 +226,14 @@ PlySplats parse(const std::vector<uint8_t>& bytes, float scale) {
     if (table.count > available_memory_bytes() / 2 / sizeof(Splat))
         throw std::runtime_error(fmt::format("has {} splats, for which there is not enough memory", table.count));
     read.splats.splats.reserve(table.count);
+    std::string why;
     for (size_t i = 0; i < table.count; i++) {
-        if (const auto splat = columns.splat(table.rows + i * table.bytes_of_row, scale))
+        if (auto splat = columns.splat(table.rows + i * table.bytes_of_row, scale, why)) {
+            splat->row = static_cast<uint32_t>(i);
             read.splats.splats.push_back(*splat);
-        else
-            read.left_out++;
+        } else if (read.left_out++ == 0) {
+            read.first_left_out = fmt::format("splat {}, {}", i, why);
+        }
     }
     return read;
 }

@@ -17,6 +17,9 @@ namespace neuvv::interchange {
 // are real spherical harmonics with the Condon-Shortley phase, polar axis z, index l² + l + m, as splats have them.
 using SplatColour = std::array<glm::vec3, kMaxShCount>;
 
+// Renderers leave out splats and pixels of splats that are fainter.
+constexpr float kFaintestOpacity = 1 / 255.0f;
+
 // A Gaussian: its opacity falls by exp(−½ x²) at x standard deviations from the centre.
 struct Splat {
     glm::vec3 centre{0};             // metres
@@ -24,6 +27,7 @@ struct Splat {
     glm::vec3 deviation{0};          // standard deviations along them, metres
     float opacity = 0;               // 0 to 1, where a ray goes through the centre
     SplatColour colour{};            // those of higher degrees than the splats' are 0
+    uint32_t row = 0;                // in the file that it was read from
 };
 
 struct Splats {

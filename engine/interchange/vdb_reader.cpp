@@ -4,17 +4,17 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
-#include <optional>
 #include <span>
 #include <stdexcept>
 
 #include "base/error.h"
 #include "base/platform.h"
+#include "interchange/vdb_types.h"
 #include "stream/bytes.h"
-#include "voctree/half.h"
 
 namespace neuvv::interchange {
 
@@ -30,6 +30,8 @@ enum Inactive : uint8_t { kBackground, kMinusBackground, kOne, kMaskOfBackground
 constexpr uint32_t kLeafLog2 = 3, kLowerLog2 = 7, kUpperLog2 = 12;
 // Of voxels, in the file's units.
 constexpr double kLeastEdge = 1e-9, kMostEdge = 1e9, kMostOffset = 1e12;
+// Around the name of a grid's type.
+constexpr const char *kTypeBegin = "Tree_", *kTypeEnd = "_5_4_3", *kSavedAsHalf = "_HalfFloat";
 constexpr uint32_t kMostGrids = 1000, kMostMetadata = 10000;
 
 // Bits of a node's children or values.
@@ -52,8 +54,8 @@ class GridReader {
   public:
     // Takes what the grid needs from `memory`, in bytes.
     GridReader(stream::ByteReader& bytes, uint64_t& memory) : bytes_(bytes), memory_(memory) {}
-    // Reads what stands behind the grid's descriptor.
-    VdbGrid read(uint32_t channels, bool halves, bool is_instance);
+    // Reads what stands behind the grid's descriptor. `shared`: the grid whose voxels it has, or null.
+    VdbGrid read(const VdbType& type, bool halves, const VdbGrid* shared);
 
   private:
     void read_metadata();
@@ -61,6 +63,8 @@ class GridReader {
     void read_root();
     void read_node(const glm::ivec3& min, uint32_t log2);
     void read_leaf_values(VdbBlock& block);
+    void read_leaf_bits(VdbBlock& block);
+    void share_voxels(const VdbGrid& with);
     Mask read_mask(size_t bits);
     std::vector<float> read_values(const Mask& active, size_t count);
     std::vector<uint8_t> unpacked(size_t count);
@@ -75,16 +79,13 @@ class GridReader {
     stream::ByteReader& bytes_;
     uint64_t& memory_;
     uint32_t packing_ = 0;
+    const VdbType* type_ = nullptr;
     bool halves_ = false;
     VdbGrid grid_;
 };
 
 int32_t whole(stream::ByteReader& bytes) {
     return static_cast<int32_t>(bytes.number(4));
-}
-
-float real(stream::ByteReader& bytes) {
-    return std::bit_cast<float>(static_cast<uint32_t>(bytes.number(4)));
 }
 
 std::string text(stream::ByteReader& bytes) {
@@ -147,9 +148,9 @@ Mask GridReader::read_mask(size_t bits) {
     return mask;
 }
 
-// The bytes of so many values, 2 or 4 each number.
+// The bytes of so many values.
 std::vector<uint8_t> GridReader::unpacked(size_t count) {
-    const size_t size = count * grid_.channels * (halves_ ? 2 : 4);
+    const size_t size = count * grid_.channels * (halves_ ? 2 : type_->bytes_of_number);
     if (halves_ && count == 0) return {};  // without a size in front
     if (!(packing_ & (kZip | kBlosc))) {
         const auto taken = bytes_.take(size);
@@ -181,7 +182,7 @@ std::vector<float> GridReader::read_values(const Mask& active, size_t count) {
     const uint64_t inactive = bytes_.number(1);
     if (inactive > kAll) throw std::runtime_error("has a node of an unknown kind");
     const int stored = inactive == kMaskAndTwo ? 2 : inactive == kOne || inactive == kMaskAndOne ? 1 : 0;
-    bytes_.take(uint64_t{4} * grid_.channels * static_cast<uint64_t>(stored));
+    bytes_.take(uint64_t{type_->bytes_of_number} * grid_.channels * static_cast<uint64_t>(stored));
     if (inactive == kMaskOfBackgrounds || inactive == kMaskAndOne || inactive == kMaskAndTwo) bytes_.take(count / 8);
     const bool only_active = (packing_ & kActiveMask) && inactive != kAll;
     const std::vector<uint8_t> raw = unpacked(only_active ? active.count() : count);
@@ -189,9 +190,8 @@ std::vector<float> GridReader::read_values(const Mask& active, size_t count) {
     std::vector<float> values;
     for (size_t i = 0; i < count; i++)
         for (uint32_t c = 0; c < grid_.channels && (active[i] || !only_active); c++) {
-            const float value =
-                halves_ ? voctree::float_from_half(static_cast<uint16_t>(numbers.number(2))) : real(numbers);
-            if (active[i]) values.push_back(std::isfinite(value) ? value : 0);
+            const float value = read_vdb_number(numbers, halves_ ? VdbNumber::kHalf : type_->number);
+            if (active[i]) values.push_back(value);
         }
     return values;
 }
@@ -244,10 +244,7 @@ void GridReader::read_root() {
     if (bytes_.number(4) != 1) throw std::runtime_error("has several buffers a grid, as files of old versions");
     std::vector<float> value(grid_.channels);
     const auto read_value = [&] {
-        for (float& v : value) {
-            v = real(bytes_);
-            if (!std::isfinite(v)) v = 0;
-        }
+        for (float& v : value) v = read_vdb_number(bytes_, type_->number);
     };
     read_value();  // the background
     const uint64_t tiles = bytes_.number(4), children = bytes_.number(4);
@@ -271,40 +268,82 @@ void GridReader::read_leaf_values(VdbBlock& block) {
     grid_.values.insert(grid_.values.end(), values.begin(), values.end());
 }
 
-VdbGrid GridReader::read(uint32_t channels, bool halves, bool is_instance) {
-    grid_.channels = channels;
-    halves_ = halves;
+// Of a bool or a mask: one bit each voxel. The voxels that are true stay active.
+void GridReader::read_leaf_bits(VdbBlock& block) {
+    constexpr uint64_t kOriginBytes = 12;
+    Mask active = read_mask(64 * block.active.size());
+    if (type_->number == VdbNumber::kBool) {
+        bytes_.take(kOriginBytes);
+        const Mask values = read_mask(64 * block.active.size());
+        for (size_t i = 0; i < block.active.size(); i++) active.words[i] &= values.words[i];
+    } else {
+        bytes_.take(kOriginBytes);
+    }
+    std::copy(active.words.begin(), active.words.end(), block.active.begin());
+    block.first = grid_.values.size();
+    use_memory(2 * sizeof(float) * active.count());
+    grid_.values.insert(grid_.values.end(), active.count(), 1.0f);
+}
+
+void GridReader::share_voxels(const VdbGrid& with) {
+    use_memory(with.values.size() * sizeof(float) + with.blocks.size() * sizeof(VdbBlock) +
+               with.tiles.size() * sizeof(VdbTile));
+    grid_.blocks = with.blocks;
+    grid_.tiles = with.tiles;
+    grid_.values = with.values;
+}
+
+VdbGrid GridReader::read(const VdbType& type, bool halves, const VdbGrid* shared) {
+    type_ = &type;
+    grid_.type = type.name;
+    grid_.channels = type.channels;
+    halves_ = halves && type.is_real();
     packing_ = static_cast<uint32_t>(bytes_.number(4));
     read_metadata();
     read_map();
-    if (is_instance) throw UnreadGrid("shares its voxels with another grid");
+    if (shared) {
+        share_voxels(*shared);
+        return std::move(grid_);
+    }
     read_root();
-    for (VdbBlock& block : grid_.blocks) read_leaf_values(block);
+    for (VdbBlock& block : grid_.blocks) type.has_bits() ? read_leaf_bits(block) : read_leaf_values(block);
     return std::move(grid_);
 }
 
 struct Descriptor {
-    std::string name, type, instance_of;
+    std::string unique_name, type, instance_of;
+    bool halves;
     uint64_t begin, end;  // in the file; 0: not known
+
+    // Several grids of a name are told apart by a number behind a separator.
+    std::string name() const { return unique_name.substr(0, unique_name.find('\x1e')); }
 };
 
 Descriptor read_descriptor(stream::ByteReader& bytes) {
-    Descriptor descriptor{text(bytes), text(bytes), text(bytes), bytes.number(8), 0};
+    Descriptor descriptor{text(bytes), text(bytes), text(bytes), false, bytes.number(8), 0};
     bytes.number(8);  // where its values begin
     descriptor.end = bytes.number(8);
-    // Several grids of a name are told apart by a number behind a separator.
-    descriptor.name = descriptor.name.substr(0, descriptor.name.find('\x1e'));
+    std::string& type = descriptor.type;
+    if (type.ends_with(kSavedAsHalf)) {
+        descriptor.halves = true;
+        type.resize(type.size() - std::string_view(kSavedAsHalf).size());
+    }
+    if (type.starts_with(kTypeBegin)) type.erase(0, std::string_view(kTypeBegin).size());
+    if (type.ends_with(kTypeEnd)) type.resize(type.size() - std::string_view(kTypeEnd).size());
     return descriptor;
 }
 
-// Of types that are read; others have none.
-std::optional<uint32_t> channels_of(const std::string& type) {
-    if (type.starts_with("Tree_float_5_4_3")) return 1;
-    if (type.starts_with("Tree_vec3s_5_4_3")) return 3;
-    return std::nullopt;
+// The values of a grid, or UnreadGrid. `shared`: the grid whose voxels it has, or null.
+VdbGrid read_grid(stream::ByteReader& bytes, const Descriptor& descriptor, uint64_t& memory, const VdbGrid* shared) {
+    const VdbType* type = find_vdb_type(descriptor.type);
+    if (!type) throw UnreadGrid("is of the type " + descriptor.type);
+    const bool shares = !descriptor.instance_of.empty();
+    if (shares && (!shared || !shared->unread.empty() || shared->type != descriptor.type))
+        throw UnreadGrid("has the voxels of the grid " + descriptor.instance_of + ", which is not read");
+    return GridReader(bytes, memory).read(*type, descriptor.halves, shares ? shared : nullptr);
 }
 
-std::vector<VdbGrid> parse(std::span<const uint8_t> file, std::string& place) {
+VdbFile parse(std::span<const uint8_t> file, std::string& place) {
     stream::ByteReader bytes(file);
     if (bytes.number(8) != kMagic) throw std::runtime_error("is no OpenVDB file");
     const uint64_t version = bytes.number(4);
@@ -313,53 +352,59 @@ std::vector<VdbGrid> parse(std::span<const uint8_t> file, std::string& place) {
     bytes.take(8);  // the library's version
     const bool has_offsets = bytes.number(1) != 0;
     bytes.take(kUuidBytes);
-    read_metadata(bytes, "");
+    VdbFile read{read_metadata(bytes, "creator"), {}};
     const uint64_t count = bytes.number(4);
     if (count > kMostGrids) throw std::runtime_error("has too many grids");
-    std::vector<VdbGrid> grids;
-    std::optional<std::pair<std::string, UnreadGrid>> unread;  // the first one
+    std::vector<std::string> names;  // with the numbers that tell several of a name apart
     uint64_t memory = available_memory_bytes() / 2;
     for (uint64_t i = 0; i < count; i++) {
         place.clear();
         const Descriptor descriptor = read_descriptor(bytes);
-        place = descriptor.name;
-        const auto channels = channels_of(descriptor.type);
-        if (!channels && !has_offsets) throw std::runtime_error("is of the type " + descriptor.type);
-        if (channels) {
-            try {
-                grids.push_back(
-                    GridReader(bytes, memory)
-                        .read(*channels, descriptor.type.ends_with("_HalfFloat"), !descriptor.instance_of.empty()));
-                grids.back().name = descriptor.name;
-                continue;
-            } catch (const UnreadGrid& error) {
-                if (!has_offsets) throw;
-                if (!unread) unread = {descriptor.name, error};
-            }
+        place = descriptor.name();
+        const auto parent = std::find(names.begin(), names.end(), descriptor.instance_of);
+        VdbGrid grid;
+        try {
+            grid =
+                read_grid(bytes, descriptor, memory,
+                          parent == names.end() ? nullptr : &read.grids[static_cast<size_t>(parent - names.begin())]);
+        } catch (const UnreadGrid& error) {
+            if (!has_offsets) throw;
+            grid.type = descriptor.type;
+            grid.unread = error.what();
+            const auto here = static_cast<uint64_t>(bytes.take(0).data() - file.data());
+            if (descriptor.end < here || descriptor.end > file.size()) throw std::runtime_error("ends at an odd place");
+            bytes = stream::ByteReader(file.subspan(descriptor.end));
         }
-        const auto here = static_cast<uint64_t>(bytes.take(0).data() - file.data());
-        if (descriptor.end < here || descriptor.end > file.size()) throw std::runtime_error("ends at an odd place");
-        bytes = stream::ByteReader(file.subspan(descriptor.end));
+        grid.name = place;
+        read.grids.push_back(std::move(grid));
+        names.push_back(descriptor.unique_name);
     }
     place.clear();
-    if (!grids.empty() || !unread) return grids;
-    place = unread->first;
-    throw unread->second;
+    return read;
 }
 
 }  // namespace
 
-std::vector<VdbGrid> parse_vdb(std::span<const uint8_t> bytes, const std::string& file) {
+uint64_t VdbGrid::voxel_count() const {
+    uint64_t count = 0;
+    for (const VdbTile& tile : tiles)
+        count += static_cast<uint64_t>(tile.edge) * static_cast<uint64_t>(tile.edge) * static_cast<uint64_t>(tile.edge);
+    for (const VdbBlock& block : blocks)
+        for (const uint64_t word : block.active) count += static_cast<uint64_t>(std::popcount(word));
+    return count;
+}
+
+VdbFile parse_vdb(std::span<const uint8_t> bytes, const std::string& file) {
     std::string place;
     try {
         return parse(bytes, place);
     } catch (const std::runtime_error& error) {
         throw InputError(file, place, error.what(),
-                         "write grids of floats and of vectors of floats by OpenVDB 3 or later");
+                         "write grids of numbers and of vectors of three by OpenVDB 3 or later");
     }
 }
 
-std::vector<VdbGrid> read_vdb(const std::filesystem::path& file) {
+VdbFile read_vdb(const std::filesystem::path& file) {
     return parse_vdb(read_file(file, available_memory_bytes() / 2), file.string());
 }
 

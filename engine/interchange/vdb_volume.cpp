@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/platform.h"
-#include "base/text.h"
 #include "interchange/still_tree.h"
+#include "interchange/vdb_choice.h"
 #include "voctree/coarse.h"
 
 namespace neuvv::interchange {
@@ -157,15 +157,6 @@ class LeafMaker {
     glm::dmat4 colour_from_density_{1};
 };
 
-// Of a grid with a name that is asked for, the first in that order.
-std::optional<VdbGrid> take_grid(std::vector<VdbGrid>& grids, uint32_t channels,
-                                 std::initializer_list<const char*> names) {
-    for (const char* name : names)
-        for (VdbGrid& grid : grids)
-            if (grid.channels == channels && lower_case(grid.name) == name) return std::move(grid);
-    return std::nullopt;
-}
-
 // What a ray sees at a point of the file.
 class Sampler {
   public:
@@ -252,18 +243,11 @@ const float* VdbLookup::at(const glm::ivec3& index) {
 }
 
 VdbVolume volume_of(std::vector<VdbGrid> grids, const std::string& file, const glm::dmat4& world_from_file) {
-    std::erase_if(grids, [](const VdbGrid& grid) { return grid.grid_class == "level set"; });
-    VdbVolume volume{file, {}, {}, world_from_file};
-    std::optional<VdbGrid> density = take_grid(grids, 1, {"density"});
-    if (!density) {
-        const auto is_scalar = [](const VdbGrid& grid) { return grid.channels == 1; };
-        const auto scalar = std::find_if(grids.begin(), grids.end(), is_scalar);
-        if (std::count_if(grids.begin(), grids.end(), is_scalar) != 1)
-            throw InputError(file, "", "has no fog volume named density", "name the one that is to be read so");
-        density = std::move(*scalar);
-    }
-    volume.density = std::move(*density);
-    volume.colour = take_grid(grids, 3, {"cd", "color", "colour", "albedo"});
+    VdbVolume volume{file, {}, {}, world_from_file, {}};
+    VdbChoice choice = choose_grids(grids, file);
+    volume.density = std::move(grids[choice.density]);
+    if (choice.colour) volume.colour = std::move(grids[*choice.colour]);
+    volume.notes = std::move(choice.notes);
     axes_of(volume);  // throws
     return volume;
 }
@@ -293,7 +277,8 @@ voctree::VOctree tree_of(const VdbVolume& volume, uint32_t doublings, float fps)
     return doublings > 0 ? voctree::cut_tree(tree, std::max(box.depth, doublings + 1) - doublings) : tree;
 }
 
-media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, const std::function<void()>& between) {
+media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, const std::function<void()>& between,
+                       const glm::vec3& background) {
     const Axes axes = axes_of(volume);
     glm::dvec3 low(1), high(0);  // indices, with what is interpolated around them
     if (const CellRange range = range_of(volume, axes); range.low.x <= range.high.x) {
@@ -329,8 +314,8 @@ media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, con
                 }
                 uint8_t* to = image.at(x, static_cast<uint32_t>(y));
                 for (int c = 0; c < 3; c++)
-                    to[c] = static_cast<uint8_t>(
-                        std::lround(255 * media::srgb_from_linear(std::min(1.0, seen[c] + transmittance))));
+                    to[c] = static_cast<uint8_t>(std::lround(
+                        255 * media::srgb_from_linear(std::min(1.0, seen[c] + transmittance * double{background[c]}))));
                 to[3] = 255;
             }
         }

@@ -6,7 +6,9 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <optional>
+#include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "interchange/vdb_reader.h"
 #include "media/image.h"
@@ -37,12 +39,14 @@ struct VdbVolume {
     std::string file;
     VdbGrid density;
     std::optional<VdbGrid> colour;
-    glm::dmat4 world_from_file{1};  // axes and metres
+    glm::dmat4 world_from_file{1};   // axes and metres
+    std::vector<std::string> notes;  // which grids were chosen, and which were not
 };
 
-// The fog volume "density" of a file, or else its only grid of floats, and the vectors "Cd", "color", "colour" or
-// "albedo". `world_from_file`: turns and scales all axes alike; `file` is for errors. Throws InputError where there is
-// no such grid, and where its voxels do not lie along the axes.
+// The numbers "density" of a file, or else its only grid of numbers, and the vectors "Cd", "color", "colour" or
+// "albedo"; of several grids of one name the first, as OpenVDB's own readGrid takes it. Level sets are no densities.
+// `world_from_file`: turns and scales all axes alike; `file` is for errors. Throws InputError, which lists the grids,
+// where there is no such one, and where its voxels do not lie along the axes.
 VdbVolume volume_of(std::vector<VdbGrid> grids, const std::string& file, const glm::dmat4& world_from_file);
 
 // How often the edges of voxels are doubled until the volume has at most `resolution` cells along its longest side;
@@ -54,8 +58,9 @@ std::optional<uint32_t> doublings_for(const VdbVolume& volume, uint32_t resoluti
 // where a tree would have too many cells.
 voctree::VOctree tree_of(const VdbVolume& volume, uint32_t doublings, float fps);
 
-// The volume on white, sRGB-encoded (0 to 1): density and colour are interpolated between the centres of voxels, as
-// renderers of such files do it. `between` is called once a row, from several threads, and may throw.
-media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, const std::function<void()>& between);
+// The volume on a background of linear light, sRGB-encoded: density and colour are interpolated between the centres of
+// voxels, as renderers of such files do it. `between` is called once a row, from several threads, and may throw.
+media::Image vdb_image(const VdbVolume& volume, const stage::Camera& camera, const std::function<void()>& between,
+                       const glm::vec3& background = glm::vec3(1));
 
 }  // namespace neuvv::interchange

@@ -1,5 +1,7 @@
 #include "interchange/voxelise.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -18,8 +20,8 @@ namespace neuvv::interchange {
 
 namespace {
 
-// Renderers leave out what is fainter, and let no splat hide more.
-constexpr float kFaintest = 1 / 255.0f, kDensest = 0.99f;
+// Renderers let no splat hide more.
+constexpr float kDensest = 0.99f;
 // Renderers widen splats by 0.3 pixels², and those of a trained scene leave gaps without that. A cell is our pixel.
 constexpr float kWideningOfCell = 0.3f;
 // Cells have at most so many deviations of the splats in them, where the resolution allows it.
@@ -241,39 +243,51 @@ std::vector<Blob> blobs_of(const Splats& splats, double cell_m) {
     const float widening = kWideningOfCell * static_cast<float>(cell_m * cell_m);
     std::vector<Blob> blobs;
     for (const Splat& splat : splats.splats) {
-        if (splat.opacity < kFaintest) continue;
+        if (splat.opacity < kFaintestOpacity) continue;
         const glm::vec3 d = glm::sqrt(splat.deviation * splat.deviation + widening);
         blobs.push_back({&splat, glm::mat3_cast(splat.rotation), d, std::min({d.x, d.y, d.z}),
-                         std::sqrt(2 * std::log(splat.opacity / kFaintest))});
+                         std::sqrt(2 * std::log(splat.opacity / kFaintestOpacity))});
     }
     return blobs;
 }
 
-}  // namespace
-
-SplatBox box_of(const Splats& splats) {
-    SplatBox box;
-    bool is_first = true;
-    for (const Blob& blob : blobs_of(splats, 0)) {
-        glm::dvec3 reach;
-        for (int i = 0; i < 3; i++) {
-            const glm::vec3 row(blob.axes[0][i], blob.axes[1][i], blob.axes[2][i]);
-            reach[i] = 2 * double{glm::length(row * blob.splat->deviation)};
-        }
-        const glm::dvec3 centre(blob.splat->centre);
-        box.low = is_first ? centre - reach : glm::min(box.low, centre - reach);
-        box.high = is_first ? centre + reach : glm::max(box.high, centre + reach);
-        is_first = false;
+// "splat 12 at (1, 2, 3)": the one in the box that is farthest from where most are; empty where there is none.
+std::string farthest_place(const Splats& splats, const SplatBox& box) {
+    std::vector<const Splat*> in;
+    for (const Splat& splat : splats.splats) {
+        const glm::dvec3 centre(splat.centre);
+        if (glm::all(glm::greaterThanEqual(centre, box.low)) && glm::all(glm::lessThanEqual(centre, box.high)))
+            in.push_back(&splat);
     }
-    return box;
+    if (in.empty()) return "";
+    glm::vec3 middle;
+    for (int i = 0; i < 3; i++) {
+        const auto half = in.begin() + static_cast<ptrdiff_t>(in.size() / 2);
+        std::nth_element(in.begin(), half, in.end(),
+                         [i](const Splat* a, const Splat* b) { return a->centre[i] < b->centre[i]; });
+        middle[i] = (*half)->centre[i];
+    }
+    return place_of(**std::max_element(in.begin(), in.end(), [&](const Splat* a, const Splat* b) {
+        return glm::distance(a->centre, middle) < glm::distance(b->centre, middle);
+    }));
 }
+
+}  // namespace
 
 voctree::VOctree voxelised(const Splats& splats, const SplatBox& box, double cell_m, float fps, const std::string& file,
                            const std::function<void()>& between) {
     const glm::dvec3 low = glm::floor(box.low / cell_m), high = glm::floor(box.high / cell_m);
-    for (int i = 0; i < 3; i++)
-        if (!(std::abs(low[i]) < 1e8) || !(std::abs(high[i]) < 1e8))
-            throw InputError(file, "", "lies too far from the origin", kFewerCells);
+    constexpr double kMostCell = 1e8, kMostCells = 1 << 2 * kMaxNodeLevels;
+    for (int i = 0; i < 3; i++) {
+        const bool is_far = !(std::abs(low[i]) < kMostCell) || !(std::abs(high[i]) < kMostCell);
+        if (is_far || high[i] - low[i] >= kMostCells)
+            throw InputError(file, farthest_place(splats, box),
+                             is_far
+                                 ? fmt::format("lies too far from the origin for cells of {:.3g} m", cell_m)
+                                 : fmt::format("lies in a box of {:.0f} cells; a clip has at most {:.0f} along a side",
+                                               high[i] - low[i], kMostCells),
+                             kFewerCells);
+    }
     const CellBox cells = CellBox::around(low, high, 8, file, kFewerCells);
     const StillLeaves leaves = Voxeliser(splats, box, cells, cell_m, file, between).run(blobs_of(splats, cell_m));
     return still_tree(leaves, cells, glm::dvec3(0), glm::dvec3(cell_m), fps);

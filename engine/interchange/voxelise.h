@@ -3,23 +3,17 @@
 
 #include <functional>
 
-#include "interchange/splats.h"
+#include "interchange/splat_box.h"
 #include "voctree/voctree.h"
 
 namespace neuvv::interchange {
-
-struct SplatBox {
-    glm::dvec3 low{0}, high{0};  // metres
-};
-// A box around two deviations of all splats that can be seen; empty where there are none.
-SplatBox box_of(const Splats& splats);
 
 // A tree of one frame that dims light as the splats do. Its cells are `cell_m` wide, or wider where all splats are
 // large. Each splat becomes a density: a ray along its thinnest axis is dimmed by just the opacity that the splat has
 // where the ray passes. A cell has the sum of the densities in it, and the mean of the colours, weighted by density.
 // Splats are widened by 0.3 cells², as renderers widen them by 0.3 pixels². What lies outside the box is left out.
-// `between` is called now and then, from several threads, and may throw. Throws InputError with `file` where a tree
-// would have too many cells.
+// `between` is called now and then, from several threads, and may throw. Throws InputError with `file` and a splat
+// where a tree would have too many cells.
 voctree::VOctree voxelised(const Splats& splats, const SplatBox& box, double cell_m, float fps, const std::string& file,
                            const std::function<void()>& between);
 

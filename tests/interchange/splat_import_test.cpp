@@ -1,11 +1,14 @@
 // Splats of other programs: read, turned, drawn, and made into cells.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <initializer_list>
 #include <limits>
+#include <tuple>
 
 #include "base/error.h"
 #include "fuzz/mutate.h"
@@ -123,17 +126,87 @@ TEST(SplatReader, SaysWhatItCannotRead) {
     }
 }
 
-TEST(SplatReader, LeavesOutWhatIsNotFinite) {
+// Puts a number in the place of a property of a splat in a file of ours of degree 0, whose last properties those are.
+void overwrite(const std::filesystem::path& path, size_t splats, size_t splat, const std::string& property,
+               float value) {
+    const std::vector<std::string> names = {"x",       "y",      "z",      "nx",      "ny",      "nz",
+                                            "f_dc_0",  "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
+                                            "scale_2", "rot_0",  "rot_1",  "rot_2",   "rot_3"};
+    const auto column = static_cast<size_t>(std::find(names.begin(), names.end(), property) - names.begin());
+    ASSERT_LT(column, names.size());
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(-static_cast<std::streamoff>(sizeof(float) * (names.size() * (splats - splat) - column)), std::ios::end);
+    file.write(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(SplatReader, LeavesOutWhatIsNotFiniteAndNamesIt) {
     const TemporaryFolder folder;
-    Splats splats = some_splats(1, 5);
-    splats.splats[1].centre.x = std::numeric_limits<float>::quiet_NaN();
-    splats.splats[2].deviation.y = std::numeric_limits<float>::infinity();
-    splats.splats[4].rotation = glm::quat(0, 0, 0, 0);
+    const std::filesystem::path path = folder.path / "x.ply";
+    const Splats splats = some_splats(0, 5);
+    const std::tuple<std::string, float, std::string> cases[] = {
+        {"x", kNan, "splat 3, whose x is nan"},
+        {"z", -kInfinity, "splat 3, whose z is -inf"},
+        {"y", 2e6f, "splat 3, whose y is 2e+06 m"},
+        {"opacity", kNan, "splat 3, whose opacity is nan"},
+        {"scale_1", 100, "splat 3, whose scale_1 is 100"},
+        {"scale_2", kInfinity, "splat 3, whose scale_2 is inf"},
+        {"f_dc_2", 1e30f, "splat 3, whose f_dc_2 is 1e+30"},
+        {"rot_2", kNan, "splat 3, whose rot_2 is nan"},
+        {"rot_0", 3e38f, "splat 3, whose rotation has the length inf"},
+    };
+    for (const auto& [property, value, reason] : cases) {
+        interchange::write_splat_ply(path, splats);
+        overwrite(path, 5, 3, property, value);
+        const interchange::PlySplats read = interchange::read_splat_ply(path);
+        EXPECT_EQ(read.left_out, 1u) << property;
+        EXPECT_TRUE(read.first_left_out.starts_with(reason)) << read.first_left_out;
+        ASSERT_EQ(read.splats.splats.size(), 4u);
+        EXPECT_EQ(read.splats.splats[3].row, 4u);
+        EXPECT_LT(glm::distance(read.splats.splats[3].centre, splats.splats[4].centre), 1e-6f);
+    }
+    Splats unturned = splats;
+    unturned.splats[1].rotation = glm::quat(0, 0, 0, 0);
+    interchange::write_splat_ply(path, unturned);
+    EXPECT_EQ(interchange::read_splat_ply(path).first_left_out, "splat 1, whose rotation has the length 0");
+}
+
+// The logits of 1 and 0 are infinite, and so is the logarithm of 0.
+TEST(SplatReader, ReadsInfiniteLogits) {
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path / "x.ply";
+    interchange::write_splat_ply(path, some_splats(0, 5));
+    overwrite(path, 5, 0, "opacity", kInfinity);
+    overwrite(path, 5, 1, "opacity", -kInfinity);
+    overwrite(path, 5, 2, "scale_1", -kInfinity);
+    const interchange::PlySplats read = interchange::read_splat_ply(path);
+    EXPECT_EQ(read.left_out, 0u);
+    ASSERT_EQ(read.splats.splats.size(), 5u);
+    EXPECT_EQ(read.splats.splats[0].opacity, 1);
+    EXPECT_EQ(read.splats.splats[1].opacity, 0);
+    EXPECT_LT(read.splats.splats[2].deviation.y, 1e-6f);
+    // As doubles, too.
+    Splats opaque = some_splats(0, 2);
+    opaque.splats[0].opacity = 1;
+    write_other_ply(path, opaque);
+    EXPECT_EQ(interchange::read_splat_ply(path).splats.splats.at(0).opacity, 1);
+}
+
+// A tree of opaque splats is opaque.
+TEST(Voxelise, OpaqueSplatsAreOpaque) {
+    const TemporaryFolder folder;
+    Splats splats = some_splats(0, 1);
+    splats.splats[0].centre = glm::vec3(0);
+    splats.splats[0].deviation = glm::vec3(0.1f);
     interchange::write_splat_ply(folder.path / "x.ply", splats);
-    const interchange::PlySplats read = interchange::read_splat_ply(folder.path / "x.ply");
-    EXPECT_EQ(read.left_out, 3u);
-    ASSERT_EQ(read.splats.splats.size(), 2u);
-    EXPECT_LT(glm::distance(read.splats.splats[1].centre, splats.splats[3].centre), 1e-6f);
+    overwrite(folder.path / "x.ply", 1, 0, "opacity", kInfinity);
+    const Splats read = interchange::read_splat_ply(folder.path / "x.ply").splats;
+    const FrameVolume volume =
+        interchange::frame_volume(interchange::voxelised(read, interchange::box_of(read), 0.02, 25, "x", [] {}), 0);
+    float most = 0;
+    for (const VolumeLeaf& leaf : volume.leaves) most = std::max(most, leaf.sigma);
+    EXPECT_GT(1 - std::exp(-most * 0.2f), 0.98f);
 }
 
 TEST(SplatReader, SurvivesDamagedFiles) {
@@ -194,6 +267,80 @@ TEST(SplatReader, DrawsFilesAsTheDefinitionDoes) {
         }
     EXPECT_LT(sum / static_cast<double>(3 * truth.size()), 0.002);
     EXPECT_GT(coverage / static_cast<double>(3 * truth.size()), 0.03) << "something is seen";
+}
+
+// Splats within about 2 m, of which some are moved.
+Splats cloud(size_t count, std::initializer_list<glm::vec3> floaters) {
+    Splats splats = some_splats(0, count);
+    size_t i = 7;
+    for (const glm::vec3& place : floaters) splats.splats[i++].centre = place;
+    return splats;
+}
+
+TEST(SplatBox, LeavesOutWhatFloatsFarAway) {
+    const double size = interchange::box_of(cloud(453, {})).longest_m();
+    for (const auto& floaters : {std::initializer_list<glm::vec3>{{1000, 0, 0}, {990, 10, 0}, {0, 1000, 5}},
+                                 {{0, 0, -30}},
+                                 {{20, 0, 0}, {-20, 0, 0}, {0, 20, 0}, {0, -20, 0}, {0, 0, 20}}}) {
+        const Splats splats = cloud(453, floaters);
+        const interchange::MainBox main = interchange::main_box_of(splats);
+        EXPECT_EQ(main.beyond, floaters.size());
+        EXPECT_LE(main.box.longest_m(), size);
+        EXPECT_GT(main.box.longest_m(), 0.9 * size);
+        ASSERT_TRUE(main.farthest);
+        EXPECT_GT(glm::length(main.farthest->centre), 15);
+        EXPECT_FALSE(main.dense);
+        Splats cropped = splats;
+        interchange::crop(cropped, main.box);
+        EXPECT_EQ(cropped.splats.size(), 453 - floaters.size());
+    }
+}
+
+TEST(SplatBox, LeavesOutWhatIsFarTooLarge) {
+    Splats splats = cloud(200, {});
+    splats.splats[3].deviation.z = 50;
+    const interchange::MainBox main = interchange::main_box_of(splats);
+    EXPECT_EQ(main.beyond, 1u);
+    EXPECT_EQ(main.farthest, &splats.splats[3]);
+    EXPECT_LT(main.box.longest_m(), 10);
+}
+
+// Nothing of a performer is cut, however thin an arm is, nor of few splats, nor of what is faint.
+TEST(SplatBox, KeepsAllThatBelongsTogether) {
+    Splats splats = cloud(2000, {{2.2f, 0, 0}, {-2.3f, 0.1f, 0}, {0, 3, 0}});
+    splats.splats[20].centre = glm::vec3(1000);
+    splats.splats[20].opacity = 1e-3f;
+    for (const Splats& each : {splats, cloud(9, {{50, 0, 0}})}) {
+        const interchange::MainBox main = interchange::main_box_of(each);
+        EXPECT_EQ(main.beyond, 0u);
+        const interchange::SplatBox box = interchange::box_of(each);
+        EXPECT_EQ(main.box.low, box.low);
+        EXPECT_EQ(main.box.high, box.high);
+    }
+    EXPECT_EQ(interchange::main_box_of(Splats{}).box.longest_m(), 0);
+}
+
+// A tenth of all splats is no floater, but cells are larger by it: that is said.
+TEST(SplatBox, TellsWhereMostSplatsAre) {
+    Splats splats = cloud(400, {});
+    for (size_t i = 0; i < 32; i++) splats.splats[i].centre.x += i % 2 == 0 ? 40.0f : -40.0f;
+    const interchange::MainBox main = interchange::main_box_of(splats);
+    EXPECT_EQ(main.beyond, 0u);
+    EXPECT_GT(main.box.longest_m(), 60);
+    ASSERT_TRUE(main.dense);
+    EXPECT_LT(main.dense->longest_m(), 5);
+}
+
+TEST(Voxelise, NamesTheSplatThatIsTooFarAway) {
+    Splats splats = cloud(20, {{9e5f, 0, 0}});
+    splats.splats[7].row = 12;
+    const auto error = [&](double cell_m) {
+        return error_of(
+            [&] { interchange::voxelised(splats, interchange::box_of(splats), cell_m, 25, "x.ply", [] {}); });
+    };
+    EXPECT_NE(error(1e-3).find("x.ply: splat 12 at (900000, 0, 0): lies too far from the origin"), std::string::npos);
+    EXPECT_NE(error(1).find("x.ply: splat 12 at (900000, 0, 0): lies in a box of 90000"), std::string::npos)
+        << error(1);
 }
 
 Splats one_splat(const glm::vec3& deviation, const glm::quat& rotation, float opacity) {

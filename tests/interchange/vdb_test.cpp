@@ -46,7 +46,7 @@ struct OpenFile {
 };
 
 VdbVolume read_volume(const std::filesystem::path& file, const glm::dmat4& world_from_file) {
-    return interchange::volume_of(interchange::read_vdb(file), file.string(), world_from_file);
+    return interchange::volume_of(interchange::read_vdb(file).grids, file.string(), world_from_file);
 }
 
 template <typename Grid>
@@ -147,7 +147,7 @@ TEST(VdbWriter, MayBeTurned) {
     }
     EXPECT_GT(inside, 70);
     expect_input_error(
-        [&] { interchange::volume_of(interchange::read_vdb(folder.path / "x.vdb"), "x.vdb", glm::dmat4(1)); },
+        [&] { interchange::volume_of(interchange::read_vdb(folder.path / "x.vdb").grids, "x.vdb", glm::dmat4(1)); },
         {"turned"});
 }
 

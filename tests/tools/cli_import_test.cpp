@@ -1,6 +1,7 @@
 // neuvv import on the command line: frames that neuvv export wrote become a clip again.
 #include <gtest/gtest.h>
 
+#include "interchange/splat_ply.h"
 #include "tests/tools/cli_gpu.h"
 
 namespace neuvv {
@@ -35,6 +36,42 @@ TEST_F(CliImport, FramesOfVolumesBecomeAClip) {
                    {"x.nvs", "in_%02d.vdb -o " + file("x.nvv") + "`", "neuvv publish " + file("x.nvv")});
     expect_refused({"import", file("in_%02d.vdb"), "-o", file("gap.nvv")}, 2, {"in_01.vdb", "is missing"});
     EXPECT_FALSE(std::filesystem::exists(file("gap.nvv")));
+}
+
+// Splats that are all as opaque as `opacity`, of which one floats far away.
+interchange::Splats splats_of(float opacity, const glm::vec3& floater) {
+    interchange::Splats splats{0, std::vector<interchange::Splat>(60)};
+    for (size_t i = 0; i < splats.splats.size(); i++) {
+        interchange::Splat& splat = splats.splats[i];
+        splat.centre = 0.1f * glm::vec3(i % 4, i / 4 % 4, i / 16);
+        splat.deviation = glm::vec3(0.05f);
+        splat.opacity = opacity;
+        splat.colour[0] = {1, -1, -1};
+    }
+    splats.splats[30].centre = floater;
+    return splats;
+}
+
+TEST_F(CliImport, SplatsThatShowNothingAreNoClip) {
+    const std::vector<std::string> small = {"--views", "2", "--size", "32x32", "--resolution", "16"};
+    const auto import = [&](const char* from, const char* to) {
+        std::vector<std::string> arguments = {"import", file(from), "-o", file(to)};
+        arguments.insert(arguments.end(), small.begin(), small.end());
+        return arguments;
+    };
+    interchange::write_splat_ply(file("faint.ply"), splats_of(1e-3f, glm::vec3(0)));
+    expect_refused(import("faint.ply", "faint.nvv"), 2, {"faint.ply", "60 splats, each less opaque"});
+    EXPECT_FALSE(std::filesystem::exists(file("faint.nvv")));
+    EXPECT_FALSE(std::filesystem::exists(file("faint.nvv.unfinished")));
+    interchange::write_splat_ply(file("floater.ply"), splats_of(0.9f, {0, 0, 500}));
+    const nlohmann::json imported = json_of(import("floater.ply", "floater.nvv"));
+    EXPECT_EQ(imported.at("empty_views"), 0);
+    EXPECT_GT(imported.at("psnr_db"), 15);
+    ASSERT_EQ(imported.at("notes").size(), 1u);
+    const auto note = imported.at("notes")[0].get<std::string>();
+    EXPECT_NE(note.find("1 of 60 splats"), std::string::npos) << note;
+    EXPECT_NE(note.find("splat 30 at"), std::string::npos) << note;
+    EXPECT_NE(note.find("--box="), std::string::npos) << note;
 }
 
 }  // namespace

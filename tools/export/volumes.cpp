@@ -69,7 +69,7 @@ void VolumeExport::measure(uint32_t frame, const Working& working) {
     working("comparing the volume with images of the middle frame");
     const std::string bytes = interchange::vdb_bytes(waiting_, {vdb_.depth});
     const interchange::VdbVolume read = interchange::volume_of(
-        interchange::parse_vdb({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options_.output),
+        interchange::parse_vdb({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options_.output).grids,
         options_.output, glm::dmat4(1));
     const voctree::VOctree still = clip_.still(frame);
     const ComparedViews views(device_, still, parse_size(options_.size), options_.views);
