@@ -154,6 +154,7 @@ StagePlan plan_stage(const RenderOptions& options) {
     plan.output.has_deep = plan.layers.deep;
     const media::ImageSize given_size = options.size.empty() ? media::ImageSize{} : parse_size(options.size);
     plan.stage = stage::load_stage(options.scene);
+    tell_notes(options.scene, plan.stage.scene.notes);
     override_settings(options, plan.stage);
     if (plan.layers.needs_segments() && plan.stage.settings.blend != stage::StageBlend::kExact)
         throw InputError("--layers", options.layers, "need performers that are blended exactly", "add --blend exact");

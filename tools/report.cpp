@@ -142,6 +142,10 @@ std::string doubtful_mattes_text(const training::Dataset& dataset, const std::ve
     return text;
 }
 
+void tell_notes(const std::string& file, const std::vector<std::string>& notes) {
+    for (const std::string& note : notes) fmt::print(stderr, "note: {} {}\n", file, note);
+}
+
 void tell_not_shown(const std::vector<std::string>& problems) {
     for (const std::string& problem : problems) say("neuvv: not shown: {}\n", problem);
 }

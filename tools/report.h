@@ -87,6 +87,9 @@ constexpr const char* kExamplesHead =
 // A line for each doubtful matte, at most ten, and what to do about them; empty where there are none.
 std::string doubtful_mattes_text(const training::Dataset& dataset, const std::vector<training::DoubtfulMatte>& mattes);
 
+// Says on stderr what of a file is not shown (GltfScene::notes), a line each.
+void tell_notes(const std::string& file, const std::vector<std::string>& notes);
+
 // Says which segments of clips cannot be read, and so are not shown (StageRenderer::take_problems).
 void tell_not_shown(const std::vector<std::string>& problems);
 

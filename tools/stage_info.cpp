@@ -161,6 +161,7 @@ ordered_json json_of(const stage::Stage& stage, const stage::EvaluatedStage& eva
     if (const auto& environment = stage.settings.environment)
         json["environment"] = {
             {"uri", environment->uri}, {"intensity", environment->intensity}, {"rotation", environment->rotation_deg}};
+    json["notes"] = stage.scene.notes;
     json["performers"] = performers_json(stage, evaluated);
     json["clips"] = json["lights"] = json["cameras"] = ordered_json::array();
     uint64_t total = 0;
@@ -331,15 +332,6 @@ void print_lights(const stage::Stage& stage, const stage::EvaluatedStage& evalua
     }
 }
 
-std::string names_of_meshes_without_triangles(const stage::Stage& stage) {
-    std::string names;
-    for (size_t i = 0; i < stage.scene.meshes.size(); ++i)
-        if (const stage::GltfMesh& mesh = stage.scene.meshes[i]; mesh.primitives.empty())
-            names += fmt::format("{}{}", names.empty() ? "" : ", ",
-                                 mesh.name.empty() ? fmt::format("mesh {}", i) : mesh.name);
-    return names;
-}
-
 void print(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, const std::vector<ClipMemory>& memory) {
     fmt::print("{}: {:.6g} s at {:.6g} fps; {} performers, {} lights, {} cameras, {} meshes, {} animations\n",
                stage.file.path.string(), stage.duration_s, stage.fps, evaluated.performers.size(),
@@ -350,8 +342,7 @@ void print(const stage::Stage& stage, const stage::EvaluatedStage& evaluated, co
     if (const std::string hidden = names_of(stage, is_hidden); !hidden.empty()) fmt::print("hidden: {}\n", hidden);
     if (const std::string locked = names_of(stage, edit::is_locked); !locked.empty())
         fmt::print("locked: {}\n", locked);
-    if (const std::string empty = names_of_meshes_without_triangles(stage); !empty.empty())
-        fmt::print("points, lines or splats alone, which are not drawn: {}\n", empty);
+    for (const std::string& note : stage.scene.notes) fmt::print("note: it {}\n", note);
     print_performers(stage, evaluated);
     print_clips(stage, memory);
     print_lights(stage, evaluated);

@@ -52,7 +52,7 @@ void append_images(GlbWriter& glb, const tinygltf::Model& model) {
 }  // namespace
 
 GlbWriter embedded(StageFile file, const std::filesystem::path& output) {
-    const tinygltf::Model model = parse_gltf(file.path, stage_bytes(file));
+    const tinygltf::Model model = parse_gltf(file.path, stage_bytes(file)).model;
     GlbWriter glb;
     glb.json = file.json.whole();
     append_buffers(glb, model);

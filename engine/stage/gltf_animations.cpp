@@ -100,12 +100,10 @@ void load_animations(GltfScene& scene, AccessorReader& reader) {
         animation.name = source.name;
         const std::string place = fmt::format("/animations/{}", a);
         for (size_t c = 0; c < source.channels.size(); ++c) {
-            if (source.channels[c].target_node < 0) continue;  // targets of extensions
             animation.channels.push_back(channel_of(scene, reader, source, source.channels[c], place, c));
             animation.duration_s =
                 std::max(animation.duration_s, static_cast<double>(animation.channels.back().times.back()));
         }
-        if (animation.channels.empty()) throw InputError(scene.file, place, "animates nothing");
         animations.push_back(std::move(animation));
     }
     scene.animations = std::move(animations);

@@ -37,11 +37,16 @@ GltfContainer find_gltf_json(const std::vector<uint8_t>& bytes, const std::strin
     if (length > bytes.size())
         fail("header", fmt::format("says {} bytes, the file has {}: it is cut off", length, bytes.size()));
     const uint64_t json_end = uint64_t{20} + gltf_word_at(bytes, 12);
-    if (gltf_word_at(bytes, 16) != 0x4E4F534A) fail("first chunk", "is not JSON");
+    if (gltf_word_at(bytes, 16) != kGlbJson) fail("first chunk", "is not JSON");
     if (json_end > length) fail("JSON chunk", "runs past the end of the file");
     if (json_end < length) {
         if (json_end + 8 > length) fail("second chunk", "runs past the end of the file");
-        if (json_end + 8 + gltf_word_at(bytes, json_end) > length) fail("BIN chunk", "runs past the end of the file");
+        const uint64_t size = gltf_word_at(bytes, json_end);
+        if (json_end + 8 + size > length) fail("BIN chunk", "runs past the end of the file");
+        if (gltf_word_at(bytes, json_end + 4) == kGlbBin) {
+            container.bin_begin = json_end + 8;
+            container.bin_size = size;
+        }
     }
     container.json_begin = 20;
     container.json_size = json_end - 20;

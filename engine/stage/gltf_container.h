@@ -7,9 +7,12 @@
 
 namespace neuvv::stage {
 
+constexpr uint32_t kGlbJson = 0x4E4F534A, kGlbBin = 0x004E4942;  // types of a .glb's chunks
+
 struct GltfContainer {
     bool binary = false;                   // whether it is a .glb, as its first four bytes say
     size_t json_begin = 0, json_size = 0;  // bytes
+    size_t bin_begin = 0, bin_size = 0;    // of the .glb's buffer; 0 where it has none
 };
 
 // A .gltf is JSON as a whole. Throws InputError naming `file` for a .glb whose header or first two chunks are invalid,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 #include "stage/gltf_parse.h"
@@ -55,6 +56,7 @@ struct PrimitiveLoader {
     void read_uvs(const MaterialTransforms& transforms);
     void read_tangents();
     void read_colors();
+    void read_skin_set(uint32_t set);
     void read_skin();
     void read_indices();
     void read_targets();
@@ -65,8 +67,8 @@ std::vector<glm::vec2> PrimitiveLoader::uvs_of(const TextureTransform& transform
     const std::string name = fmt::format("TEXCOORD_{}", transform.uv_set);
     const int accessor = attribute(name);
     if (accessor < 0) return {};
+    // KHR_mesh_quantization has integers that are not normalised: the texture transform scales them.
     std::vector<glm::vec2> uvs = vectors<glm::vec2>(accessor, "/attributes/" + name);
-    if (is_raw_integer(reader, accessor)) fail("/attributes/" + name, "is neither float nor normalised");
     // KHR_texture_transform: scale, then rotation, then offset.
     const float c = std::cos(transform.rotation), s = std::sin(transform.rotation);
     for (glm::vec2& uv : uvs) {
@@ -109,30 +111,47 @@ void PrimitiveLoader::read_colors() {
     if (is_raw_integer(reader, accessor)) fail(name, "is neither float nor normalised");
 }
 
-void PrimitiveLoader::read_skin() {
-    const int joints = attribute("JOINTS_0"), weights = attribute("WEIGHTS_0");
-    if (joints < 0 && weights < 0) return;
-    if (joints < 0 || weights < 0) fail("/attributes", "has only one of JOINTS_0 and WEIGHTS_0");
-    const std::vector<uint32_t> indices = read_integers(reader, joints, 4, place + "/attributes/JOINTS_0");
-    check_count(indices.size() / 4, "/attributes/JOINTS_0");
-    out.weights = vectors<glm::vec4>(weights, "/attributes/WEIGHTS_0");
-    if (is_raw_integer(reader, weights)) fail("/attributes/WEIGHTS_0", "is neither float nor normalised");
-    out.joints.assign(out.positions.size(), glm::u16vec4(0));
-    for (size_t v = 0; v < out.positions.size(); ++v) {
-        glm::vec4& weight = out.weights[v];
-        float sum = 0;
+// One of JOINTS_n and WEIGHTS_n, as many as there are without a gap.
+void PrimitiveLoader::read_skin_set(uint32_t set) {
+    const std::string joints_name = fmt::format("JOINTS_{}", set), weights_name = fmt::format("WEIGHTS_{}", set);
+    const int joints = attribute(joints_name), weights = attribute(weights_name);
+    if (joints < 0 || weights < 0)
+        fail("/attributes", fmt::format("has only one of {} and {}", joints_name, weights_name));
+    const std::string weights_place = "/attributes/" + weights_name, joints_place = "/attributes/" + joints_name;
+    const std::vector<uint32_t> indices = read_integers(reader, joints, 4, place + joints_place);
+    check_count(indices.size() / 4, joints_place);
+    const std::vector<glm::vec4> read = vectors<glm::vec4>(weights, weights_place);
+    if (is_raw_integer(reader, weights)) fail(weights_place, "is neither float nor normalised");
+    for (size_t v = 0; v < out.positions.size(); ++v)
         for (int k = 0; k < 4; ++k) {
+            const float weight = read[v][k];
             const uint32_t joint = indices[v * 4 + static_cast<size_t>(k)];
-            if (weight[k] < 0 || weight[k] > 1e6f)
-                fail("/attributes/WEIGHTS_0", fmt::format("vertex {} has weight {}", v, weight[k]));
-            if (weight[k] == 0) continue;  // exporters leave arbitrary joint numbers where the weight is 0
-            if (joint > UINT16_MAX) fail("/attributes/JOINTS_0", fmt::format("vertex {} has joint {}", v, joint));
-            out.joints[v][k] = static_cast<uint16_t>(joint);
+            if (weight < 0 || weight > 1e6f) fail(weights_place, fmt::format("vertex {} has weight {}", v, weight));
+            if (weight == 0) continue;  // exporters leave arbitrary joint numbers where the weight is 0
+            if (joint > UINT16_MAX) fail(joints_place, fmt::format("vertex {} has joint {}", v, joint));
+            out.joints[v * out.joint_sets + set][k] = static_cast<uint16_t>(joint);
+            out.weights[v * out.joint_sets + set][k] = weight;
             out.joint_count = std::max(out.joint_count, joint + 1);
-            sum += weight[k];
         }
-        out.joint_count = std::max(out.joint_count, 1u);
-        weight = sum > 0 ? weight / sum : glm::vec4(1, 0, 0, 0);
+}
+
+void PrimitiveLoader::read_skin() {
+    uint32_t sets = 0;
+    while (attribute(fmt::format("JOINTS_{}", sets)) >= 0 || attribute(fmt::format("WEIGHTS_{}", sets)) >= 0) sets++;
+    if (sets == 0) return;
+    spend(uint64_t{8} * sets * out.positions.size());
+    out.joint_sets = sets;
+    out.joint_count = 1;
+    out.joints.assign(sets * out.positions.size(), glm::u16vec4(0));
+    out.weights.assign(sets * out.positions.size(), glm::vec4(0));
+    for (uint32_t set = 0; set < sets; ++set) read_skin_set(set);
+    for (size_t v = 0; v < out.positions.size(); ++v) {
+        glm::vec4* weights = &out.weights[v * sets];
+        float sum = 0;
+        for (uint32_t set = 0; set < sets; ++set)
+            for (int k = 0; k < 4; ++k) sum += weights[set][k];
+        if (sum == 0) weights[0].x = sum = 1;
+        for (uint32_t set = 0; set < sets; ++set) weights[set] /= sum;
     }
 }
 
@@ -201,12 +220,14 @@ void PrimitiveLoader::read_vertices() {
     }
 }
 
+// `width`: values of a vertex.
 template <typename Vector>
-void unshare(std::vector<Vector>& values, const std::vector<uint32_t>& indices) {
+void unshare(std::vector<Vector>& values, const std::vector<uint32_t>& indices, size_t width = 1) {
     if (values.empty()) return;
     std::vector<Vector> out;
-    out.reserve(indices.size());
-    for (const uint32_t index : indices) out.push_back(values[index]);
+    out.reserve(indices.size() * width);
+    for (const uint32_t index : indices)
+        for (size_t i = 0; i < width; ++i) out.push_back(values[index * width + i]);
     values = std::move(out);
 }
 
@@ -217,8 +238,8 @@ void add_flat_normals(GltfPrimitive& primitive) {
     unshare(primitive.uvs, indices);
     for (std::vector<glm::vec2>& uvs : primitive.map_uvs) unshare(uvs, indices);
     unshare(primitive.colors, indices);
-    unshare(primitive.joints, indices);
-    unshare(primitive.weights, indices);
+    unshare(primitive.joints, indices, primitive.joint_sets);
+    unshare(primitive.weights, indices, primitive.joint_sets);
     for (GltfMorphTarget& target : primitive.targets) {
         unshare(target.positions, indices);
         target.normals.clear();
@@ -249,7 +270,7 @@ GltfPrimitive load_primitive(const GltfScene& scene, AccessorReader& reader, con
     loader.read_indices();
     if (loader.out.normals.empty()) {
         // There may be many more corners than vertices, so they count against the budget, too.
-        const uint64_t widths = 16 + 2 * kGltfMaps + 3 * loader.out.targets.size();
+        const uint64_t widths = 8 + 8 * loader.out.joint_sets + 2 * kGltfMaps + 3 * loader.out.targets.size();
         loader.spend(widths * loader.out.indices.size());
         add_flat_normals(loader.out);
     }
@@ -258,6 +279,14 @@ GltfPrimitive load_primitive(const GltfScene& scene, AccessorReader& reader, con
         add_tangents(loader.out);
     }
     return std::move(loader.out);
+}
+
+// Of morph targets, positions and normals are read; tangents follow from those.
+bool has_other_targets(const tinygltf::Primitive& primitive) {
+    for (const std::map<std::string, int>& target : primitive.targets)
+        for (const auto& [name, accessor] : target)
+            if (name != "POSITION" && name != "NORMAL" && name != "TANGENT") return true;
+    return false;
 }
 
 // Points and lines are left out. Splats of KHR_gaussian_splatting are points, too.
@@ -269,19 +298,29 @@ bool is_of_points_or_lines(const tinygltf::Primitive& primitive) {
 
 void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<MaterialTransforms>& transforms) {
     std::vector<GltfMesh> meshes;
+    std::string without_surface;  // meshes that have points and lines
+    size_t other_targets = 0;     // primitives
     for (size_t m = 0; m < reader.model.meshes.size(); ++m) {
         const tinygltf::Mesh& source = reader.model.meshes[m];
         const std::string place = fmt::format("/meshes/{}", m);
         GltfMesh mesh;
         mesh.name = source.name;
+        bool has_points_or_lines = false;
         if (source.primitives.empty()) throw InputError(scene.file, place, "has no primitives");
         for (size_t p = 0; p < source.primitives.size(); ++p) {
             const std::string at = fmt::format("{}/primitives/{}", place, p);
-            if (is_of_points_or_lines(source.primitives[p])) continue;
+            if (is_of_points_or_lines(source.primitives[p])) {
+                has_points_or_lines = true;
+                continue;
+            }
+            other_targets += has_other_targets(source.primitives[p]) ? 1 : 0;
             mesh.primitives.push_back(load_primitive(scene, reader, source.primitives[p], at, transforms));
             if (mesh.primitives.back().targets.size() != mesh.primitives[0].targets.size())
                 throw InputError(scene.file, at, "has another number of morph targets than the mesh's first primitive");
         }
+        if (has_points_or_lines)
+            without_surface += fmt::format("{}{}", without_surface.empty() ? "" : ", ",
+                                           mesh.name.empty() ? fmt::format("mesh {}", m) : mesh.name);
         const size_t targets =
             mesh.primitives.empty() ? source.primitives[0].targets.size() : mesh.primitives[0].targets.size();
         if (!source.weights.empty() && source.weights.size() != targets)
@@ -292,6 +331,11 @@ void load_meshes(GltfScene& scene, AccessorReader& reader, const std::vector<Mat
         meshes.push_back(std::move(mesh));
     }
     scene.meshes = std::move(meshes);
+    if (!without_surface.empty()) scene.notes.push_back("draws no points, lines or splats: " + without_surface);
+    if (other_targets > 0)
+        scene.notes.push_back(
+            fmt::format("morphs positions and normals; {} primitives have targets of colours or texture coordinates",
+                        other_targets));
 }
 
 }  // namespace neuvv::stage

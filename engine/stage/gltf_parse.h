@@ -24,7 +24,11 @@ namespace neuvv::stage {
 // deep, the integers and lists of numbers that this module reads have these types, every buffer view lies inside its
 // buffer, and URIs stay below the file's folder. Throws InputError with the JSON location otherwise. Images of files
 // and data URIs are left encoded in Image::image; images in buffer views are not copied.
-tinygltf::Model parse_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes);
+struct ParsedGltf {
+    tinygltf::Model model;
+    std::vector<std::string> notes;  // what is left out
+};
+ParsedGltf parse_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes);
 
 // What the functions below read accessors from; they check every bound.
 struct AccessorReader {
@@ -42,7 +46,7 @@ std::vector<float> read_floats(AccessorReader& reader, int accessor, int compone
 std::vector<uint32_t> read_integers(AccessorReader& reader, int accessor, int components, const std::string& user);
 // The number of components of the accessor's type (VEC3: 3, MAT4: 16). Throws InputError for an index out of range.
 int accessor_components(const AccessorReader& reader, int accessor, const std::string& user);
-// True for integers that are not normalised, which glTF forbids for colours, UVs and weights.
+// True for integers that are not normalised, which glTF forbids for colours and weights.
 bool is_raw_integer(const AccessorReader& reader, int accessor);
 
 // KHR_texture_transform of one texture of a material; the rotation is in radians.

@@ -122,6 +122,8 @@ void mark_scene(GltfScene& scene, const tinygltf::Model& model) {
     if (static_cast<size_t>(index) >= model.scenes.size())
         throw InputError(scene.file, "/scene", fmt::format("{} does not exist", index));
     scene.root = index;
+    if (model.scenes.size() > 1)
+        scene.notes.push_back(fmt::format("shows its scene {} alone; it has {}", index, model.scenes.size()));
     for (const int root : model.scenes[static_cast<size_t>(index)].nodes) {
         if (root < 0 || static_cast<size_t>(root) >= scene.nodes.size())
             throw InputError(scene.file, fmt::format("/scenes/{}/nodes", index),
@@ -201,7 +203,8 @@ GltfScene load_gltf(const std::filesystem::path& path) {
 GltfScene load_gltf(const std::filesystem::path& path, std::vector<uint8_t> bytes, const GltfScene* before) {
     GltfScene scene;
     scene.file = path.string();
-    const tinygltf::Model model = parse_gltf(path, std::move(bytes));
+    const auto [model, notes] = parse_gltf(path, std::move(bytes));
+    scene.notes = notes;
     AccessorReader reader{scene.file, model};
     const std::vector<MaterialTransforms> transforms = load_materials(scene, model);
     load_meshes(scene, reader, transforms);
@@ -224,8 +227,9 @@ std::optional<GltfScene> load_gltf_nodes(const std::filesystem::path& path, std:
     scene.images = before.images;
     scene.skins = before.skins;
     scene.animations = before.animations;
-    const tinygltf::Model model = parse_gltf(path, std::move(bytes));
+    const tinygltf::Model model = parse_gltf(path, std::move(bytes)).model;
     load_nodes(scene, model);
+    scene.notes = before.notes;
     if (!fits_nodes(scene)) return std::nullopt;
     load_cameras(scene, model);
     load_lights(scene, model);

@@ -64,7 +64,8 @@ struct GltfMorphTarget {
     std::vector<glm::vec3> normals;
 };
 
-// A triangle list. Every vertex array is empty or as long as positions; every index is < positions.size().
+// A triangle list. Every vertex array but joints and weights is empty or as long as positions; every index is <
+// positions.size().
 struct GltfPrimitive {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;  // unit; never empty: flat normals where the file has none
@@ -74,11 +75,14 @@ struct GltfPrimitive {
     // Unit tangents along the normal map's U; w = ±1: bitangent = cross(normal, tangent) · w. Empty without a normal
     // map.
     std::vector<glm::vec4> tangents;
-    std::vector<glm::vec4> colors;     // COLOR_0, linear; may be empty
-    std::vector<glm::u16vec4> joints;  // indices into GltfSkin::joints; empty where not skinned
-    std::vector<glm::vec4> weights;    // sum 1; as long as joints
-    std::vector<uint32_t> indices;     // three a triangle, counter-clockwise from outside
+    std::vector<glm::vec4> colors;  // COLOR_0, linear; may be empty
+    // Indices into GltfSkin::joints, `joint_sets` of four for each vertex, one vertex after the other; empty where not
+    // skinned.
+    std::vector<glm::u16vec4> joints;
+    std::vector<glm::vec4> weights;  // the sum of a vertex is 1; as long as joints
+    std::vector<uint32_t> indices;   // three a triangle, counter-clockwise from outside
     std::vector<GltfMorphTarget> targets;
+    uint32_t joint_sets = 1;   // JOINTS_0, JOINTS_1 and so on
     uint32_t joint_count = 0;  // one past the largest of `joints`
     int32_t material = -1;     // index into GltfScene::materials, −1: glTF's default material
 };
@@ -179,6 +183,8 @@ class SharedList {
 
 struct GltfScene {
     std::string file;  // for error messages
+    // What of the file is not shown, one line each: "does not read KHR_materials_clearcoat".
+    std::vector<std::string> notes;
     std::vector<GltfNode> nodes;
     std::vector<uint32_t> order;  // every node index once, parents before children
     SharedList<GltfMesh> meshes;

@@ -167,9 +167,10 @@ void pose_vertices(const GltfScene& scene, const PosedScene& pose, uint32_t node
             // The node's own transform does not count for skinned meshes (glTF 2.0, 3.7.3.3).
             const std::vector<glm::dmat4>& joints = pose.joint_matrices[static_cast<size_t>(skin)];
             glm::dmat4 blend(0);
-            for (int k = 0; k < 4; ++k)
-                if (primitive.weights[v][k] > 0)
-                    blend += static_cast<double>(primitive.weights[v][k]) * joints[primitive.joints[v][k]];
+            for (size_t set = v * primitive.joint_sets; set < (v + 1) * primitive.joint_sets; ++set)
+                for (int k = 0; k < 4; ++k)
+                    if (primitive.weights[set][k] > 0)
+                        blend += static_cast<double>(primitive.weights[set][k]) * joints[primitive.joints[set][k]];
             position = glm::dvec3(blend * glm::dvec4(position, 1));
             normal = normal_matrix(glm::dmat3(blend)) * normal;
             if (!out.tangents.empty()) out.tangents[v] = turned(primitive.tangents[v], glm::dmat3(blend));

@@ -76,6 +76,21 @@ TEST(GltfMaterials, EverythingOfAMaterialIsRead) {
     EXPECT_EQ(primitive.map_uvs[static_cast<size_t>(stage::GltfMap::kOcclusion)].at(2), glm::vec2(0.5f, 0.25f));
 }
 
+// KHR_mesh_quantization has texture coordinates as integers that are not normalised, which the transform scales.
+TEST(GltfMaterials, IntegersAreTextureCoordinates) {
+    GlbBuilder glb = rectangle();
+    glb.root["extensionsUsed"] = glb.root["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_texture_transform"};
+    glb.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
+        {"scale", {0.5, 0.25}}, {"offset", {0.25, 0}}};
+    json& uvs = glb.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"];
+    uvs = glb.add(std::vector<uint16_t>{0, 0, 1, 0, 1000, 4, 0, 4}, test::kU16, "VEC2", 2);
+    EXPECT_EQ(primitive_of(scene_of(glb)).uvs.at(2), glm::vec2(500.25f, 1));
+    const std::vector<int8_t> narrow = {0, 0, 0, 0, 1, 0, 0, 0, 3, -4, 0, 0, 0, 4, 0, 0};
+    uvs = glb.add(narrow, 5120, "VEC2", 4);
+    glb.root["bufferViews"].back()["byteStride"] = 4;
+    EXPECT_EQ(primitive_of(scene_of(glb)).uvs.at(2), glm::vec2(1.75f, -1));
+}
+
 TEST(GltfMaterials, ImagesThatStayAreNotDecodedAgain) {
     GlbBuilder glb = rectangle();
     const stage::GltfScene before = scene_of(glb);

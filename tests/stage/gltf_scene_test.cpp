@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
+#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "stage/glb_builder.h"
 #include "stage/pose.h"
 #include "support/near.h"
@@ -177,6 +181,194 @@ TEST(GltfScene, SkinningMatchesHandCalculation) {
     expect_near(out.normals[0], {1, 0, 0}, 1e-5);
     expect_near(out.normals[1], glm::normalize(glm::dvec3(1, 1, 0)), 1e-5);
     expect_near(out.normals[2], {-1, 0, 0}, 1e-5);
+}
+
+// The four corners of a square, moved by eight and twelve joints: each vertex by joint v of each of the sets.
+TEST(GltfScene, SkinsHaveMoreThanFourJoints) {
+    for (const size_t sets : {2u, 3u}) {
+        GlbBuilder glb = triangle();
+        const size_t count = 4 * sets;
+        std::vector<float> binds(16 * count, 0.0f);
+        json joints = json::array();
+        for (size_t j = 0; j < count; j++) {
+            for (const size_t at : {0u, 5u, 10u, 15u}) binds[16 * j + at] = 1;
+            joints.push_back(j + 1);
+            glb.root["nodes"].push_back({{"translation", {0, 0, std::pow(2.0, static_cast<double>(j))}}});
+        }
+        for (size_t set = 0; set < sets; set++) {
+            std::vector<uint8_t> indices;
+            std::vector<float> weights;
+            for (size_t v = 0; v < 3; v++)
+                for (size_t k = 0; k < 4; k++) {
+                    indices.push_back(static_cast<uint8_t>(4 * set + k));
+                    weights.push_back(k == v ? 2.0f : 0.0f);  // the sum of all sets is not 1
+                }
+            primitive(glb)["attributes"][fmt::format("JOINTS_{}", set)] = glb.add(indices, test::kU8, "VEC4", 4);
+            primitive(glb)["attributes"][fmt::format("WEIGHTS_{}", set)] = glb.vec4(weights);
+        }
+        glb.root["skins"] = {{{"joints", joints}, {"inverseBindMatrices", glb.floats(binds, "MAT4", 16)}}};
+        glb.root["nodes"][0]["skin"] = 0;
+        const stage::GltfScene scene = scene_of(glb);
+        stage::PosedVertices out;
+        stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
+                             out);
+        for (size_t v = 0; v < 3; v++) {
+            double z = 0;
+            for (size_t set = 0; set < sets; set++)
+                z += std::pow(2.0, static_cast<double>(4 * set + v)) / static_cast<double>(sets);
+            EXPECT_NEAR(out.positions[v].z, z, 1e-3);
+        }
+        primitive(glb)["attributes"].erase("WEIGHTS_1");
+        expect_error(glb, "/attributes", "only one of JOINTS_1 and WEIGHTS_1");
+    }
+}
+
+TEST(GltfScene, SkinsWithoutMatricesBindWhereTheyAre) {
+    GlbBuilder glb = arm();
+    glb.root["skins"][0].erase("inverseBindMatrices");
+    const stage::GltfScene scene = scene_of(glb);
+    EXPECT_EQ(scene.skins.at(0).inverse_binds.at(1), glm::dmat4(1));
+    EXPECT_TRUE(scene.notes.empty());
+    stage::PosedVertices out;
+    stage::pose_vertices(scene, stage::pose_scene(scene, stage::kNoAnimation, 0), 0, scene.meshes[0].primitives[0],
+                         out);
+    expect_near(out.positions[2], {-2, 1, 0}, 1e-5);
+}
+
+// Channels without a node are ignored, in a .glb with its buffer and in a .gltf.
+TEST(GltfScene, ChannelsWithoutANodeAreLeftOut) {
+    GlbBuilder glb = triangle();
+    const int times = glb.scalar({0, 1});
+    animate(glb, "translation", "LINEAR", times, glb.vec3({0, 0, 0, 2, 0, 0}));
+    animate(glb, "translation", "LINEAR", times, glb.vec3({0, 0, 0, 9, 0, 0}));
+    json& channels = glb.root["animations"][0]["channels"];
+    channels[0]["target"].erase("node");
+    stage::GltfScene scene = scene_of(glb);
+    ASSERT_EQ(scene.animations.at(0).channels.size(), 1u);
+    expect_near(origin_at(scene, 1), {9, 0, 0}, 1e-5);
+    EXPECT_EQ(scene.notes,
+              std::vector<std::string>{"leaves out 1 of the channels of animation 0 \"Move\", which move no node"});
+    channels[0]["target"]["path"] = "pointer";
+    channels[0]["target"]["extensions"]["KHR_animation_pointer"]["pointer"] = "/materials/0/alphaCutoff";
+    channels.erase(1);
+    scene = scene_of(glb);
+    EXPECT_TRUE(scene.animations.at(0).channels.empty());
+    EXPECT_EQ(scene.animations[0].duration_s, 0);
+    EXPECT_NE(scene.notes.at(0).find("1 by KHR_animation_pointer"), std::string::npos);
+    const TemporaryFolder folder;
+    glb.root["buffers"] = {{{"byteLength", glb.binary.size()}, {"uri", "data.bin"}}};
+    folder.write(glb.binary, "data.bin");
+    const std::string text = glb.root.dump();
+    EXPECT_TRUE(stage::load_gltf(folder.write({text.begin(), text.end()}, "x.gltf")).animations.at(0).channels.empty());
+}
+
+TEST(GltfScene, NormalisedIntegersAnimate) {
+    GlbBuilder glb = triangle();
+    const std::vector<int16_t> turns = {0, 0, 0, 32767, 0, 0, 23170, 23170};
+    const int output = glb.add(turns, 5122, "VEC4", 4);
+    glb.root["accessors"][static_cast<size_t>(output)]["normalized"] = true;
+    const int times = glb.scalar({0, 1});
+    animate(glb, "rotation", "LINEAR", times, output);
+    primitive(glb)["targets"] = {{{"POSITION", glb.vec3({0, 0, 4, 0, 0, 0, 0, 0, 0})}}};
+    const int weights = glb.add(std::vector<uint8_t>{0, 51, 0, 0}, test::kU8, "SCALAR", 1);
+    glb.root["accessors"][static_cast<size_t>(weights)]["count"] = 2;
+    glb.root["accessors"][static_cast<size_t>(weights)]["normalized"] = true;
+    animate(glb, "weights", "LINEAR", times, weights);
+    const stage::PosedScene pose = stage::pose_scene(scene_of(glb), 0, 1);
+    expect_near(glm::dvec3(pose.world_from_node[0][0]), {0, 1, 0}, 1e-4);
+    EXPECT_NEAR(pose.morph_weights[0][0], 0.2, 1e-6);
+}
+
+// A morph target and a mesh whose accessors are zeros but for some elements.
+TEST(GltfScene, SparseAccessorsNeedNoBufferOfTheirOwn) {
+    GlbBuilder glb = triangle();
+    const std::vector<uint8_t> indices = {2};
+    const std::vector<float> values = {0, 0, 5};
+    glb.root["accessors"].push_back(
+        {{"componentType", test::kF32},
+         {"count", 3},
+         {"type", "VEC3"},
+         {"sparse",
+          {{"count", 1},
+           {"indices", {{"bufferView", glb.add_view(indices.data(), 1)}, {"componentType", test::kU8}}},
+           {"values", {{"bufferView", glb.add_view(values.data(), 12)}}}}}});
+    primitive(glb)["targets"] = {{{"POSITION", 1}}};
+    const stage::GltfScene scene = scene_of(glb);
+    const std::vector<glm::vec3>& moved = scene.meshes[0].primitives[0].targets.at(0).positions;
+    expect_near(moved[0], {0, 0, 0}, 1e-9);
+    expect_near(moved[2], {0, 0, 5}, 1e-9);
+}
+
+// What tinygltf refuses, though glTF allows it: chunks of odd sizes, an empty buffer, media types of data URIs, and a
+// spotlight of default angles.
+TEST(GltfScene, ReadsWhatTinygltfRefuses) {
+    GlbBuilder glb = triangle();
+    std::vector<uint8_t> bytes = glb.bytes();
+    const auto word = [&](size_t at, uint32_t value) { std::memcpy(&bytes[at], &value, sizeof(value)); };
+    bytes.resize(bytes.size() + 1);
+    word(8, static_cast<uint32_t>(bytes.size()));
+    word(bytes.size() - 1 - glb.binary.size() - 8, static_cast<uint32_t>(glb.binary.size()) + 1);
+    EXPECT_EQ(error_of(bytes), "") << "a buffer of 37 bytes";
+
+    glb.root["buffers"] = {{{"byteLength", glb.binary.size()}, {"uri", ""}}};
+    for (const char* type :
+         {"application/octet-stream", "application/gltf-buffer", "model/gltf-buffer", "application/x-binary", ""}) {
+        glb.root["buffers"][0]["uri"] = fmt::format("data:{};base64,{}", type, base64(glb.binary));
+        const std::string json_text = glb.root.dump();
+        EXPECT_EQ(error_of({json_text.begin(), json_text.end()}, "x.gltf"), "") << type;
+    }
+    const TemporaryFolder folder;
+    glb.root["buffers"][0]["uri"] = "long.bin";
+    std::vector<uint8_t> longer = glb.binary;
+    longer.resize(longer.size() + 5);
+    folder.write(longer, "long.bin");
+    std::string text = glb.root.dump();
+    EXPECT_NO_THROW(stage::load_gltf(folder.write({text.begin(), text.end()}, "x.gltf"))) << "a file that is longer";
+    glb.root["buffers"][0]["uri"] = "data:;base64," + base64(longer);
+    text = glb.root.dump();
+    EXPECT_EQ(error_of({text.begin(), text.end()}, "x.gltf"), "") << "a data URI that is longer";
+    glb.root["buffers"][0]["uri"] = "data:;base64," + base64(std::span(longer).first(20));
+    text = glb.root.dump();
+    EXPECT_NE(error_of({text.begin(), text.end()}, "x.gltf").find("/buffers/0/uri: has 20 bytes of 36"),
+              std::string::npos);
+    glb.root["buffers"][0]["uri"] = "data:text/plain,abc";
+    text = glb.root.dump();
+    EXPECT_NE(error_of({text.begin(), text.end()}, "x.gltf").find("/buffers/0/uri: is no data URI"), std::string::npos);
+
+    glb.root["buffers"][0]["uri"] = "data:;base64," + base64(glb.binary);
+    text = glb.root.dump();
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    bytes.assign(20, 0);
+    std::memcpy(bytes.data(), "glTF", 4);
+    bytes.insert(bytes.end(), text.begin(), text.end());
+    bytes.resize(bytes.size() + 8);
+    word(4, 2);
+    word(8, static_cast<uint32_t>(bytes.size()));
+    word(12, static_cast<uint32_t>(text.size()));
+    word(16, 0x4E4F534A);
+    word(bytes.size() - 4, 0x004E4942);
+    EXPECT_EQ(error_of(bytes), "") << "an empty buffer";
+
+    glb = triangle();
+    glb.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}}};
+    glb.root["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    EXPECT_NEAR(scene_of(glb).lights.at(0).outer_cone_rad, glm::radians(45.0), 1e-3);
+}
+
+TEST(GltfScene, SaysWhatItDoesNotShow) {
+    GlbBuilder glb = triangle();
+    glb.root["extensionsUsed"] = {"KHR_materials_clearcoat", "KHR_texture_transform", "EXT_texture_webp"};
+    json lines = primitive(glb);
+    lines["mode"] = 1;
+    glb.root["meshes"][0]["primitives"].push_back(lines);
+    glb.root["meshes"][0]["name"] = "Fence";
+    primitive(glb)["targets"] = {{{"POSITION", 0}, {"COLOR_0", 0}}};
+    glb.root["scenes"].push_back({{"nodes", {0}}});
+    const std::vector<std::string> notes = {
+        "does not read KHR_materials_clearcoat, EXT_texture_webp", "draws no points, lines or splats: Fence",
+        "morphs positions and normals; 1 primitives have targets of colours or texture coordinates",
+        "shows its scene 0 alone; it has 2"};
+    EXPECT_EQ(scene_of(glb).notes, notes);
 }
 
 TEST(GltfScene, MorphTargetsAddUp) {
@@ -453,6 +645,40 @@ TEST(GltfHostile, Animations) {
     glb = with("translation", "LINEAR", {0}, {0, 0, 0}, 3);
     glb.root["animations"][0]["channels"][0]["target"]["node"] = 4;
     expect_error(glb, "/animations/0/channels/0/target/node", "4 does not exist");
+}
+
+// What tinygltf would say in its own words is said with its place.
+TEST(GltfHostile, NamesWhatIsMissing) {
+    const auto without = [](const char* pointer, const std::string& place, const std::string& problem) {
+        GlbBuilder glb = arm();
+        animate(glb, "translation", "LINEAR", glb.scalar({0}), glb.vec3({0, 0, 0}));
+        glb.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}};
+        glb.root["images"] = {{{"uri", "x.png"}}};
+        glb.root["accessors"][0]["sparse"] = {{"count", 1},
+                                              {"indices", {{"bufferView", 0}, {"componentType", test::kU8}}},
+                                              {"values", {{"bufferView", 0}}}};
+        ASSERT_EQ(error_of(glb), "");
+        const json::json_pointer at(pointer);
+        ASSERT_TRUE(glb.root.contains(at)) << pointer;
+        glb.root[at.parent_pointer()].erase(at.back());
+        expect_error(glb, place, problem);
+        EXPECT_EQ(error_of(glb).find('`'), std::string::npos) << error_of(glb);
+    };
+    without("/asset/version", "/asset", "has no version");
+    without("/accessors/0/componentType", "/accessors/0", "lacks componentType");
+    without("/accessors/0/type", "/accessors/0", "lacks type");
+    without("/accessors/0/sparse/indices", "/accessors/0/sparse", "lacks indices");
+    without("/accessors/0/sparse/values/bufferView", "/accessors/0/sparse/values", "lacks bufferView");
+    without("/animations/0/samplers", "/animations/0", "lacks samplers");
+    without("/animations/0/channels/0/sampler", "/animations/0/channels/0", "lacks sampler");
+    without("/animations/0/channels/0/target/path", "/animations/0/channels/0/target", "lacks path");
+    without("/animations/0/samplers/0/input", "/animations/0/samplers/0", "lacks input");
+    without("/bufferViews/0/byteLength", "/bufferViews/0", "lacks byteLength");
+    without("/cameras/0/perspective", "/cameras/0", "lacks perspective");
+    without("/cameras/0/perspective/yfov", "/cameras/0/perspective", "lacks yfov");
+    without("/images/0/uri", "/images/0", "neither uri nor bufferView");
+    without("/meshes/0/primitives/0/attributes", "/meshes/0/primitives/0", "lacks attributes");
+    without("/skins/0/joints", "/skins/0", "lacks joints");
 }
 
 TEST(GltfHostile, NumbersThatAreNone) {

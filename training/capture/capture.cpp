@@ -233,6 +233,10 @@ CaptureResult capture(const gpu::Device& device, const std::filesystem::path& mo
     prepare_folder(folder, settings);
 
     CaptureResult result;
+    result.notes = scene.notes;
+    if (settings.animation.empty() && scene.animations.size() > 1)
+        result.notes.push_back(fmt::format("has {} animations, of which the first is shown: {} \"{}\"",
+                                           scene.animations.size(), 0, scene.animations[0].name));
     result.images = uint64_t{settings.frames} * settings.cameras;
     result.test_cameras = static_cast<uint32_t>(std::count(is_test.begin(), is_test.end(), true));
     result.train_cameras = settings.cameras - result.test_cameras;

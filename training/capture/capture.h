@@ -38,8 +38,9 @@ constexpr const char* kTrueSkeleton = "skeleton.glb";
 struct CaptureResult {
     uint32_t train_cameras = 0, test_cameras = 0;
     uint64_t images = 0;
-    std::string no_skeleton;  // why the model has no skeleton; empty: it has one
-    bool complete = false;    // false: stopped early, and the folder has no transforms
+    std::string no_skeleton;         // why the model has no skeleton; empty: it has one
+    std::vector<std::string> notes;  // what of the model is not shown, as in GltfScene::notes
+    bool complete = false;           // false: stopped early, and the folder has no transforms
 };
 
 // Writes folder/images/cNN_fNNN.png, for a humanoid folder/skeleton.glb (motion/skeleton_file.h), with a checkered
