@@ -1,5 +1,7 @@
 #include "render/stage_renderer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -349,6 +351,11 @@ FrameSettings StageRenderer::settings_at(const stage::EvaluatedStage& evaluated,
             if (performer.performer == highlight.performer) instance.highlight = highlight.highlight;
         }
     }
+    if (settings.instances.size() > kMaxInstances)
+        throw InputError(stage_->file.path.string(), "",
+                         fmt::format("shows {} performers at {:.6g} s, an image {} at most", settings.instances.size(),
+                                     evaluated.time_s, kMaxInstances),
+                         "hide or remove some of them");
     return settings;
 }
 

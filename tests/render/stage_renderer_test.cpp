@@ -2,6 +2,7 @@
 #include "render/stage_renderer.h"
 #include "gpu/host_copies.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/error.h"
@@ -403,6 +404,26 @@ TEST_F(StageRendererTest, PicturesMayStayOnTheDevice) {
     std::vector<uint8_t> bytes(image.rgba.size());
     gpu::download(device(), kept, bytes.data(), bytes.size());
     EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), image.rgba.begin()));
+}
+
+TEST_F(StageRendererTest, NamesAStageOfTooManyPerformers) {
+    Draft draft;
+    for (uint32_t i = 2; i < render::kMaxInstances; i++) draft.add_performer(fmt::format("{}", i), "a.nvv", {0, 0, 0});
+    Live live{device(), draft};
+    EXPECT_EQ(live.renderer.settings_at(stage::stage_at(*live.stage, 0)).instances.size(), render::kMaxInstances);
+    draft.add_performer("one more", "a.nvv", {0, 0, 0});
+    live.change();
+    try {
+        live.renderer.settings_at(stage::stage_at(*live.stage, 0.5));
+        FAIL();
+    } catch (const InputError& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("stage.glb: shows 513 performers at 0.5 s, an image 512 at most; hide"), std::string::npos)
+            << text;
+    }
+    draft.performer("one more")["visible"] = false;
+    live.change();
+    EXPECT_EQ(live.renderer.settings_at(stage::stage_at(*live.stage, 0)).instances.size(), render::kMaxInstances);
 }
 
 TEST_F(StageRendererTest, LiveEntriesAreLeavesAndNodesThatLive) {
